@@ -274,7 +274,7 @@ fn chosen(machine: &Machine, names: &[String], found: &mut Diagnostics) -> Resul
             continue;
         };
         let own = (preset.parameters)(&machine.machine).map_err(|reason| {
-            Error::usage(format!("preset {name} does not suit the machine {}: {reason}", machine.machine.name))
+            Error::usage(format!("preset {name} is not applicable to the machine {}: {reason}", machine.machine.name))
         })?;
         all.extend(own.into_iter().map(Parameter::from));
     }

@@ -70,7 +70,7 @@ fn set_times(choice: &ConditionFiles, condition: &mut Condition, is_logged: bool
         }
         let [first, last] = condition.time_range_s().unwrap_or_default();
         if !(first..=last).contains(&time_s) {
-            let sentence = format!("{option} {time_s} lies outside the log, which runs from {first} to {last} s");
+            let sentence = format!("{option} {time_s} is outside the log, which runs from {first} to {last} s");
             return Err(Error::usage(sentence));
         }
     }
@@ -80,7 +80,7 @@ fn set_times(choice: &ConditionFiles, condition: &mut Condition, is_logged: bool
     if let Some(zero_s) = choice.zero_time_s {
         if zero_s > condition.time_s() {
             let now_s = condition.time_s();
-            return Err(Error::usage(format!("--zero-time {zero_s} lies behind the instant of the state, {now_s} s")));
+            return Err(Error::usage(format!("--zero-time {zero_s} is after the time of the state, {now_s} s")));
         }
         condition.set_zero_at(zero_s);
     }
@@ -98,7 +98,7 @@ fn check(choice: &ConditionFiles, chosen: &Machine, condition: &Condition, findi
     };
     if !sensors.is_empty() && !condition.has_temperatures() && condition.zero().is_none() {
         let message = format!(
-            "no temperatures are given: the {} sensors of the error model count as at their reference temperatures ({})",
+            "no temperatures are given: for the {} sensors of the error model, the reference temperatures are assumed ({})",
             sensors.len(),
             sensors.join(", ")
         );
@@ -113,7 +113,7 @@ fn check(choice: &ConditionFiles, chosen: &Machine, condition: &Condition, findi
         missing.dedup();
         if !missing.is_empty() {
             let message =
-                format!("the state has no temperature of {}, and the error model needs it", missing.join(", "));
+                format!("the state has no temperature of {}, which the error model needs", missing.join(", "));
             let help = "add it to --state (and to its [zero]), or correct its name in the machine file";
             findings.add(Diagnostic::nowhere(Code::MISSING_SENSOR, message, help), &[]);
             return false;
@@ -121,8 +121,8 @@ fn check(choice: &ConditionFiles, chosen: &Machine, condition: &Condition, findi
     }
     let needs_load = chosen.errors.effects().any(Effect::needs_load);
     if needs_load && condition.loads().is_empty() && choice.files.is_empty() {
-        let message = "no workpiece weight is given: the table is taken as empty";
-        let help = "give --load with the weight in N, 0 for none, or --state with [[load]]";
+        let message = "no workpiece weight is given: the table is assumed empty";
+        let help = "give --load with the weight in N, 0 for no load, or --state with [[load]]";
         findings.add(Diagnostic::nowhere(Code::NO_LOAD, message, help), &[]);
     }
     true
@@ -132,16 +132,15 @@ fn check(choice: &ConditionFiles, chosen: &Machine, condition: &Condition, findi
 fn check_load(choice: &ConditionFiles, chosen: &Machine, findings: &mut Diagnostics) {
     let needs_load = chosen.errors.effects().any(Effect::needs_load);
     if !needs_load && choice.load.is_some() {
-        let message = "the machine file says nothing about the weight of workpieces: --load changes nothing";
-        let help = "add [[load]] to the machine file, or leave --load out";
+        let message = "the machine file has no data for the weight of workpieces: --load has no effect";
+        let help = "add [[load]] to the machine file, or remove --load";
         findings.add(Diagnostic::nowhere(Code::NO_LOAD, message, help), &[]);
     }
     if needs_load && let Some(axis) = turning(&chosen.machine, chosen.condition.loads()) {
-        let message = format!(
-            "{axis} turns a load that is off its center; the load counts where it stands with {axis} at 0 throughout"
-        );
+        let message =
+            format!("{axis} turns a load that is off its center; its position at {axis} = 0 is used throughout");
         let help = format!(
-            "give the place in the position of {axis} in which most is machined, along the axes of the machine"
+            "give its position, along the axes of the machine, for the position of {axis} in which most is machined"
         );
         findings.add(Diagnostic::nowhere(Code::LOAD_TURNS, message, help), &[]);
     }

@@ -52,7 +52,7 @@ impl DataSet {
         let Some(beside) = measurement::description_of(path) else {
             let name = path.display();
             return Err(Error::usage(format!(
-                "a measurement is a pair of files, NAME.csv and NAME.toml; '{name}' is no NAME.csv"
+                "a measurement is a pair of files, NAME.csv and NAME.toml; '{name}' is not a NAME.csv"
             )));
         };
         let [own, other] = measurement::ids(0);
@@ -61,8 +61,7 @@ impl DataSet {
         let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         let described = trace::describe(&name, &description).and_then(|(described, _)| described);
         let control = described.and_then(|described| measurement::control_file(path, &described));
-        let control =
-            control.map(|file| files::read(&file, FileId(u16::MAX), "what the control recorded")).transpose()?;
+        let control = control.map(|file| files::read(&file, FileId(u16::MAX), "record of the control")).transpose()?;
         Ok(DataSet { name, table, description, control, is_held_out: false })
     }
 

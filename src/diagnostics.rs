@@ -395,7 +395,7 @@ impl Diagnostics {
             out.push_str(&terminal::hint(sentence, colors));
             if hidden > 0 {
                 out.push_str(&format!(
-                    "of its {count} faults {MOST_MISREAD} are shown; --json has them all, and with --dialect they are drawn\n"
+                    "{MOST_MISREAD} of its {count} faults are shown; --json lists all, and --dialect shows them in the source\n"
                 ));
             }
             out.push('\n');

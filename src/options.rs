@@ -62,7 +62,7 @@ impl FromStr for DialectChoice {
         use DialectChoice::{Fanuc, Grundig, Rs274, Sinumerik};
         let all = [Sinumerik, Fanuc, Rs274, Grundig];
         let found = all.into_iter().find(|one| one.name() == Some(name));
-        found.ok_or_else(|| Error::usage(format!("there is no dialect '{name}'")))
+        found.ok_or_else(|| Error::usage(format!("unknown dialect '{name}'")))
     }
 }
 

@@ -81,7 +81,7 @@ impl RealtimeCorrection {
                     out.flush().map_err(failed)?;
                     let message = format!("standard input:{line}:{column}: {what}");
                     let help = format!(
-                        "{} set-points before it were answered, nothing behind it; the control must hold its last correction",
+                        "{} set-points before it were answered, none after it; the control must hold its last correction",
                         grouped(self.counts.set_points)
                     );
                     return Ok(Some(Diagnostic::nowhere(Code::BAD_SET_POINT, message, help)));
@@ -120,10 +120,10 @@ impl RealtimeCorrection {
         let what = match overrun {
             Overrun::SetPoints(count) => format!("the control wrote {count} set-points into a ring of {records}"),
             Overrun::WentBack(count) => {
-                format!("the count of set-points written went back: it is {count} below those read")
+                format!("the count of set-points written decreased: it is {count} below those read")
             }
             Overrun::CorrectionsRead(count) => format!("the control read {count} more corrections than there are"),
-            Overrun::Corrections(_) => "the count of corrections read went back".to_owned(),
+            Overrun::Corrections(_) => "the count of corrections read decreased".to_owned(),
         };
         let help = format!(
             "{} set-points were answered; wait where the counts are {records} apart, or make the ring larger with --records",
@@ -149,7 +149,7 @@ impl RingFile {
         let file = File::options().read(true).write(true).create_new(true).open(&path);
         let file = file.map_err(|error| match error.kind() {
             std::io::ErrorKind::AlreadyExists => Error::usage(format!(
-                "{} is there already: another ncfix serves it, or did not end well; remove it if none does",
+                "{} already exists: another ncfix serves it, or ended unexpectedly; remove it if none is running",
                 path.display()
             )),
             _ => Error::file("write", &path, &error),
@@ -213,5 +213,5 @@ fn renew(
 
 fn not_renewed(why: &str) -> Diagnostic {
     let help = "correct the state; it is read again after --update-s";
-    Diagnostic::nowhere(Code::NOT_RENEWED, format!("the kernel was not renewed: {why}"), help)
+    Diagnostic::nowhere(Code::NOT_RENEWED, format!("the kernel was not updated: {why}"), help)
 }

@@ -10,8 +10,7 @@ pub(crate) fn refusal(source: &Source, dialect: &Dialect, chosen: Option<&Machin
     let bytes = source.bytes();
     if let Some(found) = ncfix_dialect::foreign(bytes) {
         let message = format!("this is {}: '{}'", found.name, found.found);
-        let help = "its language is not read here, and its words move the tool otherwise; post-process the program for the control of the \
-                    machine file";
+        let help = "this language is not supported, and its words move the tool differently; post-process the program for the control of the machine file";
         return Some(Diagnostic::at(Code::OTHER_CONTROL, line_at(source, found.at), message, help));
     }
     let machine = chosen.map(|chosen| &chosen.machine);
@@ -23,9 +22,9 @@ pub(crate) fn refusal(source: &Source, dialect: &Dialect, chosen: Option<&Machin
     let marks = ncfix_dialect::turning(dialect.language, &axes, bytes)?;
     let first = marks.first()?;
     let named: Vec<String> = marks.iter().map(|Mark { what, line, .. }| format!("{what} (line {line})")).collect();
-    let message = format!("this is a program for a lathe, and the machine file describes none: {}", named.join(", "));
-    let help = "on a mill its words would move the tool elsewhere; turning is not supported. Where it is a program for this mill all the \
-                same, set control.program_kind = \"mill\" in the machine file";
+    let message =
+        format!("this is a program for a lathe, but the machine file does not describe a lathe: {}", named.join(", "));
+    let help = "on a mill its words would move the tool elsewhere; turning is not supported. If it is a program for this mill, set control.program_kind = \"mill\" in the machine file";
     Some(Diagnostic::at(Code::LATHE_PROGRAM, line_at(source, first.at), message, help))
 }
 

@@ -54,7 +54,7 @@ pub(crate) fn open(
             Diagnostic::nowhere(
                 Code::NOT_SUPPORTED,
                 format!("programs in the dialect '{}' ({}) are not supported yet", dialect.name, dialect.title),
-                "if the program is in another dialect, say so with --dialect",
+                "if the program is in another dialect, give it with --dialect",
             ),
             &[],
         );
@@ -144,7 +144,7 @@ pub(crate) fn resolve(
         return found.ok_or_else(|| {
             let guess = nearest(name, ncfix_dialect::DIALECTS.iter().map(|dialect| dialect.name));
             let guess = guess.map_or_else(String::new, |near| format!("; did you mean --dialect {near}?"));
-            Error::usage(format!("there is no dialect '{name}'; for --dialect there are {}{guess}", dialect_names()))
+            Error::usage(format!("unknown dialect '{name}'; --dialect allows {}{guess}", dialect_names()))
         });
     }
     let of_machine = chosen.filter(|chosen| !chosen.is_demo).and_then(|chosen| {
@@ -156,11 +156,9 @@ pub(crate) fn resolve(
             Some(chosen) => ncfix_dialect::guess_with(&chosen.registry.detectors, name, bytes),
             None => ncfix_dialect::guess(name, bytes),
         };
-        Some((found?, "by the name or the first lines".to_owned()))
+        Some((found?, "by its name or first lines".to_owned()))
     };
-    Ok(of_machine
-        .or_else(of_file)
-        .unwrap_or_else(|| (ncfix_dialect::sinumerik(), "as nothing says otherwise".to_owned())))
+    Ok(of_machine.or_else(of_file).unwrap_or_else(|| (ncfix_dialect::sinumerik(), "by default".to_owned())))
 }
 
 /// The output keeps the unit of the program: on these controls G20 or G21 remains active after the program, and a Fanuc interprets its offsets in
@@ -330,6 +328,6 @@ pub(crate) fn strict(rapid_order: RapidOrder) -> Options {
 /// The finding for a program without motion.
 pub(crate) fn without_motion(source: &Source, code: Code) -> Diagnostic {
     let place = Place { file: source.id(), span: Span::new(0, 1) };
-    let help = "look where its motions are: behind M30, in a program that nothing calls, in skip blocks";
+    let help = "check where its motions are: after M30, in a program that nothing calls, in skip blocks";
     Diagnostic::at(code, place, "this program moves no axis: there is nothing to correct", help)
 }

@@ -242,7 +242,7 @@ impl<'a> Recorder<'a> {
             found.add(Diagnostic::nowhere(Code::UNKNOWN_START, message, help), &[]);
         } else if self.recorded.tally.cycles() == 0 && !found.has_errors() {
             let message = format!("{} makes no move with feed whose start is known", self.program.name());
-            let help = "program all axes before the first move with feed, or say with --start where they stand";
+            let help = "program all axes before the first move with feed, or give their positions with --start";
             found.add(Diagnostic::nowhere(Code::UNKNOWN_START, message, help), &[]);
         }
         Ok(Ok(!found.has_errors()))
@@ -354,7 +354,7 @@ impl<'a> Recorder<'a> {
     /// The description of the table.
     pub(crate) fn description(&self) -> String {
         let mut text = format!(
-            "# {} on {}, simulated. Readings are the tool from where the set-points have it.\n[measurement]\nkind = \"trace\"\n",
+            "# {} on {}, simulated. Readings are the deviation of the tool from the set-points.\n[measurement]\nkind = \"trace\"\n",
             self.program.name().replace(['\n', '\r'], " "),
             self.machine.machine.name.replace(['\n', '\r'], " ")
         );

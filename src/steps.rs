@@ -69,12 +69,12 @@ impl StepSearch<'_> {
         let Gathered { lines, mut trial, files } = gathered;
         if self.program.is_none() && lines.is_empty() {
             return Err(Error::usage(
-                "no axis of the machine has travel limits, so there is no volume to look at; give a program".into(),
+                "no axis of the machine has travel limits, so there is no volume to examine; give a program".into(),
             ));
         }
         let steps = trial.search(&lines, self.residual_mm, share);
         if steps.worst.failures > 0 && steps.rows.last().is_some_and(|row| row.largest_mm == 0.0) {
-            let message = "on none of the lines a correction was found";
+            let message = "no correction was found on any line";
             let help = "check the error model, and that the machine can move the tool in all directions";
             found.add(Diagnostic::nowhere(Code::NOT_CONVERGED, message, help), &[]);
             return Ok(report);

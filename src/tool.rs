@@ -45,7 +45,9 @@ impl FromStr for ToolVector {
         match numbers.as_deref() {
             Some([length_mm]) => Ok(ToolVector::Length(*length_mm)),
             Some([x, y, z]) => Ok(ToolVector::Tip(Vector::new(*x, *y, *z))),
-            _ => Err(Error::usage(format!("'{text}' is no length and no vector; write for example 120 or 0,0,-120"))),
+            _ => Err(Error::usage(format!(
+                "'{text}' is neither a length nor a vector; write for example 120 or 0,0,-120"
+            ))),
         }
     }
 }

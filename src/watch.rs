@@ -52,7 +52,7 @@ impl SensorWatch {
         };
         let log = match log {
             Some(log) if is_same_file(log, path) => {
-                return Err(Error::usage("the log would be written over the file of the sensors".into()));
+                return Err(Error::usage("the log would overwrite the sensor file".into()));
             }
             Some(log) => Some(TemperatureLog::new(log, &config)?),
             None => None,
@@ -103,7 +103,7 @@ impl SensorWatch {
         let (verdict, why) = match self.panel.verdict() {
             PanelVerdict::Good => (WatchVerdict::Good, None),
             PanelVerdict::Waiting(names) => {
-                (WatchVerdict::Waiting, Some(format!("nothing yet of {}", names.join(", "))))
+                (WatchVerdict::Waiting, Some(format!("no reading yet from {}", names.join(", "))))
             }
             PanelVerdict::Freeze(why) => (WatchVerdict::Freeze, Some(why)),
             PanelVerdict::Act(Action::Continue, why) => (WatchVerdict::Continue, Some(why)),
@@ -149,7 +149,7 @@ impl TemperatureLog {
         let file = File::options().write(true).create_new(true).open(path).map_err(|error| {
             if error.kind() == std::io::ErrorKind::AlreadyExists {
                 Error::usage(format!(
-                    "cannot write {}: it is there already, and a log is not written over",
+                    "cannot write {}: it already exists, and a log is not overwritten",
                     path.display()
                 ))
             } else {

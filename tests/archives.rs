@@ -71,7 +71,7 @@ fn one_of_several_programs_is_named_behind_the_archive() {
         .says("MPF.DIR/OTHER.MPF, WKS.DIR/PART.WPD/PART.MPF");
     shop.run(["check", "SAVE.arc/OTHER.MPF", "--machine", &demo]).exits(0).says("understood and executed, 2 elements");
     shop.run(["check", "SAVE.arc/WKS.DIR/PART.WPD/part.mpf", "--machine", &demo]).exits(0);
-    shop.run(["check", "SAVE.arc/NOWHERE.MPF", "--machine", &demo]).exits(2).says("holds no file NOWHERE.MPF");
+    shop.run(["check", "SAVE.arc/NOWHERE.MPF", "--machine", &demo]).exits(2).says("has no file NOWHERE.MPF");
 }
 
 #[test]
@@ -128,7 +128,7 @@ fn support_files_are_called_what_they_are() {
         ("RUN.LOG", "12:00 started (\n", "log"),
     ] {
         let shop = Shop::new().file(name, text);
-        let says = format!("{name}: understood; a support file, not a program: {kind}; no findings");
+        let says = format!("{name}: understood; a support file, not a program: {kind}; no diagnostics");
         shop.run(["check", name, "--machine", &demo]).exits(0).says(&says);
         let json = shop.run(["check", name, "--json", "--machine", &demo]).exits(0).json();
         assert_eq!(json["support_file"], kind);

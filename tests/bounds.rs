@@ -639,7 +639,7 @@ fn machine_files_of_any_size_and_with_any_number_are_understood_or_refused() {
     };
     let many = |piece: &str, bytes: usize| piece.repeat(bytes / piece.len()).into_bytes();
     const MOST: usize = 8_000_000;
-    refused(&vec![0; MOST], "E0401", "a byte that is zero", LITTLE_KIB);
+    refused(&vec![0; MOST], "E0401", "a zero byte", LITTLE_KIB);
     refused(&many("\n", 1_000_000), "E0403", "the file has no machine", 2 * LITTLE_KIB);
     refused(&[b"a=".as_slice(), &many("[", MOST)].concat(), "E0401", "recursion", 16 * LITTLE_KIB);
     refused(&[b"a=".as_slice(), &many("{a=", 300_000)].concat(), "E0401", "recursion", 2 * LITTLE_KIB);
@@ -669,7 +669,7 @@ fn machine_files_of_any_size_and_with_any_number_are_understood_or_refused() {
         let text = demo("travel_mm = [0, 700]", &format!("travel_mm = {travel}"));
         let (code, expected) = match travel {
             "[0, 1e10]" | "[-1e308, 1e308]" => ("E0410", "travel_mm must be from"),
-            _ => ("E0404", "travel_mm of axis X is no travel of a machine"),
+            _ => ("E0404", "travel_mm of axis X is not a plausible travel"),
         };
         refused(text.as_bytes(), code, expected, LITTLE_KIB);
     }

@@ -56,7 +56,8 @@ fn what_is_told_too_badly_is_refused() {
         .file("line.toml", "[measurement]\nkind = \"direct\"\nfree = [\"offset\"]\n")
         .file("model.txt", "EXX1\nEXX2\n");
     let words = "calibrate line.csv --machine start.toml --model model.txt -o m.toml";
-    let refused = shop.run(words.split_whitespace()).exits(4).says("E0606").says("told so badly").says("--reduce");
+    let refused =
+        shop.run(words.split_whitespace()).exits(4).says("E0606").says("determined so poorly").says("--reduce");
     assert!(!refused.stderr.contains("check units and signs"), "{}", refused.stderr);
     assert!(!shop.path("m.toml").exists());
     shop.run(format!("{words} --reduce").split_whitespace()).exits(0).says("W0605").says("left out: EXX2");
@@ -78,7 +79,11 @@ fn distances_that_contradict_each_other_are_named() {
     let words = "calibrate balls.csv --machine start.toml --model model.txt -o m.toml";
     let found = shop(&[100.0, 100.4]).run(words.split_whitespace()).exits(0).says("W0604");
     // Half of 400 µm on either side, 2000 times 0.1 µm.
-    assert!(found.stderr.contains("200 µm are left of the distance from a to b (100 mm)"), "{}", found.stderr);
+    assert!(
+        found.stderr.contains("a residual of 200 µm remains in the distance from a to b (100 mm)"),
+        "{}",
+        found.stderr
+    );
     assert!(found.stderr.contains("(100.4 mm), 2000 times its uncertainty"), "{}", found.stderr);
     let sound = shop(&[100.0]).run(words.split_whitespace()).exits(0);
     assert!(!sound.stderr.contains("distance from"), "{}", sound.stderr);

@@ -136,15 +136,18 @@ fn what_cannot_be_told_is_said_in_few_sentences() {
         assert!(said.iter().any(|(one, what)| one.starts_with(sentence) && what.starts_with(remedy)), "{said:#?}");
     };
     has(
-        "EBX1, EBX2, ECX1 and ECX2 cannot be told from EXX1 and EXX2; all was measured with one tool vector",
+        "EBX1, EBX2, ECX1 and ECX2 are not separable from EXX1 and EXX2; all measurements have one tool vector",
         "measure the same with a second tool vector",
     );
     has(
-        "EXY1, EXY2 and EXY3 cannot be told from the zero of the instrument; Y stood at 1 position, at least 4 are needed",
-        "measure at 4 positions of Y at least, or leave them out",
+        "EXY1, EXY2 and EXY3 are not separable from the zero of the instrument; Y was at 1 position; at least 4 are needed",
+        "measure at 4 or more positions of Y, or leave them out",
     );
-    has("EYX1 and EYX2 move nothing that was measured", "measure what they would move, or leave them out");
-    has("EXX0 cannot be told from zero of EXX", "leave it out: constant parts belong to the set-up");
+    has(
+        "EYX1 and EYX2 have no effect on the measurements",
+        "measure where they would have an effect, or leave them out",
+    );
+    has("EXX0 is not separable from zero of EXX", "leave it out: constant parts belong to the set-up");
     assert_eq!(found.leave_out.len(), 15 - 3, "EXX1, EXX2 and EXX3 can be told");
     // Truncated powers where the axis never was are named by the first and the last.
     let mut bench = circles(24, &[1.0, -1.0]);
@@ -152,6 +155,9 @@ fn what_cannot_be_told_is_said_in_few_sentences() {
     bench.parameters = named(&format!("EXX2 {}", knots.join(" ")));
     let found = lost(&bench);
     assert_eq!(found.confused.len(), 1, "{found:#?}");
-    assert_eq!(found.confused[0].sentence, "EXX2@300 … EXX2@950 move nothing that was measured; X did not go as far");
+    assert_eq!(
+        found.confused[0].sentence,
+        "EXX2@300 … EXX2@950 have no effect on the measurements; X did not move that far"
+    );
     assert_eq!(found.confused[0].remedy, "measure further along X, or leave them out");
 }

@@ -238,12 +238,10 @@ fn a_million_readings_are_a_page_that_opens() {
         shown,
         ..Data::default()
     };
-    let unknown = EstimateReport {
-        name: HOSTILE.into(),
-        sigma: f64::INFINITY,
-        inflation: f64::INFINITY,
-        ..EstimateReport::default()
-    };
+    let mut unknown = EstimateReport::default();
+    unknown.name = HOSTILE.into();
+    unknown.sigma = f64::INFINITY;
+    unknown.inflation = f64::INFINITY;
     let found = CalibrationResult {
         data: vec![data],
         parameters: vec![unknown.clone(); 5000],

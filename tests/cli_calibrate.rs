@@ -205,7 +205,7 @@ fn what_the_data_cannot_tell_is_named() {
     assert!(!shop.path("m.toml").exists());
     let few: String = shop.text("circles.csv").lines().take(4).map(|line| format!("{line}\n")).collect();
     let shop = shop.file("circles.csv", few).file("circles.toml", CIRCLES_TOML);
-    shop.run(arguments).exits(4).says("E0606").says("3 readings cannot tell 9 unknowns");
+    shop.run(arguments).exits(4).says("E0606").says("3 readings cannot determine 9 unknowns");
 }
 
 #[test]

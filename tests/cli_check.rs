@@ -10,7 +10,7 @@ fn a_good_program_is_understood_and_executed() {
     let shop = Shop::new().file("part.mpf", GOOD);
     let run = shop.run(["check", "part.mpf", "--machine", &machine("demo")]).exits(0);
     assert_eq!(run.stdout, "");
-    run.says("part.mpf: understood and executed, 4 elements; no findings");
+    run.says("part.mpf: understood and executed, 4 elements; no diagnostics");
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn the_dialect_is_the_option_then_the_machine_then_the_name_then_the_content() {
     check(&["loop.mpf", "--machine", &machine("vmc")]).exits(3);
     check(&["tape.nc", "--dialect", "sinumerik"]).exits(3);
     check(&["macro.pm", "--dialect", "fanuc"]).exits(3);
-    shop.run(["check", "part.mpf", "--dialect", "latin"]).exits(2).says("there is no dialect 'latin'");
+    shop.run(["check", "part.mpf", "--dialect", "latin"]).exits(2).says("unknown dialect 'latin'");
 }
 
 #[test]

@@ -94,8 +94,8 @@ fn one_load_does_not_tell_its_effect_from_the_geometry() {
     let shop =
         loads().file("one.csv", table).file("one.toml", DIRECT).file("model.txt", "EAX1\nload.EAX.coefficients[1]\n");
     let run = shop.run(["calibrate", "one.csv", "--machine", "start.toml", "--model", "model.txt", "-o", "m.toml"]);
-    let run = run.exits(4).says("E0606").says("load.EAX.coefficients[1] cannot be told from EAX1");
-    run.says("there was only one load").says("measure without the load, too");
+    let run = run.exits(4).says("E0606").says("load.EAX.coefficients[1] is not separable from EAX1");
+    run.says("there was only one load").says("measure also without the load");
     assert!(!shop.names().contains(&"m.toml".to_owned()));
 }
 

@@ -22,7 +22,7 @@ fn without_a_code_all_are_listed() {
 
 #[test]
 fn an_unknown_code_is_wrong_usage() {
-    Shop::new().run(["explain", "E9999"]).exits(2).says("there is no code 'E9999'");
+    Shop::new().run(["explain", "E9999"]).exits(2).says("unknown code 'E9999'");
 }
 
 #[test]

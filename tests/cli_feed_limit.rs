@@ -144,7 +144,7 @@ fn faults_of_loops_are_found_together() {
         .replace("[servo.Z]\nvelocity_gain_m_min_mm = 3\nfeed_forward = 0.98\nmax_acceleration_m_s2 = 5\n", "");
     let shop = Shop::new().file("m.toml", machine);
     let run = shop.run(["machine", "check", "m.toml"]);
-    for said in ["cycle_ms must be a time from 0.01", "feed_forward must be a share", "[servo] says nothing of Z"] {
+    for said in ["cycle_ms must be a time from 0.01", "feed_forward must be a share", "[servo] has no data for Z"] {
         assert!(run.stderr.contains(said) || run.stdout.contains(said), "{said}: {} {}", run.stderr, run.stdout);
     }
 }

@@ -56,7 +56,7 @@ fn presets_are_listed() {
         assert_eq!(line.split_whitespace().nth(1), Some(count), "{line}");
     }
     let run = Shop::new().run(["machine", "presets", "--machine", &machine("demo")]).exits(0);
-    assert!(run.stdout.contains("not here: it is for machines with two rotary axes"), "{}", run.stdout);
+    assert!(run.stdout.contains("not applicable: it is for machines with two rotary axes"), "{}", run.stdout);
 }
 
 #[test]

@@ -69,11 +69,11 @@ fn names_of(list: &Value) -> Vec<&str> {
 fn what_is_no_candidate_is_refused() {
     let shop = shop();
     let run = |more: &[&str]| shop.run(CALIBRATE.iter().chain(more).copied());
-    run(&["--select", "EQQ"]).exits(2).says("no preset, no error such as EXX");
+    run(&["--select", "EQQ"]).exits(2).says("is not a preset, an error such as EXX");
     run(&["--select", "ECB1"]).exits(2).says("has no axis B");
     run(&["--select", "EXX", "--knots", "0.5mm"]).exits(2).says("not a whole number of mm");
     run(&["--select", "EXX", "--significance", "60%"]).exits(2).says("up to 50");
-    run(&["--select", "motion", "--knots", "1mm"]).exits(2).says("can be tried");
+    run(&["--select", "motion", "--knots", "1mm"]).exits(2).says("can be tested");
     run(&["--knots", "100mm"]).exits(2).says("--select");
-    run(&[]).exits(2).says("no file and no preset");
+    run(&[]).exits(2).says("neither a file nor a preset");
 }

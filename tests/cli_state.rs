@@ -147,7 +147,7 @@ fn instants_must_lie_in_a_log() {
     for (arguments, word) in [
         (&["--state", "log.csv", "--time", "5000"][..], "outside the log"),
         (&["--state", "log.csv", "--time", "nan"], "outside the log"),
-        (&["--state", "log.csv", "--time", "50", "--zero-time", "60"], "behind the instant"),
+        (&["--state", "log.csv", "--time", "50", "--zero-time", "60"], "after the time of the state"),
         (&["--state", "warm.toml", "--time", "0"], "needs a log"),
     ] {
         fix(&shop, arguments).exits(2).says(word);

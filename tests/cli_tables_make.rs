@@ -45,7 +45,9 @@ fn a_format_without_senses_is_not_told_to_reach_what_it_leaves() {
         let run = shop.run(make(format, scheme, "out.txt", &["--tolerance", "1um"])).exits(4);
         run.says("E0902").says("all values would be 0").says("3.00 um rms").says("backlash parameter");
         let run = shop.run(make(format, "auto", "out.txt", &["--tolerance", "1um"])).exits(4);
-        run.says("E0902").says("no scheme leaves 0.95 um, 5 % below the tolerance").says("sense of X is left");
+        run.says("E0902")
+            .says("no scheme reaches 0.95 um, 5 % below the tolerance")
+            .says("depends on the direction of X remains");
         // Within the tolerance nothing is needed.
         shop.run(make(format, "auto", "out.txt", &["--tolerance", "9um"])).exits(4).says("all values would be 0");
         assert_eq!(shop.names(), ["m.toml"]);
@@ -144,7 +146,7 @@ fn options_that_contradict_are_refused() {
     ] {
         shop.run(make("cec", "own", "CEC.INI", &words)).exits(2).says("given twice");
     }
-    shop.run(make("comp", "own", "-", &[])).exits(2).says("standard output is one").says("-o mill");
+    shop.run(make("comp", "own", "-", &[])).exits(2).says("standard output is only one").says("-o mill");
     let one = shop.run(make("cec", "own", "-", &[])).exits(0);
     assert!(one.stdout.starts_with("%_N_NC_CEC_INI"), "{}", one.stdout);
     let run = shop.run(make("enc", "own", "m.toml", &[])).exits(4).says("E0310");

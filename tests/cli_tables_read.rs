@@ -49,7 +49,7 @@ fn an_archive_gives_the_tables_of_all_its_members() {
     // One kind only where it is asked for, and never silently.
     for format in ["cec", "enc"] {
         let one = shop.run(["tables", "--read", "SAVE.ARC", "--format", format]).exits(0);
-        one.says("W0901").says("which are left out");
+        one.says("W0901").says("which are ignored");
     }
     // A fault in either forbids both.
     let damaged =
@@ -81,7 +81,7 @@ fn limits_hold_for_every_format_of_a_set() {
     let shop = Shop::new().file("SAG.INI", table(0, "Y1", [0.0, 0.01], 0) + "M17\n");
     let shop = shop.file("x.comp", "0 80 80\n400 80 80\n# COMP_FILE_TYPE = 1\n").file("wide.toml", WIDE);
     let run = shop.run(["tables", "--read", "SAG.INI", "x.comp", "--machine", "wide.toml", "--check"]);
-    run.exits(4).says("E0901").says("no axis is off by more than");
+    run.exits(4).says("E0901").says("plausible errors of an axis are at most");
 }
 
 /// X over Y times X over Z: at Y200 Z200 the own value is 0.05 mm, the factor 0.1 mm, the product 0.005 mm.
@@ -110,7 +110,10 @@ fn products_are_read_as_the_control_reads_them() {
     assert_eq!(x_of("NONE.INI", "table_multiplication = \"beside\"", ""), beside);
     assert_eq!(x_of("INSTEAD.INI", "table_multiplication = \"beside\"", "W0901"), beside);
     let wrong = shop_with(&shop, "m.toml", &with("table_multiplication = \"twice\""));
-    wrong.run(["part.mpf", "-o", "no.mpf", "--machine", "m.toml"]).exits(4).says("nothing of products");
+    wrong
+        .run(["part.mpf", "-o", "no.mpf", "--machine", "m.toml"])
+        .exits(4)
+        .says("neither of the two words for products");
     // What is read beside and what is read instead differ by the own value: 0 to 0.1 mm over Y.
     let both = ["tables", "--read", "INSTEAD.INI", "--compare", "BESIDE.INI", "--json"];
     let most = shop.run(both).exits(0).json()["difference"][0]["max"].as_f64().unwrap();
@@ -119,7 +122,7 @@ fn products_are_read_as_the_control_reads_them() {
     assert_eq!(shop.run(same).exits(0).json()["difference"][0]["max"], 0.0);
     let others = table(2, "Y1", [0.0, 0.1], 4) + &table(3, "Z1", [0.0, 0.2], 0);
     let shop = shop.file("OTHERS.INI", format!("; products of tables count beside the own value\n{others}M17\n"));
-    shop.run(["tables", "--read", "INSTEAD.INI", "OTHERS.INI"]).exits(4).says("E0901").says("another reading");
+    shop.run(["tables", "--read", "INSTEAD.INI", "OTHERS.INI"]).exits(4).says("E0901").says("another --multiplication");
 }
 
 /// The same shop with another file.
@@ -133,7 +136,7 @@ fn tables_of_axes_that_the_machine_lacks_are_refused() {
     let shop = Shop::new().file("CEC.INI", table(0, "B1", [0.0, 0.01], 0) + "M17\n").file("wide.toml", WIDE);
     shop.run(["tables", "--read", "CEC.INI"]).exits(0);
     let run = shop.run(["tables", "--read", "CEC.INI", "--machine", "wide.toml"]).exits(4);
-    run.says("E0901").says("axis B, which the machine lacks");
+    run.says("E0901").says("axis B, which the machine does not have");
     let shop = shop.file("active.toml", with("active_tables = [\"CEC.INI\"]")).file("part.mpf", "N30 M30\n");
     shop.run(["part.mpf", "-o", "out.mpf", "--machine", "active.toml"]).exits(4).says("E0901");
 }
@@ -173,7 +176,7 @@ fn a_leadscrew_list_with_points_twice_or_too_many() {
     read("").exits(0);
     read("kw.ssfk.table[1].pos 30\n").exits(0);
     read("kw.ssfk.table[1].pos 31\n").exits(4).says("E0901").says("twice");
-    read("kw.ssfk.table[2].pos 9\n").exits(0).says("W0901").says("1 entries lie behind");
+    read("kw.ssfk.table[2].pos 9\n").exits(0).says("W0901").says("1 entries are beyond");
 }
 
 /// At X100 the scale of 40 µm/m is 4 µm; the table adds -0.1 mm/m · 100 mm = -10 µm: each has its own row.

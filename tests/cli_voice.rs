@@ -71,7 +71,7 @@ fn verbose_says_which_files_were_read_and_why() {
     // Without a machine file the name tells the dialect, or the option.
     let shop = Shop::new().file("part.ngc", "G21 G90 G0 X1\nM2\n");
     let run = shop.run(["check", "-v", "part.ngc"]).exits(0);
-    run.says("note: dialect of part.ngc: rs274, by the name or the first lines")
+    run.says("note: dialect of part.ngc: rs274, by its name or first lines")
         .says("note: machine: the demo machine, embedded");
     let run = shop.run(["check", "-v", "part.ngc", "--dialect", "fanuc"]);
     run.says("note: dialect of part.ngc: fanuc, --dialect");

@@ -191,7 +191,7 @@ fn the_command_divides_names_and_extends() {
     assert!((rms(&found) - rms(&again)).abs() < 0.05, "{} {}", rms(&found), rms(&again));
     let text = shop.run(["decompose", "runs.csv", "--machine", "mill.toml"]).exits(0).stdout;
     assert!(text.starts_with("Of the error at 18,896 mm/min: "), "{text}");
-    assert!(text.contains("What gives way: EYY, EXX."), "{text}");
+    assert!(text.contains("Compliance: EYY, EXX."), "{text}");
 }
 
 #[test]
@@ -306,12 +306,12 @@ fn the_file_of_a_sinumerik_is_read_beside_the_readings() {
     let few = signals.replace("cmd[2]", "cmd[9]").replace("A_enc", "# A_enc");
     let shop = shop.file("one.toml", described(&few));
     let run = shop.run(["decompose", "one.csv", "--machine", "mill.toml"]).exits(4);
-    let run = run.says("there is no signal \"/Nck/Axis/cmd[9]\" for Y").says("nothing says which signal is A_enc");
+    let run = run.says("there is no signal \"/Nck/Axis/cmd[9]\" for Y").says("the signal for A_enc is not given");
     run.says("/Nck/Axis/enc[5]");
     for (text, what) in [
-        ("<traceSession", "the file is no XML"),
+        ("<traceSession", "the file is not XML"),
         ("<a/>", "no dataFrame"),
-        ("<!DOCTYPE a [<!ENTITY b \"c\">]><a>&b;</a>", "the file is no XML"),
+        ("<!DOCTYPE a [<!ENTITY b \"c\">]><a>&b;</a>", "the file is not XML"),
     ] {
         let shop = Shop::new()
             .file("mill.toml", MACHINE)
@@ -365,7 +365,7 @@ fn what_is_no_trace_is_refused_at_its_place() {
             format!("{head}{}{}", rows(40, 0.1, "0,0,0,1000,a"), row(1e12, 1.0, "0,0,0,1000,a")),
             description(),
             "E0603",
-            "stops for",
+            "has a gap of",
         ),
         (
             format!("{head}{}{}", rows(400, 0.1, "0,0,0,1000,a"), rows(400, 0.3, "0,0,0,3000,b")),

@@ -200,7 +200,10 @@ fn where_nothing_is_hidden_the_page_says_so() {
     assert!(list(&report, "findings").is_empty(), "{report:#}");
     let document = parsed(&text);
     let verdict = verdict(&document);
-    assert!(verdict.contains("No cause stands") && verdict.contains("Nothing with a shape is left"), "{verdict}");
+    assert!(
+        verdict.contains("No cause accepted") && verdict.contains("No systematic residual beyond the noise"),
+        "{verdict}"
+    );
     let headings = texts(&document, "h2");
     assert!(!headings.iter().any(|heading| heading == "Evidence" || heading == "Ranking"), "{headings:?}");
     let all = texts(&document, "body").concat();
@@ -367,25 +370,22 @@ fn a_million_readings_and_many_findings_are_a_page_that_opens() {
         ..Set::default()
     };
     let grid = (0..100).map(|k| ShapePlace { at: vec![f64::from(k % 10), f64::from(k / 10)], value_um: f64::from(k) });
-    let cause = CauseReport {
-        effect: "thermal-drift".into(),
-        parameter: HOSTILE.into(),
-        drivers: vec!["X".into(), "T_a_C".into()],
-        sensor: Some("T_a_C".into()),
-        class: vec![HOSTILE.into(); 3000],
-        shape: grid.collect(),
-        alone_um: f64::NAN,
-        unit: "um".into(),
-        ..CauseReport::default()
-    };
-    let found = DiagnosisResult {
-        unit: UnitKey::Um,
-        machine: HOSTILE.into(),
-        readings: COUNT,
-        findings: vec![cause; 10],
-        rejected: vec![RejectedReport { effect: HOSTILE.into(), why: Gate::Size, ..RejectedReport::default() }; 3000],
-        ..DiagnosisResult::default()
-    };
+    let mut cause = CauseReport::default();
+    cause.effect = "thermal-drift".into();
+    cause.parameter = HOSTILE.into();
+    cause.drivers = vec!["X".into(), "T_a_C".into()];
+    cause.sensor = Some("T_a_C".into());
+    cause.class = vec![HOSTILE.into(); 3000];
+    cause.shape = grid.collect();
+    cause.alone_um = f64::NAN;
+    cause.unit = "um".into();
+    let rejected = RejectedReport { effect: HOSTILE.into(), why: Gate::Size, ..RejectedReport::default() };
+    let mut found = DiagnosisResult::default();
+    found.unit = UnitKey::Um;
+    found.machine = HOSTILE.into();
+    found.readings = COUNT;
+    found.findings = vec![cause; 10];
+    found.rejected = vec![rejected; 3000];
     let readings = readings::ShownReadings { sets: vec![set], ..readings::ShownReadings::default() };
     let shown = PageReadings { readings, ..PageReadings::default() };
     let report = DiagnosisReport { found, ..DiagnosisReport::default() };

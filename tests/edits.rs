@@ -200,7 +200,7 @@ fn a_rapid_move_that_dives_is_found_without_marks_and_stamp() {
     ] {
         let found = unstamped(name, ending, program, edit);
         let is_named =
-            |one: &String| one.starts_with("E0320") && one.contains("beside the way") || one.starts_with("E0311");
+            |one: &String| one.starts_with("E0320") && one.contains("off the path") || one.starts_with("E0311");
         assert!(found.iter().any(is_named), "{edit:?}: {found:?}");
     }
 }

@@ -326,10 +326,10 @@ fn readers(name: &str, reserve: usize, seeds: std::ops::Range<u64>) -> usize {
         // It never goes on blind: where it did not end well it was said that nothing moves, that the control was reset or that the cable is drawn.
         let is_told = match &ended {
             Ended::Done => true,
-            Ended::Lost(why) if why.contains("as was asked for") => progress.stalls >= 3,
-            Ended::Lost(why) if why.contains("means nothing on this link") => is_garbled,
+            Ended::Lost(why) if why.contains("as requested") => progress.stalls >= 3,
+            Ended::Lost(why) if why.contains("has no meaning on this link") => is_garbled,
             // An XOFF got lost, and nothing went over.
-            Ended::Lost(why) if why.contains("although it gets them") => is_lost || is_garbled,
+            Ended::Lost(why) if why.contains("although it receives them") => is_lost || is_garbled,
             Ended::Lost(why) => is_cut && (why.contains("reset (SYN)") || why.contains("the link is gone")),
             _ => false,
         };
@@ -360,7 +360,7 @@ fn an_xon_that_got_lost_is_said_and_nothing_goes_on() {
     let ended = controls::run_with_patience(&mut sender, &mut cable, &mut planned, 3);
     let stalls = sender.progress().stalls;
     drop(sender);
-    assert!(matches!(&ended, Ended::Lost(why) if why.contains("as was asked for")), "{ended:?}");
+    assert!(matches!(&ended, Ended::Lost(why) if why.contains("as requested")), "{ended:?}");
     assert_eq!((stalls, cable.control.asked.contains(&3)), (3, true));
     // All that came whole was carried out.
     let executed = cable.control.executed();
@@ -404,11 +404,11 @@ fn linuxcnc_carries_out_one_line_after_the_other() {
             }
             Ended::Lost(why) => {
                 let is_expected = why.contains("the link is gone") && faults.unplugged_s.is_some()
-                    || why.contains("went off") && faults.reset_s.is_some()
+                    || why.contains("was switched off") && faults.reset_s.is_some()
                     || why.contains("machine is off") && faults.reset_s.is_some()
-                    || why.contains("the spindle stands") && faults.reset_s.is_some()
-                    || why.contains("it does not go to MDI") && faults.reset_s.is_some()
-                    || why.contains("somebody has broken it off") && faults.broken_off_s.is_some();
+                    || why.contains("the spindle has stopped") && faults.reset_s.is_some()
+                    || why.contains("it does not switch to MDI") && faults.reset_s.is_some()
+                    || why.contains("aborted") && faults.broken_off_s.is_some();
                 assert!(is_expected, "seed {seed}: {ended:?}");
             }
             Ended::Stopped | Ended::Held(_) | Ended::Fault(_) => panic!("seed {seed}: {ended:?}"),
@@ -423,7 +423,7 @@ fn linuxcnc_carries_out_one_line_after_the_other() {
 fn linuxcnc_that_is_not_ready_gets_no_line() {
     let profile = profile("linuxcnc");
     for (change, says) in [
-        (Box::new(|control: &mut Rsh| control.is_on = false) as Box<dyn Fn(&mut Rsh)>, "a person has to switch it on"),
+        (Box::new(|control: &mut Rsh| control.is_on = false) as Box<dyn Fn(&mut Rsh)>, "switch it on"),
         (Box::new(|control: &mut Rsh| control.is_homed = false), "when not homed"),
     ] {
         let faults = Faults { most_bytes: 64, ..Faults::default() };
@@ -449,7 +449,8 @@ fn linuxcnc_that_another_client_takes_over_gets_no_further_line() {
         let ended = controls::run(&mut sender(&profile, &mut notes), &mut cable, &mut planned);
         let executed = cable.control.executed();
         assert!(planned.lines.starts_with(executed) && executed.len() < 40, "{tenth}: {ended:?}");
-        let says = ["took the control over", "second password", "neither set_wait nor wait_mode", "does not go to MDI"];
+        let says =
+            ["took over the control", "second password", "neither set_wait nor wait_mode", "does not switch to MDI"];
         assert!(matches!(&ended, Ended::Lost(why) if says.iter().any(|part| why.contains(part))), "{tenth}: {ended:?}");
         assert!(
             executed.is_empty() || matches!(&ended, Ended::Lost(why) if why.contains(says[0])),
@@ -461,7 +462,7 @@ fn linuxcnc_that_another_client_takes_over_gets_no_further_line() {
 #[test]
 fn linuxcnc_is_not_asked_for_what_it_cannot_do_in_mdi() {
     let profile = profile("linuxcnc");
-    for (text, says) in [("M0", "does not stop at M0"), ("O100 CALL", "no O-words"), ("G1 X1 M30\nG1X2", "has ended")] {
+    for (text, says) in [("M0", "does not stop at M0"), ("O100 CALL", "O-words"), ("G1 X1 M30\nG1X2", "has ended")] {
         let faults = Faults { most_bytes: 64, ..Faults::default() };
         let (mut notes, mut planned) = (Notes::default(), Planned::new(1, 0.01));
         // A % and a blank line say nothing to it.

@@ -283,7 +283,7 @@ fn a_name_or_a_section_of_another_is_refused() {
     let refused = |sources: Sources| sources.try_with(Beams).err().map(|refused| refused.0);
     assert_eq!(refused(Sources::default()), None);
     let twice = Sources::default().with(Beams);
-    assert_eq!(refused(twice).unwrap(), "there is a source of error \"beam\" already");
+    assert_eq!(refused(twice).unwrap(), "a source of error \"beam\" already exists");
     struct Greedy;
     impl ErrorSource for Greedy {
         fn info(&self) -> &'static SourceInfo {

@@ -116,7 +116,7 @@ fn a_rod_is_told_from_the_scales_by_one_that_is_calibrated() {
     bench.parameters = named("EXX1 EYY1 EZZ1");
     let lost = bench.lost();
     assert_eq!(lost.len(), 1, "{lost:?}");
-    assert!(lost[0].starts_with("EZZ1 cannot be told from EXX1, EYY1"), "{lost:?}");
+    assert!(lost[0].starts_with("EZZ1 is not separable from EXX1, EYY1"), "{lost:?}");
     assert!(lost[0].contains("length of the rod one") && lost[0].contains("length of the rod two"), "{lost:?}");
     // A second radius helps only where its rod is known: its file has no free length.
     let one = bench.data[0].clone();
@@ -234,9 +234,9 @@ fn cycles_are_found_by_the_order_of_the_rows() {
 #[test]
 fn a_drift_is_only_taken_out_where_there_is_no_reversal() {
     let found = refusal(COLUMNS, &cycles_csv(4.0, 1.0), DRIFT);
-    assert!(found.starts_with("E0613: way forth and way back of EXX differ by a reversal of"), "{found}");
+    assert!(found.starts_with("E0613: the two directions of EXX differ by a reversal of"), "{found}");
     let one_way: String = cycles_csv(0.0, 1.0).lines().take(11).map(|line| format!("{line}\n")).collect();
-    assert!(refusal(COLUMNS, &one_way, DRIFT).contains("go one way only"));
+    assert!(refusal(COLUMNS, &one_way, DRIFT).contains("are in one direction only"));
     assert!(refusal(COLUMNS, &cycles_csv(0.0, 1.0), &DRIFT.replace("\"offset\", ", "")).contains("moves the zero"));
     // What the model has is no drift either.
     let shop = Shop::new()
@@ -268,10 +268,10 @@ fn contradictions_of_a_description_are_found() {
     };
     let of = |free: &str, setup: &str| refusal("setup,X,Y,Z,dr_um", rows, &bar(free, setup));
     assert!(of("\"rod\", \"length\"", "").contains("E0404: a length for every set-up and one for every rod"));
-    assert!(of("\"rod_temperature\", \"rod\"", "rod_expansion_per_K = 1e-5").contains("cannot be told apart"));
+    assert!(of("\"rod_temperature\", \"rod\"", "rod_expansion_per_K = 1e-5").contains("cannot be separated"));
     assert!(of("\"rod_temperature\"", "").contains("needs its expansion"));
     assert!(of("", "rod = \"150\"\n[setup.B]\nlength_mm = 150\nrod = \"150\"").contains("differ in length_mm"));
-    assert!(of("", "rod_temperature_C = 22").contains("says nothing without an expansion"));
+    assert!(of("", "rod_temperature_C = 22").contains("has no effect without an expansion"));
     assert!(of("", "rod_expansion_per_K = 1e-5").contains("no temperature"));
     let warm = refusal("X,Y,Z,dr_um,T_rod_C", "0,0,0,1,22\n", &bar("", ""));
     assert!(warm.contains("E0602: T_rod_C says nothing"), "{warm}");

@@ -240,7 +240,7 @@ fn refused(data: impl AsRef<[u8]>, code: &str, place: &str, words: &str) {
 #[test]
 fn tables_that_are_none_are_refused_at_their_place() {
     refused("", "E0601", "1:1", "the table is empty");
-    refused("1,2,3\n4,5,6\n", "E0601", "1:1", "the names of the columns are missing");
+    refused("1,2,3\n4,5,6\n", "E0601", "1:1", "the column names are missing");
     refused("X,Y,Z\n1,2,3\n4,5\n", "E0601", "3:1", "this row has 2 cells, the header 3");
     refused("X,Y,Z\n1,2,3\n4,5,6,7\n", "E0601", "3:1", "this row has 4 cells, the header 3");
     refused("X,Y,Z\n1,2,\"3\n", "E0601", "2:5", "not closed");
@@ -254,18 +254,18 @@ fn columns_must_fit_the_machine() {
     refused("X,Y,z_mm\n1,2,3\n", "E0602", "1:5", "rename the column z_mm to Z");
     refused("X,Y,Z,B\n1,2,3,4\n", "E0602", "1:7", "the machine simple has no axis B");
     refused("X,Y,Z,C_dir\n1,2,3,1\n", "E0602", "1:7", "has no axis C");
-    refused("X,Y,Z,X\n1,2,3,4\n", "E0602", "1:7", "there twice");
+    refused("X,Y,Z,X\n1,2,3,4\n", "E0602", "1:7", "given twice");
 }
 
 #[test]
 fn cells_must_be_numbers() {
-    refused("X,Y,Z\n1,2,3\n1,two,3\n", "E0603", "3:3", "'two' in the column Y is no number");
+    refused("X,Y,Z\n1,2,3\n1,two,3\n", "E0603", "3:3", "'two' in the column Y is not a number");
     refused("X,Y,Z\n1,,3\n", "E0603", "2:3", "the cell of Y is empty");
     for cell in ["nan", "inf", "1e999", "0x10", "1 000", "1.2.3", "--1", "1mm"] {
-        refused(format!("X,Y,Z\n{cell},2,3\n"), "E0603", "2:1", "is no number");
+        refused(format!("X,Y,Z\n{cell},2,3\n"), "E0603", "2:1", "is not a number");
     }
     refused("X;Y;Z\n1,5;2;3\n1;2.5;3\n", "E0603", "3:3", "has another decimal sign than '1,5' in line 2");
-    refused("X;Y;Z\n1.234,5;2;3\n", "E0603", "2:1", "separators of thousands");
+    refused("X;Y;Z\n1.234,5;2;3\n", "E0603", "2:1", "thousands separators");
     refused("X,Y,Z,X_dir\n1,2,3,0.5\n", "E0603", "2:7", "the sense of motion of X is 0.5");
     refused("X,Y,Z,tool_x_mm\n1,2,3,long\n", "E0603", "2:7", "'long'");
     // All of them in one run.

@@ -142,8 +142,7 @@ fn every_output_is_spared_that_is_newer_than_the_start() {
             }
             let run = start(&shop, arguments);
             let ended = meanwhile(&shop, run, || fs::write(shop.path(output), "somebody else\n").unwrap());
-            let words =
-                if before.is_some() { "out has changed since this run began" } else { "out has come into being" };
+            let words = if before.is_some() { "out has changed since this run began" } else { "out was created after" };
             says(&ended, 4, words);
             assert_eq!(shop.text(output), "somebody else\n", "{arguments:?}");
             assert_eq!(shop.names(), ["m.toml", "out", "part.mpf", "read.csv"], "{arguments:?}");

@@ -86,7 +86,7 @@ fn table_4_1_has_109_probings_and_carries_84_parameters() {
     assert_eq!(run.code, 0, "{}", run.stderr);
     // Six balls at three places each; the tool is known.
     assert!(
-        run.stderr.contains("84 parameters and 18 unknowns of the set-up: the plan tells 102 of 102"),
+        run.stderr.contains("84 parameters and 18 unknowns of the set-up: the plan determines 102 of 102"),
         "{}",
         run.stderr
     );
@@ -116,7 +116,7 @@ fn table_5_3_carries_81_parameters_and_no_spindle_offsets() {
     assert_eq!(run.code, 0, "{}", run.stderr);
     // Four balls and the tool at three coordinates each: 96 columns, as printed.
     assert!(
-        run.stderr.contains("81 parameters and 15 unknowns of the set-up: the plan tells 96 of 96"),
+        run.stderr.contains("81 parameters and 15 unknowns of the set-up: the plan determines 96 of 96"),
         "{}",
         run.stderr
     );
@@ -128,12 +128,12 @@ fn table_5_3_carries_81_parameters_and_no_spindle_offsets() {
     // The spindle offsets of this preset are the tool of unknown place.
     let run = plan(&shop, "kolibri.toml", &["probe", "--variant", "rumba", "--tool", "74", "--model", "mayer-13"]);
     assert!(
-        run.stderr.contains("cannot tell: EX0S and EY0S cannot be told from the tool\n    turn the spindle"),
+        run.stderr.contains("cannot determine: EX0S and EY0S are not separable from the tool\n    turn the spindle"),
         "{}",
         run.stderr
     );
     // Two spindle offsets, and the scale of everything: no length is known.
-    assert!(run.stderr.contains("the plan tells 25 of 28"), "{}", run.stderr);
+    assert!(run.stderr.contains("the plan determines 25 of 28"), "{}", run.stderr);
     let wrong = plan(&shop, &machine("esmaeili_xyz5"), &["probe", "--variant", "rumba"]);
     assert_eq!(wrong.code, 2);
     assert!(wrong.stderr.contains("Table 5-3 is for a table C on A"), "{}", wrong.stderr);
@@ -306,7 +306,7 @@ struct Step {
 fn stream(shop: &Shop, on: &str, dialect: &str) -> Vec<Step> {
     let run = shop.run(["check", "test.nc", "--machine", on, "--dialect", dialect]);
     assert_eq!(run.code, 0, "{}", run.stderr);
-    assert!(run.stderr.contains("no findings"), "{}", run.stderr);
+    assert!(run.stderr.contains("no diagnostics"), "{}", run.stderr);
     let run = shop.run(["snc", "test.nc", "--machine", on, "--dialect", dialect]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     let mut out = Vec::new();

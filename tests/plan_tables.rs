@@ -140,7 +140,7 @@ fn table_3_1() {
             assert!((low + 2.0 - 1e-6..=high - 2.0 + 1e-6).contains(&motion.target[axis]));
         }
     }
-    assert!(plan.notes.iter().any(|note| note.contains("out of travel and left out")), "{:?}", plan.notes);
+    assert!(plan.notes.iter().any(|note| note.contains("outside the travel and omitted")), "{:?}", plan.notes);
 }
 
 /// Speeds, each as long as it lasts, min.

@@ -57,7 +57,7 @@ fn one_wrong_value_does_not_hide_the_others() {
     let chart =
         |is_clipped| Chart { series: vec![series("", points.clone(), Shape::Markers)], is_clipped, ..Chart::default() };
     let text = sound(&chart(true));
-    assert!(text.contains("1 beyond the picture"), "{text}");
+    assert!(text.contains("1 outside the picture"), "{text}");
     // 100 markers and a triangle.
     assert_eq!(paths(&text)[0].matches('M').count(), 101);
     assert!(!sound(&chart(false)).contains("beyond"));

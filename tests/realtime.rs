@@ -271,7 +271,7 @@ fn a_line_that_is_no_set_point_ends_the_run() {
     let demo = machine_path("demo");
     let run = Shop::new().run_with_input(["realtime", "--machine", &demo], b"X1 Y2 Z3\nX1 Y2x\nX1\n").exits(4);
     assert_eq!(run.stdout.lines().count(), 2, "{}", run.stdout);
-    run.says("E0801").says("standard input:2:5: '2x' is no number").says("1 set-points before it were answered");
+    run.says("E0801").says("standard input:2:5: '2x' is not a number").says("1 set-points before it were answered");
 }
 
 #[test]
@@ -288,7 +288,7 @@ fn a_kernel_that_cannot_follow_the_model_is_pointed_out() {
     let steep = "\n[[motion]]\ncomponent = \"EXX\"\nkind = \"periodic\"\nperiod_mm = 4.0\namplitude_um = 150\n";
     let shop = Shop::new().file("m.toml", text + steep);
     let run = shop.run_with_input(["realtime", "--machine", "m.toml"], b"X1 Y2 Z3\n").exits(0);
-    run.says("W0801").says("functions beside them: 1 of X");
+    run.says("W0801").says("additional functions: 1 of X");
 }
 
 /// A machine whose X grows by 10 µm per K of a sensor.
@@ -358,7 +358,7 @@ fn a_state_that_breaks_leaves_the_kernel_in_force() {
     assert_eq!(ask(), before);
     drop(input);
     let errors = std::io::read_to_string(child.stderr.take().unwrap()).unwrap();
-    assert!(errors.contains("W0802") && errors.contains("the kernel was not renewed"), "{errors}");
+    assert!(errors.contains("W0802") && errors.contains("the kernel was not updated"), "{errors}");
     assert!(child.wait().unwrap().success());
 }
 
@@ -389,7 +389,7 @@ fn the_command_serves_a_ring_until_the_control_ends_it() {
         std::thread::yield_now();
     };
     assert!(number == 42 && answer.correction[Axis::X] != 0.0);
-    shop.run(["realtime", "--machine", &demo, "--ring", &name]).exits(2).says("is there already");
+    shop.run(["realtime", "--machine", &demo, "--ring", &name]).exits(2).says("already exists");
     client.stop();
     let output = child.wait_with_output().unwrap();
     assert!(output.status.success());

@@ -336,7 +336,7 @@ fn the_command_shows_writes_a_log_and_says_whether_all_is_good() {
     let log = shop.text("out.csv");
     assert!(log.starts_with("t_s,T_head_C,T_bed_C\n"), "{log}");
     // A log is never written over.
-    shop.run(["sensors", "S.toml", "--watch", "--for", "1", "--log", "out.csv"]).exits(2).says("it is there already");
+    shop.run(["sensors", "S.toml", "--watch", "--for", "1", "--log", "out.csv"]).exits(2).says("it already exists");
     assert_eq!(shop.text("out.csv"), log);
 
     // A file that holds a value stays good; its log is one that can be played.

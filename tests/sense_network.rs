@@ -148,7 +148,7 @@ fn an_agent_is_asked_for_its_current_values() {
     let errors = "<MTConnectError xmlns=\"urn:mtconnect.org:MTConnectError:1.3\"><Header instanceId=\"2\"/><Errors><Error \
                   errorCode=\"NO_DEVICE\">Could not find the device</Error></Errors></MTConnectError>";
     set(404, errors.to_owned());
-    until(&mut panel, "an error", |readings| readings[0].note == "the agent says: Could not find the device");
+    until(&mut panel, "an error", |readings| readings[0].note == "the agent reports: Could not find the device");
     for (status, body) in [
         (200, "<html><body>Login</body></html>".to_owned()),
         (200, String::new()),
@@ -448,7 +448,7 @@ fn a_kept_message_counts_only_with_a_young_time_of_its_own() {
     let readings: Vec<_> = panel.channels().cloned().collect();
     assert_eq!(readings.iter().map(|one| one.value_c).collect::<Vec<_>>(), [None, Some(22.5), None, None, None]);
     assert!((5.0..60.0).contains(&readings[1].age.unwrap().as_secs_f64()), "{:?}", readings[1].age);
-    assert!(readings[0].note.contains("kept it"), "{}", readings[0].note);
+    assert!(readings[0].note.contains("retained message"), "{}", readings[0].note);
     assert!(readings[2].note.contains(" s old"), "{}", readings[2].note);
     assert!(readings[3].note.contains("in the future"), "{}", readings[3].note);
     assert_eq!(readings[4].note, "the broker refuses the topic secret");
@@ -563,7 +563,7 @@ mod opc_ua {
         let text = Source::new(FileId(0), "S.toml", text.into_bytes()).unwrap();
         let config = Config::read(&text).unwrap();
         let findings = Panel::open(&config, std::path::Path::new("")).err().unwrap();
-        let why = "the password: there is no variable NCFIX_TEST_NO_SUCH_VARIABLE in the environment";
+        let why = "the password: the environment variable NCFIX_TEST_NO_SUCH_VARIABLE is not set";
         assert_eq!(findings[0].message, why);
         // A user without a password is one.
         let server = Server::new(|_| Ok(()));

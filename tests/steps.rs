@@ -204,7 +204,7 @@ fn what_cannot_be_looked_at_is_said() {
     assert!(shop.text("s.svg").contains("no residual at any step"));
     shop.run(["max-step", "bad.mpf", "--machine", "m.toml"]).exits(3).says("bad.mpf:1:8");
     shop.run(["max-step", "none.mpf", "--machine", "m.toml"]).exits(2).says("cannot read none.mpf");
-    shop.run(["max-step", "--machine", "m.toml", "--tool", "long"]).exits(2).says("is no length and no vector");
+    shop.run(["max-step", "--machine", "m.toml", "--tool", "long"]).exits(2).says("is neither a length nor a vector");
     shop.run(["max-step", "--machine", "m.toml", "--svg", "m.toml"]).exits(4).says("E0310");
 }
 

@@ -301,10 +301,13 @@ fn readings_that_tell_no_load_are_refused() {
         assert!(last.code.as_str() == "E0604" && last.message.contains(what), "{findings:?}");
     };
     // One position; positions with one signal; a column of times that goes with the signal; no reading.
-    refused("X,strain_um_m\n350,1\n350,2\n350,3\n", "does not tell the weight");
-    refused("X,strain_um_m\n150,1\n550,2\n150,3\n550,1\n", "does not tell the weight");
-    refused("X,t_s,strain_um_m\n0,0,1\n35,1,2\n70,2,3\n105,3,3\n150,4.285714285714286,3\n", "does not tell the weight");
-    refused("X,strain_um_m\n", "does not tell the weight");
+    refused("X,strain_um_m\n350,1\n350,2\n350,3\n", "does not determine the weight");
+    refused("X,strain_um_m\n150,1\n550,2\n150,3\n550,1\n", "does not determine the weight");
+    refused(
+        "X,t_s,strain_um_m\n0,0,1\n35,1,2\n70,2,3\n105,3,3\n150,4.285714285714286,3\n",
+        "does not determine the weight",
+    );
+    refused("X,strain_um_m\n", "does not determine the weight");
     // As many unknowns as readings.
     refused("X,strain_um_m\n0,1\n150,2\n350,9\n700,1\n", "as many unknowns");
     // A gauge of the other sign.

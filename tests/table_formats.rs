@@ -249,7 +249,7 @@ fn what_a_control_cannot_take_is_named() {
                 ));
             }
             (format.round)(&mut tables);
-            let message = format!("{} points, and the control takes {limit}", limit + 1);
+            let message = format!("{} points, but the control allows {limit}", limit + 1);
             assert!(faults(&tables).contains(&message), "{}: {}", format.name, faults(&tables));
         }
         // More tables.
@@ -257,7 +257,8 @@ fn what_a_control_cannot_take_is_named() {
         for _ in 0..=format.limits.tables {
             tables.lookups.push(Lookup::added(Axis::X, Axis::X, even(0.0, 1.0, 1.0), vec![0.0; 2]));
         }
-        let message = format!("{} tables, and the control has {}", format.limits.tables + 1, format.limits.tables);
+        let message =
+            format!("{} tables are needed, but the control has {}", format.limits.tables + 1, format.limits.tables);
         assert!(
             format.limits.tables == 0 || faults(&tables).contains(&message),
             "{}: {}",
@@ -268,17 +269,12 @@ fn what_a_control_cannot_take_is_named() {
         let limit = format.limits.value_mm;
         let large = Lookup::added(Axis::X, Axis::X, even(0.0, 1.0, 1.0), vec![0.0, -1.01 * limit]);
         let tables = Tables { lookups: vec![large], ..Tables::default() };
-        let message = format!("and the control takes {limit} mm");
+        let message = format!("; the control allows {limit} mm");
         assert!(limit == 0.0 || faults(&tables).contains(&message), "{}: {}", format.name, faults(&tables));
         // Kinds that it does not have: what any other format has.
         for other in FORMATS {
             let refused = other.holds.iter().any(|&kind| !format.can_hold(kind));
-            assert!(
-                !refused || faults(&tables_for(other)).contains("has no place for"),
-                "{} {}",
-                format.name,
-                other.name
-            );
+            assert!(!refused || faults(&tables_for(other)).contains("cannot hold"), "{} {}", format.name, other.name);
         }
         let beside = Tables { multiplication: Multiplication::Beside, ..Tables::default() };
         assert_eq!(faults(&beside).contains("does not multiply"), !format.can_hold(Holds::Products), "{}", format.name);
@@ -290,9 +286,9 @@ fn tables_that_are_none_are_not_written() {
     let ramp = Lookup::added(Axis::X, Axis::X, even(0.0, 1.0, 2.0), vec![0.0, 1.0, 2.0]);
     for (name, table) in [
         ("3 values", Lookup { nodes: even(0.0, 1.0, 5.0), ..ramp.clone() }),
-        ("no number", Lookup { values: vec![0.0, f64::NAN, 0.0], ..ramp.clone() }),
+        ("not a number", Lookup { values: vec![0.0, f64::NAN, 0.0], ..ramp.clone() }),
         ("not increase", Lookup { nodes: Nodes::At(vec![0.0, 5.0, 5.0]), ..ramp.clone() }),
-        ("not there", Lookup { factor: Some(8), ..ramp.clone() }),
+        ("does not exist", Lookup { factor: Some(8), ..ramp.clone() }),
         ("one point", Lookup { nodes: even(5.0, 1.0, 5.0), values: vec![1.0], ..ramp.clone() }),
     ] {
         let tables = Tables { lookups: vec![table], ..Tables::default() };

@@ -20,7 +20,7 @@ pub(super) fn run(arguments: &ExplainArguments) -> Result<ExitCode, Stop> {
         return Ok(ExitCode::Done);
     };
     let row = Code::find(text)
-        .ok_or_else(|| Stop::Usage(format!("there is no code '{text}'; `ncfix explain` lists all codes")))?;
+        .ok_or_else(|| Stop::Usage(format!("unknown code '{text}'; `ncfix explain` lists all codes")))?;
     print(&format!("{}: {}\n\n{}\n", row.code, row.title, row.explain))?;
     Ok(ExitCode::Done)
 }

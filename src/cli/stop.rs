@@ -46,7 +46,7 @@ impl From<Error> for Stop {
 impl fmt::Display for Stop {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Stop::ReaderGone => f.write_str("the reader of standard output went away"),
+            Stop::ReaderGone => f.write_str("the reader of standard output was closed"),
             Stop::Usage(sentence) | Stop::Ended(_, sentence) => f.write_str(sentence),
             Stop::Found(diagnostic) => f.write_str(&diagnostic.message),
         }

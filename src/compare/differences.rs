@@ -12,12 +12,12 @@ pub(crate) const MOST: usize = 1000;
 /// A sentence for a difference, with the place in the corrected program.
 pub(crate) fn diagnostic(difference: &ProgramDifference, [originals, correcteds]: [&[Source]; 2]) -> Diagnostic {
     let (original, corrected) = (at(&difference.original, originals), at(&difference.corrected, correcteds));
-    let again = "correct the original again; a change that is meant belongs into the original";
+    let again = "correct the original again; make an intended change in the original";
     let (code, message, help) = match &difference.what {
         What::Act { subject, before, after } => {
             let message = match (before, after) {
                 (Some(before), Some(after)) if before == after => {
-                    format!("{subject}: {before} ({original}) stands elsewhere, at {corrected}")
+                    format!("{subject}: {before} ({original}) has moved to {corrected}")
                 }
                 (Some(before), Some(after)) => format!("{subject}: {before} ({original}) became {after} ({corrected})"),
                 (Some(before), None) => format!("{subject}: {before} ({original}) is missing, near {corrected}"),
@@ -31,7 +31,7 @@ pub(crate) fn diagnostic(difference: &ProgramDifference, [originals, correcteds]
         What::Off { off_mm, limit_mm } => {
             let [off, limit] = [off_mm, limit_mm].map(|mm| um_from_mm(*mm));
             let message = format!(
-                "the tool is {off:.2} µm off its place at {corrected}, in the move of {original}; the correction promised {limit:.2} µm"
+                "the tool is {off:.2} µm off its position at {corrected}, in the move of {original}; the correction promised {limit:.2} µm"
             );
             (Code::OFF_PROMISE, message, "correct the original again, with the same machine file and state")
         }
@@ -44,7 +44,7 @@ pub(crate) fn diagnostic(difference: &ProgramDifference, [originals, correcteds]
         }
         What::Detour { off_mm, limit_mm } => {
             let message = format!(
-                "{corrected} leads {off_mm:.1} mm beside the way of the move of {original}; {limit_mm:.2} mm would be a correction"
+                "{corrected} is {off_mm:.1} mm off the path of the move of {original}; a correction would be at most {limit_mm:.2} mm"
             );
             (Code::OFF_PROMISE, message, "a rapid move may hit the workpiece there; correct the original again")
         }
@@ -83,12 +83,12 @@ pub(crate) fn line(origin: &Origin, source: Option<&Source>) -> String {
 pub(crate) fn unstated(word: &str, corrected: &Source) -> Diagnostic {
     let name = corrected.name();
     let message = format!(
-        "start of the program: {word} is missing before the first move of {name}; the control keeps what the program before has set"
+        "start of the program: {word} is missing before the first move of {name}; the control keeps the setting of the previous program"
     );
     Diagnostic::nowhere(
         Code::OTHER_ACT,
         message,
-        "correct the original again; a corrected program states how its numbers are to be read",
+        "correct the original again; a corrected program states how to read its numbers",
     )
 }
 
@@ -99,13 +99,16 @@ pub(crate) fn assigned(corrected: &Source) -> Vec<Diagnostic> {
     for (number, line) in corrected.bytes().split(|&byte| byte == corrected.line_end()).enumerate() {
         if let Some(name) = assigned_in(line).filter(|_| out.len() < MOST) {
             let place = Place { file: corrected.id(), span: Span::new(at, at + line.len()) };
-            let message =
-                format!("variable: {name} (line {} of {}) is new: it gets a value", number + 1, corrected.name());
+            let message = format!(
+                "variable: {name} (line {} of {}) is new: it is assigned a value",
+                number + 1,
+                corrected.name()
+            );
             out.push(Diagnostic::at(
                 Code::OTHER_ACT,
                 place,
                 message,
-                "take the line out; a corrected program has numbers only",
+                "remove the line; a corrected program has only numbers",
             ));
         }
         at += line.len() + 1;
@@ -158,10 +161,10 @@ pub(crate) fn skipped(corrected: &Source) -> Vec<Diagnostic> {
             let place = Place { file: corrected.id(), span: Span::new(at, at + line.len()) };
             let name = corrected.name();
             let message = format!(
-                "block skip: / (line {} of {name}) is new: a switch of the control leaves that block out",
+                "block skip: / (line {} of {name}) is new: a switch of the control skips that block",
                 number + 1
             );
-            let help = "take the / out; ncfix fix has decided with --skip which blocks stay";
+            let help = "remove the /; --skip of ncfix fix has decided which blocks stay";
             out.push(Diagnostic::at(Code::OTHER_ACT, place, message, help));
         }
         at += line.len() + 1;

@@ -27,35 +27,33 @@ pub(crate) fn promise(
     };
     if !emit::is_stamped(bytes) {
         if bytes == original.bytes() {
-            let message =
-                format!("{name} carries no stamp, and is the same as {}: nothing was corrected", original.name());
-            warn(Code::NO_STAMP, message, "compare a program with what ncfix fix has made from it");
+            let message = format!("{name} has no stamp and is the same as {}: nothing was corrected", original.name());
+            warn(Code::NO_STAMP, message, "compare a program with the output of ncfix fix for it");
             return promised.map(|_| assumed());
         }
-        let message =
-            format!("{name} carries no stamp: nobody can say for which machine, state and program it was made");
-        let help = "compare what ncfix fix has written; if somebody took the stamp out, correct the program again";
+        let message = format!("{name} has no stamp: it is not known for which machine, state and program it was made");
+        let help = "compare the output of ncfix fix; if the stamp was removed, correct the program again";
         warn(Code::NO_STAMP, message, help);
         return Some(assumed());
     }
     let is_changed = emit::is_stamp_changed(bytes);
     if is_changed == Some(true) {
         let message = format!("the stamp of {name} was changed since it was written");
-        let help = "what it promises is not believed, 1 µm or --promised counts; correct the program again";
+        let help = "its promised error is ignored, and 1 µm or --promised is used; correct the program again";
         warn(Code::NO_STAMP, message, help);
     }
     if let Some(model) = emit::stamped_model(bytes).filter(|model| *model != chosen.hash) {
-        let message = format!("{name} was corrected for the model {model}, and is compared on {}", chosen.hash);
-        warn(Code::OTHER_STAMP, message, "give --machine the machine file that it was corrected with");
+        let message = format!("{name} was corrected for the model {model}, but is compared on {}", chosen.hash);
+        warn(Code::OTHER_STAMP, message, "give with --machine the machine file used for the correction");
     } else if emit::is_stamped_for(bytes, &chosen.machine.name) == Some(false) {
         let message = format!("the stamp of {name} names another machine than {}", chosen.machine.name);
-        warn(Code::OTHER_STAMP, message, "give --machine the machine file that it was corrected with");
+        warn(Code::OTHER_STAMP, message, "give with --machine the machine file used for the correction");
     }
     let stamped_state = emit::stamped_state(bytes);
     if stamped_state != chosen.state {
         let said = |state: &Option<String>| state.clone().unwrap_or_else(|| "none".into());
         let message = format!(
-            "{name} was corrected for the state {}, and is compared in {}",
+            "{name} was corrected for the state {}, but is compared in {}",
             said(&stamped_state),
             said(&chosen.state)
         );
@@ -65,11 +63,11 @@ pub(crate) fn promise(
     let hash = short_hash([original.bytes()]);
     if let Some(source) = emit::stamped_source(bytes).filter(|source| *source != hash) {
         let message =
-            format!("{name} was made from a program with the hash {source}, and {} has {hash}", original.name());
+            format!("{name} was made from a program with the hash {source}, but {} has {hash}", original.name());
         warn(
             Code::OTHER_STAMP,
             message,
-            "give the program that it was made from; where that has changed, correct it again",
+            "give the program from which it was made; if that has changed, correct it again",
         );
     }
     if let Some(promise) = emit::stamped_promise(bytes).filter(|_| is_changed == Some(false)) {
@@ -78,10 +76,10 @@ pub(crate) fn promise(
     let promise = assumed();
     if promised.is_none() {
         let message = format!(
-            "the stamp of {name} does not say its tolerance in a way that can be believed; {} µm are assumed",
+            "the tolerance in the stamp of {name} is not plausible; {} µm are assumed",
             um_from_mm(promise.tolerance_mm)
         );
-        warn(Code::PROMISE_ASSUMED, message, "say it with --promised, or correct the program again");
+        warn(Code::PROMISE_ASSUMED, message, "give it with --promised, or correct the program again");
     }
     Some(promise)
 }

@@ -11,7 +11,7 @@ use ncfix_report::json::{Contouring, FeedLimit};
 pub(crate) fn servo<'m>(machine: &'m Machine, findings: &mut Diagnostics) -> Option<&'m Servo> {
     if machine.servo.is_none() {
         let message =
-            format!("the machine file of {} does not say how its axes follow a program at feed", machine.name);
+            format!("the machine file of {} does not describe how its axes follow a program at feed", machine.name);
         let help = "add [servo] with cycle_ms, smoothing_ms and corner_tolerance_um, and for every axis [servo.X] with velocity_gain_per_s, \
                     feed_forward and max_acceleration_m_s2: docs/reference/servo.md";
         findings.add(Diagnostic::nowhere(Code::NO_SERVO, message, help), &[]);

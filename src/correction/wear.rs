@@ -15,13 +15,13 @@ const SHORTEST_STEP_MM: f64 = 10.0;
 /// The finding about an output in which G41 is not allowed, or does not lead straight to the contour.
 pub(super) fn refusal(choice: &Options) -> Option<Diagnostic> {
     let message = if (choice.frame, choice.five_axis) != (OutputFrame::Work, FiveAxis::Tcp) {
-        "--compensation wear with --frame machine or --five-axis axes: controls compensate no radius in blocks with machine coordinates"
+        "--compensation wear is not possible with --frame machine or --five-axis axes: controls do not compensate the radius in blocks with machine coordinates"
     } else if choice.rapids == Rapids::All || choice.step_mm.is_some_and(|step_mm| step_mm < SHORTEST_STEP_MM) {
-        "--compensation wear with --rapids all or a --step below 10 mm: the motion to the contour would be several pieces, with a corner between the first one, where the control begins with the wear, and the contour"
+        "--compensation wear is not possible with --rapids all or a --step below 10 mm: the approach to the contour would have several pieces, with a corner after the first one, where the control begins with the wear"
     } else {
         return None;
     };
-    Some(Diagnostic::nowhere(Code::NO_WEAR, message, "leave out one of them"))
+    Some(Diagnostic::nowhere(Code::NO_WEAR, message, "remove one of them"))
 }
 
 /// Executes a written program as the control would with the largest wear to either side.
@@ -48,7 +48,7 @@ pub(super) fn try_both(
         let is_other = |found: &Diagnostic| found.is_error() || found.code == Code::ELEMENT_LEFT_OUT;
         let Some(found) = running.find_map(|item| item.err().filter(is_other)) else { continue };
         let message = format!("with a wear of {wear_mm:+} mm the control could not follow this: {}", found.message);
-        let help = "give the largest wear that will be entered with --largest-wear, or leave out --compensation wear; heights under compensation that the correction moves aside go better before G41 or behind G40";
+        let help = "give the largest wear that will be entered with --largest-wear, or leave out --compensation wear; move heights that the correction shifts sideways before G41 or after G40";
         let finding = Diagnostic { place: found.place, ..Diagnostic::nowhere(Code::NO_WEAR, message, help) };
         findings.add(finding, running.sources());
     }

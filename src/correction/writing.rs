@@ -38,15 +38,14 @@ impl Writing {
         };
         if options.frame == path::OutputFrame::Machine && !entry.has_machine_frame {
             return Err(Error::usage(format!(
-                "in the dialect '{dialect}' not every motion can be written in machine coordinates; leave out --frame machine \
-                 and --five-axis axes"
+                "in the dialect '{dialect}' not every motion can be written in machine coordinates; do not use --frame machine or --five-axis axes"
             )));
         }
         let machine = &chosen.machine;
         if choice.increment_mm.is_some() && machine.control.is_finer_than_read(dialect)[0] {
             let read_mm = machine.control.word_grid(dialect).map_or(0.0, |[linear_mm, _]| linear_mm);
             return Err(Error::usage(format!(
-                "--increment is finer than the {read_mm} mm on which the control puts the words that it reads: it would round what is written"
+                "--increment is finer than {read_mm} mm, to which the control rounds the words that it reads"
             )));
         }
         let writer = emit::WriterOptions {

@@ -54,7 +54,7 @@ pub(crate) fn open(path: &Path) -> Result<Option<Archive>, Error> {
     let shown = file.display();
     let entries = entries(&bytes).map_err(|at| {
         Error::usage(format!(
-            "{shown} is damaged: at byte {at} there is no entry whose sum is right; copy it from the control again"
+            "{shown} is damaged: at byte {at} there is no entry with a correct checksum; copy it from the control again"
         ))
     })?;
     let member =
@@ -69,8 +69,8 @@ pub(crate) fn open(path: &Path) -> Result<Option<Archive>, Error> {
     let found: Vec<&Entry> = entries.iter().filter(is_meant).collect();
     let main = match found.as_slice() {
         [only] => entries.iter().position(|entry| entry == *only).unwrap_or(0),
-        [] if member.is_empty() => return Err(Error::usage(format!("{shown} holds no main program"))),
-        [] => return Err(Error::usage(format!("{shown} holds no file {member}"))),
+        [] if member.is_empty() => return Err(Error::usage(format!("{shown} has no main program"))),
+        [] => return Err(Error::usage(format!("{shown} has no file {member}"))),
         several => {
             let mut names: Vec<String> =
                 several.iter().map(|entry| format!("{}/{}", entry.folder, entry.name)).collect();
@@ -78,7 +78,7 @@ pub(crate) fn open(path: &Path) -> Result<Option<Archive>, Error> {
             let more = if names.len() > SHOWN { " …" } else { "" };
             let list = names.iter().take(SHOWN).cloned().collect::<Vec<_>>().join(", ");
             return Err(Error::usage(format!(
-                "{shown} holds {} such programs; name one behind the archive, for example {shown}/{}: {list}{more}",
+                "{shown} has {} such programs; name one after the archive, for example {shown}/{}: {list}{more}",
                 names.len(),
                 names.first().map_or("", String::as_str)
             )));

@@ -28,7 +28,7 @@ impl AtomicWrites {
     /// A sentence where the disk has no room for it.
     pub(crate) fn put(&mut self, mut spool: Spool) -> Result<(), Error> {
         if let Some(other) = self.spools.iter().find(|other| other.target().is_also(spool.target())) {
-            let message = format!("two outputs of this run would be {}; give each a file of its own", other.target());
+            let message = format!("two outputs of this run would be {}; give each its own file", other.target());
             return Err(Error::usage(message));
         }
         spool.settle()?;

@@ -89,7 +89,7 @@ pub(crate) fn bytes_of(path: &Path, most: usize) -> io::Result<Vec<u8>> {
     let bytes = read_bounded(&mut file, most, bytes)?;
     if Fingerprint::of(&file.metadata()?) != before {
         // Half of it may be old and half of it new.
-        return Err(io::Error::other("somebody wrote to it while it was read; run the command again"));
+        return Err(io::Error::other("the file changed while it was read; run the command again"));
     }
     Ok(bytes)
 }

@@ -166,7 +166,7 @@ fn read_with(
         findings.add(
             Diagnostic::nowhere(
                 Code::BAD_VALUE,
-                format!("controller '{}' in {} is no dialect", machine.controller, source.name()),
+                format!("controller '{}' in {} is not a dialect", machine.controller, source.name()),
                 format!("write one of {}", dialect_names()),
             ),
             &[],
@@ -181,7 +181,7 @@ fn read_with(
                 Diagnostic::nowhere(
                     Code::BAD_VALUE,
                     format!(
-                        "'{word}' in control.initial_codes of {} is no modal code that changes no position",
+                        "'{word}' in control.initial_codes of {} is not a modal code, or it changes positions",
                         source.name()
                     ),
                     "write codes such as \"G64\", \"CFTCP\", \"SOFT\"; the zero offset is control.initial_zero_offset",

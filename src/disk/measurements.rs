@@ -22,7 +22,7 @@ use ncfix_report::inputs::InputFile;
 pub(crate) fn description_of(table: &Path) -> Result<PathBuf, Error> {
     measurement::description_of(table).ok_or_else(|| {
         let name = table.display();
-        Error::usage(format!("a measurement is a pair of files, NAME.csv and NAME.toml; '{name}' is no NAME.csv"))
+        Error::usage(format!("a measurement is a pair of files, NAME.csv and NAME.toml; '{name}' is not a NAME.csv"))
     })
 }
 
@@ -87,7 +87,7 @@ fn read_for(
     let mut all = sources.to_vec();
     let control = |described: &Described| -> Result<Option<Source>, Error> {
         let Some(path) = measurement::control_file(table, described) else { return Ok(None) };
-        let file = files::read(&path, FileId(u16::MAX), "what the control recorded")?;
+        let file = files::read(&path, FileId(u16::MAX), "record of the control")?;
         all.push(file.clone());
         Ok(Some(file))
     };

@@ -142,9 +142,9 @@ fn newer(file: &OneFile, old: Old<'_>) -> Error {
     let message = match (old, file.before) {
         (Old::Kept(_), _) => format!("{path} has changed since this run read it"),
         (Old::Replaced, Some(_)) => format!("{path} has changed since this run began"),
-        (Old::Replaced, None) => format!("{path} has come into being since this run began"),
+        (Old::Replaced, None) => format!("{path} was created after this run began"),
     };
-    let help = "what is there now stays; look at it, then run the command again";
+    let help = "the present file is kept; check it, then run the command again";
     Error::one(Diagnostic::nowhere(Code::NEWER_FILE, message, help))
 }
 

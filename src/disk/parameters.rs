@@ -28,7 +28,7 @@ pub(crate) fn choose(
 ) -> Result<Option<Vec<Parameter>>, Error> {
     if let Some(preset) = find(model) {
         let parameters = (preset.parameters)(machine).map_err(|reason| {
-            Error::usage(format!("preset {model} does not suit the machine {}: {reason}", machine.name))
+            Error::usage(format!("preset {model} is not applicable to the machine {}: {reason}", machine.name))
         })?;
         return Ok(Some(parameters.into_iter().map(Parameter::from).collect()));
     }
@@ -36,7 +36,7 @@ pub(crate) fn choose(
     if !path.is_file() {
         let known: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
         let known = known.join(", ");
-        return Err(Error::usage(format!("--model {model} is no file and no preset; the presets are {known}")));
+        return Err(Error::usage(format!("--model {model} is neither a file nor a preset; the presets are {known}")));
     }
     let source = files::read_written(path, FileId(0), "parameters of the model, --model")?;
     let (parameters, found) = read(&source, machine, errors);
@@ -73,7 +73,7 @@ pub(crate) fn candidates(
     if all.len() > MOST {
         let count = all.len();
         return Err(Error::usage(format!(
-            "--select gives {count} candidates, of which {MOST} can be tried; give wider --knots"
+            "--select gives {count} candidates, but at most {MOST} can be tested; give wider --knots"
         )));
     }
     Ok(Some(all))
@@ -91,8 +91,7 @@ fn named(
         Some(component) => of_component(component, data, pieces),
         None => vec![word.parse::<ParameterName>().map_err(|_| {
             Error::usage(format!(
-                "--select {word} is no preset, no error such as EXX, no parameter such as EXX2@150 and no file; motion has all motion errors of the \
-                 linear axes"
+                "--select {word} is not a preset, an error such as EXX, a parameter such as EXX2@150 or a file; motion has all motion errors of the linear axes"
             ))
         })?],
     };

@@ -84,8 +84,8 @@ impl Files {
         let mark = format::multiplication_of(source);
         let fault = self.mark.zip(mark).filter(|(known, own)| known != own).map(|_| {
             let place = Place { file: source.id(), span: Span::new(0, 1) };
-            let message = "its products are for another reading than those of the files before";
-            Diagnostic::at(Code::BAD_TABLES, place, message, "make all of them for one --multiplication")
+            let message = "its products are for another --multiplication than those of the files before it";
+            Diagnostic::at(Code::BAD_TABLES, place, message, "make all of them for the same --multiplication")
         });
         self.mark = self.mark.or(mark);
         fault
@@ -140,7 +140,7 @@ pub(crate) fn read(
     let formats: Vec<_> = files.sets.iter().filter(|(_, set)| !set.is_empty()).map(|(format, _)| *format).collect();
     let mut tables = joined(files.sets, &names, reading, findings);
     if tables.is_empty() && !findings.has_errors() {
-        return Err(Error::usage(format!("no compensation table is in use in {names}")));
+        return Err(Error::usage(format!("{names} has no compensation table in use")));
     }
     tables.multiplication = Multiplication::Instead;
     if tables.lookups.iter().any(|one| one.factor.is_some()) {
@@ -166,17 +166,20 @@ fn joined(
         whole.multiplication = Multiplication::Instead;
         (format.round)(&mut whole);
         for message in format.faults_of(&whole, reading.wiring) {
-            fault(message, "see that the file is whole and of this control; --format reads it as another one's");
+            fault(
+                message,
+                "check that the file is complete and of this control; --format reads it as that of another control",
+            );
         }
         if !all.add(tables) {
-            let message = format!("the tables of {} are beside others of their kind", format.title);
+            let message = format!("the tables of {} and others describe the same errors", format.title);
             fault(message, "name the files of one control only");
         }
     }
     let lacks = |axis: &Axis| reading.machine.is_some_and(|machine| machine.axis(*axis).is_none());
     for axis in AXES.into_iter().filter(lacks).filter(|&axis| all.names(axis)) {
-        let help = "leave out the table, or say which axis it is: axis_order in the machine file, --axis-name";
-        fault(format!("a table is of axis {axis}, which the machine lacks"), help);
+        let help = "remove the table, or state which axis it is: axis_order in the machine file, --axis-name";
+        fault(format!("a table is for axis {axis}, which the machine does not have"), help);
     }
     all
 }
@@ -190,13 +193,14 @@ fn multiplication(
 ) -> Multiplication {
     match (asked, mark) {
         (Some(asked), Some(mark)) if asked != mark => {
-            let message = format!("{names}: its products are written for a control that reads them the other way");
+            let message =
+                format!("{names}: its products are written for a control with the other table_multiplication");
             let help = "make the file again with the --multiplication of the control, or correct table_multiplication";
             findings.add(Diagnostic::nowhere(Code::UNUSED_TABLE, message, help), &[]);
         }
         (None, None) => {
-            let message = format!("{names}: the product of two tables is taken instead of the own value");
-            let help = "say what the control does: --multiplication, or table_multiplication in the machine file";
+            let message = format!("{names}: the product of two tables is used instead of the table's own value");
+            let help = "state what the control does: --multiplication, or table_multiplication in the machine file";
             findings.add(Diagnostic::nowhere(Code::PRODUCTS_ASSUMED, message, help), &[]);
         }
         _ => {}
@@ -214,9 +218,9 @@ fn left_out(
     let is_read = |other: &Format| formats.iter().any(|one| one.name == other.name);
     let others = guesses.iter().filter(|other| format.beside.contains(&other.name) && !is_read(other));
     let told = others.map(|other| {
-        let message = format!("the file has tables of {} too, which are left out", other.title);
+        let message = format!("the file also has tables of {}, which are ignored", other.title);
         let place = Place { file: source.id(), span: Span::new(0, 1) };
-        Diagnostic::at(Code::UNUSED_TABLE, place, message, "leave out --format to read all of them")
+        Diagnostic::at(Code::UNUSED_TABLE, place, message, "remove --format to read all of them")
     });
     told.collect()
 }
@@ -254,14 +258,14 @@ fn again(source: &Source, numbers: &BTreeSet<usize>, earlier: &[(Source, BTreeSe
     };
     for (other, known) in earlier {
         if other.bytes() == source.bytes() {
-            let message = format!("this is {} once more", other.name());
-            return fault(message, "name each file once: the control has its tables once");
+            let message = format!("this is {} again", other.name());
+            return fault(message, "give each file only once");
         }
         if let Some(number) = numbers.intersection(known).next() {
-            let message = format!("table {number} is in {} too", other.name());
+            let message = format!("table {number} is also in {}", other.name());
             return fault(
                 message,
-                "name the files that are in the control now: of two with a table it has the later one",
+                "give the files that are now in the control: the later file replaces a table of an earlier one",
             );
         }
     }
@@ -273,7 +277,7 @@ fn second(source: &Source, new: &[(Axis, Axis, Sense)], known: &[(Axis, Axis, Se
     let (input, output, _) = new.iter().find(|one| known.contains(one))?;
     let place = Place { file: source.id(), span: Span::new(0, 1) };
     let message = format!("a second table of {output} over {input}");
-    Some(Diagnostic::at(Code::BAD_TABLES, place, message, "name the files that are in the control now"))
+    Some(Diagnostic::at(Code::BAD_TABLES, place, message, "give the files that are now in the control"))
 }
 
 /// The control with the tables that a machine file names as active, and the files; `None` if there are errors.
@@ -315,10 +319,10 @@ fn members(path: &Path) -> Result<(Vec<Source>, Vec<Source>), Error> {
 fn not_read(program: &Source) -> Diagnostic {
     let place = Place { file: program.id(), span: Span::new(0, 1) };
     let help = "save the tables of the control as they are now, NC active data, if it ran";
-    Diagnostic::at(Code::UNUSED_TABLE, place, "a program with variables of tables, which is not read", help)
+    Diagnostic::at(Code::UNUSED_TABLE, place, "a program with table variables, which is not read", help)
 }
 
 fn unknown(path: &Path) -> Error {
     let names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
-    Error::usage(format!("nothing in {} tells its format; give --format: {}", path.display(), names.join(", ")))
+    Error::usage(format!("the format of {} is not recognized; give --format: {}", path.display(), names.join(", ")))
 }

@@ -45,7 +45,7 @@ pub(crate) fn read(
     let Some(described) = described else { return Ok(None) };
     let mut control = None;
     if let Some(path) = control_file(table, &described) {
-        sources.push(files::read(&path, id(3), "what the control recorded")?);
+        sources.push(files::read(&path, id(3), "record of the control")?);
         match xml::read(&sources[2], &described.signals, machine) {
             Ok(signals) => control = Some(signals),
             Err(found) => {
@@ -86,7 +86,7 @@ pub(crate) fn joined(all: Vec<Read>, findings: &mut Diagnostics) -> Option<(Trac
                 && whole.free == one.trace.free
                 && whole.runs.first().map(|run| run.tool_mm) == one.trace.runs.first().map(|run| run.tool_mm);
             if !is_same {
-                let help = "divide each set-up by itself: ball, tool and free must be the same in all traces";
+                let help = "decompose each set-up separately: ball, tool and free must be the same in all traces";
                 findings
                     .add(Diagnostic::at(Code::BAD_VALUE, place, "this trace has another set-up", help), &one.sources);
                 return None;

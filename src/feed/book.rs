@@ -27,13 +27,13 @@ pub(super) struct Book {
 pub(crate) fn check(path: &Path, findings: &mut Diagnostics) -> Result<(), Error> {
     let shown = path.display();
     if std::fs::metadata(path).is_ok_and(|data| !data.is_file()) {
-        let message = format!("{shown} is no file");
+        let message = format!("{shown} is not a file");
         findings.add(Diagnostic::nowhere(Code::UNFINISHED_JOB, message, "give a file with --journal"), &[]);
         return Ok(());
     }
     if is_held(path) {
         let message = format!("{shown} is the journal of a job that is running");
-        let help = "wait for its end, or give another file with --journal";
+        let help = "wait until it ends, or give another file with --journal";
         findings.add(Diagnostic::nowhere(Code::UNFINISHED_JOB, message, help), &[]);
         return Ok(());
     }
@@ -46,12 +46,12 @@ pub(crate) fn check(path: &Path, findings: &mut Diagnostics) -> Result<(), Error
         Ok(told) if gives_way(&told) => return Ok(()),
         Ok(told) => (
             format!(
-                "{shown} is the journal of a job that was broken off: {} lines sent, {} acknowledged",
+                "{shown} is the journal of an aborted job: {} lines sent, {} acknowledged",
                 told.frozen, told.acknowledged
             ),
-            format!("look at `ncfix resume {shown}`, or remove it, or give another one with --journal"),
+            format!("run `ncfix resume {shown}`, or remove it, or give another file with --journal"),
         ),
-        Err(_) => (format!("{shown} is there and is no journal"), "give another file with --journal".to_owned()),
+        Err(_) => (format!("{shown} exists and is not a journal"), "give another file with --journal".to_owned()),
     };
     findings.add(Diagnostic::nowhere(Code::UNFINISHED_JOB, message, help), &[]);
     Ok(())
@@ -111,7 +111,7 @@ fn take(path: &Path, expected: Option<&[u8]>) -> Result<(), Error> {
         None => read_journal(&String::from_utf8_lossy(&bytes)).is_ok_and(|told| gives_way(&told)),
     };
     if !is_free {
-        return Err(Error::usage(format!("{} has changed meanwhile: look at it again", path.display())));
+        return Err(Error::usage(format!("{} has changed meanwhile: check it again", path.display())));
     }
     std::fs::rename(path, kept(path)).and_then(|()| supersede(&file, &bytes, path)).map_err(|error| fault(&error))
 }
@@ -186,7 +186,9 @@ impl Store for Book {
         match self.ask.try_send(()) {
             // One that waits is enough.
             Ok(()) | Err(TrySendError::Full(())) => Ok(()),
-            Err(TrySendError::Disconnected(())) => Err(io::Error::other("the journal is not written through any more")),
+            Err(TrySendError::Disconnected(())) => {
+                Err(io::Error::other("the journal can no longer be written to the disk"))
+            }
         }
     }
 }

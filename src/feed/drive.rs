@@ -156,7 +156,7 @@ fn wait_for_sensors(thermal: &Thermal, view: &mut dyn FeedView, started: Instant
         };
         if started.elapsed() > FIRST_READING {
             let message = format!(
-                "{said}, for {} s: look at `ncfix sensors … --watch`; nothing was sent",
+                "{said}, for {} s: check with `ncfix sensors … --watch`; nothing was sent",
                 FIRST_READING.as_secs()
             );
             return Err(NotBegun::Ended(FeedEnd::Sensors, message));
@@ -248,7 +248,7 @@ impl Drive<'_> {
     fn watch(&mut self, thermal: &Thermal, now: Duration) {
         if self.view.is_stopped() {
             let halt = if self.halted.is_some() { Halt::Hold } else { Halt::Stop };
-            self.halt(halt, FeedEnd::Stopped, "stopped by a person", now);
+            self.halt(halt, FeedEnd::Stopped, "stopped by the user", now);
         }
         match thermal.standing().0 {
             Standing::Stop(why) if self.halted.is_none() => self.halt(Halt::Stop, FeedEnd::Sensors, &why, now),
@@ -272,8 +272,7 @@ impl Drive<'_> {
         let (open, held) = (self.sender.progress().in_flight.0, self.held());
         let what = said.unwrap_or_else(|| {
             format!(
-                "this link has no word to hold the axes: use the control's own; ncfix leaves, and the {open} lines under way may still \
-                 be carried out, and {held}"
+                "this link has no command to hold the axes: use feed hold of the control; ncfix ends, and the {open} lines sent may still be executed, and {held}"
             )
         });
         let message = format!("{why}: {what}");
@@ -302,16 +301,16 @@ impl Drive<'_> {
         let held = taken.saturating_sub(progress.executed.unwrap_or(0));
         let mut what = format!("the job is lost: {why}; {open} lines were sent and not acknowledged");
         if held > 0 {
-            what += &format!(", and of the {held} before them {} may still have waited", self.held());
+            what += &format!(", and {} of the {held} before them may still have waited", self.held());
         }
-        what + ": each of these may have been carried out or not"
+        what + ": each of these may or may not have been executed"
     }
 
     /// The message for blocks that the control has received and possibly not executed.
     fn held(&self) -> String {
         match self.sender.progress().holds.max(self.bound) {
             Some(most) => format!("up to {most} blocks that the control holds"),
-            None => "those that the control holds, which it does not tell,".to_owned(),
+            None => "those that the control holds, whose number it does not report,".to_owned(),
         }
     }
 
@@ -327,20 +326,17 @@ impl Drive<'_> {
             Some(Ended::Done) => (Some(FeedOutcome::Done), None),
             Some(Ended::Stopped) => {
                 let why = self.halted.as_ref().map_or("stopped", |(_, _, why, _)| why.as_str());
-                let what = if progress.left > 0 { "has left" } else { "was answered" };
-                (
-                    Some(FeedOutcome::Stopped),
-                    Some(format!("{why}; all that was sent {what}, and nothing else was sent")),
-                )
+                let what = if progress.left > 0 { "was sent" } else { "was answered" };
+                (Some(FeedOutcome::Stopped), Some(format!("{why}; all that was sent {what}; nothing else was sent")))
             }
             Some(Ended::Held(why)) => (Some(FeedOutcome::Held), Some(why.clone())),
             Some(Ended::Lost(why)) => (Some(FeedOutcome::Lost), Some(self.lost(why, progress))),
             Some(Ended::Refused(number, said)) => {
-                (Some(FeedOutcome::Refused), Some(format!("the control has refused line {number}: {said}")))
+                (Some(FeedOutcome::Refused), Some(format!("the control refused line {number}: {said}")))
             }
             Some(Ended::Fault(why)) => (
                 Some(FeedOutcome::Fault),
-                Some(format!("no further line was sent: {why}; what was sent before has run out")),
+                Some(format!("no further line was sent: {why}; all earlier lines were executed")),
             ),
         };
         Status {

@@ -98,10 +98,10 @@ impl Transfer {
             return None;
         }
         let message = format!(
-            "the link {} has no question whether the machine stands still; lines that are sent into a machine that moves run into what it does",
+            "the link {} cannot ask whether the machine stands still; lines sent to a moving machine would be executed after its current motion",
             profile.name
         );
-        let help = "look at the machine: no program runs, nothing moves, no alarm stands. Then add --i-checked-the-machine-stands-still";
+        let help = "check the machine: no program runs, nothing moves, no alarm is active. Then add --i-checked-the-machine-stands-still";
         Some(Diagnostic::nowhere(Code::IDLE_UNKNOWN, message, help))
     }
 
@@ -140,7 +140,7 @@ impl Transfer {
 /// The finding for missing sensors of the model.
 fn missing(names: &[&str]) -> Diagnostic {
     let message = format!(
-        "neither the sensors nor the state have a temperature of {}, and the error model needs it",
+        "neither the sensors nor the state have a temperature of {}, which the error model needs",
         names.join(", ")
     );
     Diagnostic::nowhere(

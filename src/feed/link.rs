@@ -139,9 +139,7 @@ fn shipped(link: &str, links: &Links) -> Result<Source, Error> {
     let Some(found) = links.iter().find(|shipped| shipped.name.eq_ignore_ascii_case(link)) else {
         let names: Vec<&str> = links.names().collect();
         let names = names.join(", ");
-        return Err(Error::usage(format!(
-            "there is no link '{link}'; write one of {names}, or a profile file (.toml)"
-        )));
+        return Err(Error::usage(format!("unknown link '{link}'; write one of {names}, or a profile file (.toml)")));
     };
     let too_large = |_| Error::usage(format!("the profile {} is too large", found.name));
     Source::new(FileId(0), &found.name, found.text.as_bytes().to_vec()).map_err(too_large)

@@ -45,16 +45,16 @@ pub(crate) fn read(path: &Path) -> Result<Broken, Error> {
     let text = String::from_utf8_lossy(source.bytes()).into_owned();
     let told = read_journal(&text).map_err(|(line, why)| Error::usage(format!("{shown}:{line}: {why}")))?;
     if told.ended == Some(JournalEnd::Done) {
-        return Err(Error::usage(format!("the job of {shown} is done: there is nothing to take up again")));
+        return Err(Error::usage(format!("the job of {shown} is complete: there is nothing to resume")));
     }
     if let Some(JournalEnd::TakenUp(other)) = &told.ended
         && !is_empty(other)
     {
-        return Err(Error::usage(format!("the job of {shown} was taken up again: its journal is {other}")));
+        return Err(Error::usage(format!("the job of {shown} was resumed: its journal is {other}")));
     }
     if told.frozen == 0 && !head(&told, HeadKey::Resumed).is_empty() {
         return Err(Error::usage(format!(
-            "{shown} has no line: the control took none when the job was to be taken up again; look at the newest journal beside it, `ncfix resume {shown}.old` or .old1 …"
+            "{shown} has no line: the control accepted none when the job was resumed; use the newest journal beside it, `ncfix resume {shown}.old` or .old1 …"
         )));
     }
     Ok(Broken { source, told })
@@ -68,7 +68,7 @@ pub(crate) fn began_with(told: &JournalContents) -> Result<impl Iterator<Item = 
     let folder = std::env::current_dir().map(|folder| folder.display().to_string()).unwrap_or_default();
     let began_in = head(told, HeadKey::Folder);
     if folder != began_in {
-        return Err(Error::usage(format!("the job began in the folder {began_in}; go there first")));
+        return Err(Error::usage(format!("the job began in the folder {began_in}; change to it first")));
     }
     Ok(told.head.iter().filter(|(key, _)| *key == HeadKey::Argument).map(|(_, value)| value.as_str()))
 }
@@ -97,8 +97,8 @@ pub(crate) fn check_same(told: &JournalContents, job: &Transfer, before: &Before
         ("the version of ncfix", first(HeadKey::Version), env!("CARGO_PKG_VERSION")),
     ] {
         if was != is {
-            let message = format!("{what} is not the one with which the job began ({was}, now {is})");
-            let help = "bring back what it was, or machine the workpiece in another way";
+            let message = format!("{what} has changed since the job began (was {was}, is {is})");
+            let help = "restore it, or machine the workpiece in another way";
             findings.add(Diagnostic::nowhere(Code::OTHER_JOB, message, help), &[]);
         }
     }
@@ -130,37 +130,38 @@ fn refusal(found: &SearchOutcome, clearance_mm: Option<f64>) -> Option<Diagnosti
         SearchOutcome::Place(_) | SearchOutcome::Beginning(..) => return None,
         SearchOutcome::NotStated(highest_z_mm) => {
             let highest = highest_z_mm
-                .map_or(String::new(), |mm| format!("; all that is machined ends at Z {mm:.3} mm of the program"));
+                .map_or(String::new(), |mm| format!("; all machined surfaces end at Z {mm:.3} mm of the program"));
             (
                 Code::NOT_CLEAR,
                 format!(
-                    "no height is stated over which the tool may go to where the program is taken up again: nobody but you knows how high workpiece and clamps stand{highest}"
+                    "no height is given at which the tool may move to the resume position: the height of workpiece and clamps is not known{highest}"
                 ),
-                "state a height that is clear of workpiece and clamps, Z of the program with its unit: --clearance 25mm".to_owned(),
+                "give a height clear of workpiece and clamps, Z of the program with its unit: --clearance 25mm"
+                    .to_owned(),
             )
         }
         SearchOutcome::TooLow(highest_z_mm) => (
             Code::CLEARANCE_TOO_LOW,
             format!(
-                "--clearance {stated_mm:.3} mm is not {CLEAR_MM} mm above all that is machined, which ends at Z {highest_z_mm:.3} mm of the program"
+                "--clearance {stated_mm:.3} mm is not {CLEAR_MM} mm above all machined surfaces, which end at Z {highest_z_mm:.3} mm of the program"
             ),
-            "state a height above that, and above the workpiece and its clamps".to_owned(),
+            "give a height above that, and above the workpiece and its clamps".to_owned(),
         ),
         SearchOutcome::OutOfTravel([low_mm, high_mm]) => (
             Code::CLEARANCE_TOO_LOW,
             format!(
-                "--clearance {stated_mm:.3} mm is outside of the travel of Z, which goes from {low_mm:.3} to {high_mm:.3} mm of the program with the tool and the zero offset there"
+                "--clearance {stated_mm:.3} mm is outside the travel of Z, {low_mm:.3} to {high_mm:.3} mm of the program with the tool and zero offset active there"
             ),
-            "state a height within it; look at its unit, and at axis.Z.travel_mm in the machine file".to_owned(),
+            "give a height within it; check its unit, and axis.Z.travel_mm in the machine file".to_owned(),
         ),
         SearchOutcome::Nothing(why) => {
             let message = match why {
-                Why::Tilted => "the tool was tilted against Z: lifting Z draws it sideways through the workpiece".to_owned(),
+                Why::Tilted => "the tool was tilted against Z: lifting Z would pull it sideways through the workpiece".to_owned(),
                 Why::HeightUnknown(line) => {
-                    format!("line {line} of the source machines at a height that the program does not state: what is above it is not known")
+                    format!("line {line} of the source machines at a height that the program does not state: the space above it is not known")
                 }
                 Why::BeginningCrosses => {
-                    "only the beginning is left, and nothing can lift the tool to the stated height before it: behind a tool, its length or a word of unknown effect Z means something else"
+                    "only a restart from the beginning is possible, but nothing can lift the tool to the given height before it: after a tool, its length or a word of unknown effect, Z has another meaning"
                         .to_owned()
                 }
             };

@@ -137,12 +137,12 @@ impl<'a> LineSource<'a> {
             .map(|axis| (axis, line.target[axis.slot()]))
             .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
         let Some((axis, shift_mm)) = largest else { return Ok(()) };
-        let said = || format!("temperatures ask for {:+.1} µm in {axis}", um_from_mm(shift_mm));
+        let said = || format!("temperatures require {:+.1} µm in {axis}", um_from_mm(shift_mm));
         // A value that is not a number exceeds every limit.
         if shift_mm.is_nan() || shift_mm.abs() > self.max_shift_mm {
             let limit = um_from_mm(self.max_shift_mm);
             return Err(format!(
-                "{} at line {} of the source, more than {limit} µm (--max-shift); look at the sensors and the model",
+                "{} at line {} of the source, more than {limit} µm (--max-shift); check the sensors and the model",
                 said(),
                 line.source_line
             ));
@@ -179,7 +179,7 @@ impl LineSource<'_> {
             Ok(Made::End) => self.ended = Some(Ok(())),
             Err(TryRecvError::Empty) => {}
             Err(TryRecvError::Disconnected) => {
-                self.ended = Some(Err("the execution of the program has broken off".into()));
+                self.ended = Some(Err("the execution of the program was aborted".into()));
             }
         }
     }

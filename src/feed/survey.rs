@@ -61,7 +61,7 @@ pub(crate) fn run(
     }
     let forecast = forecaster.finish();
     if forecast.lines == 0 {
-        return Err(Error::usage("the program has no line that could be sent".into()));
+        return Err(Error::usage("the program has no line to send".into()));
     }
     let late = |stretch: &ncfix_dnc::feed::Stretch| Late {
         source_lines: stretch.source_lines,
@@ -158,21 +158,21 @@ fn judge(allows_starvation: bool, before: &Before, findings: &mut Diagnostics) {
     let Some(worst) = before.late.first() else { return };
     let [first, last] = worst.source_lines;
     let message = format!(
-        "the control will stand still for {:.1} s of {:.1} s; lines {first} to {last} of the source need {} lines/s, {} come{}",
+        "the control will stand still for {:.1} s of {:.1} s; lines {first} to {last} of the source need {} lines/s, {} arrive{}",
         before.starved_s,
         before.total_s,
         rate(worst.needed_per_s),
         rate(worst.given_per_s),
-        if before.line_by_line { ", as this link takes line by line" } else { "" }
+        if before.line_by_line { ", because this link sends line by line" } else { "" }
     );
     let is_much = before.starved_s > LEAST_STARVED_S.max(MOST_STARVED * before.motion_s);
     let help = if before.line_by_line {
         "load the corrected program into the control (`ncfix IN -o OUT`), or choose a larger --tolerance for fewer lines"
     } else {
-        "choose a higher baud rate, a larger --tolerance or no numbers of blocks, or load the corrected program into the control"
+        "choose a higher baud rate, a larger --tolerance or no block numbers, or load the corrected program into the control"
     };
     let (code, help) = if is_much && !allows_starvation {
-        (Code::STARVED, format!("{help}; --allow-starvation sends it all the same"))
+        (Code::STARVED, format!("{help}; --allow-starvation sends it anyway"))
     } else {
         (Code::STARVING, help.to_owned())
     };

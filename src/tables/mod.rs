@@ -243,8 +243,10 @@ impl Tables {
     pub(crate) fn files_at(&self, output: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
         let written = (self.format.write)(&self.tables, &self.wiring, &self.notes);
         if is_standard_stream(output) && written.len() > 1 {
-            let what = format!("{} are {} files, and standard output is one", self.format.title, written.len());
-            return Err(Error::usage(format!("{what}; give -o the name that they begin with, such as -o mill")));
+            let what = format!("{} are {} files, but standard output is only one", self.format.title, written.len());
+            return Err(Error::usage(format!(
+                "{what}; give with -o the beginning of their names, for example -o mill"
+            )));
         }
         let stem = output.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let name = |suffix: &str| {
@@ -301,7 +303,7 @@ fn of_name(machine: &Machine, name: &str) -> Result<&'static Format, Error> {
     let formats = &machine.registry.formats;
     let names = || formats.names().collect::<Vec<_>>().join(", ");
     let found = formats.iter().copied().find(|one| one.name.eq_ignore_ascii_case(name));
-    found.ok_or_else(|| Error::usage(format!("there is no format '{name}'; the formats are {}", names())))
+    found.ok_or_else(|| Error::usage(format!("unknown format '{name}'; the formats are {}", names())))
 }
 
 /// The scheme of a name; `None` for `auto`.
@@ -312,7 +314,7 @@ pub(crate) fn scheme_of(schemes: &Schemes, name: &str) -> Result<Option<&'static
     let scheme = schemes.iter().copied().find(|scheme| scheme.name.eq_ignore_ascii_case(name));
     if scheme.is_none() && !name.eq_ignore_ascii_case("auto") {
         let names: Vec<&str> = schemes.iter().map(|scheme| scheme.name).chain(["auto"]).collect();
-        return Err(Error::usage(format!("'{name}' is no scheme; the schemes are {}", names.join(", "))));
+        return Err(Error::usage(format!("unknown scheme '{name}'; the schemes are {}", names.join(", "))));
     }
     Ok(scheme)
 }
@@ -354,7 +356,7 @@ fn notes(machine: &Machine, request: &TablesRequest<'_>, format: &Format, made: 
         format!("ncfix {version}: machine {name} ({hash}{state}), scheme {}", made.scheme),
         tool_remark(&request.tool_mm),
         format!("tip error over the volume, rms: {without:.3} um without, {with:.3} um with these tables"),
-        format!("{}; measure before and after: with the wrong sign errors double", format.sign),
+        format!("{}; measure before and after: a wrong sign doubles the errors", format.sign),
     ];
     let ranges = request.asked_ranges();
     if !ranges.is_empty() {

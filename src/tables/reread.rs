@@ -90,7 +90,7 @@ impl Reread<'_> {
         let mut converted = None;
         if self.is_converted {
             let Some(format) = self.format else {
-                return Err(Error::usage("give --format to convert the tables, or leave -o out".into()));
+                return Err(Error::usage("give --format to convert the tables, or remove -o".into()));
             };
             let mut tables = read.tables.clone();
             (format.round)(&mut tables);

@@ -67,7 +67,7 @@ impl<T: ?Sized + Registered> Register<T> {
             return Err(Refused(format!("a {} has no name", T::KIND)));
         }
         if self.find(entry.name()).is_some() {
-            return Err(Refused(format!("there is a {} \"{}\" already", T::KIND, entry.name())));
+            return Err(Refused(format!("a {} \"{}\" already exists", T::KIND, entry.name())));
         }
         if let Some(why) = self.iter().find_map(|known| known.conflict(&entry)) {
             return Err(Refused(format!("{} \"{}\": {why}", T::KIND, entry.name())));
@@ -167,7 +167,7 @@ mod tests {
     #[test]
     fn a_second_of_the_same_name_is_refused() {
         let add = |name| Register::<dyn Tool>::default().try_with(Named(name)).err().map(|refused| refused.0);
-        assert_eq!(add("saw").as_deref(), Some("there is a tool \"saw\" already"));
+        assert_eq!(add("saw").as_deref(), Some("a tool \"saw\" already exists"));
         assert_eq!(add("axe").as_deref(), Some("tool \"axe\": a saw is there"));
         assert_eq!(add("").as_deref(), Some("a tool has no name"));
         assert_eq!(add("plane"), None);

@@ -242,7 +242,7 @@ mod tests {
             let lines = text.lines().filter(|line| !line.starts_with('#') && !line.is_empty()).count();
             let table = dialect.codes();
             assert_eq!(table.rows().len(), lines, "{}", dialect.name);
-            assert_eq!(table.by_name.len(), lines, "{}: a code stands twice in the table", dialect.name);
+            assert_eq!(table.by_name.len(), lines, "{}: the table lists a code twice", dialect.name);
             for row in table.rows() {
                 let is_word = |word: &str| {
                     let first = word.as_bytes()[0];

@@ -35,7 +35,7 @@ impl Detector {
         extensions: &[&str],
         mark: &str,
     ) -> Result<Detector, String> {
-        let mark = pattern(mark).map_err(|fault| format!("the pattern '{mark}' is none: {fault}"))?;
+        let mark = pattern(mark).map_err(|fault| format!("the pattern '{mark}' is not valid: {fault}"))?;
         let extensions = extensions.iter().map(|extension| extension.to_ascii_lowercase()).collect();
         Ok(Detector { name: name.into(), dialect, extensions, mark })
     }

@@ -56,19 +56,19 @@ const LANGUAGES: &[Language] = &[
         enough: 2,
     },
     Language {
-        name: "a program of a 3D printer",
+        name: "a 3D printer program",
         // `;FLAVOR:Marlin`, `M104 S200`, `G92 E0`, `G1 X10 Y5 E0.3`
         marks: &["^;FLAVOR:", "^M(?:104|109|140|190) S", "^G92 E", "^G[01] (?-i:(?:.* )?E[-.0-9])"],
         enough: 2,
     },
     Language {
-        name: "a ShopMill or ShopTurn program of a Sinumerik, steps of a work plan",
+        name: "a ShopMill or ShopTurn program of a Sinumerik (work plan steps)",
         // `N10 E_HEAD(...)`
         marks: &[r"(?:^|[^A-Z_])E_HEAD\(", r"(?:^|[^A-Z_])F_HEAD\("],
         enough: 1,
     },
     Language {
-        name: "a Mazatrol program, which is conversational",
+        name: "a Mazatrol conversational program",
         // `UNo. UNIT`
         marks: &[r"^UNo\..*UNIT"],
         enough: 1,

@@ -16,7 +16,7 @@ const FEED_PER_TURN: [f64; 2] = [1.0, 0.05];
 /// Mark of a program that moves across and along and never names Y.
 pub(super) const NO_Y: &str = "no Y";
 /// Mark of a G92 whose lead is the F of an earlier block.
-const MODAL_THREAD: &str = "G92 and X alone behind it, a thread";
+const MODAL_THREAD: &str = "G92 with X alone after it, a thread";
 
 /// Feature of a lathe program that milling programs lack.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -179,7 +179,7 @@ impl<'a> Search<'a> {
             && feed < FEED_PER_TURN[usize::from(self.is_inch)]
             && self.is_fanuc
         {
-            self.note_on(HangsOn::FeedMode, place, "a feed of one turn", 4);
+            self.note_on(HangsOn::FeedMode, place, "a feed per revolution", 4);
         }
         if code(990) {
             self.note_on(HangsOn::Cycles, place, "G99 without a canned cycle", 2);

@@ -106,7 +106,7 @@ impl Search {
         }
         let feed = block.word_of(b'F').and_then(|word| word.value);
         if feed.is_some_and(|feed| feed > 0.0 && feed < FEED_PER_TURN_MM) && !code(40) && !code(840) {
-            self.note_on(HangsOn::FeedMode, place, "a feed of one turn", 4);
+            self.note_on(HangsOn::FeedMode, place, "a feed per revolution", 4);
         }
         let is_arc = matches!(self.motion, 20 | 30) && block.has(b'K') && block.has_any(b"XZ");
         if is_arc && language == Language::Sinumerik && !self.has_plane && !block.has_any(b"YJ") {

@@ -211,7 +211,7 @@ mod tests {
             assert!(["PG", "PGA", "TM", "unverified"].contains(&manual), "an unknown source: {row:?}");
         }
         for row in words().rows() {
-            assert!(row.treatment.fits(row.place), "{}: a treatment of another place", row.name);
+            assert!(row.treatment.fits(row.place), "{}: a treatment for another place", row.name);
         }
     }
 

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
+use super::component::spelled_out;
 use super::correction::{output_name, push_row};
 use super::figures;
 use super::inputs::InputFile;
@@ -55,7 +56,7 @@ impl CalibrationReport {
         let mut out = found.selection.as_ref().map_or_else(String::new, selection::table);
         let wide = |names: &mut dyn Iterator<Item = usize>| names.max().unwrap_or(0).clamp(12, WIDEST_NAME) + 1;
         // Writing into a String cannot fail.
-        for (title, list) in [("parameter", &found.parameters), ("set-up", &found.unknowns)] {
+        for (title, list, is_model) in [("parameter", &found.parameters, true), ("set-up", &found.unknowns, false)] {
             if list.is_empty() {
                 continue;
             }
@@ -64,21 +65,24 @@ impl CalibrationReport {
             let repeated = |text: &str| if has_repetitions { format!("{text:>12}") } else { String::new() };
             let _ = writeln!(
                 out,
-                "{title:<width$}{:>12}{:>12}{}  {:<10}{:>12}{:>12}",
+                "{title:<width$}{:>12}{:>12}{}  {:<10}{:>12}{:>12}{}",
                 "value",
                 "± 1σ",
                 repeated("± MC"),
                 "unit",
                 "effect µm",
-                "inflation"
+                "inflation",
+                if is_model { "  meaning" } else { "" }
             );
             for one in list {
                 let [value, sigma, effect, inflation] = cells(one);
                 let (name, unit) = (&one.name, &one.unit);
                 let scatter = repeated(&one.sigma_monte_carlo.map_or("-".into(), significant));
+                let meaning = if is_model { spelled_out(name) } else { None };
+                let meaning = meaning.map_or(String::new(), |words| format!("  {words}"));
                 let _ = writeln!(
                     out,
-                    "{name:<width$}{value:>12}{sigma:>12}{scatter}  {unit:<10}{effect:>12}{inflation:>12}"
+                    "{name:<width$}{value:>12}{sigma:>12}{scatter}  {unit:<10}{effect:>12}{inflation:>12}{meaning}"
                 );
             }
             out.push('\n');

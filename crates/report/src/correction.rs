@@ -244,7 +244,7 @@ mod tests {
         written      out.mpf
         original     part.mpf.bak
         review       review.html
-        verdict      nothing found that speaks against running it
+        verdict      no reason found not to run it
         ");
     }
 

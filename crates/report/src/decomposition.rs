@@ -31,11 +31,11 @@ impl DecompositionReport {
     /// Returns the verdict in one sentence.
     #[must_use]
     pub fn verdict(&self) -> String {
-        let Some(fast) = self.found.runs.last() else { return "Nothing was divided.".into() };
+        let Some(fast) = self.found.runs.last() else { return "Nothing was decomposed.".into() };
         let feed = fast.feed_mm_min.map_or_else(String::new, |feed| format!(" at {} mm/min", grouped(feed as u64)));
         if !self.found.is_measured() {
             return format!(
-                "The servo loops make up to {} µm{feed}; without an instrument nothing else can be told.",
+                "The servo loops cause up to {} µm{feed}; without an instrument nothing else can be determined.",
                 significant(norm(fast.max_um.contouring))
             );
         }
@@ -44,7 +44,7 @@ impl DecompositionReport {
         parts.sort_by(|a, b| b.1.total_cmp(&a.1));
         let shares: Vec<String> = parts.iter().take(3).map(|(name, share)| format!("{name} {share:.1} %")).collect();
         let named: Vec<&str> = self.found.compliances.iter().map(|one| one.component.as_str()).collect();
-        let why = if named.is_empty() { String::new() } else { format!(" What gives way: {}.", named.join(", ")) };
+        let why = if named.is_empty() { String::new() } else { format!(" Compliance: {}.", named.join(", ")) };
         format!("Of the error{feed}: {}.{why}", shares.join(", "))
     }
 
@@ -66,9 +66,9 @@ impl DecompositionReport {
                 if delay.uncertainty_ms > 0.0 { format!(" ± {:.3}", delay.uncertainty_ms) } else { " (given)".into() };
             let _ = writeln!(out, "{what:<40} {:>9.3}{by} ms", delay.ms);
         };
-        line(out, "encoders behind set-points (record)", &self.found.record_delay);
+        line(out, "encoder delay after set-points (record)", &self.found.record_delay);
         if let Some(delay) = &self.found.reading_delay {
-            line(out, "readings behind encoders", delay);
+            line(out, "reading delay after encoders", delay);
         }
         let _ = writeln!(out, "\naxis  velocity gain, 1/s  feed-forward  lag, ms  left, RMS");
         for one in &self.found.servo {
@@ -133,17 +133,17 @@ impl DecompositionReport {
             return;
         }
         if self.found.compliances.is_empty() {
-            let _ = writeln!(out, "\nNo compliance explains what is left at feeds that it was not fitted to.");
+            let _ = writeln!(out, "\nNo compliance explains the residual at feeds to which it was not fitted.");
             return;
         }
         let _ =
-            writeln!(out, "\nwhat gives way  with                value                          gain at other feeds");
+            writeln!(out, "\ncompliance of   with                value                          gain at other feeds");
         for one in &self.found.compliances {
             let with = format!("{} of {}", one.of.words(), one.axis);
             let value = format!("{:.4} ± {:.4} {}", one.value, one.uncertainty, one.unit);
             let _ = writeln!(out, "{:<14}  {with:<18}  {value:<30} {:>5.1} %", one.component, 100.0 * one.gain);
         }
-        let _ = writeln!(out, "\n   F, mm/min  dynamic part, RMS µm  left by the compliances of the other feeds");
+        let _ = writeln!(out, "\n   F, mm/min  dynamic part, RMS µm  residual with the compliances of other feeds");
         for run in &self.found.runs {
             if let Some([before, after]) = run.held_out_um.map(|both| both.map(significant)) {
                 let _ = writeln!(out, "{}  {before:>20}  {after:>6}", feed_cell(run));

@@ -2,7 +2,7 @@
 
 mod text;
 
-pub(crate) use text::{CauseText, chance, differing};
+pub(crate) use text::{CauseText, differing, p_value};
 
 use serde::Serialize;
 

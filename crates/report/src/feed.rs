@@ -13,6 +13,7 @@ use ncfix_base::geometry::AxisKey;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum FeedEvent {
     /// Forecast before the start.
     Forecast,
@@ -134,17 +135,14 @@ impl Before {
             let [first, last] = late.source_lines;
             let _ = writeln!(
                 out,
-                "             lines {first}–{last} of the source need {} lines/s, {} come: {} late",
+                "             lines {first}–{last} of the source need {} lines/s, {} arrive: {} late",
                 rate(late.needed_per_s),
                 rate(late.given_per_s),
                 duration(late.starved_s)
             );
         }
-        let _ = writeln!(
-            out,
-            "frozen       {} of motion lies in the window and no longer changes",
-            duration(self.frozen_s)
-        );
+        let _ =
+            writeln!(out, "frozen       {} of motion is in the window and no longer changes", duration(self.frozen_s));
         out
     }
 }
@@ -244,24 +242,21 @@ impl Status {
             "lines        {} of {} {}, {} sent, in {}",
             grouped(self.left.unwrap_or(self.acknowledged)),
             grouped(self.lines),
-            if self.left.is_some() { "have left" } else { "acknowledged" },
+            if self.left.is_some() { "transmitted" } else { "acknowledged" },
             grouped(self.sent),
             duration(self.time_s)
         );
         if let Some(executed) = self.executed {
-            let _ = writeln!(out, "carried out  {}", grouped(executed));
+            let _ = writeln!(out, "executed     {}", grouped(executed));
         }
         if let Some(lowest) = self.lowest {
             let _ = writeln!(out, "lowest fill  {lowest} lines");
         }
         if let Some([median, most, longest]) = self.delay_us {
-            let _ = writeln!(
-                out,
-                "delay        {median:.0} µs in the middle, {most:.0} µs of 99 %, {longest:.0} µs at most"
-            );
+            let _ = writeln!(out, "delay        {median:.0} µs median, {most:.0} µs for 99 %, {longest:.0} µs at most");
         }
         if self.repeats + self.stalls > 0 {
-            let _ = writeln!(out, "trouble      {} lines sent again, {} times no answer", self.repeats, self.stalls);
+            let _ = writeln!(out, "problems     {} lines sent again, {} times no answer", self.repeats, self.stalls);
         }
         out
     }
@@ -337,23 +332,23 @@ impl Plan {
     pub fn table(&self, journal: &str) -> String {
         let mut out = String::new();
         let in_source = |line: Option<u32>| line.map_or(String::new(), |line| format!(" (line {line} of the source)"));
-        let ended = self.ended.as_deref().unwrap_or("the sending program died");
-        let _ = writeln!(out, "job           {}, broken off: {ended}", self.program);
+        let ended = self.ended.as_deref().unwrap_or("the sending program ended unexpectedly");
+        let _ = writeln!(out, "job           {}, aborted: {ended}", self.program);
         if self.executed > 0 {
-            let _ = writeln!(out, "carried out   up to {}{} for sure", self.executed, in_source(self.executed_line));
+            let _ = writeln!(out, "executed      up to {}{} for certain", self.executed, in_source(self.executed_line));
         } else {
-            let _ = writeln!(out, "carried out   nothing for sure");
+            let _ = writeln!(out, "executed      nothing for certain");
         }
         let _ = writeln!(out, "acknowledged  up to {}{}", self.acknowledged, in_source(self.acknowledged_line));
         if self.acknowledged > self.executed {
             let _ = match (self.holds, &self.holds_source) {
                 (Some(most), source) => {
                     let source = source.as_deref().unwrap_or_default();
-                    writeln!(out, "              of these {most} blocks may not be carried out ({source})")
+                    writeln!(out, "              of these, {most} blocks may not be executed yet ({source})")
                 }
                 _ => writeln!(
                     out,
-                    "              that says nothing of what was carried out: the control did not state how much it holds"
+                    "              this does not show what was executed: the control did not state how much it holds"
                 ),
             };
         }
@@ -361,15 +356,15 @@ impl Plan {
             let [from, to] = [self.executed + 1, self.sent];
             let _ = writeln!(
                 out,
-                "unknown       {from} to {to}{}: carried out, in part, or not",
+                "unknown       {from} to {to}{}: executed, partly executed, or not",
                 in_source(self.sent_line)
             );
         }
         let place = if self.is_beginning { ", the beginning" } else { ", a rapid move" };
-        let above = self.above_mm.map_or(String::new(), |mm| format!(", {mm:.1} mm above all that is machined"));
-        let _ = writeln!(out, "begins again  at line {} of the source{place}{above}", self.source_line);
+        let above = self.above_mm.map_or(String::new(), |mm| format!(", {mm:.1} mm above all machined surfaces"));
+        let _ = writeln!(out, "resumes       at line {} of the source{place}{above}", self.source_line);
         if let Some(line) = self.unsure_line {
-            let _ = writeln!(out, "              (behind line {line} the state of the control cannot be rebuilt)");
+            let _ = writeln!(out, "              (after line {line} the state of the control cannot be restored)");
         }
         if let Some(tool) = &self.tool {
             let _ = writeln!(out, "tool          {tool} must be in the spindle");
@@ -381,7 +376,7 @@ impl Plan {
         }
         let _ = writeln!(
             out,
-            "\nReset the control, so that its codes are those with which the job began; home the machine, look whether the zero point still holds, and see that\nthe first moves are free. No line goes out unless the control says that it is idle. Then:\n  ncfix resume {journal} --confirm {}{}",
+            "\nReset the control, so that its codes are those at the start of the job. Home the machine, check the zero point, and check that\nthe first moves are free. No line is sent unless the control reports that it is idle. Then:\n  ncfix resume {journal} --confirm {}{}",
             self.plan,
             self.clearance.as_ref().map_or(String::new(), |given| format!(" --clearance {given}"))
         );

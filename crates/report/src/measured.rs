@@ -27,7 +27,7 @@ pub fn table(found: &CorrectedReadings, output: &str) -> String {
     if found.without_sense > 0 {
         let rows =
             if found.without_sense == 1 { "1 row".into() } else { format!("{} rows", grouped(found.without_sense)) };
-        row("sense", &format!("unknown in {rows}: as in the middle of the backlash; give X_dir …"));
+        row("sense", &format!("unknown in {rows}: the middle of the backlash is assumed; give X_dir …"));
     }
     row("machine", &found.machine);
     row("written", output_name(output));
@@ -56,7 +56,7 @@ mod tests {
         correction X        2.00 µm       3.00 µm
         correction C      20.0 µrad     30.0 µrad
         rows         2
-        sense        unknown in 1 row: as in the middle of the backlash; give X_dir …
+        sense        unknown in 1 row: the middle of the backlash is assumed; give X_dir …
         machine      demo
         written      standard output
         ");

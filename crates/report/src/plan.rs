@@ -28,24 +28,25 @@ fn said(judgement: &PlanJudgement, model: &str) -> String {
         JudgedPlan::WithMorePoses(count) => format!("with {count} more poses it"),
     };
     let Some(told) = &judgement.determined else {
-        return format!("{who} has positions that are too large to judge it\n");
+        return format!("{who} has positions that are too large to evaluate it\n");
     };
     let mut out = format!(
-        "model {model}, {} parameters and {} unknowns of the set-up: {who} tells {} of {} (condition {:.0})\n",
+        "model {model}, {} parameters and {} unknowns of the set-up: {who} determines {} of {} (condition {:.0})\n",
         told.parameters, told.unknowns, told.rank, told.columns, told.condition
     );
     for one in told.not_identifiable.iter().take(MOST_SENTENCES) {
-        let _ = writeln!(out, "  cannot tell: {}\n    {}", one.sentence, one.remedy);
+        let _ = writeln!(out, "  cannot determine: {}\n    {}", one.sentence, one.remedy);
     }
     let all = told.not_identifiable.len();
     if all > MOST_SENTENCES {
-        let _ = writeln!(out, "  cannot tell: and {} more", all - MOST_SENTENCES);
+        let _ = writeln!(out, "  cannot determine: and {} more", all - MOST_SENTENCES);
     }
     for sentence in told.harmless.iter().take(MOST_SENTENCES) {
         let _ = writeln!(out, "  no harm: {sentence}");
     }
     if told.left_out > 1 {
-        let _ = writeln!(out, "  all others could be told without these {}: {}", told.left_out, told.left_out_names);
+        let _ =
+            writeln!(out, "  all others could be determined without these {}: {}", told.left_out, told.left_out_names);
     }
     out
 }

@@ -26,7 +26,7 @@ pub fn list(machine: Option<&Machine>) -> String {
         }
         let _ = writeln!(out, "{}\n{:indent$}{}", preset.title, "", preset.source);
         if let Some(Err(Unsuitable(reason))) = parameters {
-            let _ = writeln!(out, "{:indent$}not here: {reason}", "");
+            let _ = writeln!(out, "{:indent$}not applicable: {reason}", "");
         }
     }
     out

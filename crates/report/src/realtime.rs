@@ -11,7 +11,7 @@ pub fn kernel(kernel: &KernelResult) -> String {
     let direct = &kernel.direct_functions;
     let direct: Vec<String> = direct.iter().map(|(axis, count)| format!("{count} of {axis}")).collect();
     let direct =
-        if direct.is_empty() { String::new() } else { format!("; functions beside them: {}", direct.join(", ")) };
+        if direct.is_empty() { String::new() } else { format!("; additional functions: {}", direct.join(", ")) };
     format!(
         "{} intervals per axis{direct}; within {} and {} µrad of the model at {} poses\n",
         kernel.intervals,

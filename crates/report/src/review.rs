@@ -202,7 +202,7 @@ impl Review {
             let [max, mean] = [one.max, one.mean].map(signed);
             let [rms, p99] = [one.rms, one.p99].map(significant);
             let (unit, line) = (one.unit.sign(), one.max_line);
-            let file = one.max_file.as_ref().map_or(String::new(), |file| format!("  line {line} is of {file}"));
+            let file = one.max_file.as_ref().map_or(String::new(), |file| format!("  line {line} is in {file}"));
             let _ = writeln!(out, "  {axis:<4} {max:>10} {line:>10} {mean:>10} {rms:>10} {p99:>10}  {unit}{file}");
         }
         if let (Some(before), Some(after)) = (self.before, self.after) {
@@ -354,7 +354,7 @@ impl TextReview {
     pub fn summary(&self) -> String {
         let mut out = String::new();
         let [same, changed, gone, new] = [self.same_lines, self.changed, self.gone, self.new].map(grouped);
-        let _ = writeln!(out, "lines        {same} the same, {changed} with other numbers, {gone} gone, {new} new");
+        let _ = writeln!(out, "lines        {same} the same, {changed} with other numbers, {gone} removed, {new} new");
         for (address, one) in &self.words {
             let _ = writeln!(
                 out,

@@ -13,7 +13,7 @@ fn shown(gain: &HoldoutGain) -> String {
     format!("{:.1} ± {:.1} %", gain.gain * 100.0, gain.error * 100.0)
 }
 
-fn chance(p: f64) -> String {
+fn p_value(p: f64) -> String {
     if p < 1e-3 { format!("{p:.0e}") } else { significant(p) }
 }
 
@@ -37,20 +37,20 @@ pub fn table(found: &Selection) -> String {
     }
     for step in &found.steps {
         let [t, freedom, correlation] = [step.t, step.freedom, step.correlation].map(significant);
-        let (change, name, p) = (step.change.words(), &step.name, chance(step.p));
+        let (change, name, p) = (step.change.words(), &step.name, p_value(step.p));
         let instead = step.instead_of.as_deref().unwrap_or_default();
         let _ = writeln!(out, "{change:<17}{name:<12}{instead:<12}{t:>10}{freedom:>10}{p:>10}{correlation:>12}");
     }
     if !found.terms.is_empty() {
         let _ = writeln!(
             out,
-            "\n{:<13}{:>10}{:>10}{:>10}  {:<18}not told from",
+            "\n{:<13}{:>10}{:>10}{:>10}  {:<18}not separable from",
             "chosen", "t", "freedom", "p", "held-out gain"
         );
     }
     for term in &found.terms {
         let [t, freedom] = [term.t, term.freedom].map(significant);
-        let (name, p, gain, rivals) = (&term.name, chance(term.p), shown(&term.held_out), listed(&term.rivals));
+        let (name, p, gain, rivals) = (&term.name, p_value(term.p), shown(&term.held_out), listed(&term.rivals));
         let line = format!("{name:<13}{t:>10}{freedom:>10}{p:>10}  {gain:<18}{rivals}");
         let _ = writeln!(out, "{}", line.trim_end());
     }
@@ -62,10 +62,10 @@ pub fn table(found: &Selection) -> String {
     push_row(
         &mut out,
         "candidates",
-        &format!("{} tried, {count} chosen at {significant} %", found.tried, significant = significant(significance)),
+        &format!("{} tested, {count} chosen at {significant} %", found.tried, significant = significant(significance)),
     );
     if !found.not_identified.is_empty() {
-        push_row(&mut out, "not told", &listed(&found.not_identified));
+        push_row(&mut out, "undetermined", &listed(&found.not_identified));
     }
     if let Some(gain) = &found.held_out {
         let [before, after] = [gain.before, gain.after].map(significant);
@@ -75,7 +75,7 @@ pub fn table(found: &Selection) -> String {
         push_row(&mut out, "neighbours", &format!("correlation {:.2} ({})", one.correlation, one.name));
     }
     if !found.is_settled {
-        push_row(&mut out, "unsettled", &format!("the choice still changed in pass {}", found.passes));
+        push_row(&mut out, "unsettled", &format!("the selection still changed in pass {}", found.passes));
     }
     out.push('\n');
     out

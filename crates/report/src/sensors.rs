@@ -42,10 +42,10 @@ impl SensorReport {
         };
         match &self.found.independent {
             Some(runs) => row("independent", &runs.join(", ")),
-            None => row("independent", "the last third of every run, held back"),
+            None => row("independent", "the last third of every run, held out"),
         }
         if self.found.selections.iter().flat_map(|selection| &selection.sizes).any(|size| !size.is_exact) {
-            row("search", "given up where the number has a ~: there may be better sensors; take fewer with --most");
+            row("search", "stopped early at numbers with a ~: there may be better sensors; use fewer with --most");
         }
         row("machine", &self.machine);
         if let Some(output) = &self.output {
@@ -80,10 +80,13 @@ fn selection_page(selection: &SensorChoice) -> String {
     match (selection.chosen, selection.left_um) {
         (Some(number), Some(left)) => {
             let noun = if number == 1 { "sensor" } else { "sensors" };
-            let _ =
-                writeln!(out, "  {number} {noun}, {} µm (RMS) left on the independent readings\n", significant(left));
+            let _ = writeln!(
+                out,
+                "  {number} {noun}, residual {} µm (RMS) on the independent readings\n",
+                significant(left)
+            );
         }
-        _ => out.push_str("  no sensors tell the independent readings\n\n"),
+        _ => out.push_str("  no sensors predict the independent readings\n\n"),
     }
     out
 }

@@ -151,10 +151,10 @@ impl StepReport {
             Some(moves) => {
                 let arcs = match self.arcs {
                     None | Some(0) => String::new(),
-                    Some(arcs) => format!("; {} arcs, cut by the tolerance, left out", grouped(arcs)),
+                    Some(arcs) => format!("; {} arcs, cut by the tolerance, omitted", grouped(arcs)),
                 };
                 format!(
-                    "{} of {} straight moves with feed, those that bend most{arcs}",
+                    "{} of {} straight moves with feed, those with the largest curvature{arcs}",
                     grouped(self.lines),
                     grouped(moves)
                 )
@@ -173,12 +173,13 @@ impl StepReport {
             (Some(StepAnswer::UpTo), Some(step)) => format!("{} mm for {limit}", rounded_down(step)),
             (Some(StepAnswer::Any), _) if self.lines == 0 => "any: there is no straight move with feed to cut".into(),
             (Some(StepAnswer::Any), _) if self.residual_um == 0.0 => {
-                "any: no line bends (errors that are constant, or depend on the sense of motion only, bend none)".into()
+                "any: no line bends (errors that are constant, or depend only on the direction of motion, bend no line)"
+                    .into()
             }
             (Some(StepAnswer::Any), _) => format!("any: in one piece every line stays within {limit}"),
             _ => {
                 let smallest = self.steps.first().map_or(0.0, |row| row.step_mm);
-                format!("none: {} mm already leave more than {limit}", three_digits(smallest))
+                format!("none: the residual at {} mm is already more than {limit}", three_digits(smallest))
             }
         }
     }
@@ -375,7 +376,7 @@ mod tests {
         residual     4.99 µm at X10 B-3.5°
         on the line  a.mpf:7, X0 to X400
         tool length  138.9 mm
-        lines        2 of 1,234 straight moves with feed, those that bend most; 5 arcs, cut by the tolerance, left out
+        lines        2 of 1,234 straight moves with feed, those with the largest curvature; 5 arcs, cut by the tolerance, omitted
         time         0.50 s
         machine      demo
         ");

@@ -72,7 +72,7 @@ impl TablesReport {
             let [x, y, z] = check.tool_mm;
             let senses = check.senses.join(" ");
             let senses = if senses.is_empty() { senses } else { format!(", {senses} moving in both senses") };
-            let _ = writeln!(page, "left over the volume ({} poses{senses}; tool {x} {y} {z} mm)", check.poses);
+            let _ = writeln!(page, "residual over the volume ({} poses{senses}; tool {x} {y} {z} mm)", check.poses);
             page.push_str("                 tip: mean     rms     max um    tool axis: rms     max urad\n");
             for (name, one) in [("without", check.before), ("with tables", check.tables), ("exact", check.exact)] {
                 let _ = writeln!(
@@ -83,17 +83,17 @@ impl TablesReport {
             }
             let _ = writeln!(page, "  most with tables at {}", check.worst);
             if check.tables.rms_um > check.before.rms_um {
-                page.push_str("  more is left than there was: a constant part, which a zero offset takes, or tables that are not for this machine\n");
+                page.push_str("  the tables increase the error: a constant part, which belongs in a zero offset, or tables that are not for this machine\n");
             }
             if let Some([x, y, z]) = self.found.made_for_tool_mm {
                 let _ = writeln!(
                     page,
-                    "  the file says its tables are for another tool: check them with --tool {x},{y},{z}"
+                    "  the file states that its tables are for another tool: check them with --tool {x},{y},{z}"
                 );
             }
         }
         if !self.found.difference.is_empty() {
-            page.push_str("what the two add differs by\n");
+            page.push_str("difference of the two sets of values\n");
         }
         for one in &self.found.difference {
             let _ = writeln!(
@@ -113,7 +113,7 @@ impl TablesReport {
 
     fn tried_page(&self, page: &mut String) {
         if let Some(aim) = &self.found.aim {
-            let _ = writeln!(page, "  auto aims at {aim}: poses that it does not try have a little more");
+            let _ = writeln!(page, "  auto aims at {aim}: poses that it does not test have slightly more");
         }
         for one in &self.found.tried {
             let _ = match (&one.reason, one.tables, one.rms_um) {
@@ -124,7 +124,7 @@ impl TablesReport {
                     let points = one.points;
                     writeln!(
                         page,
-                        "  tried {} with {points} points: {tables} tables leave {rms:.3} um{tilt}",
+                        "  tried {} with {points} points: {tables} tables, residual {rms:.3} um{tilt}",
                         one.scheme
                     )
                 }

@@ -88,7 +88,7 @@ impl Verdict {
         }
         for (why, is_harmless) in LEFT {
             if let Some(count) = review.left.get(why).filter(|_| !is_harmless) {
-                say(Grade::Warn, format!("{} moves {why} are left as they were", grouped(*count)));
+                say(Grade::Warn, format!("{} moves {why} are unchanged", grouped(*count)));
             }
         }
         if review.other_feeds > 0 {
@@ -98,7 +98,7 @@ impl Verdict {
             });
             say(
                 Grade::Warn,
-                format!("{} pieces have another feed{}", grouped(review.other_feeds), by.unwrap_or_default()),
+                format!("{} pieces have a different feed{}", grouped(review.other_feeds), by.unwrap_or_default()),
             );
         }
         let of_finding = |finding: &Finding| {
@@ -131,8 +131,8 @@ impl Verdict {
     #[must_use]
     pub fn sentence(&self) -> &'static str {
         match self.grade {
-            Grade::Ok => "nothing found that speaks against running it",
-            Grade::Warn => "to be looked at before it runs",
+            Grade::Ok => "no reason found not to run it",
+            Grade::Warn => "check it before it runs",
             Grade::Bad => "should not run",
         }
     }

@@ -66,7 +66,7 @@ impl Show {
         if shown.len() < text.len() {
             shown.push('…');
         }
-        self.say(FeedEvent::Said, now, None, format!("the control says: {shown}"));
+        self.say(FeedEvent::Said, now, None, format!("message of the control: {shown}"));
     }
 
     /// Shows the end of the transfer.
@@ -126,7 +126,9 @@ impl FeedView for Show {
     fn event(&mut self, event: &Event, now: Duration) {
         match event {
             Event::Said(text) => self.said(text, now),
-            Event::Stalled => self.say(FeedEvent::Stalled, now, None, "no answer for longer than a line takes".into()),
+            Event::Stalled => {
+                self.say(FeedEvent::Stalled, now, None, "no answer for longer than a line should take".into())
+            }
             Event::Paused(true) => self.paused = Some((now, false)),
             Event::Paused(false) => {
                 if let Some((_, true)) = self.paused.take() {
@@ -142,7 +144,7 @@ impl FeedView for Show {
                 );
             }
             Event::Repeated(number) => {
-                self.say(FeedEvent::Repeated, now, Some(*number), format!("line {number} is sent again"))
+                self.say(FeedEvent::Repeated, now, Some(*number), format!("sending line {number} again"))
             }
             // Reported at the end.
             Event::Acknowledged(_)

@@ -16,7 +16,7 @@ pub(super) fn run(arguments: &PresetArguments) -> Result<ExitCode, Stop> {
         None => None,
         Some(name) => Some(find(name).ok_or_else(|| {
             let known: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
-            Stop::Usage(format!("there is no preset '{name}'; the presets are {}", known.join(", ")))
+            Stop::Usage(format!("unknown preset '{name}'; the presets are {}", known.join(", ")))
         })?),
     };
     if preset.is_none() && arguments.machine.machine.is_none() {
@@ -33,7 +33,7 @@ pub(super) fn run(arguments: &PresetArguments) -> Result<ExitCode, Stop> {
         Some(preset) => {
             let parameters = (preset.parameters)(&chosen.machine).map_err(|reason| {
                 let name = &chosen.machine.name;
-                Stop::Usage(format!("preset {} does not suit the machine {name}: {reason}", preset.name))
+                Stop::Usage(format!("preset {} is not applicable to the machine {name}: {reason}", preset.name))
             })?;
             print(&page(preset, &parameters, &chosen.machine, &chosen.errors))?;
         }

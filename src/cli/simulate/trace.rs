@@ -43,7 +43,7 @@ fn record(arguments: &SimulateArguments, findings: &mut Findings) -> Result<Opti
     }
     let feeds = &arguments.feed;
     if let Some(twice) = (1..feeds.len()).find(|&k| feeds[..k].contains(&feeds[k])) {
-        return Err(Stop::Usage(format!("--feed has {} twice", feeds[twice])));
+        return Err(Stop::Usage(format!("--feed gives {} twice", feeds[twice])));
     }
     let paths = [arguments.output.clone(), description_of(&arguments.output)?];
     let [data, description] = [Target::new(&paths[0])?, Target::new(&paths[1])?];

@@ -126,11 +126,11 @@ impl Table {
                     Some((other, place)) if other != sign => {
                         let (line, _) = self.source.line_column(place.span.start);
                         let message = format!(
-                            "'{}' has another decimal sign than '{}' in line {line}",
+                            "'{}' has a different decimal sign from '{}' in line {line}",
                             shown(text),
                             shown(self.source.slice(place.span))
                         );
-                        let help = "write all numbers with the same decimal sign and without separators of thousands";
+                        let help = "write all numbers with the same decimal sign and without thousands separators";
                         return Err(Diagnostic::at(Code::DATA_CELL, row.place(column), message, help));
                     }
                     Some(_) => {}
@@ -184,8 +184,8 @@ impl<'a> Row<'a> {
         let value = parse_number(text, sign);
         if value.is_some_and(|value| value.abs() > MOST) {
             let name = self.table.names.get(column).map_or("", String::as_str);
-            let message = format!("'{}' in the column {name} is larger than anything that is measured", shown(text));
-            let help = "correct the cell, or leave it empty where nothing was read";
+            let message = format!("'{}' in the column {name} is too large for a measured value", shown(text));
+            let help = "correct the cell, or leave it empty if there is no reading";
             return Err(Diagnostic::at(Code::DATA_CELL, self.place(column), message, help));
         }
         value.ok_or_else(|| {
@@ -194,12 +194,12 @@ impl<'a> Row<'a> {
             let (message, help) = if text.is_empty() {
                 // An empty place could not be drawn.
                 place.span.end = place.span.end.saturating_add(1);
-                (format!("the cell of {name} is empty"), "write the number, or take the row out".to_owned())
+                (format!("the cell of {name} is empty"), "write the number, or remove the row".to_owned())
             } else {
                 let example = if sign == DecimalSign::Comma { "12,5" } else { "12.5" };
                 (
-                    format!("'{}' in the column {name} is no number", shown(text)),
-                    format!("write a plain number such as {example}, without unit and separators of thousands"),
+                    format!("'{}' in the column {name} is not a number", shown(text)),
+                    format!("write a plain number such as {example}, without unit or thousands separators"),
                 )
             };
             Diagnostic::at(Code::DATA_CELL, place, message, help)

@@ -41,7 +41,7 @@ impl<'a> Reader<'a> {
         let mut reader = Reader { source, bytes, at: 0, separator: b',', findings: Vec::new() };
         let is_wide = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
         if let Some(at) = bytes.iter().position(|&byte| byte == 0).or(is_wide.then_some(0)) {
-            let message = "this is no text of single bytes; it looks like UTF-16 or a workbook";
+            let message = "the file is not UTF-8 text; it looks like UTF-16 or a workbook";
             return Err(reader.fault(at, at + 1, message, "save it as CSV in UTF-8"));
         }
         if bytes.starts_with(BYTE_ORDER_MARK) {
@@ -76,7 +76,7 @@ impl<'a> Reader<'a> {
             [DecimalSign::Point, DecimalSign::Comma].iter().any(|&sign| parse_number(text, sign).is_some())
         };
         if header.iter().any(is_number) {
-            let message = "the first line has numbers, so the names of the columns are missing";
+            let message = "the first line contains numbers; the column names are missing";
             return Err(self.fault(start, self.at, message, "begin with a line of column names such as X,Y,Z"));
         }
         let names: Vec<String> =
@@ -85,7 +85,7 @@ impl<'a> Reader<'a> {
         for (name, span) in names.iter().zip(&header) {
             if !name.is_empty() && !seen.insert(name) {
                 let place = Place { file: self.source.id(), span: *span };
-                let message = format!("the column {name} is there twice");
+                let message = format!("the column {name} is given twice");
                 self.findings.push(Diagnostic::at(Code::DATA_COLUMN, place, message, "rename or remove one of them"));
             }
         }
@@ -101,9 +101,9 @@ impl<'a> Reader<'a> {
                 cells.truncate(first);
             } else if count != names.len() {
                 cells.truncate(first);
-                let message = format!("this row has {count} cells, the header {}", names.len());
+                let message = format!("this row has {count} cells, the header has {}", names.len());
                 let help =
-                    "give every row a cell for each column; a text that contains the separator needs quotation marks";
+                    "give every row one cell per column; put text that contains the separator in quotation marks";
                 let end = self.row_end(start);
                 self.findings.push(self.fault(start, end, message, help));
                 if self.findings.len() >= MOST_FINDINGS {
@@ -250,7 +250,7 @@ impl<'a> Reader<'a> {
                         start - 1,
                         start,
                         message,
-                        "close it; a quotation mark within a text is written twice",
+                        "close it; write a quotation mark inside a text twice",
                     ));
                 }
                 (Some(b'"'), Some(b'"')) => self.at += 2,
@@ -264,7 +264,7 @@ impl<'a> Reader<'a> {
         if self.is_line_end(self.at) || self.bytes.get(self.at) == Some(&self.separator) {
             return Ok(content);
         }
-        let message = "something stands between a closing quotation mark and the next separator";
-        Err(self.fault(self.at, self.at + 1, message, "a quotation mark within a text is written twice"))
+        let message = "unexpected text between a closing quotation mark and the next separator";
+        Err(self.fault(self.at, self.at + 1, message, "write a quotation mark inside a text twice"))
     }
 }

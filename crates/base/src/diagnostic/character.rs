@@ -50,8 +50,8 @@ pub fn name_at(bytes: &[u8], at: usize) -> Option<String> {
     };
     let code = u32::from(character);
     Some(match alike(character) {
-        Some(' ') => format!("U+{code:04X} is a blank that is no space"),
-        Some(letter) => format!("{character} (U+{code:04X}) is no {letter}"),
+        Some(' ') => format!("U+{code:04X} is a blank, but not a space"),
+        Some(letter) => format!("{character} (U+{code:04X}) is not {letter}"),
         None => format!("{} is U+{code:04X}", shown(&character.to_string())),
     })
 }
@@ -63,10 +63,10 @@ mod tests {
     #[test]
     fn what_looks_alike_is_named() {
         let named = |text: &str| name_at(text.as_bytes(), 0).unwrap();
-        assert_eq!(named("Х10"), "Х (U+0425) is no X");
-        assert_eq!(named("–5"), "– (U+2013) is no -");
-        assert_eq!(named("Ｇ1"), "Ｇ (U+FF27) is no G");
-        assert_eq!(named("\u{a0}X1"), "U+00A0 is a blank that is no space");
+        assert_eq!(named("Х10"), "Х (U+0425) is not X");
+        assert_eq!(named("–5"), "– (U+2013) is not -");
+        assert_eq!(named("Ｇ1"), "Ｇ (U+FF27) is not G");
+        assert_eq!(named("\u{a0}X1"), "U+00A0 is a blank, but not a space");
         assert_eq!(named("é"), "é is U+00E9");
         assert_eq!(name_at(b"\xd510", 0).unwrap(), "the byte D5 is Õ in windows-1252 and Х in windows-1251");
         assert_eq!([name_at(b"X", 0), name_at(b"X", 1)], [None, None]);

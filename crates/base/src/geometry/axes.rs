@@ -197,7 +197,7 @@ impl FromStr for AxisVector {
     fn from_str(text: &str) -> Result<AxisVector, String> {
         let mut position = AxisVector::ZERO;
         for part in text.split(',').map(str::trim) {
-            let wrong = || format!("'{part}' is no axis position; write for example X0,Y0,Z100");
+            let wrong = || format!("'{part}' is not an axis position; write for example X0,Y0,Z100");
             let letter = part.bytes().next().ok_or_else(wrong)?;
             let axis = Axis::from_letter(letter.to_ascii_uppercase()).ok_or_else(wrong)?;
             let number = part.get(1..).map(|number| number.trim_start().trim_start_matches('=').trim());

@@ -321,7 +321,7 @@ pub fn read(text: &str) -> Result<JournalContents, (usize, String)> {
         let fault = |why: &str| Err((number, why.to_owned()));
         if number == 1 {
             if line != FIRST {
-                return fault("this is no journal");
+                return fault("this is not a journal");
             }
             continue;
         }
@@ -362,13 +362,13 @@ pub fn read(text: &str) -> Result<JournalContents, (usize, String)> {
             }
             ("C", Some(line_number)) => {
                 if line_number > told.frozen {
-                    return fault("a line was taken that was not sent");
+                    return fault("a line was accepted that was not sent");
                 }
                 told.checked = told.checked.max(line_number);
             }
             ("X", Some(line_number)) => {
                 if line_number > told.frozen {
-                    return fault("a line was carried out that was not sent");
+                    return fault("a line was executed that was not sent");
                 }
                 told.executed = told.executed.max(line_number);
             }
@@ -379,7 +379,7 @@ pub fn read(text: &str) -> Result<JournalContents, (usize, String)> {
             }
             ("L", Some(line_number)) => {
                 if line_number > told.frozen {
-                    return fault("a line that has left and was not sent");
+                    return fault("a line was transmitted that was not sent");
                 }
                 told.left = told.left.max(line_number);
             }
@@ -399,7 +399,7 @@ pub fn read(text: &str) -> Result<JournalContents, (usize, String)> {
             _ => return fault("a record of an unknown kind"),
         }
     }
-    if whole.is_empty() { Err((1, "this is no journal".to_owned())) } else { Ok(told) }
+    if whole.is_empty() { Err((1, "this is not a journal".to_owned())) } else { Ok(told) }
 }
 
 #[cfg(test)]

@@ -324,10 +324,10 @@ fn bound(section: &mut Section<'_>, has_planner: bool) -> Option<Bound> {
         section.required("source", "\"Configuration_adv.h of this firmware: BLOCK_BUFFER_SIZE 64\"", Section::text);
     let source = source.map(str::to_owned);
     if !has_planner {
-        let message = "an answer over this link does not mean that the line lies in a planner, or there is none";
-        section.report(Code::BAD_VALUE, section.place_of("at_most"), message, "leave out [depth]");
+        let message = "an answer over this link does not mean that the line is in a planner, or there are no answers";
+        section.report(Code::BAD_VALUE, section.place_of("at_most"), message, "omit [depth]");
     } else if source.as_ref().is_some_and(|source| source.trim().is_empty()) {
-        let help = "write where the figure comes from: a setting of the control, its configuration, its manual";
+        let help = "state the source of the figure: a setting of the control, its configuration, its manual";
         section.report(Code::BAD_VALUE, section.place_of("source"), "a bound without a source", help);
     }
     let (at_most, source) = at_most.zip(source)?;
@@ -360,7 +360,7 @@ fn read_serial(section: &mut Section<'_>, serial: &mut Serial) {
     if serial.software_parity && (serial.data_bits, serial.parity == Parity::None) != (7, false) {
         let place = section.place_of("software_parity");
         let help = "write data_bits = 7 and parity = \"even\" or \"odd\" with it";
-        section.report(Code::BAD_VALUE, place, "parity that is made here is the eighth bit of seven", help);
+        section.report(Code::BAD_VALUE, place, "parity computed here is the eighth bit after seven data bits", help);
     }
 }
 
@@ -376,7 +376,12 @@ fn bytes(section: &mut Section<'_>, key: &str) -> Option<Vec<u8>> {
     let bytes: Option<Vec<u8>> = text.chars().map(|character| u8::try_from(u32::from(character)).ok()).collect();
     if bytes.is_none() {
         let help = "write them as \\u0000 to \\u00FF";
-        section.report(Code::BAD_VALUE, section.place_of(key), format!("{key} has characters that are no bytes"), help);
+        section.report(
+            Code::BAD_VALUE,
+            section.place_of(key),
+            format!("{key} has characters that are not bytes"),
+            help,
+        );
     }
     bytes
 }

@@ -392,5 +392,5 @@ impl<'a> Sender<'a> {
 }
 
 fn gone(error: &io::Error) -> String {
-    format!("{GONE}: {error}; look at the cable, the adapter and disturbances by drives")
+    format!("{GONE}: {error}; check the cable, the adapter and interference from drives")
 }

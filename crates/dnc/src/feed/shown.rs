@@ -29,7 +29,7 @@ pub fn shown(text: &str) -> Result<ThermalHistory, (usize, String)> {
     for (number, line) in (1..).zip(whole.split('\n')) {
         let fault = |why: &str| (number, why.to_owned());
         if number == 1 && line != FIRST {
-            return Err(fault("this is no journal"));
+            return Err(fault("this is not a journal"));
         }
         if number == 1 || line.starts_with("# ") {
             continue;
@@ -39,7 +39,7 @@ pub fn shown(text: &str) -> Result<ThermalHistory, (usize, String)> {
         match (kind, rest) {
             (Some("T"), Some(rest)) => {
                 let (value, name) = rest.split_once(' ').ok_or_else(|| fault("a temperature without its sensor"))?;
-                let value = value.parse().map_err(|_| fault("a temperature that is no number"))?;
+                let value = value.parse().map_err(|_| fault("a temperature that is not a number"))?;
                 let known = out.times_s.len();
                 sensors.entry(name.to_owned()).or_insert_with(|| (f64::NAN, vec![f64::NAN; known])).0 = value;
             }
@@ -62,7 +62,7 @@ pub fn shown(text: &str) -> Result<ThermalHistory, (usize, String)> {
     }
     out.sensors_c = sensors.into_iter().map(|(name, (_, all))| (name, all)).collect();
     out.axes_um = axes.into_iter().map(|(axis, both)| (axis.to_string(), both)).collect();
-    if whole.is_empty() { Err((1, "this is no journal".to_owned())) } else { Ok(out) }
+    if whole.is_empty() { Err((1, "this is not a journal".to_owned())) } else { Ok(out) }
 }
 
 /// Reads `X+0.0123/+0.0150`: axis, applied correction and correction of the model (mm or degrees), and returns µm or µrad.

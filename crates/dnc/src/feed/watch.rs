@@ -85,13 +85,13 @@ impl TransferWatch {
         let held = self.was_held + self.held.map_or(Duration::ZERO, |since| now.saturating_sub(since));
         let stood = now.saturating_sub(self.moved).saturating_sub(held);
         let (limit, what) = if is_open || is_ending {
-            (self.patience.stall + busy * SLOWEST, "no line was answered or carried out")
+            (self.patience.stall + busy * SLOWEST, "no line was answered or executed")
         } else {
             (self.patience.hold, "the control has not become ready for lines")
         };
         let ended = |what: &str, time: Duration| Some(format!("{what} for {} s: nothing more is sent", time.as_secs()));
         if held > self.patience.hold {
-            ended("somebody has held the control, or it stands with its buffer full,", held)
+            ended("the control is in hold, or its buffer stays full,", held)
         } else if stood > limit {
             ended(what, stood)
         } else {
@@ -132,7 +132,7 @@ mod tests {
         watch.note(&Event::Paused(true), 10 * SECOND);
         watch.note(&Event::Paused(true), 20 * SECOND);
         assert_eq!(watch.look(610 * SECOND, true, false), None);
-        assert!(watch.look(611 * SECOND, true, false).is_some_and(|why| why.contains("held")));
+        assert!(watch.look(611 * SECOND, true, false).is_some_and(|why| why.contains("in hold")));
         // It was resumed in time. The time before the hold and the time after it count together: 10 s and 50 s.
         watch.note(&Event::Paused(false), 610 * SECOND);
         assert_eq!(watch.look(660 * SECOND, true, false), None);

@@ -229,13 +229,13 @@ impl Reader<'_> {
             let poll = seconds(&mut section, "poll_s", 0.05).unwrap_or(self.poll);
             let kind = read_kind(&mut section, self.kinds);
             if own.is_empty() {
-                let help = format!("write source = \"{name}\" in a channel, or take the source out");
-                section.report(Code::BAD_VALUE, place, format!("no channel is of {}", section.title()), help);
+                let help = format!("write source = \"{name}\" in a channel, or remove the source");
+                section.report(Code::BAD_VALUE, place, format!("no channel uses {}", section.title()), help);
             }
             let is_input = kind.as_ref().is_some_and(|kind| kind.is_standard_input());
             inputs += usize::from(is_input);
             if is_input && inputs > 1 {
-                let help = "there is one standard input; give its channels the same source";
+                let help = "there is only one standard input; give its channels the same source";
                 section.report(Code::BAD_VALUE, place, "two sources read standard input", help);
             }
             let plan = kind.as_ref().and_then(|kind| kind.read(&mut section, &mut own));
@@ -268,7 +268,7 @@ impl Reader<'_> {
         if !channel.source.is_empty() && !sources.contains(&channel.source) {
             let known = || sources.iter().map(String::as_str);
             let help = nearest(&channel.source, known()).map_or_else(
-                || format!("add [source.{}], or one of {}", channel.source, known().collect::<Vec<_>>().join(", ")),
+                || format!("add [source.{}], or use one of {}", channel.source, known().collect::<Vec<_>>().join(", ")),
                 |near| format!("did you mean \"{near}\"?"),
             );
             let message = format!("there is no source '{}'", channel.source);
@@ -293,8 +293,8 @@ impl Reader<'_> {
         channel.scale = section.number_where("scale", "a number that is not 0", is_scale).unwrap_or(1.0);
         channel.offset = section.number("offset").unwrap_or(0.0);
         if !channel.unit.is_temperature && !section.has("scale") {
-            let message = format!("{} in {} is no temperature", section.title(), channel.unit.name);
-            let help = "write scale and offset: value · scale + offset is in °C then";
+            let message = format!("{} in {} is not a temperature", section.title(), channel.unit.name);
+            let help = "write scale and offset: value · scale + offset is then in °C";
             section.report(Code::MISSING_KEY, section.place(), message, help);
         }
         channel.invalid = section.numbers("invalid");

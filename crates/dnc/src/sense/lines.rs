@@ -52,7 +52,7 @@ impl LineReader {
         } else if line.starts_with('{') || line.starts_with('[') {
             match serde_json::from_str::<Value>(line) {
                 Ok(object) => self.object(&object, tell),
-                Err(_) => self.fail("a line begins like JSON and is none", tell),
+                Err(_) => self.fail("a line begins like JSON but is not valid JSON", tell),
             }
         } else if self.header.is_none() && line.contains('=') {
             self.pairs(line, tell);
@@ -99,7 +99,7 @@ impl LineReader {
     fn alone(&self, line: &str, tell: &mut Tell<'_>) {
         match self.items.as_slice() {
             [(_, channel)] => tell(*channel, told(line), None),
-            _ => self.fail("a number alone, and several channels it might be", tell),
+            _ => self.fail("a single number, and several possible channels", tell),
         }
     }
 
@@ -113,12 +113,12 @@ impl LineReader {
             return;
         }
         let Some(header) = &self.header else {
-            return self.fail("there are no names of columns, or none of them is that of a channel", tell);
+            return self.fail("there are no column names, or none of them is the name of a channel", tell);
         };
         let text = format!("{header}\n{line}\n").into_bytes();
         let table = Source::new(FileId(0), "row", text).ok().and_then(|source| Table::read(&source).0);
         let Some(row) = table.as_ref().and_then(|table| table.rows().next().map(|row| (table, row))) else {
-            return self.fail("a row has other columns than the names", tell);
+            return self.fail("a row and the line of names have different numbers of columns", tell);
         };
         let (table, row) = row;
         let cell = |column: usize| String::from_utf8_lossy(row.text(column)).into_owned();
@@ -158,7 +158,7 @@ pub(super) fn told(text: &str) -> SourceReport {
     let text = text.trim().trim_matches('"');
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() => SourceReport::Value(value),
-        _ => SourceReport::Nothing(ChannelFault::Invalid, format!("'{}' is no number", shortened(text))),
+        _ => SourceReport::Nothing(ChannelFault::Invalid, format!("'{}' is not a number", shortened(text))),
     }
 }
 

@@ -239,15 +239,15 @@ impl Monitor {
         let channel = &self.channel;
         let no = |fault, note: String| Err((Some(fault), note));
         if !raw.is_finite() {
-            return no(ChannelFault::Invalid, "the sensor gives no number".into());
+            return no(ChannelFault::Invalid, "the sensor does not give a number".into());
         }
         self.raw = Some(raw);
         let value_c = channel.to_c(raw);
         if channel.is_invalid(raw, value_c) {
-            return no(ChannelFault::Invalid, format!("{raw} is what the sensor gives when it has no value"));
+            return no(ChannelFault::Invalid, format!("{raw} is the sensor's code for no value"));
         }
         if age > channel.max_age {
-            return no(ChannelFault::Silent, format!("what comes is {:.0} s old", age.as_secs_f64()));
+            return no(ChannelFault::Silent, format!("the reading is {:.0} s old", age.as_secs_f64()));
         }
         let [low, high] = channel.range_c;
         if !(low..=high).contains(&value_c) {
@@ -309,7 +309,8 @@ impl Monitor {
             return Err(match self.good {
                 None => (None, format!("{count} of {wanted} first readings agree")),
                 Some((_, good_c)) => {
-                    let note = format!("{value_c:.1} °C after {good_c:.1} °C is faster than a machine changes");
+                    let note =
+                        format!("{value_c:.1} °C after {good_c:.1} °C is faster than a machine temperature can change");
                     (Some(ChannelFault::Jump), note)
                 }
             });

@@ -73,13 +73,13 @@ impl Panel {
                             has_ended: false,
                         }),
                         Err(error) => {
-                            let message = format!("no thread for the source {}: {error}", origin.name);
+                            let message = format!("cannot start a thread for the source {}: {error}", origin.name);
                             findings.push(Diagnostic::at(Code::BAD_VALUE, origin.place, message, "try again"));
                         }
                     }
                 }
                 Err(message) => {
-                    let help = "change the source in the file of the sensors";
+                    let help = "change the source in the sensor file";
                     findings.push(Diagnostic::at(Code::BAD_VALUE, origin.place, message, help));
                 }
             }
@@ -146,7 +146,7 @@ impl Panel {
             }
             let (channel, bad_for) = (monitor.channel(), monitor.bad_for(self.now).unwrap_or_default());
             let sentence = || {
-                let why = if reading.note.is_empty() { "nothing has come yet" } else { &reading.note };
+                let why = if reading.note.is_empty() { "no reading yet" } else { &reading.note };
                 format!("{} has no good value for {:.0} s: {why}", reading.name, bad_for.as_secs_f64())
             };
             if bad_for >= channel.act_after && acting.as_ref().is_none_or(|(action, _)| *action < channel.action) {

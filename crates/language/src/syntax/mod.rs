@@ -89,15 +89,15 @@ fn nothing_done(source: &Source) -> Diagnostic {
     Diagnostic::at(
         Code::NOT_A_PROGRAM,
         Place { file: source.id(), span: Span::new(0, source.bytes().len().min(1)) },
-        "the file has no block that does anything",
+        "the file has no block with any effect",
         "check that this is the part program and not an empty or truncated copy",
     )
 }
 
 /// The diagnostic for a file with more programs than [`MAX_PARTS`], at the header of the first excess program.
 fn too_many_parts(source: &Source, header: Span) -> Diagnostic {
-    let message = format!("this is program {} of one file; at most {MAX_PARTS} are read", MAX_PARTS + 1);
-    let help = "check that the file is a part program; give programs files of their own";
+    let message = format!("this is program {} of the file; at most {MAX_PARTS} are read", MAX_PARTS + 1);
+    let help = "check that the file is a part program; split it into one file per program";
     Diagnostic::at(Code::NOT_A_PROGRAM, Place { file: source.id(), span: header }, message, help)
 }
 
@@ -130,7 +130,7 @@ fn checked(found: Vec<Diagnostic>, source: &Source, dialect: &Dialect) -> Vec<Di
             Diagnostic::at(
                 Code::NOT_A_PROGRAM,
                 Place { file: source.id(), span: Span::new(0, source.bytes().len().min(1)) },
-                format!("more than {MAX_FINDINGS} blocks cannot be read; the file is no {} program", dialect.title),
+                format!("more than {MAX_FINDINGS} blocks cannot be read; the file is not a {} program", dialect.title),
                 "check --dialect and that the file is a part program",
             ),
         );

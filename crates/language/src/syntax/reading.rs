@@ -67,9 +67,9 @@ fn carriage_return(source: &Source, at: usize) -> (Option<Diagnostic>, usize) {
     if matches!(rest.get(length), None | Some(b'\n')) {
         return (None, length);
     }
-    let message = "a carriage return, and something behind it in the same line";
+    let message = "a carriage return followed by text in the same line";
     let help =
-        "some controls read a block of its own there, others do not: put a line feed in its place, or take it out";
+        "some controls read the rest as a separate block, others do not: replace it with a line feed, or remove it";
     (Some(Diagnostic::at(Code::HIDDEN_BLOCK, place(source, at, 1), message, help)), length.max(1))
 }
 
@@ -90,8 +90,8 @@ fn character(source: &Source, at: usize, looks: &mut usize) -> (Option<Diagnosti
     };
     let Some(found) = found else { return (None, length) };
     let message =
-        format!("the control character U+{:04X}, which does not show and changes what shows", u32::from(found));
-    let help = "take it out: what a person reads here is not what runs";
+        format!("the control character U+{:04X}, which is invisible and changes the display", u32::from(found));
+    let help = "remove it: the text on the screen is not the program that runs";
     (Some(Diagnostic::at(Code::DECEPTIVE_TEXT, place(source, at, found.len_utf8()), message, help)), length)
 }
 

@@ -60,9 +60,8 @@ pub(super) fn read(section: &mut Section<'_>) -> ActiveTables {
         Some("beside") => Some(TableProducts::Beside),
         Some(other) => {
             let place = section.place_of("table_multiplication");
-            let help =
-                "write \"instead\" where the control adds the product in place of the own value, else \"beside\"";
-            section.report(Code::BAD_VALUE, place, format!("'{other}' says nothing of products"), help);
+            let help = "write \"instead\" where the control adds the product in place of the table's own value, else \"beside\"";
+            section.report(Code::BAD_VALUE, place, format!("'{other}' is neither of the two words for products"), help);
             None
         }
     };
@@ -80,7 +79,7 @@ pub(super) fn read_axis_order(section: &mut Section<'_>) -> Vec<Axis> {
             None => {
                 let place = section.place_of_item("axis_order", index);
                 let help = "write each axis once, in the order of AX1, AX2 …: [\"X\", \"Y\", \"Z\", \"A\", \"C\"]";
-                section.report(Code::BAD_VALUE, place, format!("'{letter}' is no axis, or there twice"), help);
+                section.report(Code::BAD_VALUE, place, format!("'{letter}' is not an axis, or is given twice"), help);
             }
         }
     }

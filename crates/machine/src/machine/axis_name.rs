@@ -21,8 +21,8 @@ pub(super) fn read(axis: Axis, section: &mut Section<'_>) -> Option<String> {
     if is_name && !is_taken {
         return Some(name);
     }
-    let message = format!("\"{name}\" cannot be the name of an axis");
-    let help = format!("write the name that programs use, for example `name = \"{axis}1\"`, or take the line out");
+    let message = format!("\"{name}\" is not a valid axis name");
+    let help = format!("write the name that programs use, for example `name = \"{axis}1\"`, or remove the line");
     section.report(Code::BAD_VALUE, section.place_of("name"), message, &help);
     None
 }

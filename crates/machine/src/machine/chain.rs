@@ -126,10 +126,10 @@ impl fmt::Display for TopologyFault {
             TopologyFault::NoWorkpiece => f.write_str("it does not begin with w (workpiece)"),
             TopologyFault::NoTool => f.write_str("it does not end with t (tool)"),
             TopologyFault::NoFoundation => f.write_str("F (foundation) is missing"),
-            TopologyFault::TwoFoundations => f.write_str("F (foundation) stands in it twice"),
-            TopologyFault::UnknownLetter(letter) => write!(f, "'{letter}' is no axis letter"),
-            TopologyFault::DoubleAxis(axis) => write!(f, "axis {axis} stands in it twice"),
-            TopologyFault::MisplacedSpindle => f.write_str("S (spindle) may stand only directly before t"),
+            TopologyFault::TwoFoundations => f.write_str("F (foundation) is given twice"),
+            TopologyFault::UnknownLetter(letter) => write!(f, "'{letter}' is not an axis letter"),
+            TopologyFault::DoubleAxis(axis) => write!(f, "axis {axis} is given twice"),
+            TopologyFault::MisplacedSpindle => f.write_str("S (spindle) is allowed only directly before t"),
             TopologyFault::NoAxis => f.write_str("it has no axis"),
         }
     }

@@ -35,7 +35,7 @@ pub(super) fn read(axis: Axis, controller: &str, section: &mut Section<'_>) -> V
         }
         _ => {
             let key = if section.has("clamp_codes") { "clamp_codes" } else { "unclamp_codes" };
-            let message = format!("axis {axis}: clamp_codes and unclamp_codes do not belong together");
+            let message = format!("axis {axis}: clamp_codes and unclamp_codes do not match");
             let help = "write the M codes that clamp the axis and, in the same order, those that release it: \
                         clamp_codes = [10], unclamp_codes = [11]";
             section.report(Code::BAD_VALUE, section.place_of(key), message, help);
@@ -49,7 +49,7 @@ fn codes(section: &mut Section<'_>, key: &str) -> Option<Vec<u32>> {
     let is_code = |value: &f64| (0.0..=LAST_CODE).contains(value) && value.fract() == 0.0;
     let numbers = section.numbers(key)?;
     if !numbers.iter().all(is_code) {
-        let message = format!("{key} must be numbers of M codes, whole and from 0 to {LAST_CODE}");
+        let message = format!("{key} must be M code numbers, whole numbers from 0 to {LAST_CODE}");
         section.report(Code::BAD_VALUE, section.place_of(key), message, format!("write for example {key} = [10]"));
         return None;
     }

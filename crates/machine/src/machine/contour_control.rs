@@ -46,7 +46,7 @@ pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
         Some("B") => control.compensation_start = CompensationStart::B,
         Some(other) => {
             let message = format!("compensation_start must be \"A\" or \"B\", found \"{other}\"");
-            let help = "A: square to the contour; B: square to the block that begins, then around the corner";
+            let help = "A: at right angles to the contour; B: at right angles to the block that begins, then around the corner";
             section.report(Code::BAD_VALUE, section.place_of("compensation_start"), message, help);
         }
     }

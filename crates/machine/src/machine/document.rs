@@ -65,8 +65,8 @@ impl Document {
         })?;
         if let Some(at) = text.bytes().position(|byte| byte == 0) {
             // A file of zeros, as left by a crash, would produce a fault for each.
-            let help = "restore the file; a disk that was full or a crash leaves zeros behind";
-            let message = "a byte that is zero, which stands in no text";
+            let help = "restore the file; a full disk or a crash can leave zero bytes";
+            let message = "a zero byte, which no text file has";
             return Err(vec![Diagnostic::at(Code::BAD_TOML, place(Span::new(at, at + 1)), message, help)]);
         }
         let (root, faults) = DeTable::parse_recoverable(text);

@@ -218,13 +218,13 @@ fn read_axis(
     let travel = super::travel::read(axis, travel_key, &mut section).map(|ends| ends.map(to_internal));
     let modulo = axis.is_rotary() && section.boolean("modulo").unwrap_or(false);
     if modulo && section.has(travel_key) {
-        let message = format!("axis {axis} turns without end and has {travel_key}");
-        let help = "take one of them out: modulo = true is for axes that may turn any number of times";
+        let message = format!("axis {axis} is a modulo axis and has {travel_key}");
+        let help = "remove one of them: modulo = true is for axes that may turn any number of times";
         section.report(Code::BAD_VALUE, section.place_of(travel_key), message, help);
     }
     if !section.has(travel_key) && !modulo {
         let message = format!("axis {axis} has no {travel_key}");
-        let help = format!("add `{travel_key} = [lowest, highest]`, so that positions outside the travel are found");
+        let help = format!("add `{travel_key} = [lowest, highest]`, so that positions outside the travel are detected");
         section.report(Code::NO_TRAVEL, section.place(), message, help);
     }
     let max_feed = section.number_where(feed_key, "a number above 0", |feed| feed > 0.0);
@@ -261,7 +261,7 @@ fn checked_direction(axis: Axis, direction: Vector, section: &mut Section<'_>) -
     if !axis.is_rotary() && strays {
         let letter = ['X', 'Y', 'Z'][own];
         let message = format!("axis {axis} must run along {letter} of F");
-        let help = "put the deviation into [location], for example EC0Y for an axis Y that leans towards X";
+        let help = "write the deviation in [location], for example EC0Y for an axis Y that leans towards X";
         section.report(Code::BAD_VALUE, place, message, help);
         return None;
     }
@@ -279,12 +279,12 @@ fn check_chain(
         match (topology.branch(axis), headers[axis.slot()]) {
             (Some(_), None) => {
                 let message = format!("axis {axis} of the topology has no section [axis.{axis}]");
-                let help = format!("add [axis.{axis}] with its direction, or take {axis} out of the topology");
+                let help = format!("add [axis.{axis}] with its direction, or remove {axis} from the topology");
                 findings.push(Diagnostic::at(Code::BAD_TOPOLOGY, topology_place, message, help));
             }
             (None, Some(place)) => {
                 let message = format!("axis {axis} is not in the topology {topology}");
-                let help = format!("take {axis} into the topology, or remove the section");
+                let help = format!("add {axis} to the topology, or remove the section");
                 findings.push(Diagnostic::at(Code::BAD_TOPOLOGY, place, message, help));
             }
             _ => {}
@@ -364,7 +364,7 @@ fn read_control(section: Option<Section<'_>>, controller: &str, findings: &mut V
         match check_name(name, controller) {
             Ok(()) => control.initial_zero_offset = Some(name.to_owned()),
             Err(help) => {
-                let message = format!("\"{name}\" is no settable zero offset");
+                let message = format!("\"{name}\" is not a settable zero offset");
                 section.report(Code::BAD_VALUE, section.place_of("initial_zero_offset"), message, help);
             }
         }

@@ -182,7 +182,7 @@ pub(super) fn read(section: &mut Section<'_>, iso: &mut IsoControl) {
             iso.orient_shift = Axis::from_letter(*letter).map(|axis| (axis, sense));
         }
         Some(_) => {
-            let message = "orient_shift must be a sense and an axis";
+            let message = "orient_shift must be a direction sign and an axis";
             let help = "write \"+X\", \"-X\", \"+Y\", \"-Y\", \"+Z\" or \"-Z\" (Fanuc parameter 5101, bits 4 and 5)";
             section.report(Code::BAD_VALUE, section.place_of("orient_shift"), message, help);
         }
@@ -213,7 +213,7 @@ fn read_rotation(section: &mut Section<'_>, iso: &mut IsoControl) {
             Some(value) if value == only => *place = true,
             Some(other) => {
                 let message = format!("{key} must be \"{only}\", found \"{other}\"");
-                section.report(Code::BAD_VALUE, section.place_of(key), message, "correct it, or leave it out");
+                section.report(Code::BAD_VALUE, section.place_of(key), message, "correct it, or remove it");
             }
         }
     }

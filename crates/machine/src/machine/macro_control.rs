@@ -40,12 +40,11 @@ pub(super) fn read(section: &mut Section<'_>, macros: &mut MacroControl) {
                 macros.codes.insert(code, program);
             }
             (None, _) => {
-                let help =
-                    "write the code and the number of its program, for example G100 = 9010, M50 = 9020, T = 9000";
+                let help = "write the code and its program number, for example G100 = 9010, M50 = 9020, T = 9000";
                 codes.report(
                     Code::BAD_VALUE,
                     codes.place_of_key(key),
-                    format!("{key} is no code that could call"),
+                    format!("{key} is not a code that can call a program"),
                     help,
                 );
             }

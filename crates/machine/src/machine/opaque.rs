@@ -70,7 +70,7 @@ pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
         match axis {
             Some(axis) => control.transverse_axis = axis,
             None => {
-                let message = format!("\"{text}\" is no linear axis");
+                let message = format!("\"{text}\" is not a linear axis");
                 let help = "write one of X Y Z U V W";
                 section.report(Code::BAD_VALUE, section.place_of("transverse_axis"), message, help);
             }

@@ -269,8 +269,10 @@ impl<'a> Section<'a> {
     /// Checks that a text shows its true content; reports one with control characters or changes of text direction.
     fn is_readable(&mut self, key: &str, text: &str) -> bool {
         let Some(found) = text.chars().find(|&character| is_deceptive(character)) else { return true };
-        let message =
-            format!("{key} holds the control character U+{:04X}, which shows as something else", u32::from(found));
+        let message = format!(
+            "{key} contains the control character U+{:04X}, which is not displayed as written",
+            u32::from(found)
+        );
         let help = format!("write {key} in {} with letters, digits and signs", self.title);
         self.report(Code::DECEPTIVE_NAME, self.place_of(key), message, help);
         false

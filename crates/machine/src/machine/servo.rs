@@ -97,7 +97,7 @@ pub(super) fn read(
             let place = section.place_of(&key);
             loops[axis.slot()] = read_axis(axis, own, axes[axis.slot()].as_ref(), findings);
             if !is_named {
-                let message = format!("[servo.{axis}] is about an axis that the machine lacks");
+                let message = format!("[servo.{axis}] names an axis that the machine does not have");
                 section.report(Code::BAD_VALUE, place, message, "remove the section");
             }
         } else if is_named && !section.has(&key) {
@@ -121,7 +121,7 @@ pub(super) fn read(
 fn report_missing(section: &mut Section<'_>, axes: &[Axis]) {
     let Some(&first) = axes.first() else { return };
     let names: Vec<String> = axes.iter().map(Axis::to_string).collect();
-    let message = format!("[servo] says nothing of {}", names.join(", "));
+    let message = format!("[servo] has no data for {}", names.join(", "));
     let help = format!(
         "add [servo.{first}] and so on, with velocity_gain_per_s, feed_forward and {}",
         acceleration_key(first)
@@ -155,8 +155,8 @@ fn read_axis(
         Some(per_min) => Some(per_min / 60.0),
         None => {
             let unit = if axis.is_rotary() { "deg" } else { "mm" };
-            let message = format!("axis {axis} has a servo loop and no max_feed_{unit}_min");
-            let help = format!("write max_feed_{unit}_min in [axis.{axis}]: rapid moves go that fast");
+            let message = format!("axis {axis} has a servo loop but no max_feed_{unit}_min");
+            let help = format!("write max_feed_{unit}_min in [axis.{axis}]: it is the rate of rapid moves");
             section.report(Code::MISSING_KEY, section.place(), message, help);
             None
         }
@@ -183,7 +183,7 @@ fn read_gain(section: &mut Section<'_>) -> Option<f64> {
     if section.has(BY_S) {
         section.accept(BY_S);
         let place: Place = section.place_of_key(BY_MIN);
-        let message = format!("the velocity gain of {} stands there twice", section.title());
+        let message = format!("the velocity gain of {} is given twice", section.title());
         section.report(Code::BAD_VALUE, place, message, "remove one; 1 m/min per mm is 16.667 1/s");
     }
     section.number_where(BY_MIN, expected, allowed).map(|gain| gain * PER_S_OF_M_MIN_MM)

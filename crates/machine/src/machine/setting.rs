@@ -60,7 +60,7 @@ pub(super) fn read(
                 "write the name of a variable, for example NAME = 5, or NAME = [1, 2, 3] for an array"
             };
             let place = section.place_of_key(key);
-            section.report(Code::UNKNOWN_KEY, place, format!("{key} is no name of a variable"), help);
+            section.report(Code::UNKNOWN_KEY, place, format!("{key} is not a variable name"), help);
             continue;
         }
         let expected = if is_system {

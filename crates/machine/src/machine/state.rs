@@ -55,7 +55,7 @@ impl FromStr for State {
     fn from_str(text: &str) -> Result<State, String> {
         let mut state = State::default();
         for part in text.split(',').map(str::trim) {
-            let wrong = || format!("'{part}' is no sense of motion; write for example X+,Y-");
+            let wrong = || format!("'{part}' is not a direction of motion; write for example X+,Y-");
             let (axis, sense) = match *part.as_bytes() {
                 [letter, b'+'] => (Axis::from_letter(letter.to_ascii_uppercase()), 1),
                 [letter, b'-'] => (Axis::from_letter(letter.to_ascii_uppercase()), -1),

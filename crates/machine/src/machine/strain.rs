@@ -78,7 +78,7 @@ fn read_gauge(section: &mut Section<'_>, axes: AxisSet) -> Option<StrainGauge> {
             })
         };
         let Some((place, message)) = fault else { return Some(positions) };
-        section.report(Code::BAD_TABLE, place, message, "give at least two positions, sorted, without double ones");
+        section.report(Code::BAD_TABLE, place, message, "give at least two positions, sorted, without duplicates");
         None
     });
     let count = positions.as_ref().map(Vec::len);
@@ -100,9 +100,9 @@ fn read_gauge(section: &mut Section<'_>, axes: AxisSet) -> Option<StrainGauge> {
     let empty = values("empty_um_per_m", false);
     let moments = MOMENTS.map(|key| values(key, false));
     if moments.iter().flatten().count() > 2 {
-        let help = "a weight has no moment about the line along which it pulls: remove the key of that direction";
+        let help = "a weight has no moment about its own line of action: remove the key of that direction";
         let place = section.place_of_key(MOMENTS[1]);
-        section.report(Code::BAD_VALUE, place, "moments of places along X, Y and Z", help);
+        section.report(Code::BAD_VALUE, place, "moments of positions along X, Y and Z", help);
         return None;
     }
     let axis = axis?;

@@ -50,7 +50,7 @@ pub(super) fn read(root: &mut Section<'_>, findings: &mut Vec<Diagnostic>) -> Ve
         let radius_mm = section.number_where("radius_mm", "a number that is not negative", |radius| radius >= 0.0);
         if let (Some(number), Some(length_mm)) = (number, length_mm) {
             if tools.iter().any(|tool| (tool.number, tool.edge) == (number, edge)) {
-                let message = format!("tool {number} with edge {edge} stands in the file twice");
+                let message = format!("tool {number} with edge {edge} is given twice");
                 let help = "give the second one another number or edge, or remove it";
                 section.report(Code::BAD_VALUE, section.place_of("number"), message, help);
             }

@@ -19,7 +19,7 @@ pub(super) fn read(axis: Axis, key: &str, section: &mut Section<'_>) -> Option<[
             }
             let help =
                 format!("travels are {SHORTEST_TRAVEL} long at least and end before {FARTHEST:e}; check the numbers");
-            (format!("{key} of axis {axis} is no travel of a machine"), help)
+            (format!("{key} of axis {axis} is not a plausible travel"), help)
         }
         _ => {
             let help = format!("write two numbers that increase, for example `{key} = [0, 500]`");

@@ -81,7 +81,7 @@ pub(super) fn read_zero_offsets(
     let names: Vec<&str> = section.keys().collect();
     for name in names {
         if let Err(help) = check_name(name, controller) {
-            let message = format!("\"{name}\" is no settable zero offset");
+            let message = format!("\"{name}\" is not a settable zero offset");
             section.accept(name);
             section.report(Code::UNKNOWN_KEY, section.place_of_key(name), message, help);
             continue;
@@ -110,7 +110,7 @@ fn check_whole(section: &mut Section<'_>, name: &str, axes: AxisSet) {
     let counts = if lacking.len() == 1 { "counts" } else { "count" };
     let message = format!("{name} states {} and not {}, which {counts} as 0", listed(&there), listed(&lacking));
     let keys = lacking.iter().map(|axis| key(*axis)).collect::<Vec<_>>().join(" and ");
-    let help = format!("write {keys} as the control shows them, 0 too");
+    let help = format!("write {keys} as the control shows them, including 0");
     section.report(Code::PARTIAL_OFFSET, section.place(), message, help);
 }
 

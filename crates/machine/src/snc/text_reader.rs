@@ -45,7 +45,7 @@ impl<'a> TextReader<'a> {
         for word in words {
             let letter = word.as_bytes().first().copied().filter(u8::is_ascii_alphabetic);
             let (Some(letter), Some(rest)) = (letter, word.get(1..)) else {
-                return Err("a word begins with no letter".into());
+                return Err("a word does not begin with a letter".into());
             };
             values.push((letter, rest));
         }
@@ -53,7 +53,7 @@ impl<'a> TextReader<'a> {
         let mut lines = match comment.strip_prefix('@') {
             Some(origin) => origin
                 .split('<')
-                .map(|line| line.trim().parse().map_err(|_| "the origin behind ;@ is no line number"))
+                .map(|line| line.trim().parse().map_err(|_| "the origin after ;@ is not a line number"))
                 .collect::<Result<Vec<u32>, _>>()?,
             None => vec![u32::try_from(number).unwrap_or(u32::MAX)],
         };
@@ -92,14 +92,14 @@ impl<'a> TextReader<'a> {
                 }
                 (None, b'I' | b'J' | b'K') => ijk[usize::from(letter - b'I')] = value,
                 (None, b'P') => {
-                    let number = text.parse().map_err(|_| "P is 17, 18 or 19")?;
-                    plane = Plane::from_number(number).ok_or("P is 17, 18 or 19")?;
+                    let number = text.parse().map_err(|_| "P must be 17, 18 or 19")?;
+                    plane = Plane::from_number(number).ok_or("P must be 17, 18 or 19")?;
                 }
-                (None, b'L') => extra_turns = text.parse().map_err(|_| "L is a whole number")?,
+                (None, b'L') => extra_turns = text.parse().map_err(|_| "L must be a whole number")?,
                 (None, b'F') => feed = Some(value),
                 (None, b'G') if feed.is_some() && text == "93" => unit = FeedUnit::InverseTime,
                 (None, b'G') if feed.is_some() && text == "95" => unit = FeedUnit::PerTurn,
-                _ => return Err(format!("'{}' is no word of a motion", char::from(letter))),
+                _ => return Err(format!("'{}' is not a word of a motion block", char::from(letter))),
             }
         }
         let arc = matches!(code, "2" | "3").then(|| {
@@ -176,7 +176,7 @@ fn auxiliary(letter: u8, rest: &str) -> Result<Word, String> {
         // `D="NAME"`
         Some(("", text)) => (None, text),
         Some((extension, text)) => {
-            (Some(extension.parse().map_err(|_| "an address extension is a whole number")?), text)
+            (Some(extension.parse().map_err(|_| "an address extension must be a whole number")?), text)
         }
         None => (None, rest),
     };
@@ -211,5 +211,5 @@ fn name_of(mut text: &[u8]) -> Vec<u8> {
 }
 
 fn parse(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| format!("'{text}' is no number"))
+    text.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| format!("'{text}' is not a number"))
 }

@@ -72,46 +72,48 @@ impl UndeterminedCause {
             UndeterminedCause::Few(axis, found, needed) if axis.is_rotary() => {
                 let more = needed.saturating_sub(found).max(1);
                 let s = if more == 1 { "" } else { "s" };
-                format!("index {axis} at {more} more angle{s} at least, or leave {them} out")
+                format!("index {axis} to at least {more} more angle{s}, or leave {them} out")
             }
             UndeterminedCause::Few(axis, _, needed) => {
-                format!("measure at {needed} positions of {axis} at least, or leave {them} out")
+                format!("measure at {needed} or more positions of {axis}, or leave {them} out")
             }
             UndeterminedCause::OneSense(axis) => {
-                format!("come to positions of {axis} from both sides, or leave {them} out")
+                format!("approach positions of {axis} from both directions, or leave {them} out")
             }
             UndeterminedCause::Beyond(axis) => format!("measure further along {axis}, or leave {them} out"),
             UndeterminedCause::NoLoad => {
-                format!("measure with a load on the table, too, and say so (load_N), or leave {them} out")
+                format!("measure also with a load on the table and give it (load_N), or leave {them} out")
             }
-            UndeterminedCause::OneLoad => format!("measure without the load, too, or leave {them} out"),
+            UndeterminedCause::OneLoad => format!("measure also without the load, or leave {them} out"),
             UndeterminedCause::NoTemperatures => {
-                format!("measure warm, too, with columns of temperatures or --state, or leave {them} out")
+                format!("measure also with the machine warm, with temperature columns or --state, or leave {them} out")
             }
             UndeterminedCause::Conditions => {
                 format!("measure at other loads or temperatures, in poses in which they differ, or leave {them} out")
             }
             UndeterminedCause::Unfelt => {
-                format!("measure what {} would move, or leave {them} out", if many { "they" } else { "it" })
+                format!("measure where {} would have an effect, or leave {them} out", if many { "they" } else { "it" })
             }
             UndeterminedCause::Scale => {
-                "give a calibrated length (take length out of free, or write [[length]] between two balls), \
+                "give a calibrated length (remove length from free, or write [[length]] between two balls), \
                              or leave out the gain of one axis"
                     .into()
             }
             UndeterminedCause::Stylus => format!(
-                "turn the spindle by hand between probings (spindle_deg), take tool out of free where the stylus is calibrated, or leave {them} out"
+                "turn the spindle by hand between probings (spindle_deg), remove tool from free if the stylus is calibrated, or leave {them} out"
             ),
             UndeterminedCause::Constant => {
-                format!("leave {them} out: constant parts belong to the set-up unless the description says where it is")
+                format!(
+                    "leave {them} out: constant parts belong to the set-up unless the description gives its position"
+                )
             }
             UndeterminedCause::SetUp => format!(
-                "describe what is known of the set-up (take it out of free), measure in another one, or leave {them} out"
+                "describe what is known of the set-up (remove it from free), measure in another one, or leave {them} out"
             ),
             UndeterminedCause::Lever => {
                 "measure the same with a second tool vector (another length, or off the spindle)".into()
             }
-            UndeterminedCause::Plane => format!("measure in another plane too, or leave {them} out"),
+            UndeterminedCause::Plane => format!("measure also in another plane, or leave {them} out"),
             UndeterminedCause::Angles(axis) => format!("index {axis} at three more angles, or leave {them} out"),
             UndeterminedCause::Poses => format!("measure in poses in which they differ, or leave {them} out"),
         }
@@ -124,15 +126,15 @@ impl fmt::Display for UndeterminedCause {
         match self {
             UndeterminedCause::Few(axis, found, needed) => {
                 let s = if *found == 1 { "" } else { "s" };
-                write!(f, "; {axis} stood at {found} position{s}, at least {needed} are needed")
+                write!(f, "; {axis} was at {found} position{s}; at least {needed} are needed")
             }
             UndeterminedCause::NoLoad => write!(f, "; there was no load on the table"),
             UndeterminedCause::OneLoad => write!(f, "; there was only one load"),
             UndeterminedCause::NoTemperatures => write!(f, "; there are no temperatures"),
-            UndeterminedCause::OneSense(axis) => write!(f, "; {axis} was reached in one sense only"),
-            UndeterminedCause::Beyond(axis) => write!(f, "; {axis} did not go as far"),
-            UndeterminedCause::Lever => write!(f, "; all was measured with one tool vector"),
-            UndeterminedCause::Plane => write!(f, "; all was measured in one plane"),
+            UndeterminedCause::OneSense(axis) => write!(f, "; {axis} was approached in one direction only"),
+            UndeterminedCause::Beyond(axis) => write!(f, "; {axis} did not move that far"),
+            UndeterminedCause::Lever => write!(f, "; all measurements have one tool vector"),
+            UndeterminedCause::Plane => write!(f, "; all measurements are in one plane"),
             _ => Ok(()),
         }
     }

@@ -81,9 +81,9 @@ impl Reduced {
             let micrometers = 1e3 * uncertain(worst);
             self.left_out.push(Confused {
                 sentence: format!(
-                    "{parameter} is told, but so badly that readings of 1 µm leave {micrometers:.0} µm of it at the tip"
+                    "{parameter} is determined so poorly that readings with 1 µm uncertainty leave {micrometers:.0} µm at the tip"
                 ),
-                remedy: "measure where it does more, or where the others that look like it do something else".into(),
+                remedy: "measure where its effect is larger, or where similar parameters have another effect".into(),
                 parameters: vec![parameter],
                 set: None,
             });

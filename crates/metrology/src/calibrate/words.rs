@@ -162,17 +162,17 @@ fn others(own: usize, direction: &DVector<f64>, columns: &[Column]) -> Vec<usize
 fn single(own: usize, others: &[usize], columns: &[Column], data: &[DataSet]) -> String {
     let name = |k: usize| columns.get(k).map(|column| column.name(data).to_string()).unwrap_or_default();
     if others.is_empty() {
-        return format!("{} moves nothing that was measured", name(own));
+        return format!("{} has no effect on the measurements", name(own));
     }
     let all: Vec<String> = others.iter().map(|&k| name(k)).collect();
-    format!("{} cannot be told from {}", name(own), joined(&all, MOST_NAMES))
+    format!("{} is not separable from {}", name(own), joined(&all, MOST_NAMES))
 }
 
 /// Several directions of one kind.
 fn of_many(key: &Key, own: &[Parameter], members: &[Member], columns: &[Column]) -> String {
     let names = listed(own, MOST_NAMES);
     if key.is_unfelt {
-        return format!("{names} move nothing that was measured{}", key.cause);
+        return format!("{names} have no effect on the measurements{}", key.cause);
     }
     let mut from: Vec<Parameter> = Vec::new();
     for &k in members.iter().flat_map(|(_, others)| others) {
@@ -187,7 +187,7 @@ fn of_many(key: &Key, own: &[Parameter], members: &[Member], columns: &[Column])
     let all: Vec<String> = parameters.into_iter().chain(key.unknowns.iter().cloned()).collect();
     let what = if key.cause == UndeterminedCause::Constant { ": constant parts" } else { "" };
     let each = if all.is_empty() { "each other".to_owned() } else { joined(&all, usize::MAX) };
-    format!("{names}{what} cannot be told from {each}{}", key.cause)
+    format!("{names}{what} are not separable from {each}{}", key.cause)
 }
 
 /// `a, b and c`, or the first ones and the number of the others.
@@ -233,16 +233,16 @@ fn phrases(columns: &[&Column], data: &[DataSet]) -> Vec<String> {
         let Column::Unknown(number, unknown) = column else { continue };
         let Some(set) = data.get(*number) else { continue };
         let phrase = match unknown {
-            Unknown::Centre(..) => "the place of the table ball",
+            Unknown::Centre(..) => "the position of the table ball",
             Unknown::Length(_) => "the length of the ball-bar",
             Unknown::Rod(_) => "the length of the rod",
             Unknown::RodTemperature(_) => "the temperature of the rod",
             Unknown::Drift(_) => "the drift of the instrument",
             Unknown::Level(_) => "the zeros of the cycles",
             Unknown::Offset(..) if set.kind.measurand == Measurand::Component => "the zero of the instrument",
-            Unknown::Offset(..) => "the place of the artefact",
+            Unknown::Offset(..) => "the position of the artefact",
             Unknown::Rotation(..) => "the rotation of the artefact",
-            Unknown::Place(..) => "the places of the balls",
+            Unknown::Place(..) => "the positions of the balls",
             Unknown::Tool(..) => "the tool",
             Unknown::Own(what, _) => what,
         };

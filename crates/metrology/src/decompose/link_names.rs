@@ -20,7 +20,7 @@ pub enum NoLinks {
 impl fmt::Display for NoLinks {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            NoLinks::NoParameter(word) => write!(out, "--links {word} is no parameter such as EC0Y or EXX1"),
+            NoLinks::NoParameter(word) => write!(out, "--links {word} is not a parameter such as EC0Y or EXX1"),
             NoLinks::NoAxis(word, machine, axis) => {
                 write!(out, "--links {word}: the machine {machine} has no axis {axis}")
             }

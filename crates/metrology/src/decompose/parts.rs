@@ -64,15 +64,15 @@ impl fmt::Display for DecompositionError {
             DecompositionError::Still => f.write_str("no axis moves"),
             DecompositionError::Apart => f.write_str("readings and positions do not overlap in time"),
             DecompositionError::OtherPath(_, [one, other]) => {
-                write!(f, "runs of paths of {one:.1} and {other:.1} mm: they do not follow one path")
+                write!(f, "the runs have paths of {one:.1} and {other:.1} mm: they do not follow one path")
             }
             DecompositionError::Units(axis, [set, encoder]) => {
                 let (unit, size) = if axis.is_rotary() { ("deg", 1_f64.to_degrees()) } else { ("mm", 1.0) };
                 let [set, encoder] = [set, encoder].map(|value| value * size);
-                write!(f, "the column {axis}_enc goes over {encoder:.3} {unit} while {axis} goes over {set:.3} {unit}")
+                write!(f, "the column {axis}_enc covers {encoder:.3} {unit} while {axis} covers {set:.3} {unit}")
             }
             DecompositionError::NotIdentified(_) => {
-                f.write_str("the slowest run has too few readings to tell link and motion errors")
+                f.write_str("the slowest run has too few readings to determine link and motion errors")
             }
         }
     }

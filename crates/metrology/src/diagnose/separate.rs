@@ -86,22 +86,22 @@ fn told_apart(pair: [EffectKind; 2]) -> (Option<&'static str>, Option<Separating
     let both = |a| pair == [a, a];
     let (sentence, plan) = if is(EffectKind::Location, EffectKind::ServoMismatch) {
         (
-            "the same circle in the other sense: squareness stays, a mismatch of the servos turns over",
+            "the same circle in the other sense: squareness stays, a servo mismatch changes its sign",
             SeparatingPlan::Circles,
         )
     } else if is(EffectKind::Backlash, EffectKind::Following) || is(EffectKind::Backlash, EffectKind::Delay) {
-        ("the same line at another feed: a lag goes with it, backlash stays", SeparatingPlan::SlowLine)
+        ("the same line at another feed: a lag changes with the feed, backlash stays", SeparatingPlan::SlowLine)
     } else if is(EffectKind::Backlash, EffectKind::LateralPlay)
         || both(EffectKind::LateralPlay)
         || both(EffectKind::Backlash)
     {
         (
-            "forth and back with two tool lengths, and with an indicator along and across: a turn of the carriage grows with the tool",
+            "both directions with two tool lengths, and with an indicator along and across: a rotation of the carriage grows with the tool length",
             SeparatingPlan::Line,
         )
     } else if is(EffectKind::Backlash, EffectKind::Motion) {
         (
-            "the same line forth and back at every place: play turns over with the sense, a motion does not",
+            "the same line in both directions at every position: backlash reverses with the direction, a motion error does not",
             SeparatingPlan::Line,
         )
     } else if is(EffectKind::Motion, EffectKind::ThermalExpansion) {
@@ -111,7 +111,7 @@ fn told_apart(pair: [EffectKind; 2]) -> (Option<&'static str>, Option<Separating
     } else if is(EffectKind::Motion, EffectKind::Setup) {
         ("the same line with the artefact shifted along it and turned by 90°", SeparatingPlan::Line)
     } else if is(EffectKind::Motion, EffectKind::Cross) {
-        ("lines at three places of the other axis", SeparatingPlan::Grid)
+        ("lines at three positions of the other axis", SeparatingPlan::Grid)
     } else if is(EffectKind::Motion, EffectKind::Periodic) {
         ("steps of an eighth of the period over three periods", SeparatingPlan::FineLine)
     } else if is(EffectKind::Motion, EffectKind::Location) {
@@ -128,7 +128,7 @@ fn told_apart(pair: [EffectKind; 2]) -> (Option<&'static str>, Option<Separating
         || both(EffectKind::Drift)
     {
         (
-            "a run in which the temperatures do not rise together: spindle on and off by chance, then cooling",
+            "a run in which the temperatures do not rise together: spindle on and off at random, then cooling",
             SeparatingPlan::Drift,
         )
     } else if is(EffectKind::ThermalDrift, EffectKind::ThermalExpansion) {
@@ -140,12 +140,12 @@ fn told_apart(pair: [EffectKind; 2]) -> (Option<&'static str>, Option<Separating
         ("circles in the planes of the other axes at the same feed", SeparatingPlan::Circles)
     } else if is(EffectKind::Following, EffectKind::Dynamic) {
         (
-            "another radius at the same feed: a lag goes with the velocity, a deflection with its square over the radius",
+            "another radius at the same feed: a lag depends on the velocity, a deflection on its square over the radius",
             SeparatingPlan::SmallCircles,
         )
     } else if is(EffectKind::Periodic, EffectKind::Dynamic) {
         (
-            "another feed: what vibrates moves along the path, what is periodic in position stays",
+            "another feed: a vibration moves along the path, an error periodic in position stays",
             SeparatingPlan::SlowCircles,
         )
     } else if pair[0] == EffectKind::Cross {

@@ -245,8 +245,8 @@ pub fn load_with(
     findings.extend(found);
     let (Some(mut data), Some(rows)) = (description, rows) else { return (None, findings) };
     for (axis, _) in data.fixed.iter().filter(|(axis, _)| machine.axis(*axis).is_none()) {
-        let message = format!("the machine {} has no axis {axis}, and [position] says where it stood", machine.name);
-        let help = "check --machine, or take it out of the description";
+        let message = format!("the machine {} has no axis {axis}, but [position] gives its position", machine.name);
+        let help = "check --machine, or remove it from the description";
         findings.push(Diagnostic::at(Code::DATA_COLUMN, rows.header_place(None), message, help));
     }
     data.is_plan = how == ReadAs::Plan;

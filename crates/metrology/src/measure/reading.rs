@@ -197,7 +197,7 @@ fn missing(table: &Table, axis: Axis) -> Diagnostic {
     });
     let (message, help) = match alike.and_then(|column| table.names().get(column)) {
         Some(name) => (
-            format!("there is no column {letter}, but {name}"),
+            format!("there is a column {name}, but no column {letter}"),
             format!("rename the column {name} to {letter} if it is in {unit}"),
         ),
         None => (

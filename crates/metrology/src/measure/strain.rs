@@ -83,8 +83,8 @@ impl Columns {
         if gauge.signal(&gauge.force, position).is_none() {
             let ends = [gauge.positions.first(), gauge.positions.last()].map(|end| end.copied().unwrap_or_default());
             let [low, high] = if is_rotary { ends.map(f64::to_degrees) } else { ends };
-            let message = format!("{} {shown} is outside {low} … {high}, where [strain] knows the gauge", gauge.axis);
-            let help = "take the row out, or add the position to [strain] in the machine file";
+            let message = format!("{} {shown} is outside {low} … {high}, the range that [strain] covers", gauge.axis);
+            let help = "remove the row, or add the position to [strain] in the machine file";
             return Err(Diagnostic::at(Code::LOAD_NOT_TOLD, row.place(self.position), message, help));
         }
         let strain_um_m = row.number(self.strain, self.sign)?;

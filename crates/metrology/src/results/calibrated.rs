@@ -41,6 +41,7 @@ pub struct CalibrationResult {
 /// An estimated number.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct EstimateReport {
     /// Its name.
     pub name: String,

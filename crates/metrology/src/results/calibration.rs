@@ -146,7 +146,7 @@ impl PreparedFit<'_> {
         let reversals = reversals(start, self.parameters.iter().chain(candidates.unwrap_or_default()), &data);
         if !reversals.is_empty() {
             let help =
-                "a reversal cannot be told from a drift: take \"drift\" out of free, or the reversal out of the model";
+                "a reversal is not separable from a drift: remove \"drift\" from free, or the reversal from the model";
             let told = |message| Diagnostic::nowhere(Code::DRIFT_NOT_TOLD, message, help);
             findings.extend(reversals.into_iter().map(told));
             return None;
@@ -164,7 +164,7 @@ impl PreparedFit<'_> {
             let is_parameter = found.column.is_of_machine();
             if is_parameter && found.effect_mm > self.settings.max_mm && !badly {
                 let effect = micrometers(um_from_mm(found.effect_mm));
-                let message = format!("{} would move the tool by {effect} (root of the mean square)", one.name);
+                let message = format!("{} would move the tool by {effect} RMS", one.name);
                 let help = "check units and signs of the readings; give a larger --max if the machine is like this";
                 findings.push(Diagnostic::nowhere(Code::DATA_SIZE, message, help));
             }
@@ -202,8 +202,8 @@ impl PreparedFit<'_> {
     fn rows(&self, fit: &Fit, findings: &mut Vec<Diagnostic>, report: &mut CalibrationResult) {
         for (row, place) in weighted_down(fit, &self.used) {
             let size = format!("{} {}", significant(row.residual), row.unit.sign());
-            let message = format!("{size} are left of this reading, which counts {:.0} %", row.weight * 100.0);
-            let help = "look for its cause; --no-robust lets it count like the others";
+            let message = format!("the residual of this reading is {size}; its weight is {:.0} %", row.weight * 100.0);
+            let help = "find its cause; --no-robust gives it full weight";
             findings.push(Diagnostic::at(Code::ROW_DOES_NOT_FIT, place, message, help));
             report.weighted_down.push(row);
         }
@@ -233,8 +233,7 @@ impl PreparedFit<'_> {
                 if let Some(described) = described.filter(|&described| left > POOR * described) {
                     let times = significant(left / described);
                     let name = &quality.name;
-                    let message =
-                        format!("{name}: what is left (root of the mean square) is {times} times what {key} says");
+                    let message = format!("{name}: the residual (RMS) is {times} times {key}");
                     let help = format!("choose a model with more parameters, measure faster, or correct {key}");
                     findings.push(Diagnostic::nowhere(Code::POOR_FIT, message, help));
                 }
@@ -268,7 +267,7 @@ pub fn machine_text(
     let again =
         Source::new(start.id(), start.name(), text.clone().into_bytes()).map_err(|_| "it is too long".to_owned())?;
     let Some((_, written)) = file::load_with(&again, registers).0 else {
-        return Err("the result is no machine file".into());
+        return Err("the result is not a valid machine file".into());
     };
     for parameter in fit.estimates.iter().filter_map(|one| one.column.parameter()) {
         let (found, read) = (parameter.get(errors), parameter.get(&written));
@@ -298,7 +297,7 @@ pub fn check_sizes(begin: &CalibrationStart<'_>, measurement: &Measurement, max_
             if size * arm > max_mm {
                 let (place, shown) = cell(measurement, row.place, index);
                 let message =
-                    format!("{shown} is beyond {}, which no reading should be", micrometers(um_from_mm(max_mm)));
+                    format!("{shown} is beyond {}, more than any plausible reading", micrometers(um_from_mm(max_mm)));
                 findings.push(Diagnostic::at(Code::DATA_SIZE, place, message, help));
             }
         }
@@ -309,8 +308,7 @@ pub fn check_sizes(begin: &CalibrationStart<'_>, measurement: &Measurement, max_
             && (sum / count).sqrt() < sigma
         {
             let (place, _) = cell(measurement, first, 0);
-            let message =
-                format!("all {what} that were read are together less than their uncertainty (root of the mean square)");
+            let message = format!("all {what} together are less than their uncertainty (RMS)");
             let help = format!("check the unit of the column and {key} in the description");
             findings.push(Diagnostic::at(Code::DATA_SIZE, place, message, help));
         }
@@ -339,7 +337,7 @@ fn check_balls(begin: &CalibrationStart<'_>, measurement: &Measurement, max_mm: 
         for (row, tip) in own().zip(&tips) {
             let off = (tip - center).norm();
             if off > max_mm {
-                let message = format!("the tip is {off:.3} mm from where the ball {label} is in the other rows");
+                let message = format!("the tip is {off:.3} mm from the position of the ball {label} in the other rows");
                 let help = "check the positions, target and tool_x_mm … of the row; give a larger --max if the machine is like this";
                 findings.push(Diagnostic::at(Code::DATA_SIZE, row.place, message, help));
             }

@@ -39,8 +39,8 @@ pub(super) fn check(
             && base.loads().is_empty()
             && !columns.iter().any(|columns| columns.contains(&ConditionColumn::Force))
         {
-            let message = format!("{} is about the weight of workpieces, and no table has load_N", parameter.name());
-            let help = "add load_N and the place of the load, load_x_mm load_y_mm load_z_mm, to the tables";
+            let message = format!("{} depends on the weight of workpieces, but no table has load_N", parameter.name());
+            let help = "add load_N and the position of the load, load_x_mm load_y_mm load_z_mm, to the tables";
             findings.push(Diagnostic::nowhere(Code::NOT_TOLD, message, help));
             return;
         }
@@ -51,8 +51,9 @@ pub(super) fn check(
         wanted.into_iter().filter(|sensor| !columns.iter().any(|columns| has_sensor(columns, sensor))).collect();
     if !missing.is_empty() {
         let names = missing.join(", ");
-        let message = format!("no table has the temperature of {names}, and the parameters that are fitted need it");
-        let help = "add a column with the name of the sensor and _C behind, or correct the name in the machine file";
+        let message = format!("no table has the temperature of {names}, which the fitted parameters need");
+        let help =
+            "add a column with the name of the sensor and the ending _C, or correct the name in the machine file";
         findings.push(Diagnostic::nowhere(Code::MISSING_SENSOR, message, help));
         return;
     }
@@ -62,25 +63,23 @@ pub(super) fn check(
         let missing: Vec<&str> = known.iter().copied().filter(|sensor| !has_sensor(columns, sensor)).collect();
         let name = &one.data.name;
         if !missing.is_empty() {
-            let message = format!(
-                "{name}: no temperature of {}: what they do counts as at their reference temperatures",
-                missing.join(", ")
-            );
+            let message =
+                format!("{name}: no temperature of {}: the reference temperatures are assumed", missing.join(", "));
             let unknown = columns.iter().find_map(|column| match column {
                 ConditionColumn::Sensor(sensor) if !known.contains(&sensor.as_str()) => Some(sensor),
                 _ => None,
             });
             let help = match unknown {
                 Some(sensor) => format!(
-                    "add columns with the name of the sensor and _C behind; no effect uses the column {sensor}_C"
+                    "add columns with the name of the sensor and the ending _C; no effect uses the column {sensor}_C"
                 ),
-                None => "add columns with the name of the sensor and _C behind".to_owned(),
+                None => "add columns with the name of the sensor and the ending _C".to_owned(),
             };
             findings.push(Diagnostic::nowhere(Code::NO_TEMPERATURES, message, help));
         }
         if needs_load && base.loads().is_empty() && !columns.contains(&ConditionColumn::Force) {
-            let message = format!("{name}: no workpiece weight is given: the table is taken as empty");
-            let help = "add a column load_N, 0 for none";
+            let message = format!("{name}: no workpiece weight is given: the table is assumed empty");
+            let help = "add a column load_N, 0 for no load";
             findings.push(Diagnostic::nowhere(Code::NO_LOAD, message, help));
         }
     }

@@ -216,7 +216,7 @@ impl<'a> Clock<'a> {
         let [first, last] = self.condition.time_range_s().unwrap_or_default();
         if !(first..=last).contains(&time_s) {
             let message = format!("{time_s} s lies outside the log of the state, which runs from {first} to {last} s");
-            let help = "give a log that covers the readings, or rename the column if it is another time";
+            let help = "give a log that covers the readings, or rename the column if it is not the time of the log";
             return Err(Diagnostic::at(Code::DATA_CELL, row.place(column), message, help));
         }
         if time_s == self.condition.time_s() {
@@ -257,10 +257,10 @@ fn lacks_sense(model: &Model, reading: &Reading, readings: &Readings) -> bool {
 /// The diagnostic for a row without a solution.
 fn not_converged(failure: NotConverged, row: &Row, readings: &Readings) -> Diagnostic {
     let column = readings.axes().first().map_or(0, |&(_, column)| column);
-    let mut message = "no position is corrected to this reading".to_owned();
+    let mut message = "no corrected position was found for this reading".to_owned();
     if failure.residual_mm.is_finite() {
-        message.push_str(&format!("; {} are left", micrometers(um_from_mm(failure.residual_mm))));
+        message.push_str(&format!("; the residual is {}", micrometers(um_from_mm(failure.residual_mm))));
     }
-    let help = "check the error model; next to a pole of the rotary axes try --rotary hold";
+    let help = "check the error model; near a pole of the rotary axes try --rotary hold";
     Diagnostic::at(Code::NOT_CONVERGED, row.place(column), message, help)
 }

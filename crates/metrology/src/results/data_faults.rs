@@ -92,16 +92,16 @@ fn is_refused(fault: &DataDefect, is_held_out: bool) -> bool {
 fn excluded(fault: &DataDefect, is_held_out: bool) -> String {
     match &fault.then {
         _ if is_refused(fault, is_held_out) => "the whole file".into(),
-        Then::WithoutSensors(names) => format!("what {} says, as a cause", names.join(" and ")),
+        Then::WithoutSensors(names) => format!("the effect of {}, as a cause", names.join(" and ")),
         Then::InFahrenheit(name) => format!("nothing; {name} counts in °C"),
-        _ if is_held_out => "nothing: the file is held out, and judges as it is".into(),
+        _ if is_held_out => "nothing: the file is held out and used unchanged".into(),
         Then::Refuse => "the whole file".into(),
         Then::WithoutRows => "these rows".into(),
         Then::WithoutReadings(readings) if is_range(fault) => format!("{} readings in these rows", readings.len()),
         Then::WithoutReadings(readings) => format!("{} single readings", readings.len()),
-        Then::OwnZero => "nothing; the rows behind the step have a zero of their own".into(),
+        Then::OwnZero => "nothing; the rows after the step have their own zero".into(),
         Then::Nothing => "nothing".into(),
-        Then::MoreNoise(_) => "nothing; the readings count with more noise".into(),
+        Then::MoreNoise(_) => "nothing; the readings get a larger noise".into(),
     }
 }
 
@@ -155,26 +155,26 @@ fn finding(fault: &DataDefect, set: &DataSet, is_held_out: bool, place: Option<P
     let is_refused = is_refused(fault, is_held_out);
     let help = match fault.kind {
         DefectKind::Unit => {
-            "convert the column to the unit that its name says, and check sigma_um (or sigma_urad) in the description".into()
+            "convert the column to the unit in its name, and check sigma_um (or sigma_urad) in the description".into()
         }
         DefectKind::Positions => {
             "check the unit of the readings, the columns of positions, and centre_mm and length_mm in the description".into()
         }
         DefectKind::Axes => "exchange or turn the columns, or check how the instrument was mounted; then diagnose again".into(),
         DefectKind::Topology => {
-            "check topology and direction of the axes in the machine file; errors that it knows act elsewhere on another machine"
+            "check topology and direction of the axes in the machine file; its errors act differently on another machine"
                 .into()
         }
         DefectKind::Compensated if is_refused => {
-            "measure with the table of the control switched off, or give with --machine what the control does not take out"
+            "measure with the table of the control switched off, or give with --machine only the errors that the control does not compensate"
                 .into()
         }
         DefectKind::Sensor if matches!(fault.then, Then::InFahrenheit(_)) => {
-            "converted for this diagnosis; convert the column, (°F − 32) / 1.8, for all that reads it".into()
+            "converted for this diagnosis; convert the column, (°F − 32) / 1.8, for all users of the file".into()
         }
         DefectKind::Compensated => "check whether a table of the control was active; if not, the model has expired".into(),
         DefectKind::Order => "give the rows in the order in which they were taken, or the senses of motion in columns X_dir …".into(),
-        _ => format!("left out: {}", excluded(fault, is_held_out)),
+        _ => format!("excluded: {}", excluded(fault, is_held_out)),
     };
     let code = if is_refused { Code::DATA_FAULT } else { Code::FAULTY_DATA };
     match place {

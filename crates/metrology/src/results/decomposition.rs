@@ -269,7 +269,7 @@ pub fn told(fault: &DecompositionError) -> Diagnostic {
             (Code::NOT_TOLD, "check t_s of both records: their clocks may differ by up to half a second")
         }
         DecompositionError::OtherPath(..) => {
-            (Code::NOT_TOLD, "give runs of one program; divide runs of another one by themselves")
+            (Code::NOT_TOLD, "give runs of one program; decompose runs of another program separately")
         }
         DecompositionError::Units(..) => {
             (Code::DATA_SIZE, "write set-points and encoders in mm and degrees: is a column in inches or rad?")

@@ -32,6 +32,7 @@ pub const SCHEMA: u32 = 1;
 /// Missing causes of the model, with evidence, and the residuals.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct DiagnosisResult {
     /// [`SCHEMA`].
     pub schema: u32,
@@ -221,6 +222,7 @@ pub struct ShapePlace {
 /// One finding.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct CauseReport {
     /// Kind of effect.
     pub effect: String,
@@ -329,7 +331,7 @@ pub fn run(
         (of_model.join().unwrap_or_else(|fault| resume_unwind(fault)), bare)
     });
     let (Ok(mut of_model), Ok(mut bare)) = (of_model, bare) else {
-        let message = "the readings cannot even tell the set-ups";
+        let message = "the readings do not even determine the set-ups";
         let help =
             "check the columns of positions and their units, describe what is known of the set-ups, or measure more";
         findings.push(Diagnostic::nowhere(Code::NOT_TOLD, message, help));
@@ -340,9 +342,9 @@ pub fn run(
     let [readings, unknowns] = freedom_of(&of_model, used);
     if readings < unknowns + LEAST {
         let message = format!(
-            "{readings} readings that count and {unknowns} unknowns of the set-ups: nothing is left to be told"
+            "{readings} readings that count and {unknowns} unknowns of the set-ups: no degree of freedom remains"
         );
-        let help = "measure more, or describe what is known of the set-ups (take it out of free)";
+        let help = "measure more, or describe what is known of the set-ups (remove it from free)";
         findings.push(Diagnostic::nowhere(Code::NOT_TOLD, message, help));
         return None;
     }
@@ -444,7 +446,7 @@ fn tell_all(
                 name: set.name.clone(),
                 what: "far from all others".to_owned(),
                 evidence: format!(
-                    "readings of {} rows are more than {times} times the spread of what is left of this file away from all causes",
+                    "readings of {} rows differ from all causes by more than {times} times the spread of the residual of this file",
                     rows.len()
                 ),
                 excluded: "these readings".into(),

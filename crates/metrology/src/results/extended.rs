@@ -84,7 +84,7 @@ impl ExtensionJob<'_> {
                     .map(|change| made((old, &self.registers), &mut own, change))
                     .collect::<Result<Vec<_>, _>>()?;
                 if anchors.is_empty() {
-                    return Err("the readings do not say how much of it there is".into());
+                    return Err("the readings do not determine its size".into());
                 }
                 Ok((own, anchors))
             });
@@ -105,10 +105,10 @@ impl ExtensionJob<'_> {
         findings: &mut Vec<Diagnostic>,
     ) -> Result<String, NotWritten> {
         if grown.anchors.iter().all(Result::is_err) {
-            let help = "without -o the diagnosis stands by itself; --json says of each finding why (extends_why)";
+            let help = "run the diagnosis without -o; --json gives the reason for each finding (extends_why)";
             return Err(("nothing was found that a machine file can hold".into(), help));
         }
-        let fault = || (format!("{} cannot be read again", old.name()), SECTIONS);
+        let fault = || (format!("{} cannot be read back", old.name()), SECTIONS);
         let from = (old, &self.registers);
         let read = load(from, &grown.text).ok_or_else(fault)?;
         let original = load(from, original).ok_or_else(fault)?;
@@ -124,7 +124,7 @@ impl ExtensionJob<'_> {
         let errors = fitted.as_ref().map_or(&read, |fitted| &fitted.errors);
         let changed = write::write(&grown.text, &read, errors).map_err(|reason| (reason.0, SECTIONS))?;
         let out = self.noted(&changed, grown, fitted.as_ref());
-        let written = load(from, &out).ok_or(("the result is no machine file".to_owned(), SECTIONS))?;
+        let written = load(from, &out).ok_or(("the result is not a valid machine file".to_owned(), SECTIONS))?;
         for parameter in &parameters {
             let [found, read] = [errors, &written].map(|errors| parameter.get(errors));
             if (found - read).abs() > DIGITS * found.abs() + f64::MIN_POSITIVE {
@@ -146,13 +146,13 @@ impl ExtensionJob<'_> {
         if parameters.is_empty() {
             return None;
         }
-        let help = "they stand in the file as the search found them; calibrate with them where they shall be as good as they can be";
+        let help = "they are written as the search found them; for the best values, calibrate with them";
         let mut stay = |why: String| {
-            let message = format!("the terms that were found are not fitted again together: {why}");
+            let message = format!("the new terms were not fitted again together: {why}");
             findings.push(Diagnostic::nowhere(Code::REDUCED, message, help));
         };
         let Some(data) = cleaned(self.found, self.scene, self.used, &holds) else {
-            stay("readings that do not count, or findings that the machine file does not hold, cannot be taken out of these data".into());
+            stay("excluded readings, or findings without an entry in the machine file, cannot be removed from these data".into());
             return None;
         };
         // Including time constants, which the search took from a list; without them if that fails.
@@ -169,10 +169,10 @@ impl ExtensionJob<'_> {
         let found = found.map_err(not_identified::words)?;
         let (level, of_search) = (self.level(&found.errors), self.level(read));
         if level[0] > LOST * of_search[0] {
-            return Err("more was left of the readings than with what the search found".into());
+            return Err("the residual was larger than with the values of the search".into());
         }
         if level[1] > LOST * of_search[1] {
-            return Err("what the search found says the data held out better".into());
+            return Err("the values of the search predict the held-out data better".into());
         }
         Ok(found)
     }
@@ -231,8 +231,8 @@ impl ExtensionJob<'_> {
         } else {
             return Ok(());
         };
-        let message = format!("the extended model says {which} worse than the model as it is");
-        Err((message, "measure more, or in other poses; the findings stand as they are"))
+        let message = format!("the extended model predicts {which} worse than the current model");
+        Err((message, "measure more, or in other poses; the findings remain unchanged"))
     }
 }
 
@@ -241,7 +241,7 @@ const LOST: f64 = 1.01;
 
 /// Makes one change in a text. Returns its place, or the reason why it fails.
 fn made(from: (&Source, &ModelRegisters), text: &mut String, change: &Change) -> Result<Anchor, String> {
-    let no = || "it does not go beside what the machine file has already".to_owned();
+    let no = || "it conflicts with an entry of the machine file".to_owned();
     let anchor = if let Change::Parameter { name, amount } = change {
         let read = load(from, text).ok_or_else(no)?;
         let mut errors = read.clone();

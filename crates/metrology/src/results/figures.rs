@@ -145,7 +145,7 @@ fn fill(group: &mut FigureGroup, figures: &Figures) {
             group.standard = Standard::Iso230Part2;
             group.unit = Unit::of(*is_angle);
             let fewer =
-                if figures.runs < RUNS { format!(" of the {RUNS} that the standard asks for") } else { String::new() };
+                if figures.runs < RUNS { format!(" of the {RUNS} that the standard requires") } else { String::new() };
             group.conditions =
                 vec![format!("{} targets", figures.targets.len()), format!("{} runs{fewer}", figures.runs)];
             if *without_drift {

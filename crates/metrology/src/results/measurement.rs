@@ -119,7 +119,7 @@ fn of_trace(
     match decompose::measurement(machine, &read, of, place) {
         Ok(data) => Some(data),
         Err(fault) => {
-            let help = "ncfix decompose says more of a trace";
+            let help = "ncfix decompose shows more about a trace";
             findings.push(Diagnostic::at(Code::NOT_TOLD, place, fault.to_string(), help));
             None
         }
@@ -134,7 +134,7 @@ pub fn check_copies(all: &[Measurement]) -> Vec<Diagnostic> {
         let same = |other: &&Measurement| other.sources[0].bytes() == one.sources[0].bytes();
         if let Some(first) = all.get(..number).unwrap_or_default().iter().find(same) {
             let message = format!("the table is the same as {}", first.sources[0].name());
-            let help = "give each measurement once; hold out readings that were taken again";
+            let help = "give each measurement once; hold out repeated readings";
             let place = Place { file: one.sources[0].id(), span: Span::new(0, 0) };
             findings.push(Diagnostic::at(Code::DATA_REPEATED, place, message, help));
         }
@@ -152,9 +152,9 @@ pub fn check_near_copies(all: &[Measurement]) -> Vec<Diagnostic> {
         };
         if let Some((first, Copied { readings, of })) = all.get(..number).unwrap_or_default().iter().find_map(near) {
             let message = format!(
-                "{readings} of {of} readings at the same places are those of {first}, rounded or in another order: readings that were taken again differ by their noise"
+                "{readings} of {of} readings at the same places are those of {first}, rounded or in another order: repeated readings would differ by their noise"
             );
-            let help = "give each measurement once; hold out readings that were taken again";
+            let help = "give each measurement once; hold out repeated readings";
             let place = Place { file: one.sources[0].id(), span: Span::new(0, 0) };
             findings.push(Diagnostic::at(Code::DATA_REPEATED, place, message, help));
         }

@@ -39,7 +39,7 @@ pub(super) fn refuse(fault: FitError, of: &str, all: &[Measurement], findings: &
 fn refusals(fault: FitError, of: &str) -> Vec<(Option<usize>, Diagnostic)> {
     match fault {
         FitError::TooFew { equations, unknowns, lost } => {
-            let message = format!("{of}{equations} readings cannot tell {unknowns} unknowns");
+            let message = format!("{of}{equations} readings cannot determine {unknowns} unknowns");
             let help =
                 "measure more, describe what is known of the set-ups, choose a smaller model, or let --reduce do it";
             let mut out = vec![(None, Diagnostic::nowhere(Code::NOT_TOLD, message, help))];
@@ -53,7 +53,10 @@ fn refusals(fault: FitError, of: &str) -> Vec<(Option<usize>, Diagnostic)> {
 
 /// The first message of a failure, as a part of a sentence.
 pub(super) fn words(fault: FitError) -> String {
-    refusals(fault, "").into_iter().next().map_or_else(|| "nothing can be told".to_owned(), |(_, found)| found.message)
+    refusals(fault, "")
+        .into_iter()
+        .next()
+        .map_or_else(|| "nothing can be determined".to_owned(), |(_, found)| found.message)
 }
 
 fn not_identified(lost: Lost, of: &str) -> Vec<(Option<usize>, Diagnostic)> {
@@ -70,12 +73,12 @@ fn not_identified(lost: Lost, of: &str) -> Vec<(Option<usize>, Diagnostic)> {
     }
     let count = lost.leave_out.len();
     if count > 1 {
-        let rest = if more > 0 { format!(" ({more} reasons are not shown)") } else { String::new() };
+        let rest = if more > 0 { format!(" ({more} more reasons are not shown)") } else { String::new() };
         let message = format!(
-            "{of}without these {count} parameters the data tell all others{rest}: {}",
+            "{of}without these {count} parameters the data determine all others{rest}: {}",
             listed(&lost.leave_out, usize::MAX)
         );
-        let help = "measure as said above, take them out of the file for --model, or let --reduce leave them out";
+        let help = "measure as described above, remove them from the file for --model, or let --reduce omit them";
         out.push((None, Diagnostic::nowhere(Code::NOT_TOLD, message, help)));
     }
     out
@@ -83,27 +86,26 @@ fn not_identified(lost: Lost, of: &str) -> Vec<(Option<usize>, Diagnostic)> {
 
 fn not_settled(why: Option<Unsettled>, of: &str) -> (Option<usize>, Diagnostic) {
     let Some(Unsettled { set, times, rejected: [rejected, readings] }) = why else {
-        let message = format!("{of}the parameters do not settle");
-        let help =
-            "check signs and set-ups in the description, --machine, and sigma_um; --no-robust counts all rows alike";
+        let message = format!("{of}the fit does not converge");
+        let help = "check signs and set-ups in the description, --machine, and sigma_um; --no-robust gives all rows the same weight";
         return (None, Diagnostic::nowhere(Code::NOT_SETTLED, message, help));
     };
     if times > RUNS_AWAY {
         let message = format!(
-            "{of}the fit runs away: the parameters are told too badly, or positions or readings are in another unit"
+            "{of}the fit diverges: the parameters are determined too poorly, or positions or readings are in another unit"
         );
-        let help =
-            "check units of positions and set-ups, choose a smaller model, or measure where the parameters do more";
+        let help = "check units of positions and set-ups, choose a smaller model, or measure where the parameters have more effect";
         return (Some(set), Diagnostic::nowhere(Code::NOT_SETTLED, message, help));
     }
     let size = if times > 1.0 {
-        format!("what is left is {} times what sigma_um says", significant(times))
+        format!("the residual is {} times sigma_um", significant(times))
     } else {
-        "what is left scatters unlike noise".to_owned()
+        "the residual is not noise".to_owned()
     };
     let message =
-        format!("{of}the parameters do not settle: {size}, and {rejected} of {readings} readings count for nothing");
-    let help = "write a larger sigma_um, or none, and check signs and set-ups; --no-robust counts all rows alike";
+        format!("{of}the fit does not converge: {size}, and {rejected} of {readings} readings count for nothing");
+    let help =
+        "write a larger sigma_um, or none, and check signs and set-ups; --no-robust gives all rows the same weight";
     (Some(set), Diagnostic::nowhere(Code::NOT_SETTLED, message, help))
 }
 
@@ -122,11 +124,11 @@ pub(super) fn badly_told(fit: &Fit, all: &[Measurement], max_mm: f64, findings: 
     let Some(worst) = badly.iter().map(|(mm, _)| *mm).max_by(f64::total_cmp) else { return false };
     let names: Vec<Parameter> = badly.into_iter().map(|(_, parameter)| parameter).collect();
     let message = format!(
-        "told so badly that their uncertainty alone moves the tool by up to {}: {}",
+        "determined so poorly that their uncertainty alone moves the tool by up to {}: {}",
         micrometers(um_from_mm(worst)),
         listed(&names, MOST_SAID)
     );
-    let help = "measure where they do more, take them out of the model, or let --reduce leave them out";
+    let help = "measure where they have more effect, remove them from the model, or let --reduce omit them";
     let place = all.first().map(|one| first_line(&one.sources[1]));
     let found = Diagnostic { place, ..Diagnostic::nowhere(Code::NOT_TOLD, message, help) };
     findings.push(found);
@@ -141,14 +143,13 @@ pub(super) fn distances(fit: &Fit, all: &[Measurement], findings: &mut Vec<Diagn
         let name = |number: usize| one.data.targets.get(number).map_or("?", String::as_str);
         let [from, to] = length.between.map(name);
         let message = format!(
-            "{}: {} are left of the distance from {from} to {to} ({} mm), {} times its uncertainty",
+            "{}: a residual of {} remains in the distance from {from} to {to} ({} mm), {} times its uncertainty",
             one.data.name,
             micrometers(um_from_mm(left.abs())),
             length.value_mm,
             significant(left.abs() / sigma)
         );
-        let help =
-            "check value_mm and sigma_um of [[length]], and whether another one says something else of these balls";
+        let help = "check value_mm and sigma_um of [[length]], and whether another [[length]] contradicts it";
         let found = Diagnostic {
             place: Some(first_line(&one.sources[1])),
             ..Diagnostic::nowhere(Code::POOR_FIT, message, help)
@@ -212,14 +213,14 @@ mod tests {
             .map(|(_, one)| (one.code.to_string(), one.message))
             .collect();
         let expected = [
-            ("E0606", "set: 2 readings cannot tell 3 unknowns"),
+            ("E0606", "set: 2 readings cannot determine 3 unknowns"),
             ("E0606", "set: a"),
             ("E0606", "set: b"),
-            ("E0606", "set: without these 2 parameters the data tell all others: EXX1 and EYY1"),
-            ("E0607", "set: the parameters do not settle"),
+            ("E0606", "set: without these 2 parameters the data determine all others: EXX1 and EYY1"),
+            ("E0607", "set: the fit does not converge"),
             (
                 "E0607",
-                "set: the parameters do not settle: what is left is 40.0 times what sigma_um says, and 3 of 9 readings count for nothing",
+                "set: the fit does not converge: the residual is 40.0 times sigma_um, and 3 of 9 readings count for nothing",
             ),
         ];
         assert_eq!(found, expected.map(|(code, message)| (code.to_owned(), message.to_owned())));

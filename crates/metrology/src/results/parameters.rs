@@ -22,11 +22,11 @@ fn no_effect(text: &str, effects: &[EffectParameter]) -> Option<(String, String)
         effects.iter().map(EffectParameter::name).filter(|name| name.split('.').next() == Some(section)).collect();
     if own.is_empty() {
         let message = format!("{text}: the machine file has no [[{section}]]");
-        return Some((message, format!("add [[{section}]] with values to begin with to the machine file")));
+        return Some((message, format!("add [[{section}]] with initial values to the machine file")));
     }
     let shown = own.iter().take(MOST_SHOWN).copied().collect::<Vec<_>>().join(", ");
     let more = if own.len() > MOST_SHOWN { " …" } else { "" };
-    Some((format!("{text} is no parameter of [[{section}]]"), format!("there are {shown}{more}")))
+    Some((format!("{text} is not a parameter of [[{section}]]"), format!("there are {shown}{more}")))
 }
 
 /// The parameters of a text: one per line, with comments after `#`. Diagnostics for invalid and repeated lines.
@@ -56,7 +56,7 @@ pub fn read(source: &Source, machine: &Machine, errors: &ErrorModel) -> (Vec<Par
                 if seen.insert(one.name().to_owned()) {
                     parameters.push(Parameter::from(one));
                 } else {
-                    report(format!("{} is there twice", one.name()), "take one of the lines out");
+                    report(format!("{} is given twice", one.name()), "remove one of the lines");
                 }
             }
             continue;
@@ -65,16 +65,16 @@ pub fn read(source: &Source, machine: &Machine, errors: &ErrorModel) -> (Vec<Par
             report(message, &help);
             continue;
         }
-        let help = "write one in each line: EC0Y, EXX1, EXXb, EXX2@150, load.EAX or drift; comments behind #";
+        let help = "write one in each line: EC0Y, EXX1, EXXb, EXX2@150, load.EAX or drift; comments begin with #";
         match text.parse::<ParameterName>() {
-            Err(_) => report(format!("'{text}' is no parameter"), help),
+            Err(_) => report(format!("'{text}' is not a parameter"), help),
             Ok(name) => match name.component.axis().filter(|&axis| machine.axis(axis).is_none()) {
                 Some(axis) => report(
                     format!("{name}: the machine {} has no axis {axis}", machine.name),
-                    "take it out, or check --machine",
+                    "remove it, or check --machine",
                 ),
                 None if !seen.insert(name.to_string()) => {
-                    report(format!("{name} is there twice"), "take one of them out")
+                    report(format!("{name} is given twice"), "remove one of them")
                 }
                 None => parameters.push(Parameter::from(name)),
             },

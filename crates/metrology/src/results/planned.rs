@@ -110,12 +110,12 @@ impl fmt::Display for PlanNotJudged {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             PlanNotJudged::NotGeometric => {
-                out.write_str("this plan is no measurement of a preset's parameters; leave --model out")
+                out.write_str("this plan does not measure the parameters of a preset; remove --model")
             }
             PlanNotJudged::NoCandidates => {
-                out.write_str("this plan has no further poses to choose from; leave --improve out")
+                out.write_str("this plan has no further poses to choose from; remove --improve")
             }
-            PlanNotJudged::NoWay(reason) => write!(out, "no way to a further pose: {reason}"),
+            PlanNotJudged::NoWay(reason) => write!(out, "no path to a further pose: {reason}"),
         }
     }
 }

@@ -54,14 +54,14 @@ fn contradictions(fit: &Fit, found: &MonteCarlo) -> Vec<Diagnostic> {
         let names: Vec<Parameter> = wrong.into_iter().map(|(name, _)| name).collect();
         let times = significant(worst);
         let message =
-            format!("{} scatter in simulated repetitions by up to {times} times ± 1σ", listed(&names, MOST_NAMES));
-        let help = "take ± MC for the uncertainty; more readings, or --no-robust, bring both together";
+            format!("{} scatter by up to {times} times ± 1σ in simulated repetitions", listed(&names, MOST_NAMES));
+        let help = "use ± MC as the uncertainty; with more readings, or --no-robust, both agree better";
         out.push(Diagnostic::nowhere(Code::UNLIKE_REPEATED, message, help));
     }
     if found.failed > 0 {
         let message =
             format!("{} of {} simulated repetitions could not be fitted", found.failed, found.failed + found.runs);
-        let help = "measure more: with other noise these data would tell nothing";
+        let help = "measure more: with other noise these data would determine nothing";
         out.push(Diagnostic::nowhere(Code::UNLIKE_REPEATED, message, help));
     }
     out

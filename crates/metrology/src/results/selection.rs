@@ -137,7 +137,7 @@ pub(super) fn refuse(refusal: Refusal, all: &[Measurement], findings: &mut Vec<D
         Refusal::Fault(fault) => not_identified::refuse(fault, "", all, findings),
         Refusal::TooLarge { equations, columns } => {
             let message =
-                format!("{equations} readings times {columns} parameters and candidates are more than fit into memory");
+                format!("{equations} readings times {columns} parameters and candidates do not fit into memory");
             let help = "name fewer candidates, or give wider --knots";
             findings.push(Diagnostic::nowhere(Code::NOT_TOLD, message, help));
         }

@@ -146,8 +146,8 @@ pub fn selected(
         }
     }
     if selections.is_empty() {
-        let message = "there are too few readings for a single sensor, or no sensor moves";
-        let help = "record at least some hours of warming up and cooling down, a reading every minute or so";
+        let message = "there are too few readings for a single sensor, or no sensor changes";
+        let help = "record several hours of warming up and cooling down, about one reading per minute";
         findings.push(Diagnostic::nowhere(Code::DATA_NO_TABLE, message, help));
     }
     if has_errors(findings) {
@@ -192,7 +192,7 @@ fn file(selections: &[SensorSelection], runs: &[SensorRun], machine: &Machine) -
     let name = |text: &str| text.replace(char::is_control, " ");
     let names: Vec<String> = runs.iter().map(|run| name(&run.name)).collect();
     format!(
-        "# Drift of {} from {}: for the machine file, in place of the [[drift]] there.\n\n{}",
+        "# Drift of {} from {}: for the machine file; replaces its [[drift]].\n\n{}",
         name(&machine.name),
         names.join(", "),
         text::entries(selections)

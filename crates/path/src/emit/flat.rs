@@ -24,10 +24,10 @@ const LAST_BLOCK: u32 = 9_999_999;
 /// Returns a message if the control has no dialect or its increments are not decimals.
 pub fn flat(machine: &Machine, title: &str, elements: &[Kind]) -> Result<Vec<u8>, String> {
     let language = ncfix_dialect::find(&machine.controller).map(|dialect| dialect.language);
-    let language = language.ok_or_else(|| format!("the controller '{}' is no dialect", machine.controller))?;
+    let language = language.ok_or_else(|| format!("the controller '{}' is not a dialect", machine.controller))?;
     let decimals = |increment: f64| {
         let decimals = Decimals::of_increment(increment)
-            .ok_or_else(|| format!("the increment {increment} of the control is no decimal"))?;
+            .ok_or_else(|| format!("the increment {increment} of the control is not a decimal number"))?;
         Ok::<_, String>(if language == Language::Fanuc { decimals.pointed() } else { decimals })
     };
     // The conversion from radians is off in the last digit.
@@ -94,7 +94,7 @@ impl Flat<'_> {
                 self.out.extend_from_slice(&in_parentheses(title.to_ascii_uppercase().as_bytes()));
                 self.out.push(b'\n');
                 self.notes(&[
-                    "positions of the axes in machine coordinates: G53 takes zero offsets off",
+                    "positions of the axes in machine coordinates: G53 suppresses zero offsets",
                     "the length of the tool in the spindle counts: load one of length 0 before the start",
                 ]);
                 self.line(b"G17 G71 G90 G94 G40");
@@ -108,7 +108,7 @@ impl Flat<'_> {
                 self.out.push(b'\n');
                 self.notes(&[
                     "positions of the axes in machine coordinates: G53, and increments from there",
-                    "no rotation, scaling or mirror image may be on; G49 takes the tool length off",
+                    "no rotation, scaling or mirror image may be active; G49 cancels the tool length",
                     "rapid of G53 at the first position and from stop to stop: use the override",
                 ]);
                 self.line(b"G21 G17 G90 G94 G40 G49 G80");
@@ -117,7 +117,7 @@ impl Flat<'_> {
                 self.comment(title.as_bytes());
                 self.notes(&[
                     "positions of the axes in machine coordinates: G53, arcs as increments from there",
-                    "no rotation of coordinates may be on; G49 takes the tool length off",
+                    "no rotation of coordinates may be active; G49 cancels the tool length",
                 ]);
                 self.line(b"G21 G17 G90 G94 G40 G49 G80 G61");
             }

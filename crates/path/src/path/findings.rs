@@ -108,20 +108,20 @@ impl<'a> DiagnosticCollector<'a> {
     /// of the frame.
     pub(super) fn in_machine_frame(&mut self, origin: &Origin, unknown: Option<Axis>, is_turned_thread: bool) {
         if let Some(axis) = unknown {
-            let message = format!("the frame moves {axis}, and the program has not stated where {axis} is");
-            let help = "begin with a block that names X, Y and Z, or leave out --frame machine";
+            let message = format!("the frame moves {axis}, but the program has not yet stated the position of {axis}");
+            let help = "begin with a block that names X, Y and Z, or do not use --frame machine";
             self.report(origin, Code::UNKNOWN_START, message, help.into());
         }
         if is_turned_thread {
-            let message = "a thread in a frame that turns, scales or mirrors, and --frame machine";
-            let help = "leave out --frame machine: the lead belongs to an axis of the frame";
+            let message = "a thread in a rotated, scaled or mirrored frame cannot be written with --frame machine";
+            let help = "do not use --frame machine: the lead belongs to an axis of the frame";
             self.report(origin, Code::NOT_SUPPORTED, message.into(), help.into());
         }
     }
 
     pub(super) fn not_converged(&mut self, origin: &Origin, failure: NotConverged) {
         let message = if failure.residual_mm.is_finite() {
-            format!("no correction was found here; {} are left", micrometers(failure.residual_mm))
+            format!("no correction was found here; the residual is {}", micrometers(failure.residual_mm))
         } else {
             "no correction was found here: the errors of the machine file have no finite value".into()
         };
@@ -153,7 +153,7 @@ impl<'a> DiagnosticCollector<'a> {
         }
         self.unsensed.insert(axis);
         let message = format!(
-            "from which side {axis} came to where it cuts here is unknown: its backlash leaves up to {}",
+            "the direction in which {axis} reached this position is unknown: its backlash leaves an error of up to {}",
             micrometers(half_mm)
         );
         let help = format!("let the program move {axis} by more than that before it cuts, or give --start");
@@ -165,17 +165,16 @@ impl<'a> DiagnosticCollector<'a> {
     /// Reports a feed that would refer to the path of the correction.
     pub(super) fn feed_of_another_way(&mut self, origin: &Origin) {
         let message =
-            "rotary axes turn here, and with the correction the feed would be that of X, Y, Z beside them".to_owned();
-        let help = "the axes would turn as fast as they can, and this program cannot say here how long a block takes (G93): turn \
-                    the axes in rapid, or with a feed in G94 on a control that has G93";
+            "rotary axes turn here, and with the correction the feed would apply to X, Y, Z instead".to_owned();
+        let help = "the rotary axes would turn at their maximum speed, and this program cannot state the time of a block here (G93): turn the axes at rapid, or with a feed in G94 on a control that has G93";
         self.report(origin, Code::FEED_OF_ANOTHER_WAY, message, help.into());
     }
 
     /// Reports a feed of tip and rotary axes together that cannot be expressed in axis coordinates.
     pub(super) fn feed_of_turns(&mut self, origin: &Origin) {
-        let message = "the feed is that of rotary axes too (FGROUP), under a transformation that the output leaves out"
+        let message = "the feed includes rotary axes (FGROUP), under a transformation that the output does not contain"
             .to_owned();
-        let help = "leave out --five-axis axes, or take the rotary axes out of FGROUP".into();
+        let help = "do not use --five-axis axes, or remove the rotary axes from FGROUP".into();
         self.report(origin, Code::FEED_OF_ANOTHER_WAY, message, help);
     }
 

@@ -120,26 +120,29 @@ impl Waiting {
     pub(super) fn exceeds(&self, group: &PieceGroup, off_mm: f64, limit_mm: f64) -> Option<Diagnostic> {
         let piece = self.piece()?;
         let (why, help) = if piece.motion_mode != MotionMode::Path {
-            ("its motion is none of the path", "feeds of threads, positioning and probing stay as they are")
+            ("its motion is not part of the path", "feeds of threads, positioning and probing stay as they are")
         } else if self.unit.is_none() {
-            ("its feed is a time (G93), which stays", "program it with G94, or take longer times")
+            ("its feed is a time (G93), which is not changed", "program it with G94, or program longer times")
         } else if group.is_fixed {
-            ("its feed stays as it is", "look at the moves before it, or allow more")
+            ("its feed is not changed", "check the moves before it, or allow more")
         } else if group.has_given_up() {
             (
                 "a lower feed does not help",
-                "the axes accelerate too hard for it: lower their acceleration on the control, or allow more",
+                "the acceleration of the axes is too high: lower it on the control, or allow more",
             )
         } else if group.is_lowest() {
             (
-                "its feed is as low as it may be made",
-                "allow more, or look at the velocity gains and feed-forwards in [servo]",
+                "its feed is already at the lower limit",
+                "allow more, or check the velocity gains and feed-forwards in [servo]",
             )
         } else {
-            ("no feed was found in the trials that are made", "cut it into shorter pieces with --step, or allow more")
+            (
+                "no feed was found within the maximum number of trials",
+                "cut it into shorter pieces with --step, or allow more",
+            )
         };
         let message = format!(
-            "the tool will be {:.1} µm off its path and {:.1} µm are allowed: {why}",
+            "the tool will be {:.1} µm off its path; {:.1} µm are allowed: {why}",
             off_mm * 1e3,
             limit_mm * 1e3
         );

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::DiagnosisReport;
+use crate::component::spelled_out;
 use crate::number::{grouped, significant};
 use ncfix_metrology::diagnose::Gate;
 use ncfix_metrology::diagnose::cause::Correctable;
@@ -11,7 +12,7 @@ use ncfix_metrology::results::diagnosis::{CauseReport, InFile, NoiseFrom, ShapeP
 /// Maximum number of equivalent explanations that are named.
 const RIVALS: usize = 4;
 /// Smallest p-value that is shown as a number.
-const LEAST_CHANCE: f64 = 1e-12;
+const LEAST_P: f64 = 1e-12;
 /// Maximum number of listed points of a shape.
 const PLACES: usize = 7;
 /// Maximum number of causes in the verdict.
@@ -32,7 +33,7 @@ impl DiagnosisReport {
             let _ = writeln!(out, "{sentence}");
         }
         if self.found.findings.is_empty() {
-            let _ = writeln!(out, "No cause stands; {} were tried.", grouped(self.found.tried as u64));
+            let _ = writeln!(out, "No cause accepted ({} candidates tested).", grouped(self.found.tried as u64));
         }
         for (rank, one) in self.found.findings.iter().enumerate() {
             self.cause(rank + 1, one, &mut out);
@@ -52,19 +53,16 @@ impl DiagnosisReport {
     pub fn before_sentence(&self) -> String {
         let from = match self.found.noise_from {
             NoiseFrom::Repeats => "from repeated readings",
-            NoiseFrom::Instrument => "as the instrument says",
-            NoiseFrom::Rest => "as what is left has no shape",
+            NoiseFrom::Instrument => "as stated for the instrument",
+            NoiseFrom::Rest => "from the residual, which is not systematic",
             NoiseFrom::Neighbours | NoiseFrom::Nowhere => "from neighbouring readings",
         };
         let unit = self.unit_sign();
         let times = self.found.noise_stated_um.map_or(1.0, |stated| self.found.noise_um / stated);
-        let stated = if times > TIMES {
-            format!(", {} times what is stated (sigma)", significant(times))
-        } else {
-            String::new()
-        };
+        let stated =
+            if times > TIMES { format!(", {} times the stated sigma", significant(times)) } else { String::new() };
         format!(
-            "{} leaves {} {unit} of {} readings (RMS), {} at most; the noise is {} {unit}, {from}{stated}.",
+            "{}: residual {} {unit} RMS over {} readings, {} {unit} at most. Noise {} {unit}, {from}{stated}.",
             self.found.machine,
             significant(self.found.before.rms_um),
             grouped(self.found.readings as u64),
@@ -80,7 +78,7 @@ impl DiagnosisReport {
         self.found.expired.then(|| {
             let unit = self.unit_sign();
             format!(
-                "The model has expired: without any model {} {unit} would be left. Calibrate again.",
+                "The model has expired: without any model the residual is {} {unit} RMS. Calibrate again.",
                 significant(without)
             )
         })
@@ -88,12 +86,12 @@ impl DiagnosisReport {
 
     /// Returns the residual with all causes in one sentence.
     fn after_sentence(&self) -> Option<String> {
+        let unit = self.unit_sign();
         (!self.found.findings.is_empty()).then(|| {
             format!(
-                "With {} {} {} are left (RMS), {} at most; efficiency {:.0} % → {:.0} %.",
+                "With {}: residual {} {unit} RMS, {} {unit} at most; efficiency {:.0} % → {:.0} %.",
                 if self.found.findings.len() == 1 { "it" } else { "them" },
                 significant(self.found.after.rms_um),
-                self.unit_sign(),
                 significant(self.found.after.max_um),
                 100.0 * self.found.before.efficiency,
                 100.0 * self.found.after.efficiency
@@ -104,7 +102,7 @@ impl DiagnosisReport {
     fn held_out_sentence(&self) -> Option<String> {
         let (before, after) = (self.found.before.holdout_rms_um?, self.found.after.holdout_rms_um?);
         if self.found.findings.is_empty() {
-            return Some(format!("Of the data held out {} {} are left.", significant(before), self.unit_sign()));
+            return Some(format!("Data held out: residual {} {} RMS.", significant(before), self.unit_sign()));
         }
         let [low, high] = self.found.holdout_gain_95.unwrap_or_default();
         Some(format!(
@@ -120,7 +118,7 @@ impl DiagnosisReport {
 
     fn unexplained_sentence(&self) -> String {
         if !self.found.unexplained.structure {
-            return "Nothing with a shape is left beside the noise.".into();
+            return "No systematic residual beyond the noise.".into();
         }
         let unit = self.unit_sign();
         let with: Vec<String> = self
@@ -131,9 +129,9 @@ impl DiagnosisReport {
             .map(|one| format!("{} ({} {unit})", one.driver, significant(one.rms_um)))
             .collect();
         format!(
-            "{} {unit} are more than noise and have no name yet{}{}.",
+            "{} {unit} RMS are beyond the noise and not explained{}{}.",
             significant(self.found.unexplained.rms_um),
-            if with.is_empty() { "" } else { "; they go with " },
+            if with.is_empty() { "" } else { "; they depend on " },
             with.join(", ")
         )
     }
@@ -151,23 +149,23 @@ impl DiagnosisReport {
             .map(|one| {
                 let what = one.what.as_deref().and_then(|what| what.strip_prefix("unknown: "));
                 let what = what.map_or_else(|| one.name(), |what| what.trim_end_matches("; shape attached").to_owned());
-                format!("{what}, {} ({:.0} % of the squares)", one.size(), 100.0 * one.share)
+                format!("{what}, {} ({:.0} % of the sum of squares)", one.size(), 100.0 * one.share)
             })
             .collect();
         let more = self.found.findings.len().saturating_sub(CAUSES);
         let rest = if more > 0 { format!("; and {more} more") } else { String::new() };
         out.push(match self.found.findings.len() {
-            0 => format!("No cause stands; {} candidates were tried.", grouped(self.found.tried as u64)),
-            1 => format!("One cause stands: {}.", named.join("")),
-            count => format!("{count} causes stand: {}{rest}.", named.join("; ")),
+            0 => format!("No cause accepted ({} candidates tested).", grouped(self.found.tried as u64)),
+            1 => format!("One cause accepted: {}.", named.join("")),
+            count => format!("{count} causes accepted: {}{rest}.", named.join("; ")),
         });
         out.extend(self.after_sentence());
         out.extend(self.held_out_sentence());
         out.push(self.unexplained_sentence());
         match self.found.data_faults.len() {
             0 => {}
-            1 => out.push("The data have a fault, see below.".into()),
-            count => out.push(format!("The data have {count} faults, see below.")),
+            1 => out.push("The data have a defect, see below.".into()),
+            count => out.push(format!("The data have {count} defects, see below.")),
         }
         out.join(" ")
     }
@@ -184,11 +182,11 @@ impl DiagnosisReport {
             let _ = writeln!(out, "\n{} {}: {} ({rows})", fault.kind, fault.name, fault.what);
             if !fault.evidence.is_empty() {
                 let _ = writeln!(out, "   {}", fault.evidence);
-                let _ = writeln!(out, "   left out: {}", fault.excluded);
+                let _ = writeln!(out, "   excluded: {}", fault.excluded);
             }
         }
         for one in &self.found.not_confirmed {
-            let _ = writeln!(out, "\n{one} stands in the data, but the data held out does not confirm it.");
+            let _ = writeln!(out, "\n{one}: found in the data, but not confirmed by the data held out.");
         }
         let rejected: Vec<String> = self
             .found
@@ -217,21 +215,22 @@ impl DiagnosisReport {
             let _ = writeln!(out, "\nWritten: {path}");
             for one in self.found.findings.iter().filter(|one| !one.extends) {
                 let why = one.extends_why.as_deref().unwrap_or("it has no entry");
-                let _ = writeln!(out, "It does not have {}: {why}.", one.name());
+                let _ = writeln!(out, "Not written: {}: {why}.", one.name());
             }
         }
     }
 
     fn cause(&self, rank: usize, one: &CauseReport, out: &mut String) {
-        let _ = writeln!(out, "\n{rank}. {}: {} (95 %)", one.name(), one.size());
+        let words = spelled_out(&one.parameter).map_or(String::new(), |words| format!(" ({words})"));
+        let _ = writeln!(out, "\n{rank}. {}{words}: {} (95 %)", one.name(), one.size());
         let _ = writeln!(
             out,
-            "   {} {} of the readings (RMS), {:.0} % of what the model leaves; {:.0} % less on unseen readings; chance {}",
+            "   explains {} {} RMS, {:.0} % of the residual; on unseen readings {:.0} % less residual; {}",
             significant(one.rms_um),
             self.unit_sign(),
             100.0 * one.share,
             100.0 * one.gain_holdout,
-            chance(one.p)
+            p_value(one.p)
         );
         match &one.what {
             Some(what) => {
@@ -239,25 +238,25 @@ impl DiagnosisReport {
             }
             None => {
                 let depends = one.depends();
-                let goes = if depends.is_empty() { String::new() } else { format!("goes with {depends}; ") };
-                let _ = writeln!(out, "   {goes}usually {}; {}", one.made_by, one.remedy());
+                let goes = if depends.is_empty() { String::new() } else { format!("depends on {depends}; ") };
+                let _ = writeln!(out, "   {goes}usual reasons: {}; {}", one.made_by, one.remedy());
             }
         }
         if let Some(differs) = differing(&one.by_file) {
             let _ = writeln!(out, "   {differs}");
         }
         if let Some(why) = one.extends_why.as_ref().filter(|_| one.correctable == Correctable::No) {
-            let _ = writeln!(out, "   not to be corrected: {why}");
+            let _ = writeln!(out, "   not corrected: {why}");
         }
         shape(one, out);
         if one.class.len() > 1 {
             let more = one.class.len().saturating_sub(1 + RIVALS);
             let rivals: Vec<&str> = one.class.iter().skip(1).take(RIVALS).map(String::as_str).collect();
             let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
-            let _ = writeln!(out, "   may as well be {}{rest}", rivals.join(", "));
+            let _ = writeln!(out, "   equivalent explanations: {}{rest}", rivals.join(", "));
         }
         if let Some(how) = &one.separate_by {
-            let _ = writeln!(out, "   to tell them apart: {how}");
+            let _ = writeln!(out, "   to separate them: {how}");
         }
     }
 }
@@ -295,16 +294,16 @@ impl CauseText for CauseReport {
             let _ = write!(depends, ", every {}", significant(period));
         }
         if let Some(lag) = self.lag_s.filter(|lag| *lag > 0.0) {
-            let _ = write!(depends, ", {} s behind", significant(lag));
+            let _ = write!(depends, ", delayed by {} s", significant(lag));
         }
         depends
     }
 
     fn remedy(&self) -> &'static str {
         match self.correctable {
-            Correctable::Program => "a corrected program takes it away",
-            Correctable::Live => "only live readings can take it away",
-            Correctable::No => "no program can take it away",
+            Correctable::Program => "a corrected program removes it",
+            Correctable::Live => "only live readings can remove it",
+            Correctable::No => "no program can remove it",
         }
     }
 }
@@ -319,7 +318,7 @@ pub(crate) fn differing(files: &[InFile]) -> Option<String> {
     let list = |files: &[&InFile]| files.iter().map(size).collect::<Vec<String>>().join(", ");
     match [with.as_slice(), without.as_slice()] {
         [[], []] => None,
-        [all, []] | [[], all] => Some(format!("is not the same in all files: {}", list(all))),
+        [all, []] | [[], all] => Some(format!("differs between files: {}", list(all))),
         [with, without] => Some(format!("is in some files only: in {}; not in {}", list(with), list(without))),
     }
 }
@@ -334,13 +333,13 @@ pub(crate) fn sign(unit: &str) -> String {
     unit.replace("urad", "µrad").replace("um", "µm").replace("m/s2", "m/s²")
 }
 
-/// Formats a p-value.
+/// Formats a p-value: `p = 3e-4`, `p < 1e-12`.
 #[must_use]
-pub(crate) fn chance(p: f64) -> String {
+pub(crate) fn p_value(p: f64) -> String {
     match p {
-        p if p < LEAST_CHANCE => "next to none".to_owned(),
-        p if p < 0.01 => format!("{p:.0e}"),
-        p => format!("{p:.2}"),
+        p if p < LEAST_P => format!("p < {LEAST_P:e}"),
+        p if p < 0.01 => format!("p = {p:.0e}"),
+        p => format!("p = {p:.2}"),
     }
 }
 

@@ -2,9 +2,10 @@
 
 mod pictures;
 
-use super::parts::{MOST_ROWS, diagnostics, origin, spelled_out};
+use super::parts::{MOST_ROWS, diagnostics, origin};
 use super::{PageRow, columns, figure, page, pictures as side_by_side, strip, table};
 use crate::calibration::{CalibrationReport, cells};
+use crate::component::spelled_out;
 use crate::markup::Markup;
 use crate::number::{grouped, significant};
 use crate::plot::{Bar, Bars};
@@ -39,7 +40,7 @@ pub fn calibration(report: &CalibrationReport) -> String {
 fn summary(out: &mut Markup, report: &CalibrationReport, is_refused: bool) {
     let found = &report.found;
     let banner = if is_refused {
-        "Refused: no machine file was written. The findings below say why.".to_owned()
+        "Refused: no machine file was written. The diagnostics below say why.".to_owned()
     } else {
         match report.output.as_deref() {
             Some("-") => "The machine file went to standard output.".to_owned(),
@@ -85,7 +86,7 @@ fn percent(share: f64) -> String {
 
 /// Writes measured RMS and maximum, residual, σ and efficiency, as in Tables 3.2 – 3.4 of Spaan.
 fn results(out: &mut Markup, data: &[Data]) {
-    out.leaf("h2", &[], "Result by measurement");
+    out.leaf("h2", &[], "Results by measurement");
     let mut rows = Vec::new();
     for one in data {
         let sizes = [one.measured_rms, one.measured_max, one.left_rms, one.left_max].map(significant);
@@ -203,7 +204,7 @@ fn weighted_down(out: &mut Markup, found: &CalibrationResult) {
     if found.weighted_down.is_empty() {
         return;
     }
-    out.leaf("h2", &[], "Rows that do not fit");
+    out.leaf("h2", &[], "Rows that do not fit the model");
     let rows: Vec<PageRow> = found
         .weighted_down
         .iter()
@@ -218,7 +219,7 @@ fn weighted_down(out: &mut Markup, found: &CalibrationResult) {
         out,
         &columns(["row", "#left", "unit", "#counts"]),
         &rows,
-        "They are kept in the file, and counted so much.",
+        "They stay in the file with this weight.",
         MOST_ROWS,
     );
 }

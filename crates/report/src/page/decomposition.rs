@@ -1,7 +1,8 @@
 //! Page of a decomposition: shares by feed, tables, and the course along the path at the slowest and the fastest feed.
 
-use super::parts::{MOST_ROWS, diagnostics, origin, spelled_out};
+use super::parts::{MOST_ROWS, diagnostics, origin};
 use super::{PageRow, columns, figure, page, pictures, strip, table};
+use crate::component::spelled_out;
 use crate::decomposition::DecompositionReport;
 use crate::markup::Markup;
 use crate::number::{grouped, significant};
@@ -17,7 +18,7 @@ pub fn decomposition(report: &DecompositionReport) -> String {
     let found = &report.found;
     page(&format!("Errors at speed of {}", found.machine), |out| {
         if found.runs.is_empty() {
-            out.leaf("p", &[("class", &"banner bad"), ("id", &"verdict")], "Refused: the findings below say why.");
+            out.leaf("p", &[("class", &"banner bad"), ("id", &"verdict")], "Refused: the diagnostics below say why.");
         } else {
             out.leaf("p", &[("class", &"banner"), ("id", &"verdict")], report.verdict());
             summary(out, found);
@@ -38,10 +39,10 @@ fn summary(out: &mut Markup, found: &DecompositionResult) {
     let mut entries = vec![
         ("runs", found.runs.len().to_string()),
         ("cycle of the control", format!("{} ms", significant(found.cycle_ms))),
-        ("encoders behind set-points", delay(found.record_delay.ms, found.record_delay.uncertainty_ms)),
+        ("encoder delay after set-points", delay(found.record_delay.ms, found.record_delay.uncertainty_ms)),
     ];
     if let Some(one) = &found.reading_delay {
-        entries.push(("readings behind encoders", delay(one.ms, one.uncertainty_ms)));
+        entries.push(("reading delay after encoders", delay(one.ms, one.uncertainty_ms)));
         entries.push(("compliances", found.compliances.len().to_string()));
     }
     strip(out, &entries);
@@ -62,8 +63,7 @@ fn feeds(out: &mut Markup, found: &DecompositionResult) {
         };
         let heads = columns(["F, mm/min", "#contouring", "#link", "#motion", "#thermal", "#dynamic"]);
         let rows: Vec<PageRow> = found.runs.iter().map(row).collect();
-        let note =
-            "Mean share of each source in the sum of the norms of all, %, over the samples in which the machine moves.";
+        let note = "Mean share of each source in the sum of all norms, %, over the samples in which the machine moves.";
         table(out, &heads, &rows, note, MOST_ROWS);
     }
     let over =
@@ -137,8 +137,7 @@ fn sizes(out: &mut Markup, found: &DecompositionResult) {
     };
     out.leaf("h3", &[], "Contouring error proper");
     let heads = columns(["F, mm/min", "#largest, µm", "#RMS, µm", "#path in the workpiece, mm", "#time, s"]);
-    let note = "Distance of the tool by the encoders from its path by the set-points, in the workpiece: a lag along the path does no harm. Where the tool \
-                stays at a ball the path in the workpiece is short, and the difference of the axes says more.";
+    let note = "Distance of the tool by the encoders from its path by the set-points, in the workpiece: a lag along the path has no effect. If the tool stays at a ball, the path in the workpiece is short; then use the difference of the axes.";
     table(out, &heads, &found.runs.iter().map(row).collect::<Vec<_>>(), note, MOST_ROWS);
 }
 
@@ -162,8 +161,7 @@ fn laws(out: &mut Markup, found: &DecompositionResult) {
             ],
         })
         .collect();
-    let note = "RMS = κ Fᴺ through the logarithms. The programmed feed is not always reached, and the noise is part of the slowest run: N says as much of the path \
-                as of the machine.";
+    let note = "RMS = κ Fᴺ through the logarithms. The programmed feed is not always reached, and the noise is part of the slowest run: N depends on the path as well as on the machine.";
     table(out, &columns(["RMS of", "#κ, µm", "#N", "#95 %", "#R²", "#N without the slowest"]), &rows, note, MOST_ROWS);
 }
 
@@ -204,7 +202,7 @@ fn along(out: &mut Markup, found: &DecompositionResult) {
                         ..PlotSeries::default()
                     };
                     let chart = Chart {
-                        title: format!("{direction}: dynamic part and what explains it"),
+                        title: format!("{direction}: dynamic part and its explanation"),
                         across: "time, s".into(),
                         up: "µm".into(),
                         series: vec![
@@ -239,13 +237,13 @@ fn along(out: &mut Markup, found: &DecompositionResult) {
         ],
     };
     let heads = columns(["component", "with the", "#value", "#±", "unit", "#gain"]);
-    let note = "Gain: by how much the RMS of feeds that it was not fitted to falls when it is added.";
+    let note = "Gain: reduction of the RMS at feeds to which it was not fitted.";
     table(out, &heads, &found.compliances.iter().map(row).collect::<Vec<_>>(), note, MOST_ROWS);
     let held = |run: &RunReport| {
         let [before, after] = run.held_out_um?.map(significant);
         Some(PageRow { class: "", cells: vec![feed_of(run), before, after] })
     };
-    let heads = columns(["F, mm/min", "#dynamic part, RMS µm", "#left by the compliances of the other feeds"]);
+    let heads = columns(["F, mm/min", "#dynamic part, RMS µm", "#residual with the compliances of other feeds"]);
     table(out, &heads, &found.runs.iter().filter_map(held).collect::<Vec<_>>(), "", MOST_ROWS);
 }
 
@@ -286,11 +284,10 @@ fn links(out: &mut Markup, found: &DecompositionResult) {
             ],
         }
     };
-    let note = "Fitted to the slowest run, beyond those of the machine file. What motion errors look like link errors on this path is part of them: \
-                they divide this path and are no calibration.";
+    let note = "Fitted to the slowest run, beyond those of the machine file. Motion errors that act like link errors on this path are part of them: they describe this path and are not a calibration.";
     table(
         out,
-        &columns(["parameter", "#value", "unit", "what it is", "result"]),
+        &columns(["parameter", "#value", "unit", "description", "result"]),
         &found.links.iter().map(row).collect::<Vec<_>>(),
         note,
         MOST_ROWS,

@@ -4,9 +4,10 @@ mod evidence;
 mod pictures;
 mod polar;
 
-use super::parts::{MOST_ROWS, component_of, diagnostics, origin, spelled_out};
+use super::parts::{MOST_ROWS, diagnostics, origin};
 use super::{PageRow, columns, figure, page, pictures as side_by_side, strip, table};
-use crate::diagnosis::{CauseText as _, DiagnosisReport, PageReadings, chance};
+use crate::component::spelled_out;
+use crate::diagnosis::{CauseText as _, DiagnosisReport, PageReadings, p_value};
 use crate::markup::Markup;
 use crate::number::{grouped, significant};
 use crate::plot::{Bar, Bars};
@@ -55,7 +56,7 @@ fn percent(share: f64) -> String {
 fn summary(out: &mut Markup, report: &DiagnosisReport) {
     let is_refused = report.found.readings == 0;
     let text = if is_refused {
-        "Refused: nothing was diagnosed. The findings below say why.".to_owned()
+        "Refused: nothing was diagnosed. The diagnostics below say why.".to_owned()
     } else {
         report.verdict()
     };
@@ -247,22 +248,21 @@ fn faults(out: &mut Markup, all: &[DataFault]) {
         PageRow { class: "wrap", cells }
     };
     let rows: Vec<PageRow> = all.iter().map(row).collect();
-    let heads = columns(["kind", "of", "what", "rows", "evidence", "left out"]);
+    let heads = columns(["kind", "of", "what", "rows", "evidence", "excluded"]);
     table(out, &heads, &rows, "Rows count from 1, without the head of the table.", MOST_ROWS);
 }
 
 fn rejected(out: &mut Markup, report: &DiagnosisReport, shown: &PageReadings) {
     out.leaf("h2", &[], "Tried and rejected");
     let gate = |one: &RejectedReport| match one.why {
-        Gate::Chance => "chance would make as much, beside the number of all that were tried",
-        Gate::Size => "does less than a quarter of the noise where it acts",
-        Gate::HeldOut => "the data held out is not said better with it",
-        _ if one.gain.is_none() => "the parts that were left out cannot say whether it helps",
-        _ => "does not help on parts that were left out while it was looked for",
+        Gate::Chance => "not significant for the number of candidates that were tested",
+        Gate::Size => "smaller than a quarter of the noise where it acts",
+        Gate::HeldOut => "it does not improve the data held out",
+        _ if one.gain.is_none() => "the parts that were left out in turn cannot show whether it improves them",
+        _ => "it does not improve the parts that were left out in turn",
     };
     if report.found.rejected.is_empty() {
-        let text =
-            "Nothing came so far that a gate had to stop it: no further candidate was worth its number of unknowns.";
+        let text = "None: no further candidate explains enough for its number of unknowns.";
         out.leaf("p", &[], text);
     } else {
         let row = |one: &RejectedReport| PageRow {
@@ -271,13 +271,13 @@ fn rejected(out: &mut Markup, report: &DiagnosisReport, shown: &PageReadings) {
                 format!("{} {}", one.effect, one.parameter).trim_end().to_owned(),
                 one.drivers.join(", "),
                 gate(one).to_owned(),
-                chance(one.p),
+                p_value(one.p),
                 one.gain.map_or("–".into(), percent),
             ],
         };
         let rows: Vec<PageRow> = report.found.rejected.iter().map(row).collect();
-        let heads = columns(["candidate", "depends on", "why not", "#chance", "#gain on unseen"]);
-        let caption = "Candidates that the search took and a gate stopped. Chance: of a gain like this where there is nothing, times all that were tried.";
+        let heads = columns(["candidate", "depends on", "why not", "#significance", "#gain on unseen"]);
+        let caption = "Candidates that the search found and a test rejected. Significance: p-value of such a gain without any effect, times the number of candidates.";
         table(out, &heads, &rows, caption, MOST_ROWS);
     }
     out.element("details", &[], |out| {

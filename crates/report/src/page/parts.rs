@@ -4,7 +4,6 @@ use super::{PageRow, columns, table};
 use crate::inputs::InputFile;
 use crate::json::Finding;
 use crate::markup::Markup;
-use ncfix_model::name::ErrorName;
 
 /// Maximum number of rows of a table: more are not read, and a page must not grow without bound.
 pub(super) const MOST_ROWS: usize = 500;
@@ -34,26 +33,15 @@ pub(super) fn diagnostics(out: &mut Markup, all: &[Finding]) {
         }
     });
     if all.len() > MOST_ROWS {
-        out.leaf("p", &[("class", &"soft")], format_args!("{} more findings are not shown.", all.len() - MOST_ROWS));
+        out.leaf("p", &[("class", &"soft")], format_args!("{} more diagnostics are not shown.", all.len() - MOST_ROWS));
     }
-}
-
-/// Returns the error component that a parameter belongs to: EXX for `EXX1`; `None` if its name begins with none.
-pub(super) fn component_of(parameter: &str) -> Option<ErrorName> {
-    let begins = |count: usize| parameter.get(..count).and_then(|name| name.parse::<ErrorName>().ok());
-    begins(4).or_else(|| begins(3))
-}
-
-/// Returns what a parameter is, in words: `EC0X` is `squareness X–Y`, `EXX1` belongs to `positioning of X`; `None` if its name is no error component.
-pub(super) fn spelled_out(parameter: &str) -> Option<String> {
-    component_of(parameter).map(|name| name.spelled_out())
 }
 
 /// Writes the input files of the result; `by` names what produced it.
 pub(super) fn origin(out: &mut Markup, inputs: &[InputFile], by: &str) {
     const NOTE: &str = "Hash: first 12 digits of the SHA-256 of the length of the file (8 bytes, the lowest first) and its bytes, as in the head of a \
                         machine file.";
-    out.leaf("h2", &[], "Where this comes from");
+    out.leaf("h2", &[], "Sources");
     let rows: Vec<PageRow> = inputs
         .iter()
         .map(|input| PageRow { class: "", cells: vec![input.file.clone(), input.role.into(), input.hash.clone()] })

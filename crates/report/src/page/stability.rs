@@ -33,20 +33,20 @@ fn draw(out: &mut Markup, data: &StabilityResult) {
         out,
         "Scale compensation: virtual hysteresis",
         &data.hysteresis,
-        "Where the axis rests depends on where it came from, and it jumps in between.",
+        "The rest position of the axis depends on its start position, and it jumps in between.",
     );
     over_time(out, "Set-point compensation: at rest", steady);
     over_set_point(
         out,
         "Set-point compensation: position ambiguity",
         &data.ambiguity,
-        "A step down: positions before the grid point belong to two set-points.",
+        "A downward step: positions before the grid point belong to two set-points.",
     );
     over_set_point(
         out,
         "Set-point compensation: forbidden zone",
         &data.forbidden,
-        "A step up: positions after the grid point belong to no set-point.",
+        "An upward step: positions after the grid point belong to no set-point.",
     );
 }
 

@@ -16,7 +16,7 @@ pub fn steps(report: &StepReport, inputs: &[InputFile]) -> String {
         strip(out, &entries);
         diagnostics(out, &report.diagnostics);
         pictures(out, |out| {
-            let caption = "Dots: the largest residual of pieces of that length; line: of pieces that are no longer.";
+            let caption = "Dots: the largest residual of pieces of that length; line: of pieces up to that length.";
             figure(out, &Residual(report), caption);
         });
         let rows: Vec<PageRow> = report
@@ -28,7 +28,7 @@ pub fn steps(report: &StepReport, inputs: &[InputFile]) -> String {
                 PageRow { class, cells: vec![format!("{} mm", three_digits(row.step_mm)), residual, largest] }
             })
             .collect();
-        let titles = columns(["#step", "#residual", "#of all smaller ones too"]);
+        let titles = columns(["#step", "#residual", "#including all smaller steps"]);
         table(out, &titles, &rows, "The residual is the distance of the tool tip from the straight line.", MOST_ROWS);
         origin(out, inputs, &format!("ncfix {}, machine {}", env!("CARGO_PKG_VERSION"), report.machine));
     })

@@ -39,7 +39,7 @@ pub fn tables(report: &TablesReport, charts: &[Chart], inputs: &[InputFile]) -> 
         }
         differences(out, report);
         if !charts.is_empty() {
-            out.leaf("h2", &[], "What the tables add");
+            out.leaf("h2", &[], "Values that the tables add");
             pictures(out, |out| charts.iter().for_each(|chart| figure(out, chart, "")));
         }
         listed(out, report);
@@ -90,7 +90,7 @@ fn differences(out: &mut Markup, report: &TablesReport) {
     if report.found.difference.is_empty() {
         return;
     }
-    out.leaf("h2", &[], "What the two add differs by");
+    out.leaf("h2", &[], "Difference of the two sets of values");
     let rows: Vec<PageRow> = report
         .found
         .difference
@@ -153,7 +153,7 @@ fn tried(out: &mut Markup, report: &TablesReport) {
     if report.found.tried.is_empty() {
         return;
     }
-    out.leaf("h2", &[], "What was tried");
+    out.leaf("h2", &[], "Tested sets");
     let number = |value: Option<f64>| value.map_or(String::new(), significant);
     let rows: Vec<PageRow> = report
         .found

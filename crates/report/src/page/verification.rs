@@ -86,8 +86,7 @@ fn at_feed(out: &mut Markup, pair: &[AtFeed; 2]) {
         })
         .collect();
     out.leaf("h2", &[], "At feed");
-    let note = "How far the axes leave the tool off the path of the program itself, at right angles, as [servo] and [[dynamic]] of the machine file \
-                predict it, and the time on the machine without tool changes.";
+    let note = "Distance of the tool from the programmed path, at right angles to it, as predicted by [servo] and [[dynamic]] of the machine file, and the machine time without tool changes.";
     table(out, &columns(["program", "#RMS", "#max", "furthest off at", "#time"]), &rows, note, MOST_ROWS);
 }
 

@@ -236,7 +236,7 @@ impl Picture for Chart {
         let all = self.series.iter().flat_map(|series| &series.points);
         let beyond = all.filter(|point| point.1.is_finite() && frame.beyond(point.1) != 0.0).count();
         if beyond > 0 {
-            text(out, [WIDTH - 16.0, 18.0], "end", &format!("{beyond} beyond the picture"));
+            text(out, [WIDTH - 16.0, 18.0], "end", &format!("{beyond} outside the picture"));
         }
         let labels: Vec<&str> = self.series.iter().map(|series| series.label.as_str()).collect();
         legend(out, &labels, |out, number, [x, y]| match self.series.get(number).map(|series| series.shape) {

@@ -125,7 +125,7 @@ impl Picture for Histogram {
             );
         }
         if bins.beyond > 0 {
-            let note = format!("{} beyond the picture", bins.beyond);
+            let note = format!("{} outside the picture", bins.beyond);
             text(out, [WIDTH - 16.0, 36.0], "end", &note);
         }
     }

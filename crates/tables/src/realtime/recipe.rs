@@ -32,7 +32,7 @@ impl KernelRecipe {
         let agreement = kernel.agreement(machine, model, POSES);
         if agreement.unsolved > 0 {
             let message = format!(
-                "at {} of {} poses within the travel no command brings the tip to its place",
+                "at {} of {} poses within the travel no command brings the tip to its position",
                 agreement.unsolved, agreement.poses
             );
             let help =
@@ -59,8 +59,7 @@ impl KernelRecipe {
                 agreement.unequal,
                 agreement.poses
             );
-            let help =
-                "look for errors that change by more than a hundredth of the way: a step in a table, a wrong unit";
+            let help = "check for errors that change by more than 1 % of the distance: a step in a table, a wrong unit";
             found.push(Diagnostic::nowhere(Code::KERNEL_DIFFERS, message, help));
         }
         Some((kernel, agreement))

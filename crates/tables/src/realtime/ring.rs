@@ -169,7 +169,7 @@ impl Ring {
         if !capacity.is_power_of_two() || capacity > MOST_RECORDS {
             return Err(io::Error::new(
                 io::ErrorKind::InvalidInput,
-                "the number of records is no power of two up to 1048576",
+                "the number of records is not a power of two up to 1048576",
             ));
         }
         let shape = Shape::new(axes, capacity);

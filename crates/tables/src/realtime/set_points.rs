@@ -120,7 +120,7 @@ impl<R: BufRead> SetPointLines<R> {
                 (Some(axis), Some("mm")) if !axis.is_rotary() => columns.push(axis),
                 (Some(axis), Some("deg")) if axis.is_rotary() => columns.push(axis),
                 _ => {
-                    let what = format!("'{}' is no axis of the machine ({})", cell.trim(), letters(self.axes));
+                    let what = format!("'{}' is not an axis of the machine ({})", cell.trim(), letters(self.axes));
                     return Err(self.wrong(start, what));
                 }
             }
@@ -169,11 +169,11 @@ impl<R: BufRead> SetPointLines<R> {
             rest = &rest[word.len()..];
             let axis = u8::try_from(letter).ok().and_then(Axis::from_letter).filter(|&axis| self.axes.contains(axis));
             let Some(axis) = axis else {
-                let what = format!("'{word}' is no word of an axis of the machine ({})", letters(self.axes));
+                let what = format!("'{word}' is not a word of an axis of the machine ({})", letters(self.axes));
                 return Err(self.wrong(column, what));
             };
             if stated.contains(axis) {
-                return Err(self.wrong(column, format!("{axis} is stated twice")));
+                return Err(self.wrong(column, format!("{axis} is given twice")));
             }
             stated.insert(axis);
             let number = word[1..].strip_prefix('=').unwrap_or(&word[1..]);
@@ -188,7 +188,7 @@ impl<R: BufRead> SetPointLines<R> {
 
     fn set(&mut self, axis: Axis, number: &str, column: usize) -> Result<(), NoSetPoint> {
         let value: Option<f64> = number.parse().ok().filter(|value: &f64| value.is_finite());
-        let value = value.ok_or_else(|| self.wrong(column, format!("'{number}' is no number")))?;
+        let value = value.ok_or_else(|| self.wrong(column, format!("'{number}' is not a number")))?;
         self.last[axis] = if axis.is_rotary() { value.to_radians() } else { value };
         Ok(())
     }
@@ -242,18 +242,18 @@ mod tests {
     fn what_is_no_set_point_has_its_place() {
         for (text, fault) in [
             ("X1 Y2\n", "1:1: the position of C is not stated"),
-            ("X1 Y2 C0\nX1 Zs\n", "2:4: 'Zs' is no word of an axis of the machine (X Y C)"),
-            ("X1 Y2 C0\nX1o\n", "2:2: '1o' is no number"),
-            ("X1 Y2 C0\nX=nan\n", "2:3: 'nan' is no number"),
+            ("X1 Y2 C0\nX1 Zs\n", "2:4: 'Zs' is not a word of an axis of the machine (X Y C)"),
+            ("X1 Y2 C0\nX1o\n", "2:2: '1o' is not a number"),
+            ("X1 Y2 C0\nX=nan\n", "2:3: 'nan' is not a number"),
             ("X1 Y2 C0\n\n", "2:1: the line is empty"),
-            ("X1 X2 Y2 C0\n", "1:4: X is stated twice"),
-            ("X,Y,Z\n", "1:5: 'Z' is no axis of the machine (X Y C)"),
-            ("X,Y,C_mm\n", "1:5: 'C_mm' is no axis of the machine (X Y C)"),
+            ("X1 X2 Y2 C0\n", "1:4: X is given twice"),
+            ("X,Y,Z\n", "1:5: 'Z' is not an axis of the machine (X Y C)"),
+            ("X,Y,C_mm\n", "1:5: 'C_mm' is not an axis of the machine (X Y C)"),
             ("X,Y\n", "1:1: the position of C is not stated"),
             ("X,Y,C\n1,2\n", "2:4: there are 2 cells for 3 columns"),
             ("X,Y,C\n1,2,3,4\n", "2:7: there are more cells than the 3 columns"),
-            ("X,Y,C\n1, ä,3\n", "2:4: 'ä' is no number"),
-            ("é1 Y2\n", "1:1: 'é1' is no word of an axis of the machine (X Y C)"),
+            ("X,Y,C\n1, ä,3\n", "2:4: 'ä' is not a number"),
+            ("é1 Y2\n", "1:1: 'é1' is not a word of an axis of the machine (X Y C)"),
         ] {
             assert_eq!(read(text).1.as_deref(), Some(fault), "{text}");
         }

@@ -24,7 +24,7 @@ impl fmt::Display for NotComparable {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         out.write_str(match self {
             NotComparable::NeedsMachine => "error functions need the kinematics of the machine; give --machine",
-            NotComparable::NoDemo => "the demo machine cannot be read",
+            NotComparable::NoDemo => "the machine file of the demo machine cannot be read",
         })
     }
 }

@@ -69,7 +69,7 @@ pub fn make(
             result.tried = tried.iter().map(TriedScheme::from).collect();
             let Some((scheme, tables)) = best else {
                 let tried: Vec<String> = result.tried.iter().map(said).collect();
-                let why = format!("no scheme leaves {}: {}", aim(filling.tolerance_mm), tried.join("; "));
+                let why = format!("no scheme reaches {}: {}", aim(filling.tolerance_mm), tried.join("; "));
                 return Err(refused(why, help(&task)));
             };
             (scheme.name, tables)
@@ -113,7 +113,7 @@ pub fn worse(checked: &TablesCheck, where_: &str) -> Option<Diagnostic> {
     ];
     let (what, unit, without, left) = kinds.into_iter().find(|(.., without, left)| *left > without + NOISE)?;
     let message = format!(
-        "the tables would leave more than no tables: the {what} is off by {} {unit} without them and by {} {unit} with them over {where_}, most at {}",
+        "the tables would increase the error: the {what} is off by {} {unit} without them and by {} {unit} with them over {where_}, most at {}",
         significant(without),
         significant(left),
         checked.worst
@@ -140,7 +140,7 @@ fn help(task: &Task<'_>) -> String {
     let plays = plays(task).join(" ");
     if !plays.is_empty() {
         help += &format!(
-            "; what depends on the sense of {plays} is left: the control's backlash parameter takes it, or a format with senses"
+            "; the error that depends on the direction of {plays} remains: use the control's backlash parameter, or a format with directions"
         );
     }
     help
@@ -156,9 +156,9 @@ fn idle(checked: &TablesCheck, task: &Task<'_>) -> (String, String) {
     let left = format!("{} um rms", significant(before.rms_um));
     let plays = plays(task).join(" ");
     if !plays.is_empty() {
-        let why = format!("all values would be 0: of the {left} nothing is left without the senses of {plays}");
+        let why = format!("all values would be 0: the {left} depend only on the direction of motion of {plays}");
         let help = format!(
-            "{} has no tables for a sense of motion: enter the play into the control's backlash parameter, or choose cec, comp, ssfk or heidenhain",
+            "{} has no tables for a direction of motion: enter the backlash in the control's backlash parameter, or choose cec, comp, ssfk or heidenhain",
             task.format.title
         );
         return (why, help);
@@ -166,7 +166,7 @@ fn idle(checked: &TablesCheck, task: &Task<'_>) -> (String, String) {
     if before.rms_um <= um_from_mm(task.tolerance_mm) {
         let why =
             format!("all values would be 0: the tip is off by {left} without tables, which is within the tolerance");
-        return (why, "choose a smaller --tolerance, or no tables".into());
+        return (why, "choose a smaller --tolerance, or use no tables".into());
     }
     let why = format!("all values would be 0 in the digits of {}, and the tip is off by {left}", task.format.title);
     (why, help(task))
@@ -184,7 +184,7 @@ fn said(tried: &TriedScheme) -> String {
     match (&tried.reason, tried.rms_um) {
         (Some(reason), _) => format!("{}: {reason}", tried.scheme),
         (None, rms) => {
-            format!("{} with {} points leaves {:.2} um", tried.scheme, tried.points, rms.unwrap_or(f64::NAN))
+            format!("{} with {} points has a residual of {:.2} um", tried.scheme, tried.points, rms.unwrap_or(f64::NAN))
         }
     }
 }

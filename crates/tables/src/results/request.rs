@@ -53,7 +53,7 @@ impl fmt::Display for NoRegion {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             NoRegion::NoTravel(axis) => {
-                write!(out, "axis {axis} has no travel; write travel_mm of it into the machine file")
+                write!(out, "axis {axis} has no travel; write its travel_mm in the machine file")
             }
             NoRegion::NoAxis(axis) => write!(out, "--range: the machine has no axis {axis}"),
             NoRegion::BeyondTravel(axis, range) => {

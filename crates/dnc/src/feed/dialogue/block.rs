@@ -152,7 +152,10 @@ impl Dialogue for Block {
             match byte {
                 ACK => match self.under_way.take() {
                     Some(_) if is_leaving(wire) => {
-                        self.lost(&impossible("the control has answered a block before all of it has left"), events);
+                        self.lost(
+                            &impossible("the control has answered a block before it was sent completely"),
+                            events,
+                        );
                     }
                     Some((0, _, _)) => (self.state, self.repeats) = (State::Open, 0),
                     Some((number, _, _)) => {
@@ -162,7 +165,7 @@ impl Dialogue for Block {
                     None => self.lost(&impossible("the control has answered more blocks than were sent"), events),
                 },
                 NAK if self.under_way.is_none() || is_leaving(wire) => {
-                    let what = "the control has refused what was not sent, it was reset, or stands in an alarm";
+                    let what = "the control has refused data that was not sent, was reset, or is in alarm";
                     self.lost(&impossible(what), events);
                 }
                 NAK => {
@@ -177,11 +180,11 @@ impl Dialogue for Block {
                         self.push(now, wire);
                     }
                 }
-                EOT | CAN => self.lost("the control has broken off the transfer", events),
+                EOT | CAN => self.lost("the control has aborted the transfer", events),
                 DC1 => {}
                 _ => {
                     let what = format!(
-                        "an answer is neither ACK nor NAK ({byte:#04x}), whether the block was taken is not known"
+                        "an answer is neither ACK nor NAK ({byte:#04x}); it is not known whether the block was accepted"
                     );
                     self.lost(&impossible(&what), events);
                 }
@@ -198,7 +201,7 @@ impl Dialogue for Block {
             && self.state != State::Over
             && now.saturating_sub(self.since) > self.patience + busy
         {
-            self.lost("the control does not answer: whether the block was taken is not known", events);
+            self.lost("the control does not answer: it is not known whether the block was accepted", events);
         }
         if self.state == State::Closing && self.under_way.is_none() {
             wire.push(&[ETX, EOT]);
@@ -222,13 +225,13 @@ impl Dialogue for Block {
 
     fn halt(&mut self, halt: Halt, _now: Duration, wire: &mut Wire) -> Option<String> {
         match halt {
-            Halt::Stop => Some("no further block is sent; the control carries out those that it has".into()),
+            Halt::Stop => Some("no further block is sent; the control executes those that it has".into()),
             Halt::Hold => None,
             Halt::Abort => {
                 wire.clear();
                 wire.push_urgent(&[EOT]);
                 self.state = State::Over;
-                Some("the transfer is broken off; the control carries out the blocks that it has".into())
+                Some("the transfer is aborted; the control executes the blocks that it has".into())
             }
         }
     }

@@ -36,7 +36,7 @@ impl Depth {
     pub(super) fn words(&self) -> String {
         match &self.stated {
             Some((most, _)) => format!("up to {most} blocks of its planner"),
-            None => "what its planner holds, which it does not tell".into(),
+            None => "the contents of its planner, which it does not report".into(),
         }
     }
 }
@@ -47,16 +47,16 @@ impl Depth {
 pub(super) fn not_idle(state: &str) -> Option<String> {
     let what = match state.split(':').next().unwrap_or_default() {
         "Idle" => return None,
-        "Run" => "it carries something else out: let it end, or stop it there",
-        "Hold" => "its axes are held in the middle of something: let that end with cycle start, or reset it there",
-        "Door" => "its door is open, or was while it moved: close it, and let what it has end or reset it there",
-        "Alarm" => "it stands in an alarm: find out why, then home it or clear it there",
-        "Home" => "it is homing: wait for the end of that",
-        "Check" => "its check mode is on, in which nothing moves: switch that off ($C)",
-        "Jog" => "somebody jogs it: wait until that is done",
+        "Run" => "it is executing something else: let it end, or stop it there",
+        "Hold" => "its axes are in hold: finish with cycle start, or reset it there",
+        "Door" => "its door is open, or was while it moved: close it, and let the job end or reset it there",
+        "Alarm" => "it is in alarm: find the cause, then home it or clear it there",
+        "Home" => "it is homing: wait until it has finished",
+        "Check" => "its check mode is on, in which nothing moves: switch it off ($C)",
+        "Jog" => "it is being jogged: wait until that is done",
         "Sleep" => "it sleeps: reset it there, and home it",
-        "Tool" => "it waits for a tool: change it and let it go on, or reset it there",
-        _ => "this state is not known here: bring it to rest there",
+        "Tool" => "it waits for a tool: change it and let it continue, or reset it there",
+        _ => "this state is unknown to ncfix: bring the control to idle there",
     };
     let shown: String = state.chars().take(40).collect();
     Some(format!("the control is not idle ({shown}): {what}"))
@@ -70,10 +70,10 @@ mod tests {
     fn the_largest_that_is_stated_counts_and_is_told_once() {
         let (mut depth, mut events) = (Depth::default(), Vec::new());
         depth.tell(&mut events);
-        assert!(events.is_empty() && depth.words().contains("does not tell"));
+        assert!(events.is_empty() && depth.words().contains("does not report"));
         depth.hear(Some("0"), 16, "Bf:0,128");
         depth.tell(&mut events);
-        assert!(events.is_empty(), "a planner without places is none: {events:?}");
+        assert!(events.is_empty(), "a planner needs at least one block: {events:?}");
         depth.hear(Some("100"), 16, "[OPT:VNM,100,1024,3,0]");
         depth.hear(Some("x"), 16, "Bf:x,1023");
         depth.hear(None, 16, "Bf");
@@ -89,16 +89,16 @@ mod tests {
         for (state, word) in [
             ("Run", "let it end"),
             ("Run:1", "let it end"),
-            ("Hold:0", "held"),
+            ("Hold:0", "in hold"),
             ("Door:3", "door"),
             ("Alarm:1", "alarm"),
             ("Home", "homing"),
             ("Check", "$C"),
-            ("Jog", "jogs"),
+            ("Jog", "jogged"),
             ("Sleep", "sleeps"),
             ("Tool", "tool"),
-            ("", "not known"),
-            ("Idler", "not known"),
+            ("", "unknown"),
+            ("Idler", "unknown"),
         ] {
             assert!(not_idle(state).is_some_and(|why| why.contains(word)), "{state}");
         }

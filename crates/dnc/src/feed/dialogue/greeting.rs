@@ -16,19 +16,15 @@ pub(super) enum Reply<'a> {
 
 /// Answers to the steps before the first line that end the job.
 const REFUSALS: &[(usize, &str, &str)] = &[
-    (0, "HELLO NAK", "it does not take the password: see start in the profile"),
-    (2, "SET ENABLE NAK", "it does not take the second password: see start in the profile"),
-    (3, "ESTOP ON", "emergency stop: a person has to release it at the machine"),
-    (4, "MACHINE OFF", "the machine is off: a person has to switch it on"),
-    (5, "PROGRAM_STATUS RUNNING", "the control carries out something else: wait until it is idle"),
-    (
-        5,
-        "PROGRAM_STATUS PAUSED",
-        "the control stands in the middle of something else: let it end or break it off there",
-    ),
-    (7, "SET NAK", "it knows neither set_wait nor wait_mode: which LinuxCNC is it?"),
-    (7, "SET WAIT_MODE NAK", "it knows neither set_wait nor wait_mode, or another client took the control over"),
-    (8, "SET MODE NAK", "it does not go to MDI"),
+    (0, "HELLO NAK", "it does not accept the password: see start in the profile"),
+    (2, "SET ENABLE NAK", "it does not accept the second password: see start in the profile"),
+    (3, "ESTOP ON", "emergency stop: release it at the machine"),
+    (4, "MACHINE OFF", "the machine is off: switch it on"),
+    (5, "PROGRAM_STATUS RUNNING", "the control is executing something else: wait until it is idle"),
+    (5, "PROGRAM_STATUS PAUSED", "the control is paused in another job: finish or abort it there"),
+    (7, "SET NAK", "it knows neither set_wait nor wait_mode: check the LinuxCNC version"),
+    (7, "SET WAIT_MODE NAK", "it knows neither set_wait nor wait_mode, or another client has taken over the control"),
+    (8, "SET MODE NAK", "it does not switch to MDI"),
 ];
 
 /// Returns the question of a step; `None` after the last step.

@@ -144,14 +144,12 @@ pub const PROTOCOLS: &[Protocol] =
 fn check_text(text: &[u8], longest: usize, refused: &[u8]) -> Result<(), String> {
     if text.len() > longest {
         return Err(format!(
-            "it has {} characters, the control takes {longest}; leave out blanks, numbers of blocks and comments",
+            "it has {} characters, the control accepts {longest}; omit blanks, block numbers and comments",
             text.len()
         ));
     }
     match text.iter().find(|byte| !(b' '..=b'~').contains(*byte) || refused.contains(*byte)) {
-        Some(byte) => {
-            Err(format!("the byte {byte:#04x} means something else on this link; take it out of the program"))
-        }
+        Some(byte) => Err(format!("the byte {byte:#04x} has another meaning on this link; remove it from the program")),
         None => Ok(()),
     }
 }

@@ -59,13 +59,13 @@ pub(super) fn open(name: &str, profile: &Profile) -> Result<OpenPort, String> {
     if !is_kept {
         let asked = describe(serial);
         notes.push(format!(
-            "{name} does not take {asked}: bytes go with eight bits and without parity; software_parity = true in the profile makes it here"
+            "{name} does not accept {asked}: the port sends eight bits without parity; set software_parity = true in the profile to compute the parity here"
         ));
     }
     if !name.starts_with(PSEUDO)
         && let Some(same) = lasting_name(name)
     {
-        notes.push(format!("{name} may be another port tomorrow; this one is also {same}"));
+        notes.push(format!("{name} may be another port after a restart; this one is also {same}"));
     }
     let parity = if serial.software_parity { serial.parity } else { Parity::None };
     Ok(OpenPort { port: Box::new(Line { port, parity, heard: VecDeque::new(), coded: Vec::new() }), notes })

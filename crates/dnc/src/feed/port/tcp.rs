@@ -16,7 +16,7 @@ struct Tcp(TcpStream);
 pub(super) fn open(address: &str) -> Result<OpenPort, String> {
     let fault = |error: &io::Error| format!("cannot connect to {address}: {error}");
     let addresses = address.to_socket_addrs().map_err(|error| fault(&error))?;
-    let mut last = format!("there is no address of {address}");
+    let mut last = format!("{address} has no address");
     for address in addresses {
         match TcpStream::connect_timeout(&address, CONNECT) {
             Ok(stream) => {

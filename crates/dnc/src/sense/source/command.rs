@@ -33,7 +33,7 @@ struct Settings {
 fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn SourcePlan>> {
     let command = section.required("command", "[\"./read-sensors\", \"--all\"]", Section::texts)?;
     if command.first().is_none_or(String::is_empty) {
-        let help = "write the program and each of its arguments as a text of its own";
+        let help = "write the program and each of its arguments as a separate string";
         section.report(Code::BAD_VALUE, section.place_of("command"), "the command has no program", help);
     }
     let timeout = seconds(section, "timeout_s", 0.05).unwrap_or(Duration::from_secs(5));
@@ -75,7 +75,7 @@ impl Polled for Run {
             && matches!(held.recv_timeout(Duration::ZERO), Err(RecvTimeoutError::Timeout))
         {
             self.held = Some(held);
-            return Err("what the command started before still runs; it is not run again".into());
+            return Err("the previous run of the command still has running processes; it is not started again".into());
         }
         let mut command = Command::new(&self.program);
         command.args(&self.arguments).current_dir(&self.folder);
@@ -94,7 +94,7 @@ impl Polled for Run {
             Ok(bytes) => bytes,
             Err(RecvTimeoutError::Timeout) => {
                 self.held = Some(output);
-                return Err("the command ended and something that it started holds its output".into());
+                return Err("the command ended, but a process that it started keeps its output open".into());
             }
             Err(RecvTimeoutError::Disconnected) => Vec::new(),
         };
@@ -137,7 +137,7 @@ impl Run {
                 Ok(None) => {
                     end(child);
                     let limit_s = self.settings.timeout.as_secs_f64();
-                    return Err(format!("{} took longer than {limit_s} s and was ended", self.program.display()));
+                    return Err(format!("{} took longer than {limit_s} s and was terminated", self.program.display()));
                 }
                 Err(error) => return Err(error.to_string()),
             }

@@ -25,7 +25,7 @@ const MOST_AT_ONCE: usize = 1 << 20;
 
 pub(super) const KIND: Kind = Kind {
     name: "file",
-    title: "a file that grows (CSV, JSON lines), or one that holds a value",
+    title: "a growing file (CSV, JSON lines), or a file with one value",
     is_record: false,
     is_standard_input: false,
     read,

@@ -37,11 +37,11 @@ mod replay;
 mod stdin;
 
 #[cfg(not(feature = "modbus"))]
-absent!(modbus, "registers of a control or a coupler, Modbus TCP", "read the sensor in another way");
+absent!(modbus, "registers of a control or a coupler, Modbus TCP", "read the sensor by another kind of source");
 #[cfg(not(feature = "mqtt"))]
-absent!(mqtt, "messages of an MQTT broker", "read the sensor in another way");
+absent!(mqtt, "messages of an MQTT broker", "read the sensor by another kind of source");
 #[cfg(not(feature = "mtconnect"))]
-absent!(mtconnect, "an MTConnect agent", "read the sensor in another way");
+absent!(mtconnect, "an MTConnect agent", "read the sensor by another kind of source");
 #[cfg(not(feature = "opcua"))]
 absent!(
     opcua,
@@ -229,7 +229,7 @@ fn host_and_port(section: &mut Section<'_>, usual: u16) -> Option<String> {
     if address.is_empty() || address.contains('/') || (has_port && port.is_none_or(|port| port.parse::<u16>().is_err()))
     {
         let help = format!("write a name or a number and a port, for example \"192.168.0.5:{usual}\"");
-        section.report(Code::BAD_VALUE, section.place_of("address"), format!("'{address}' is no address"), help);
+        section.report(Code::BAD_VALUE, section.place_of("address"), format!("'{address}' is not an address"), help);
         return None;
     }
     Some(if has_port { address.to_owned() } else { format!("{address}:{usual}") })

@@ -164,14 +164,14 @@ impl Client {
         let mut header = [0; 6];
         stream.read_exact(&mut header)?;
         let [transaction_high, transaction_low, 0, 0, length_high, length_low] = header else {
-            return Err(bad("this is no Modbus"));
+            return Err(bad("the answer is not Modbus"));
         };
         if [transaction_high, transaction_low] != self.transaction.to_be_bytes() {
-            return Err(bad("the answer is one to another request"));
+            return Err(bad("the answer belongs to another request"));
         }
         let length = usize::from(u16::from_be_bytes([length_high, length_low]));
         if !(3..=LONGEST).contains(&length) {
-            return Err(bad("the answer has an impossible length"));
+            return Err(bad("the answer has an invalid length"));
         }
         let mut answer = vec![0; length];
         stream.read_exact(&mut answer)?;

@@ -69,7 +69,7 @@ fn read_topic(channel: usize, section: &mut Section<'_>) -> Option<Topic> {
     let topic = topic?.to_owned();
     if topic.is_empty() || topic.contains(['#', '+', '\0']) || topic.len() > 1024 {
         let help = "a channel has one topic, without # and +";
-        section.report(Code::BAD_VALUE, section.place_of("topic"), format!("'{topic}' is no topic"), help);
+        section.report(Code::BAD_VALUE, section.place_of("topic"), format!("'{topic}' is not a topic"), help);
     }
     Some(Topic { channel, topic, key })
 }
@@ -107,7 +107,7 @@ impl Settings {
                     let filters =
                         self.topics.iter().map(|one| SubscribeFilter::new(one.topic.clone(), QoS::AtMostOnce));
                     if client.try_subscribe_many(filters).is_err() {
-                        outlet.fail(ChannelFault::Disconnected, "the topics cannot be asked for");
+                        outlet.fail(ChannelFault::Disconnected, "the topics cannot be subscribed to");
                     }
                 }
                 Ok(Ok(Event::Incoming(Packet::SubAck(answer)))) => {
@@ -145,10 +145,9 @@ impl Settings {
                 (None, Some(_)) => None,
             };
             let told = match value {
-                _ if message.retain && stamp.is_none() => SourceReport::Nothing(
-                    ChannelFault::Retained,
-                    "the broker has kept it, and nothing says when it was read".into(),
-                ),
+                _ if message.retain && stamp.is_none() => {
+                    SourceReport::Nothing(ChannelFault::Retained, "it is a retained message of unknown age".into())
+                }
                 Some(value) => told(&value),
                 None => {
                     let key = topic.key.as_deref().unwrap_or("value");

@@ -39,8 +39,8 @@ struct Settings {
 fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn SourcePlan>> {
     let address = section.required("address", "\"http://192.168.0.5:5000\"", Section::text)?;
     if !address.starts_with("http://") || address.len() < 8 {
-        let message = format!("'{address}' is no address of an agent");
-        let help = "write http:// and the name or number of the computer; agents are asked without encryption";
+        let message = format!("'{address}' is not an address of an agent");
+        let help = "write http:// and the name or number of the computer; agents are queried without encryption";
         section.report(Code::BAD_VALUE, section.place_of("address"), message, help);
     }
     let mut url = address.trim_end_matches('/').to_owned();
@@ -91,14 +91,14 @@ impl Polled for Client {
         let text = response.body_mut().with_config().limit(MOST_BYTES).read_to_string().map_err(no)?;
         let document = Document::read(&text).map_err(|why| format!("{}: {why}", self.settings.url))?;
         if let Some(error) = document.error {
-            return Err(format!("the agent says: {}", shortened(&error)));
+            return Err(format!("the agent reports: {}", shortened(&error)));
         }
         if !status.is_success() {
             return Err(format!("{}: the answer is {status}", self.settings.url));
         }
         let before = self.instance.replace(document.instance.clone());
         if before.is_some_and(|before| before != document.instance) {
-            return Err("the agent was restarted; what it says next counts".into());
+            return Err("the agent was restarted; its next answer is used".into());
         }
         for (item, channel) in &self.settings.items {
             let mut found = document.observations.iter().filter(|one| one.id == *item || one.name == *item);
@@ -142,7 +142,7 @@ impl Document {
         let mut open: Option<(usize, Observation)> = None;
         let mut has_root = false;
         loop {
-            match reader.read_event().map_err(|error| format!("this is no XML: {error}"))? {
+            match reader.read_event().map_err(|error| format!("this is not XML: {error}"))? {
                 Event::Start(start) => {
                     depth += 1;
                     has_root |= document.begin(&start, depth)?;
@@ -175,7 +175,7 @@ impl Document {
                     depth = depth.saturating_sub(1);
                 }
                 Event::Eof if depth == 0 && has_root => return Ok(document),
-                Event::Eof => return Err("this is no document of MTConnect, or only a part of one".into()),
+                Event::Eof => return Err("this is not a complete MTConnect document".into()),
                 _ => {}
             }
         }
@@ -218,11 +218,11 @@ fn local(start: &BytesStart<'_>) -> String {
 
 fn attribute<'e>(start: &'e BytesStart<'_>, name: &str) -> Result<Option<Cow<'e, str>>, String> {
     for attribute in start.attributes() {
-        let attribute = attribute.map_err(|error| format!("this is no XML: {error}"))?;
+        let attribute = attribute.map_err(|error| format!("this is not XML: {error}"))?;
         let key: &str = attribute.key.as_ref();
         if key == name {
             let value = attribute.normalized_value(quick_xml::XmlVersion::default());
-            return value.map(Some).map_err(|error| format!("this is no XML: {error}"));
+            return value.map(Some).map_err(|error| format!("this is not XML: {error}"));
         }
     }
     Ok(None)

@@ -17,13 +17,8 @@ use super::{Clocked, Items, Kind, OpenedSource, SourcePlan, Wanted, items};
 /// Maximum length of a log, bytes.
 const MOST_BYTES: u64 = 256 << 20;
 
-pub(super) const KIND: Kind = Kind {
-    name: "replay",
-    title: "a log of temperatures, played again",
-    is_record: true,
-    is_standard_input: false,
-    read,
-};
+pub(super) const KIND: Kind =
+    Kind { name: "replay", title: "a replay of a temperature log", is_record: true, is_standard_input: false, read };
 
 #[derive(Debug)]
 struct Settings {
@@ -47,13 +42,14 @@ impl SourcePlan for Settings {
         let file = File::open(&path).map_err(|error| format!("cannot read {name}: {error}"))?;
         file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(|error| format!("cannot read {name}: {error}"))?;
         if bytes.len() as u64 > MOST_BYTES {
-            return Err(format!("cannot play {name}: it has more than {MOST_BYTES} bytes"));
+            return Err(format!("cannot replay {name}: it has more than {MOST_BYTES} bytes"));
         }
-        let source = Source::new(FileId(0), &name, bytes).map_err(|_| format!("cannot play {name}: it is too long"))?;
+        let source =
+            Source::new(FileId(0), &name, bytes).map_err(|_| format!("cannot replay {name}: it is too long"))?;
         let (condition, findings) = log::load_with_dead(&source);
         let Some(condition) = condition else {
             let first = findings.iter().find(|finding| finding.is_error());
-            return Err(first.map_or_else(|| format!("cannot play {name}"), |finding| sentence(&source, finding)));
+            return Err(first.map_or_else(|| format!("cannot replay {name}"), |finding| sentence(&source, finding)));
         };
         let start_s = condition.time_range_s().map_or(0.0, |[first, _]| first);
         let mut points = Vec::new();
@@ -102,7 +98,7 @@ impl Clocked for Player {
         if is_over && !self.is_told && now_s > over_s {
             self.is_told = true;
             let at = Duration::try_from_secs_f64(over_s).unwrap_or_default();
-            let told = SourceReport::Nothing(ChannelFault::Disconnected, "the log is over".into());
+            let told = SourceReport::Nothing(ChannelFault::Disconnected, "the log has ended".into());
             self.channels.iter().for_each(|&channel| hear(channel, &told, at));
         }
     }

@@ -158,7 +158,8 @@ impl<'a> Leg<'a> {
         let directions = [kinematics.direction(&start), kinematics.direction(&end)];
         let Some(circle) = GreatCircle::between(&directions[0], &directions[1]) else {
             if directions[0].dot(&directions[1]) < 0.0 {
-                return Err(leg.through_pole("the tool turns to the opposite direction, and no plane is given for it"));
+                return Err(leg
+                    .through_pole("the tool turns to the opposite direction, but the plane of rotation is not given"));
             }
             return Ok(leg);
         };
@@ -205,7 +206,7 @@ impl<'a> Leg<'a> {
         let mut position = self.position_at(share);
         if let Some(circle) = &self.great_circle {
             let Some(turned) = self.kinematics.orientation(&circle.at(share), near) else {
-                let message = "on the way the rotary axes cannot bring the tool to its direction within their travel";
+                let message = "along the path the rotary axes cannot orient the tool within their travel";
                 let help = "check the directions at both ends, and the travel of the rotary axes";
                 return Err(fault(Code::NO_ORIENTATION, self.path.span, message, help));
             };

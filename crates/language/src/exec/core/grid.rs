@@ -58,9 +58,9 @@ pub(in crate::exec) fn closes_in_linuxcnc(start: [f64; 2], end: [f64; 2], center
 pub(in crate::exec) fn unsure(span: Span, start: [f64; 2], end: [f64; 2], setting: &str) -> Fault {
     let apart_um = 1e3 * (start[0] - end[0]).hypot(start[1] - end[1]);
     let message = format!(
-        "the end of this arc is {apart_um:.3} µm from its start: by the resolution of the control it is a full circle, or hardly a move"
+        "the end of this arc is {apart_um:.3} µm from its start: depending on the resolution of the control it is a full circle or a very short arc"
     );
-    let help = format!("program the end exactly at the start for a full circle, or leave the arc out; {setting}");
+    let help = format!("for a full circle program the end exactly at the start, or omit the arc; {setting}");
     fault(Code::FULL_CIRCLE_UNSURE, span, message, help)
 }
 

@@ -192,11 +192,11 @@ impl<'a> MotionSink<'a> {
                 "radius compensation at the control is for wear alone ({lines}): the radius of {} must be 0 there, plus wear",
                 self.registers.join(", ")
             );
-            let help = "a control that has the radius of the tool there moves the tool away by it a second time; where it has the lengths of the tool too, they stay";
+            let help = "a control that has the tool radius there applies it twice; tool lengths in the register remain unchanged";
             (Code::WEAR_ALONE, message, help)
         } else {
             let message = format!(
-                "radius compensation becomes the way of the tool center ({lines}): another radius and wear that are entered at the control have no effect any more"
+                "radius compensation is replaced by the tool center path ({lines}): a radius or wear entered at the control no longer has any effect"
             );
             let help = "after a change put radius and wear into [[tool]] of the machine file, or give --setup the tool table, and correct the program again; or correct it with ncfix fix --compensation wear";
             (Code::WEAR_WITHOUT_EFFECT, message, help)

@@ -40,7 +40,7 @@ pub(in crate::exec) fn unknown_start(span: Span, axis: Axis) -> Fault {
     fault(
         Code::UNKNOWN_START,
         span,
-        format!("the program has not stated where {axis} is"),
+        format!("the position of {axis} is not known yet"),
         "begin with an absolute position of this axis, or give --start",
     )
 }

@@ -23,7 +23,9 @@ pub(in crate::exec) fn position(
     let open = |message: String, help: &str| Err(fault(Code::WAY_OPEN, span, message, help));
     match (machine.control.rollover, here) {
         (None, _) => open(
-            format!("which way {axis} turns to an absolute position depends on a parameter of the control"),
+            format!(
+                "the direction in which {axis} turns to an absolute position depends on a parameter of the control"
+            ),
             "set control.rollover in the machine file: \"none\" or \"shortest\" (Fanuc parameter 1008, WRAPPED_ROTARY), or program G91",
         ),
         (Some(Rollover::None), _) | (_, None) => Ok(value),
@@ -31,8 +33,10 @@ pub(in crate::exec) fn position(
             let forward = (value - here).rem_euclid(TAU);
             if (forward - PI).abs() <= machine.control.increment_rad {
                 return open(
-                    format!("{axis} is to turn by exactly half a turn the shortest way: the control may go either way"),
-                    "go there in two blocks, or program G91",
+                    format!(
+                        "{axis} turns by exactly half a turn in the shortest direction: the control may turn in either direction"
+                    ),
+                    "move in two blocks, or program G91",
                 );
             }
             Ok(here + if forward > PI { forward - TAU } else { forward })

@@ -94,7 +94,7 @@ impl RunState {
         if self.errors > 0 {
             return Err(None);
         }
-        let message = format!("{} blocks were executed and the program goes on here", self.executed);
+        let message = format!("{} blocks were executed, and the program continues here", self.executed);
         let help = "raise --max-blocks if the program does end";
         Err(Some(Diagnostic::at(Code::TOO_MANY_BLOCKS, Place { file, span }, message, help)))
     }
@@ -110,8 +110,8 @@ impl RunState {
         // One diagnostic per run suffices for all skipped blocks.
         if !self.reported.iter().any(|(code, _)| *code == Code::SKIP_EXECUTED) {
             let done = if is_skipped { "skipped" } else { "executed" };
-            let message = format!("blocks with / are decided now; this one is {done}");
-            let help = "choose with --skip which levels are left out";
+            let message = format!("blocks with / are resolved in the output; this one is {done}");
+            let help = "choose with --skip which levels are skipped";
             self.report(Diagnostic::at(Code::SKIP_EXECUTED, Place { file, span }, message, help));
         }
         is_skipped

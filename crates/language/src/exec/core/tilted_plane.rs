@@ -58,10 +58,10 @@ pub(in crate::exec) fn turned_frame(
 pub(in crate::exec) fn unknown_places(span: Span, axes: AxisSet, words: &str) -> Fault {
     let names: Vec<String> = axes.iter().map(|axis| axis.to_string()).collect();
     let message =
-        format!("the plane is tilted, and the program has not stated where these axes are: {}", names.join(", "));
+        format!("the plane is tilted, and the positions of these axes are not known yet: {}", names.join(", "));
     let places: String = axes.iter().map(|axis| format!(" {axis}…")).collect();
     let help = format!(
-        "state all of them before it, and behind a tool change before it, for example in a block {words}{places}; before the first tool change --start does it too"
+        "program all of them before it, after any tool change, for example in a block {words}{places}; before the first tool change --start does it too"
     );
     fault(Code::UNKNOWN_START, span, message, help)
 }

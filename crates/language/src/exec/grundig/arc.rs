@@ -68,8 +68,8 @@ pub(super) fn arc_words(channel: &mut Channel<'_>, gathered: &mut Gathered, targ
     if let Some((radius, span)) = radius {
         if let Some((_, span)) = sweep.or(pitch).filter(|_| true).or(if has_center { Some((0.0, span)) } else { None })
         {
-            let message = "R beside a center, a sweep or a pitch";
-            return Err(fault(Code::BAD_ARC, span, message, "keep one way to say which arc is meant"));
+            let message = "R together with a center, a sweep or a pitch";
+            return Err(fault(Code::BAD_ARC, span, message, "keep one definition of the arc"));
         }
         let center = center_by_radius(channel.settings.machine, &channel.modal, radius, span, start, end, clockwise)?;
         let sweep_rad = sweep_between(start, end, center, clockwise);
@@ -96,7 +96,7 @@ pub(super) fn arc_words(channel: &mut Channel<'_>, gathered: &mut Gathered, targ
                 return Err(fault(Code::BAD_ARC, span, message, "keep the end point or the sweep"));
             }
             if !(degrees > 0.0 && degrees <= MOST_TURNS * 360.0) {
-                return Err(bad_value(span, format!("B5={degrees} is no sweep"), "write an angle above 0"));
+                return Err(bad_value(span, format!("B5={degrees} is not a valid sweep"), "write an angle above 0"));
             }
             if let Some((turns, span)) = turns
                 && (turns - degrees / 360.0).abs() > TURN_TOLERANCE
@@ -141,7 +141,7 @@ fn closed_on_grid(machine: &Machine, start: [f64; 2], end: [f64; 2], span: Span)
     match meeting(start, end, 1.0 / machine.control.grid[0]) {
         Meeting::Apart => Ok(end),
         Meeting::Same => Ok(start),
-        Meeting::Unsure => Err(unsure(span, start, end, "the grid is control.increment_mm")),
+        Meeting::Unsure => Err(unsure(span, start, end, "the resolution is control.increment_mm")),
     }
 }
 
@@ -182,7 +182,7 @@ fn center(
         return Ok([center[abscissa], center[ordinate]]);
     }
     if let Some((_, span)) = polar.into_iter().flatten().next() {
-        let message = "B3= and L3= only mean a center together";
+        let message = "B3= and L3= define a center only together";
         return Err(fault(Code::BAD_POLAR, span, message, "program both in the block"));
     }
     if words.iter().all(Option::is_none) {

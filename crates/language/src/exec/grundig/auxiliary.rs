@@ -78,8 +78,9 @@ pub(super) fn head(machine: &Machine, number: u16, span: Span) -> Result<(), Fau
     if machine.control.grundig.head == Some(number) {
         return Ok(());
     }
-    let message = format!("M{number} turns the head into a position that the machine file does not describe");
-    let help = "say with control.grundig_head which of M53 and M54 the axes and errors of the machine file are for";
+    let message = format!("M{number} turns the head to a position that the machine file does not describe");
+    let help =
+        "set control.grundig_head to the position, M53 or M54, that the axes and errors of the machine file describe";
     Err(fault(Code::NOT_SUPPORTED, span, message, help))
 }
 

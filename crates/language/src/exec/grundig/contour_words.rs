@@ -76,7 +76,7 @@ pub(super) fn open_element(channel: &mut Channel<'_>, gathered: &mut Gathered) -
         None | Some((1.0, _)) => Choice::First,
         Some((2.0, _)) => Choice::Second,
         Some((value, span)) => {
-            return Err(bad_value(span, format!("J1={value} chooses no intersection"), "write J1=1 or J1=2"));
+            return Err(bad_value(span, format!("J1={value} does not select an intersection"), "write J1=1 or J1=2"));
         }
     };
     if !has_end {
@@ -88,10 +88,14 @@ pub(super) fn open_element(channel: &mut Channel<'_>, gathered: &mut Gathered) -
     }
     let Some(open) = channel.open.take() else {
         // With an end, the element is fully defined; an additional tangent or angle is an error.
-        let message = "angle or tangent and end of an element whose start is known";
+        let message = "both angle or tangent and end point of an element with a known start";
         return match element {
             Element::Arc { .. } => Ok(false),
-            _ => Err(bad_value(gathered.span, message, "keep the end, or leave the end of the element before open")),
+            _ => Err(bad_value(
+                gathered.span,
+                message,
+                "keep the end point, or omit the end point of the previous element",
+            )),
         };
     };
     let incremental = channel.modal.modes.incremental;
@@ -129,8 +133,9 @@ pub(super) fn open_element(channel: &mut Channel<'_>, gathered: &mut Gathered) -
 fn target_of_plane(channel: &mut Channel<'_>, gathered: &mut Gathered, incremental: bool) -> Result<Target, Fault> {
     let plane = channel.modal.modes.plane.axes();
     if incremental && plane.into_iter().take(2).any(|axis| gathered.peek(axis.letter(), None).is_some()) {
-        let message = "the end of this element is incremental, and its start is where it meets the one before";
-        return Err(bad_value(gathered.span, message, "program the end absolute"));
+        let message =
+            "the end of this element is incremental, and its start is the intersection with the previous element";
+        return Err(bad_value(gathered.span, message, "program the end in absolute coordinates"));
     }
     target::target(channel, gathered, incremental)
 }
@@ -232,8 +237,8 @@ fn without_end(outlet: &mut MotionSink<'_>, open: &Open) -> Fault {
     outlet.close(None, AxisSet::EMPTY);
     bad_value(
         open.span,
-        "this element has no end, and the next one does not tell where they meet",
-        "let an element with its end follow: a line with B1= or K1=, or an arc with its center",
+        "this element has no end, and the next one does not define their intersection",
+        "program an element with an end point next: a line with B1= or K1=, or an arc with its center",
     )
 }
 
@@ -257,7 +262,7 @@ fn plane_coordinates(modal: &Modal, flat: Flat) -> [f64; 2] {
 pub(super) fn two_lines(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
     let help = "write for example G11 X40 Y10 R5 X1=60 Y1=30, or G11 B30 X1=60 Y1=30 B1=90";
     if channel.modal.modes.incremental {
-        return Err(fault(Code::NOT_SUPPORTED, span, "G11 behind G91", "program it behind G90"));
+        return Err(fault(Code::NOT_SUPPORTED, span, "G11 under G91", "program it under G90"));
     }
     target::check_plane_known(channel.settings.strict, &channel.modal, span)?;
     channel.modal.modes.motion = MotionKind::Line;
@@ -323,7 +328,7 @@ pub(super) fn soft_words(
         0.0 => SoftForm::Line,
         1.0 => SoftForm::Quadrant,
         2.0 => SoftForm::Semicircle,
-        other => return Err(bad_value(span, format!("I2={other} is no form"), "write I2=0, 1 or 2")),
+        other => return Err(bad_value(span, format!("I2={other} is not a valid form"), "write I2=0, 1 or 2")),
     };
     let size = match gathered.once(b'R', None)? {
         Some((value, _)) if value > 0.0 => value * modal.modes.scale(),
@@ -354,7 +359,7 @@ pub(super) fn soft_words(
 pub(super) fn end_soft(block: &mut GrundigAtHand, outlet: &mut MotionSink<'_>) {
     if let Some((soft, span)) = block.soft.take() {
         let message = if soft.retracts { "no motion follows this G62" } else { "no motion follows this G61" };
-        let help = "write where it leads, for example G61 X0 Y0 R8";
+        let help = "write its end point, for example G61 X0 Y0 R8";
         outlet.warnings.push(bad_value(span, message, help));
     }
 }

@@ -170,22 +170,23 @@ fn left_out(program: &Program, main: usize) -> Option<Diagnostic> {
     if program.words.iter().any(calls) {
         return None;
     }
-    let message = "this program is left out: only the first one of a transfer is executed, and nothing calls another";
+    let message =
+        "this program is ignored: only the first program of a transfer is executed, and this one is not called";
     let place = Place { file: program.source.id(), span: other.headers.first().copied().unwrap_or_default() };
-    Some(Diagnostic::at(Code::MORE_PROGRAMS, place, message, "put each program into a file of its own"))
+    Some(Diagnostic::at(Code::MORE_PROGRAMS, place, message, "put each program into its own file"))
 }
 
 /// The diagnostic for tables of the transfer that the output needs but does not contain.
 fn tables_left_out(program: &Program) -> Option<Diagnostic> {
     let is_table = |part: &&words::Part| matches!(part.kind, PartKind::Tools | PartKind::ZeroOffsets);
     let table = program.parts.iter().filter(|part| !part.blocks.is_empty()).find(is_table)?;
-    let message = "the tables of tools and zero offsets in this transfer are used, and left out of the output";
+    let message = "the tables of tools and zero offsets in this transfer are used, but omitted from the output";
     let place = Place { file: program.source.id(), span: table.headers.first().copied().unwrap_or_default() };
     Some(Diagnostic::at(
         Code::LEFT_OUT,
         place,
         message,
-        "the control must have them before it runs the output: send it the tables as they are",
+        "the control must have them before it runs the output: send it the tables unchanged",
     ))
 }
 

@@ -65,7 +65,7 @@ impl Scope<'_> {
         let expr = self.program.expr(id);
         if depth > MAX_DEPTH {
             let message = format!("more than {MAX_DEPTH} operators in one expression");
-            return Err(fault(Code::TOO_DEEP, expr.span, message, "take it apart over several blocks"));
+            return Err(fault(Code::TOO_DEEP, expr.span, message, "split it over several blocks"));
         }
         let depth = depth + 1;
         let value = match expr.node {
@@ -74,7 +74,12 @@ impl Scope<'_> {
             Node::ParameterAt(inner) => {
                 let number = self.number_at(inner, depth)?;
                 if number.fract() != 0.0 || !(0.0..=1e6).contains(&number) {
-                    return Err(fault(Code::BAD_INDEX, expr.span, format!("E{number} is no parameter"), "check it"));
+                    return Err(fault(
+                        Code::BAD_INDEX,
+                        expr.span,
+                        format!("E{number} is not a valid parameter"),
+                        "check it",
+                    ));
                 }
                 self.parameters.get(number as usize, expr.span)?
             }
@@ -95,7 +100,7 @@ impl Scope<'_> {
                 call(function, value, second, expr.span)?
             }
             Node::Named(_) => {
-                return Err(fault(Code::UNDEFINED_VARIABLE, expr.span, "no parameter of this language", "use E0 …"));
+                return Err(fault(Code::UNDEFINED_VARIABLE, expr.span, "not a parameter of this language", "use E0 …"));
             }
         };
         if value.is_finite() { Ok(value) } else { Err(no_value(expr.span)) }
@@ -122,7 +127,7 @@ fn binary(operator: Operator, left: f64, right: f64, span: Span) -> Result<f64, 
         Operator::And => truth(left != 0.0 && right != 0.0),
         Operator::Or => truth(left != 0.0 || right != 0.0),
         Operator::Xor => truth((left != 0.0) != (right != 0.0)),
-        Operator::Mod => return Err(bad_value(span, "MOD is no operator of this language", "use int()")),
+        Operator::Mod => return Err(bad_value(span, "MOD is not an operator of this language", "use int()")),
     })
 }
 
@@ -147,7 +152,7 @@ fn call(function: Function, value: f64, second: Option<f64>, span: Span) -> Resu
         Function::Ln => value.ln(),
         Function::Deg => value.to_degrees(),
         Function::Rad => value.to_radians(),
-        _ => return Err(bad_value(span, "this is no function of this language", "use sin, cos, sqrt, int …")),
+        _ => return Err(bad_value(span, "this is not a function of this language", "use sin, cos, sqrt, int …")),
     })
 }
 

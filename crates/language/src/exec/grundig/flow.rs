@@ -27,7 +27,7 @@ impl Interpreter<'_> {
         let other = gathered.codes.first().or(gathered.functions.first());
         if let Some(other) = other {
             let message = format!("G{code} shares its block with other G or M codes");
-            let found = fault(Code::MUST_STAND_ALONE, other.span, message, "give it a block of its own");
+            let found = fault(Code::MUST_STAND_ALONE, other.span, message, "give it its own block");
             self.own = gathered;
             return Err(found);
         }
@@ -56,7 +56,7 @@ impl Interpreter<'_> {
         let (first, last) = (first.min(last), first.max(last));
         if (first..=last).contains(&index) {
             let help = "let the section end before this block";
-            return Err(bad_value(span, "G14 stands in the section that it repeats", help));
+            return Err(bad_value(span, "G14 is inside the section that it repeats", help));
         }
         let step = gathered.once(b'K', None)?.map_or(1.0, |found| found.0);
         let times = gathered.once(b'J', None)?;
@@ -69,7 +69,7 @@ impl Interpreter<'_> {
                 let number = usize::from(code.number);
                 let value = self.channel.parameters.get(number, code.span)?;
                 if step <= 0.0 {
-                    return Err(bad_value(code.span, "the parameter of G14 must fall: K above 0", "correct K"));
+                    return Err(bad_value(code.span, "the parameter of G14 must decrease: K above 0", "correct K"));
                 }
                 ((value / step).ceil().clamp(0.0, MOST_PASSES), Some((number, step)))
             }
@@ -79,8 +79,8 @@ impl Interpreter<'_> {
         if !(0.0..=MOST_PASSES).contains(&left) || left.fract() != 0.0 {
             return Err(bad_value(
                 left_at,
-                format!("J={left} is no number of repetitions"),
-                "write a whole number from 0",
+                format!("J={left} is not a valid number of repetitions"),
+                "write a whole number, 0 or larger",
             ));
         }
         if left == 0.0 {
@@ -134,7 +134,9 @@ impl Interpreter<'_> {
     fn called(&self, gathered: &mut Gathered, span: Span) -> Result<u32, Fault> {
         match gathered.once(b'N', None)? {
             Some((number, _)) if number.fract() == 0.0 && (0.0..1e9).contains(&number) => Ok(number as u32),
-            _ => Err(bad_value(span, "the call needs the number of what it calls", "write for example G22 N=9101")),
+            _ => {
+                Err(bad_value(span, "the call needs the number of the called program", "write for example G22 N=9101"))
+            }
         }
     }
 
@@ -194,7 +196,7 @@ impl Interpreter<'_> {
         });
         found.ok_or_else(|| {
             let message = format!("there is no block N{number} in this program");
-            fault(Code::NO_TARGET, span, message, "targets stand in the same program or macro")
+            fault(Code::NO_TARGET, span, message, "targets must be in the same program or macro")
         })
     }
 

@@ -67,7 +67,7 @@ fn settable(channel: &mut Channel<'_>, gathered: &mut Gathered, number: u16, spa
         && let Some((index, span)) = gathered.take(b'I', None)
     {
         if index.fract() != 0.0 || !(0.0..=99.0).contains(&index) {
-            return Err(bad_value(span, format!("I{index} is no zero offset"), "write I0 to I99"));
+            return Err(bad_value(span, format!("I{index} is not a zero offset"), "write I0 to I99"));
         }
         text = format!("G54 I{index}");
     }
@@ -169,8 +169,8 @@ fn programmed_shift(
     let plane = channel.modal.modes.plane;
     let frames = &mut channel.modal.frames;
     if frames.angle_rad != 0.0 && frames.turned_in != plane && (angle.is_some() || additive) {
-        let message = "the zero point is turned in another plane";
-        return Err(fault(Code::NOT_SUPPORTED, span, message, "take the rotation back with G93 B4=0 first"));
+        let message = "the zero point is rotated in another plane";
+        return Err(fault(Code::NOT_SUPPORTED, span, message, "cancel the rotation with G93 B4=0 first"));
     }
     let settings = &channel.settings.machine.control.grundig;
     let before = if additive { frames.angle_rad } else { 0.0 };
@@ -199,7 +199,7 @@ fn programmed_shift(
 
 fn mirror_and_scale(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
     if channel.modal.contour.compensates() {
-        let message = "G73 while the radius is compensated";
+        let message = "G73 while radius compensation is on";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "end the compensation with G40 first"));
     }
     for axis in AXES {
@@ -208,8 +208,8 @@ fn mirror_and_scale(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
             -1.0 => channel.modal.frames.mirrored.insert(axis),
             1.0 => channel.modal.frames.mirrored.remove(axis),
             other => {
-                let message = format!("{axis}{other} is no mirror");
-                return Err(bad_value(span, message, "write -1 to mirror the axis, 1 to take it back"));
+                let message = format!("{axis}{other} is not a valid mirror value");
+                return Err(bad_value(span, message, "write -1 to mirror the axis, 1 to cancel it"));
             }
         }
     }
@@ -217,7 +217,7 @@ fn mirror_and_scale(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
         let settings = &channel.settings.machine.control.grundig;
         let factor = if settings.scale_in_percent { value / 100.0 } else { value };
         if !(1e-6..=1e6).contains(&factor) {
-            return Err(bad_value(span, format!("A4={value} is no factor"), "write a factor above 0"));
+            return Err(bad_value(span, format!("A4={value} is not a valid factor"), "write a factor above 0"));
         }
         channel.modal.frames.factor = factor;
         let [abscissa, ordinate, applicate] = channel.modal.modes.plane.axes();
@@ -240,7 +240,7 @@ pub(super) fn table_access(
     let Some((entry, at)) = gathered.take(b'N', Some(1)) else {
         return Err(fault(Code::NOT_SUPPORTED, span, "only zero offsets can be read and written here", help));
     };
-    let name = entry_name(entry).ok_or_else(|| bad_value(at, format!("N1={entry} is no zero offset"), help))?;
+    let name = entry_name(entry).ok_or_else(|| bad_value(at, format!("N1={entry} is not a zero offset"), help))?;
     if !writes {
         check_value(channel.settings.strict, &mut channel.modal, &mut channel.outlet, &name, span)?;
     }
@@ -256,7 +256,7 @@ pub(super) fn table_access(
         let stored = channel.modal.frames.table.get(&name).map_or(0.0, |parts| parts.shift()[axis]);
         let own = if axis.is_rotary() { stored.to_degrees() } else { stored / channel.modal.modes.scale() };
         if value.fract() != 0.0 || value < 0.0 {
-            return Err(bad_value(at, format!("{value} is no number of a parameter"), help));
+            return Err(bad_value(at, format!("{value} is not a parameter number"), help));
         }
         // Within the range that the store checks.
         channel.parameters.set(value as usize, own, at)?;

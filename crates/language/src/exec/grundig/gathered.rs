@@ -63,7 +63,7 @@ impl Gathered {
                 Address::Indexed(b'E', _) => continue,
                 Address::Indexed(letter, index) => (letter, Some(index)),
                 Address::Comma(_) | Address::Variable(_) | Address::Name(_) => {
-                    return Err(fault(Code::UNEXPECTED, word.span, "no word of this language", "take it out"));
+                    return Err(fault(Code::UNEXPECTED, word.span, "not a word of this language", "remove it"));
                 }
             };
             let value = match word.value {
@@ -76,7 +76,7 @@ impl Gathered {
                 (b'M', None) => self.functions.push(code_word(value, word.span, "M")?),
                 (b'E', None) => self.parameters.push(code_word(value, word.span, "E")?),
                 _ if value.is_nan() || value.abs() > MOST => {
-                    let message = format!("{}{value} is beyond all machines", char::from(letter));
+                    let message = format!("{}{value} is beyond the range of any machine", char::from(letter));
                     return Err(bad_value(word.span, message, "check the value"));
                 }
                 _ => self.items.push(Item { letter, index, value, span: word.span, used: false }),
@@ -149,7 +149,7 @@ impl Gathered {
             return Err(fault(
                 Code::DOUBLE_WORD,
                 span,
-                format!("{} stands twice in the block", name(letter, index)),
+                format!("{} is given twice in the block", name(letter, index)),
                 "keep one of them",
             ));
         }
@@ -185,15 +185,15 @@ impl Gathered {
     /// Reports unconsumed words.
     pub(super) fn check_all_used(&self) -> Result<(), Fault> {
         if let Some(item) = self.items.iter().find(|item| !item.used) {
-            let message = format!("nothing in this block uses {}", name(item.letter, item.index));
-            let help = "take the word out, or add the code that it belongs to";
+            let message = format!("{} has no effect in this block", name(item.letter, item.index));
+            let help = "remove the word, or add the code that it belongs to";
             return Err(fault(Code::BAD_WORD_VALUE, item.span, message, help));
         }
         match self.parameters.first() {
             None => Ok(()),
             Some(code) => {
-                let message = format!("nothing in this block uses E{}", code.number);
-                Err(fault(Code::BAD_WORD_VALUE, code.span, message, "assign it with E=, or take it out"))
+                let message = format!("E{} has no effect in this block", code.number);
+                Err(fault(Code::BAD_WORD_VALUE, code.span, message, "assign it with E=, or remove it"))
             }
         }
     }
@@ -215,7 +215,11 @@ fn per_unit(increment: f64) -> f64 {
 
 fn code_word(value: f64, span: Span, letter: &str) -> Result<CodeWord, Fault> {
     if value.fract() != 0.0 || !(0.0..=9999.0).contains(&value) {
-        return Err(bad_value(span, format!("{letter}{value} is no number from 0 to 9999"), "correct the number"));
+        return Err(bad_value(
+            span,
+            format!("{letter}{value} is not a whole number from 0 to 9999"),
+            "correct the number",
+        ));
     }
     // Within the range of the type.
     Ok(CodeWord { number: value as u16, span })

@@ -49,9 +49,9 @@ impl MeetFault {
     /// The message.
     pub(super) fn message(self) -> &'static str {
         match self {
-            MeetFault::Parallel => "this element and the one before never meet: they run in the same direction",
-            MeetFault::Apart => "this element and the one before do not meet",
-            MeetFault::NothingToTouch => "there is no arc that this line could touch",
+            MeetFault::Parallel => "this element and the previous one never meet: they have the same direction",
+            MeetFault::Apart => "this element and the previous one do not meet",
+            MeetFault::NothingToTouch => "there is no arc that is tangent to this line",
         }
     }
 }

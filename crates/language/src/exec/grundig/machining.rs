@@ -75,11 +75,12 @@ pub(super) fn cycle_codes(channel: &mut Channel<'_>, gathered: &mut Gathered) ->
     for number in [77, 79] {
         let Some(span) = gathered.take_code(number) else { continue };
         let Some(defined) = channel.modal.cycle.clone() else {
-            let message = format!("G{number}, and no cycle is defined");
-            return Err(fault(Code::CYCLE_ALARM, span, message, "define one with G81 to G89 before"));
+            let message = format!("G{number} without a defined cycle");
+            return Err(fault(Code::CYCLE_ALARM, span, message, "define one first with G81 to G89"));
         };
         if channel.modal.contour.compensates() {
-            let message = format!("the cycle of G{number} while radius compensation is on would work beside its place");
+            let message =
+                format!("the cycle of G{number} while radius compensation is on would machine at an offset position");
             let help = "program G40 with a motion in the plane before it";
             return Err(fault(Code::BAD_COMPENSATION, span, message, help));
         }
@@ -117,12 +118,12 @@ fn define_cycle(
     let feed = channel.block.feed_named.then_some(channel.modal.modes.feed);
     let mut pitch = None;
     if cycle.number == 84 {
-        let message = "tapping becomes feed moves with the spindle reversed between them";
-        let help = "the tap needs a chuck that gives way; keep the override at 100 %";
+        let message = "tapping becomes feed moves with a spindle reversal between them";
+        let help = "use a compensating tapping chuck; keep the override at 100 %";
         channel.outlet.warnings.push(fault(Code::TAPPING_BY_FEED, span, message, help));
         if words.get(b'I', 1) == Some(1.0) && channel.settings.strict {
-            let message = "tapping without a compensating chuck (I1=1) needs the spindle and the axis in step";
-            let help = "program I1=0 and use such a chuck; elementary moves cannot say more";
+            let message = "tapping without a compensating chuck (I1=1) needs a synchronised spindle";
+            let help = "program I1=0 and use such a chuck; elementary moves cannot synchronise the spindle";
             return Err(fault(Code::NOT_SUPPORTED, span, message, help));
         }
         pitch = words.get(b'J', 0).filter(|pitch| *pitch > 0.0);
@@ -144,7 +145,7 @@ fn at_positions(
     let target = position(channel, gathered)?;
     if points.is_empty() {
         if target.named.is_empty() {
-            return Err(bad_value(span, "G79 needs a position", "name axes or points"));
+            return Err(bad_value(span, "G79 needs a position", "program axes or points"));
         }
         return run_cycle(channel, defined, &target, rotation);
     }
@@ -260,8 +261,8 @@ fn cutting_feed(modal: &Modal, defined: &Defined, span: Span) -> Result<f64, Fau
     let has_own = defined.feed.is_some() || defined.words.get(b'F', 2).is_some();
     if has_own && defined.per_turn != per_turn {
         let (then, now) = if per_turn { ("G94", "G95") } else { ("G95", "G94") };
-        let message = format!("the cycle was defined with its feed under {then}, and is carried out under {now}");
-        return Err(fault(Code::CYCLE_ALARM, span, message, "define it again behind the feed mode"));
+        let message = format!("the cycle was defined with its feed under {then}, but is executed under {now}");
+        return Err(fault(Code::CYCLE_ALARM, span, message, "define it again after the change of feed mode"));
     }
     Ok(defined.feed.unwrap_or(modal.modes.feed))
 }
@@ -326,8 +327,8 @@ fn turning(spindle: Option<u16>, outlet: &MotionSink<'_>) -> Result<u16, Fault> 
         step::block_fault(
             outlet,
             Code::CYCLE_ALARM,
-            "the cycle stops or reverses the spindle, and neither M3 nor M4 was programmed",
-            "start the spindle before",
+            "the cycle stops or reverses the spindle, but neither M3 nor M4 was programmed",
+            "start the spindle first",
         )
     })
 }

@@ -61,7 +61,7 @@ pub(super) fn modal_codes(channel: &mut Channel<'_>, gathered: &mut Gathered) ->
         let plane = u8::try_from(number).ok().and_then(Plane::from_number).unwrap_or_default();
         if plane != channel.modal.modes.plane {
             if channel.modal.contour.compensates() {
-                let message = "the plane changes while the radius is compensated";
+                let message = "the plane changes while radius compensation is on";
                 return Err(fault(Code::NOT_SUPPORTED, span, message, "end the compensation with G40 first"));
             }
             channel.modal.modes.plane = plane;
@@ -126,7 +126,7 @@ pub(super) fn reference(
         text.push_str(&format!(" {}{}", name(item.letter, item.index), (value * 1e9).round() / 1e9));
     }
     if lost.is_empty() {
-        return Err(bad_value(span, "G74 names no axis", "write for example G74 Z-1 L1"));
+        return Err(bad_value(span, "G74 has no axis word", "write for example G74 Z-1 L1"));
     }
     modal.position.known = modal.position.known.difference(lost);
     outlet.push(Kind::Verbatim(text.into_bytes()));

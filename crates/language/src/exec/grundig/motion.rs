@@ -64,8 +64,8 @@ fn motion(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Faul
         return Ok(());
     }
     if is_arc || (points.len() > 1 && !target.named.is_empty()) {
-        let message = "a stored point in a block where it is not clear what it means";
-        return Err(fault(Code::NOT_SUPPORTED, gathered.span, message, "program coordinates, or one point a block"));
+        let message = "a stored point in a block where its meaning is ambiguous";
+        return Err(fault(Code::NOT_SUPPORTED, gathered.span, message, "program coordinates, or one point per block"));
     }
     for point in points {
         let mut to = target;

@@ -86,8 +86,8 @@ pub(super) fn execute(
         channel.outlet.push(Kind::After(behind));
     }
     if let Some(code) = gathered.codes.first() {
-        let message = format!("G{} beside another code that takes the words of the block", code.number);
-        return Err(fault(Code::NOT_SUPPORTED, code.span, message, "write each in a block of its own"));
+        let message = format!("G{} together with another code that uses the words of the block", code.number);
+        return Err(fault(Code::NOT_SUPPORTED, code.span, message, "write each in its own block"));
     }
     gathered.check_all_used()
 }
@@ -96,9 +96,9 @@ pub(super) fn execute(
 pub(super) fn check_supported(codes: &'static CodeTable, gathered: &Gathered) -> Result<(), Fault> {
     let is_left = |number: u16| !ACTIONS.contains(&number) && super::cycles::find(number).is_none();
     let Some(code) = gathered.codes.iter().find(|code| is_left(code.number)) else { return Ok(()) };
-    let known = codes.g(usize::from(code.number)).map_or("no known code", |entry| entry.meaning);
+    let known = codes.g(usize::from(code.number)).map_or("unknown code", |entry| entry.meaning);
     let message = format!("G{} ({known}) is not supported", code.number);
-    let help = "the program cannot be corrected with it; program what it does directly";
+    let help = "the program cannot be corrected with it; program its effect directly";
     Err(fault(Code::NOT_SUPPORTED, code.span, message, help))
 }
 

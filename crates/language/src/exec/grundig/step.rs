@@ -97,7 +97,7 @@ pub(super) fn elementary(
         return Err(bad_value(span, format!("{axis} would move to {}", target[axis]), "check the values"));
     }
     let basis = PlaneBasis::behind(&channel.standing.setup.frame, channel.modal.modes.plane)
-        .ok_or_else(|| bad_value(span, "the frame squeezes the working plane flat", "check G73"))?;
+        .ok_or_else(|| bad_value(span, "the frame collapses the working plane", "check G73"))?;
     let start_known = setup::shown_axes(&channel.standing, channel.modal.position.known, false);
     // The next motion begins at the end of the block, even if its path is faulty.
     let found = shape([&start, &target]);
@@ -110,7 +110,7 @@ pub(super) fn elementary(
     );
     // A rotated axis moves two output axes: the position of the other one affects the end of both.
     if let Some(axis) = moving.difference(stated).iter().next().filter(|_| channel.settings.strict) {
-        let message = format!("where {axis} goes depends on an axis that the program has not stated yet");
+        let message = format!("the target of {axis} depends on an axis whose position is not known yet");
         let help = "begin with a block that names all axes of the rotation, or give --start";
         return Err(fault(Code::UNKNOWN_START, span, message, help));
     }
@@ -214,7 +214,7 @@ pub(super) fn check_feed(
     if feed > 0.0 {
         return Ok(());
     }
-    let (message, help) = ("a feed motion, and no F was programmed yet", "program F before it or in it");
+    let (message, help) = ("feed move before any F word", "program F before it or in it");
     if strict {
         return Err(fault(Code::MISSING_FEED, span, message, help));
     }

@@ -149,7 +149,7 @@ pub(in crate::exec) fn apply(
         findings.push(Diagnostic::at(
             Code::UNEXPECTED,
             Place { file: source.id(), span: block.span },
-            "this line of a table has no entry that is understood",
+            "this table line has no known entry",
             "entries are T5 L… R…, G54 X… Y… Z…, E10=…",
         ));
     }

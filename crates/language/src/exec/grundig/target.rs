@@ -78,7 +78,7 @@ pub(super) fn check_known(strict: bool, modal: &Modal, axis: Axis, span: Span) -
     if !strict || modal.position.known.contains(axis) {
         return Ok(());
     }
-    let message = format!("the program has not stated where {axis} is");
+    let message = format!("the position of {axis} is not known yet");
     let help = "begin with an absolute position of this axis, or give --start";
     Err(fault(Code::UNKNOWN_START, span, message, help))
 }
@@ -112,7 +112,7 @@ fn polar(
             }
             (Some(angle), None) if index == 1 => mixed(modal, angle, here, out)?,
             _ => {
-                let message = format!("B{index}= and L{index}= only mean a position together");
+                let message = format!("B{index}= and L{index}= define a position only together");
                 return Err(fault(Code::BAD_POLAR, span, message, "program both in the block"));
             }
         };
@@ -144,7 +144,7 @@ fn mixed(modal: &Modal, (degrees, span): Found, here: &AxisVector, out: &Target)
     let way = modal.direction(degrees);
     let distance = (out.to[given] - here[given]) / way[given];
     if way[given].abs() < ACROSS || distance < 0.0 {
-        let message = format!("the direction B1={degrees} does not lead to this {given}");
+        let message = format!("the direction B1={degrees} does not reach this {given}");
         return Err(fault(Code::BAD_POLAR, span, message, "correct the angle or the coordinate"));
     }
     let mut place = plus(here, &way, distance);
@@ -159,7 +159,7 @@ pub(super) fn points(modal: &Modal, gathered: &mut Gathered) -> Result<Vec<Point
         let number = point_number((item.value, item.span))?;
         let Some(point) = modal.points.get(&number) else {
             let message = format!("point P{number} has not been stored");
-            return Err(fault(Code::BAD_INDEX, item.span, message, "define it with G78 before"));
+            return Err(fault(Code::BAD_INDEX, item.span, message, "define it first with G78"));
         };
         points.push(*point);
     }
@@ -197,12 +197,20 @@ pub(super) fn set_pole(modal: &mut Modal, gathered: &mut Gathered, span: Span) -
             is_set = true;
         }
     }
-    if is_set { Ok(()) } else { Err(bad_value(span, "G9 needs the place of the pole", "write for example G9 X10 Y20")) }
+    if is_set {
+        Ok(())
+    } else {
+        Err(bad_value(span, "G9 needs the position of the pole", "write for example G9 X10 Y20"))
+    }
 }
 
 fn point_number((value, span): Found) -> Result<u32, Fault> {
     if value.fract() != 0.0 || !(0.0..=MOST_POINTS).contains(&value) {
-        return Err(bad_value(span, format!("P{value} is no point"), "write a whole number from 0 to 9999"));
+        return Err(bad_value(
+            span,
+            format!("P{value} is not a valid point number"),
+            "write a whole number from 0 to 9999",
+        ));
     }
     // Within range.
     Ok(value as u32)

@@ -18,7 +18,11 @@ const CHANGES: &[(u16, bool)] = &[(6, true), (66, true), (67, false)];
 pub(super) fn tool(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
     if let Some((number, span)) = gathered.once(b'T', None)? {
         if !(0.0..1e8).contains(&number) {
-            return Err(bad_value(span, format!("T{number} is no tool"), "write a number from 0"));
+            return Err(bad_value(
+                span,
+                format!("T{number} is not a valid tool number"),
+                "write a number, 0 or larger",
+            ));
         }
         channel.modal.tool.selected = Some(number);
         channel.outlet.push(Kind::Tool(WordValue::Number(number)));
@@ -53,7 +57,7 @@ pub(super) fn tool(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result
 fn activate(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
     let help = "add a [[tool]] entry there, or give the tool memory of the control with --setup";
     let Some(selected) = channel.modal.tool.selected else {
-        let message = "a tool is changed, and no T was programmed";
+        let message = "a tool change without a programmed T";
         if channel.settings.strict {
             return Err(fault(Code::NO_TOOL, span, message, "program T before it or in the block"));
         }
@@ -116,7 +120,7 @@ pub(super) fn compensation_codes(strict: bool, modal: &mut Modal, gathered: &mut
     for (number, reach) in [(43, Reach::To), (44, Reach::Past)] {
         let Some(span) = gathered.take_code(number) else { continue };
         if modal.contour.compensates() {
-            let message = format!("G{number} while the radius is compensated");
+            let message = format!("G{number} while radius compensation is on");
             return Err(fault(Code::NOT_SUPPORTED, span, message, "end the compensation with G40 first"));
         }
         if modal.tool.selected.is_none() && strict {
@@ -129,7 +133,7 @@ pub(super) fn compensation_codes(strict: bool, modal: &mut Modal, gathered: &mut
             0.0 => FeedAt::Center,
             1.0 => FeedAt::InnerContour,
             2.0 => FeedAt::Contour,
-            _ => return Err(bad_value(span, format!("F1={value} is not followed here"), "write F1=0, 1 or 2")),
+            _ => return Err(bad_value(span, format!("F1={value} is not supported"), "write F1=0, 1 or 2")),
         };
     }
     Ok(())
@@ -137,7 +141,7 @@ pub(super) fn compensation_codes(strict: bool, modal: &mut Modal, gathered: &mut
 
 /// Compensation by the radius of a tool that only the control knows.
 fn no_tool(code: u16, span: Span) -> Fault {
-    let message = format!("G{code} and no T: the radius is that of the tool of an earlier program");
+    let message = format!("G{code} without T: the radius would be that of the tool of an earlier program");
     fault(Code::BAD_COMPENSATION, span, message, "program T and M6 before it")
 }
 

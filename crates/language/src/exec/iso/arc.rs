@@ -87,7 +87,7 @@ pub(super) fn arc(
         // On a Fanuc R has priority over the center words.
         gathered.use_up(&center_letters);
         if !channel.is_rs274() && is_one_place(s, e) {
-            let message = "an arc with R whose end is its start moves nothing";
+            let message = "an arc with R whose end is its start does not move";
             channel.outlet.warnings.push(fault(Code::LEFT_OUT, span, message, "a full circle needs I, J, K"));
             let step = Step::straight(gathered, false, end, named);
             return step::step(channel, step);
@@ -145,7 +145,7 @@ pub(super) fn arc(
     })?;
     if !setup.frame.keeps_circles(channel.modal.modes.plane) {
         let message = "an arc under a scaling that differs between the axes of its plane";
-        let help = "scale both axes alike: what else a control does is no circle and no ellipse";
+        let help = "scale both axes equally: otherwise the path on a control is neither a circle nor an ellipse";
         return Err(fault(Code::NOT_SUPPORTED, span, message, help));
     }
     let shape = behind_frame(&arc, [&from, &to], &target, &setup, channel.settings.machine.control.chord_tolerance_mm);
@@ -167,7 +167,7 @@ fn closed_on_grid(
     match meeting(start, to, measure::increments_per_length(machine, modal) / modal.modes.scale()) {
         Meeting::Apart => {}
         Meeting::Same => (end[abscissa], end[ordinate]) = (start[0], start[1]),
-        Meeting::Unsure => return Err(unsure(span, start, to, "the grid is that of control.increment_system")),
+        Meeting::Unsure => return Err(unsure(span, start, to, "the resolution is that of control.increment_system")),
     }
     Ok(end)
 }
@@ -186,7 +186,7 @@ fn center(
         let value = measure::length(channel, gathered, letter)?;
         if channel.modal.has_absolute_centers() {
             let Some(value) = value else {
-                let message = format!("{} is missing, and G90.1 is in force", char::from(letter));
+                let message = format!("{} is missing while G90.1 is in force", char::from(letter));
                 return Err(fault(Code::NO_CENTER, gathered.span, message, "give both coordinates of the center"));
             };
             let shift = channel.standing.setup.frame.shift(axis) - channel.standing.setup.tool_mm[axis.slot()];
@@ -209,7 +209,7 @@ fn turns(language: Language, gathered: &Gathered) -> Result<u32, Fault> {
             Ok(whole as u32 - 1)
         }
         Some((turns, _)) => {
-            let message = format!("P{turns} is no number of turns");
+            let message = format!("P{turns} is not a valid number of turns");
             Err(bad_value(gathered.span_of(b'P'), message, "write a whole number from 1 to 999"))
         }
     }

@@ -86,7 +86,7 @@ pub(super) fn read(
             _ => {
                 return Err(bad_value(
                     word.span,
-                    "this is no argument of a macro",
+                    "this is not an argument of a macro",
                     "arguments are letters with values",
                 ));
             }

@@ -54,15 +54,15 @@ pub(super) fn leaves_unset(program: &Program, words: &[Word], found: Fault) -> F
 
 fn one(scope: &Scope<'_, '_>, word: &Word) -> Result<Assignment, Fault> {
     let Address::Variable(target) = word.address else {
-        return Err(at(word.span, Code::BAD_EXPRESSION, "this is no assignment", "write #1=…"));
+        return Err(at(word.span, Code::BAD_EXPRESSION, "this is not an assignment", "write #1=…"));
     };
     let target = match scope.program.expr(target).node {
         Node::Named(name) => {
             let symbol = scope.channel.variables.symbol_of(scope.index, name);
             let text = scope.program.names.text(name);
             if scope.is_predefined(text) {
-                let message = format!("#<{}> can only be read", text.to_ascii_lowercase());
-                return Err(at(word.span, Code::BAD_WORD_VALUE, message, "take another name"));
+                let message = format!("#<{}> is read-only", text.to_ascii_lowercase());
+                return Err(at(word.span, Code::BAD_WORD_VALUE, message, "use another name"));
             }
             symbol.map(Target::Named)
         }
@@ -104,8 +104,8 @@ fn assign_number(
         Place::Nowhere => Err(no_variable(number, span)),
         Place::System => system::write_system(channel, known, value, span, loaded, block),
         Place::Variable if channel.language == Language::Rs274 && is_read_only(known) => {
-            let message = format!("#{number} can only be read");
-            Err(at(span, Code::BAD_WORD_VALUE, message, "it stands for the state of the machine"))
+            let message = format!("#{number} is read-only");
+            Err(at(span, Code::BAD_WORD_VALUE, message, "it is a state variable of the machine"))
         }
         Place::Variable => {
             if channel.language == Language::Rs274
@@ -136,8 +136,8 @@ pub(super) fn check_beside(words: &[Word], language: Language) -> Result<(), Fau
     match words.iter().find(depends) {
         Some(word) if language == Language::Fanuc => {
             let message =
-                "whether this word sees the variables before or behind the assignments of its block is not clear";
-            Err(fault(Code::BAD_EXPRESSION, word.span, message, "put the assignments into a block of their own"))
+                "it is not clear whether this word uses the variables before or after the assignments of its block";
+            Err(fault(Code::BAD_EXPRESSION, word.span, message, "put the assignments into their own block"))
         }
         _ => Ok(()),
     }

@@ -101,8 +101,8 @@ pub(super) fn m_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<
         let is_double = groups & 1 << group != 0 && group != 8;
         groups |= 1 << group;
         if is_double {
-            let message = "M codes of one group in one block";
-            return Err(fault(Code::DOUBLE_WORD, span, message, "take one of them out"));
+            let message = "two M codes of one group in one block";
+            return Err(fault(Code::DOUBLE_WORD, span, message, "remove one of them"));
         }
     }
     for group in [5, 6, 7, 8, 9, 10, 4] {
@@ -209,7 +209,7 @@ fn rs274_m(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, span: Sp
         6 => {
             forbidden::no_compensation(channel.language, &channel.modal, span, "M6")?;
             if channel.modal.tool.selected.is_none() {
-                let message = "M6, and no tool was selected with T";
+                let message = "M6 without a tool selected with T";
                 return Err(bad_value(span, message, "program T before it or in its block"));
             }
             channel.block.before.push(word(number));
@@ -231,17 +231,17 @@ fn rs274_m(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, span: Sp
         71 => state::drop_state(&mut channel.saved),
         72 => state::restore_state(channel, span)?,
         100..=199 => {
-            let message = format!("M{number} runs a program of the control, and what it does is not known here");
+            let message = format!("M{number} runs a program of the control whose effect is not known");
             let help = "check that it moves no axis and changes no offset";
             channel.outlet.warnings.push(fault(Code::LEFT_OUT, span, message, help));
             m_with_words(&mut channel.block, &mut channel.outlet, gathered, number, b"PQ");
         }
         48..=53 | 62..=68 if channel.modal.contour.compensates() => {
             let message = format!("M{number} while radius compensation is on");
-            return Err(fault(Code::BAD_COMPENSATION, span, message, "move it before G41, G42 or behind G40"));
+            return Err(fault(Code::BAD_COMPENSATION, span, message, "move it before G41, G42 or after G40"));
         }
         62..=68 if !has_address(gathered, number) => {
-            let message = format!("M{number} does not name its input or output");
+            let message = format!("M{number} does not state its input or output");
             return Err(bad_value(span, message, "write P with its number (M62 to M66), or E (M66 to M68)"));
         }
         _ => match RS274_WORDS.iter().find(|(known, _)| *known == number) {

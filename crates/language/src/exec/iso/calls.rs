@@ -119,10 +119,10 @@ impl Interpreter<'_> {
             return Ok(());
         }
         let message = format!(
-            "M99 P{number}: on a Fanuc it goes on at N{number} of the caller, on a Haas at N{number} of this program, and both are there"
+            "M99 P{number}: a Fanuc continues at N{number} of the caller, a Haas at N{number} of this program, and both exist"
         );
         let help =
-            "give the two blocks different numbers; where the control is a Fanuc set control.word_meaning = \"fanuc\"";
+            "give the two blocks different numbers; if the control is a Fanuc set control.word_meaning = \"fanuc\"";
         Err(at(span, Code::TWO_MEANINGS, message, help))
     }
 
@@ -158,7 +158,7 @@ impl Interpreter<'_> {
         let loaded = &self.programs[level.program];
         let from = level.next.saturating_sub(1);
         let Some(found) = loaded.program.find_block(level.part, number, from) else {
-            let message = format!("block N{number} is not in the program that goes on");
+            let message = format!("block N{number} is not in the program that continues");
             return Err(at(span, Code::NO_TARGET, message, "check the number of the block"));
         };
         check_loops(loaded, from, found, span)?;

@@ -39,7 +39,7 @@ pub(super) fn compensation_codes(channel: &mut Channel<'_>, gathered: &Gathered)
     if !channel.is_rs274() {
         offset_number(channel, gathered)?;
         let Some(number) = channel.modal.d else {
-            let message = format!("{} and no D: the control takes the D of an earlier program", name_of(code));
+            let message = format!("{} without D: the control would use the D of an earlier program", name_of(code));
             let help = "write the number of the offset with it, for example G41 D1";
             return Err(fault(Code::BAD_COMPENSATION, span, message, help));
         };
@@ -69,7 +69,7 @@ pub(super) fn compensation_codes(channel: &mut Channel<'_>, gathered: &Gathered)
                     Some(value) => whole(value, gathered.span_of(b'D'), "D")?,
                     None if channel.modal.tool.active.is_none() && channel.settings.strict => {
                         let message =
-                            format!("{} and no tool: the radius is that of an earlier program", name_of(code));
+                            format!("{} without a tool: the radius would be that of an earlier program", name_of(code));
                         return Err(fault(Code::BAD_COMPENSATION, span, message, "program T and M6, or D, before it"));
                     }
                     None => channel.modal.tool.active.unwrap_or(0),
@@ -81,7 +81,7 @@ pub(super) fn compensation_codes(channel: &mut Channel<'_>, gathered: &Gathered)
         };
         if gathered.raw(b'L').is_some_and(|value| value != 0.0) {
             let message = "the orientation of a lathe tool (L) is not supported";
-            return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(b'L'), message, "take L out"));
+            return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(b'L'), message, "remove L"));
         }
     }
     channel.modal.contour.side = side;

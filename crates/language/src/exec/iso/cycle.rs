@@ -118,7 +118,7 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
     let next = |from: [f64; 2]| match &mut polar {
         Some(polar) => Ok(polar.target(from, words[0], words[1], incremental)),
         None if is_polar => polar::rs274(from, polar_words[0], polar_words[1], incremental).ok_or_else(|| HoleFault {
-            message: "polar words at the zero, where there is no direction".into(),
+            message: "polar words at the origin, where the direction is undefined".into(),
             help: "give both @ and ^ with G90",
             is_unsupported: false,
         }),
@@ -142,8 +142,8 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
         return Ok(());
     }
     if is_tapping(code) && modes::code_of_motion(channel.language, &channel.cycles, gathered) == Some(code) {
-        let message = "tapping becomes feed moves with the spindle reversed between them";
-        let help = "the tap needs a chuck that gives way; keep the override at 100 %";
+        let message = "tapping becomes feed moves with a spindle reversal between them";
+        let help = "use a compensating tapping chuck; keep the override at 100 %";
         channel.outlet.warnings.push(fault(Code::TAPPING_BY_FEED, span, message, help));
     }
     stop_exactly(channel.language, &channel.modal, &mut channel.cycles, &mut channel.outlet);
@@ -319,10 +319,10 @@ fn check_cycle(channel: &Channel<'_>, gathered: &Gathered, code: u16, span: Span
     let rotary = gathered.axes.difference(AxisSet::XYZ).iter().next();
     if let Some(axis) = rotary.filter(|_| channel.is_rs274()) {
         let message = format!("{axis} in a canned cycle");
-        return Err(bad_value(gathered.span_of(axis.letter()), message, "move it in a block of its own"));
+        return Err(bad_value(gathered.span_of(axis.letter()), message, "move it in its own block"));
     }
     if channel.is_rs274() && matches!(code, 740 | 840) && channel.modal.modes.plane != Plane::XY {
-        let message = format!("{name} outside the XY plane: LinuxCNC takes the axes for one another there");
+        let message = format!("{name} outside the XY plane: LinuxCNC exchanges the axes there");
         return Err(fault(Code::NOT_SUPPORTED, span, message, "select G17, or program the motions one by one"));
     }
     if is_tapping(code) && channel.settings.strict && !channel.is_rs274() {
@@ -338,7 +338,7 @@ fn check_count(machine: &Machine, gathered: &Gathered, code: u16) -> Result<(), 
     }
     let name = name_of(code);
     let message = format!("K of {name}: on a Fanuc the number of holes, on a Haas a depth");
-    let help = "write the number of holes with L and G91, or leave K out; where the control is a Fanuc set control.word_meaning = \"fanuc\"";
+    let help = "write the number of holes with L and G91, or omit K; if the control is a Fanuc set control.word_meaning = \"fanuc\"";
     Err(fault(Code::TWO_MEANINGS, gathered.span_of(b'K'), message, help))
 }
 
@@ -347,13 +347,13 @@ fn check_rigid(machine: &Machine, cycles: &Cycles, code: u16, name: &str, span: 
     let rigid = machine.control.iso.rigid_tapping;
     let is_rigid = cycles.is_rigid || matches!(code, 842 | 843) || rigid == Some(true);
     if is_rigid {
-        let message = format!("{name} taps rigidly: single motions do not keep spindle and axis together");
-        let help = "leave the tapping to a program that is not corrected";
+        let message = format!("{name} is rigid tapping: single motions do not synchronise spindle and axis");
+        let help = "put the tapping into a program that is not corrected";
         return Err(fault(Code::NOT_SUPPORTED, span, message, help));
     }
     if rigid.is_none() {
-        let message = format!("whether {name} taps rigidly is a parameter of the control");
-        let help = "set control.rigid_tapping = false in the machine file where a chuck compensates the length";
+        let message = format!("whether {name} is rigid tapping depends on a parameter of the control");
+        let help = "set control.rigid_tapping = false in the machine file if a chuck compensates the length";
         return Err(fault(Code::NOT_SUPPORTED, span, message, help));
     }
     Ok(())

@@ -78,7 +78,8 @@ fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, sp
             // On a Fanuc, G91 adds to the existing value.
             let adds = channel.modal.modes.incremental && !channel.is_rs274();
             if adds && known.is_none() && channel.settings.strict {
-                let message = format!("{} is changed by a step, and has no value in the machine file", system.words());
+                let message =
+                    format!("{} is changed incrementally, but has no value in the machine file", system.words());
                 return Err(fault(Code::NO_OFFSET, span, message, format!("add [zero_offset.\"{}\"]", system.words())));
             }
             parts.translation[axis] = value + if adds { parts.shift()[axis] } else { 0.0 };
@@ -174,7 +175,7 @@ fn set_tool(channel: &mut Channel<'_>, gathered: &Gathered, l: i64, number: u32,
     for axis in gathered.axes.iter() {
         if !AxisSet::XYZ.contains(axis) {
             let message = format!("a tool offset along {axis} is not supported");
-            return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(axis.letter()), message, "name X, Y or Z"));
+            return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(axis.letter()), message, "program X, Y or Z"));
         }
         let value = target::axis_value(channel, gathered, axis)?;
         let length = if l == 1 {
@@ -217,7 +218,7 @@ fn set_tool_value(
     };
     let known = channel.written.tools.find(channel.settings.machine, number, 1);
     if known.is_none() && channel.settings.strict && (channel.modal.modes.incremental || matches!(l, 11 | 13)) {
-        let message = format!("offset {number} is changed in part, and has no value in the machine file");
+        let message = format!("offset {number} is changed only in part, but has no value in the machine file");
         return Err(fault(Code::NO_TOOL, span, message, "add a [[tool]] entry of this number"));
     }
     let mut offset = known.unwrap_or_default();

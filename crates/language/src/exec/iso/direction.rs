@@ -43,8 +43,8 @@ pub(super) fn tool_direction(
         return Err(fault(Code::BAD_WORD_VALUE, gathered.span_of(axis.letter()), message, help));
     }
     if let Some(q) = gathered.raw(b'Q').filter(|&q| q != 0.0) {
-        let message = format!("Q{q}: a tool that leans from its direction towards the motion");
-        let help = "give I, J, K of the direction that the tool has, without Q";
+        let message = format!("Q{q}: a tool inclined from its direction towards the motion is not supported");
+        let help = "give I, J, K of the actual tool direction, without Q";
         return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(b'Q'), message, help));
     }
     let Some(&first) = LETTERS.iter().find(|&&letter| gathered.has(letter)) else { return Ok(None) };
@@ -53,18 +53,18 @@ pub(super) fn tool_direction(
         0 | 10 => {}
         20 | 30 if gathered.has(b'R') => {}
         20 | 30 => {
-            let message = "I, J, K are the direction of the tool under G43.5, so this arc has no center";
+            let message = "under G43.5 I, J, K are the tool direction, so this arc has no center";
             return Err(fault(Code::NO_CENTER, span, message, "give the radius with R"));
         }
         _ => {
-            let message = "a direction of the tool for this kind of motion";
+            let message = "a tool direction for this kind of motion";
             return Err(fault(Code::NOT_SUPPORTED, span, message, "use G0, G1, G2 or G3 under G43.5"));
         }
     }
     let on_table = machine.topology.workpiece.iter().any(|axis| axis.is_rotary());
     if on_table && gathered.code(super::codes::Group::Length) == Some(BY_DIRECTION) {
-        let message = "a direction of the tool in the block of G43.5, on a machine with a rotary axis in its table";
-        return Err(fault(Code::BAD_WORD_VALUE, span, message, "give it in a block behind that"));
+        let message = "a tool direction in the block of G43.5, on a machine with a rotary axis in its table";
+        return Err(fault(Code::BAD_WORD_VALUE, span, message, "give it in a later block"));
     }
     // The letters are vector components here, not lengths.
     let values = LETTERS.map(|letter| gathered.raw(letter).unwrap_or_default());
@@ -83,7 +83,7 @@ pub(super) fn orient(
     let Some(kinematics) = outlet.kinematics.as_deref() else { return Ok(()) };
     let direction = path.setup.frame.apply_direction(direction);
     let Some(direction) = direction.try_normalize(1e-9).filter(|unit| unit.iter().all(|part| part.is_finite())) else {
-        return Err(bad_value(span, "a direction of the tool without length", "give I, J, K values"));
+        return Err(bad_value(span, "a tool direction of length zero", "give I, J or K a value other than 0"));
     };
     // Two axis positions give the same direction; the selected one depends on the current position.
     if let Some(axis) = kinematics.rotary_axes().find(|&axis| !path.start_known.contains(axis) && settings.strict) {
@@ -96,8 +96,7 @@ pub(super) fn orient(
     }
     let Some(found) = choice(kinematics, &axes, &direction, &path.start) else {
         let [i, j, k] = [direction.x, direction.y, direction.z];
-        let message =
-            format!("the rotary axes cannot bring the tool to the direction {i:.6} {j:.6} {k:.6} of the machine");
+        let message = format!("the rotary axes cannot orient the tool along {i:.6} {j:.6} {k:.6} of the machine");
         let help = "check the direction, the travel of the rotary axes, and the kinematics in the machine file";
         return Err(fault(Code::NO_ORIENTATION, span, message, help));
     };

@@ -130,7 +130,7 @@ impl Drill {
         let is_back_boring = call.code == 870;
         if is_back_boring && call.to_r {
             return Err(fault(
-                "it stands under G99".into(),
+                "it is programmed under G99".into(),
                 "program G98: back boring always returns to the initial level",
             ));
         }
@@ -169,21 +169,21 @@ impl Drill {
         let level = |value: f64| Level { value, is_incremental: false };
         let sticky = |word: Option<f64>, kept: Option<Level>, what: &str| {
             let kept = kept.filter(|_| is_same).map(|kept| kept.value);
-            word.or(kept).ok_or_else(|| fault(format!("it begins without {what}"), "program it in this block"))
+            word.or(kept).ok_or_else(|| fault(format!("it starts without {what}"), "program it in this block"))
         };
         let r_word = sticky(call.r, self.r, "R")?;
         let bottom_word = sticky(call.bottom, self.bottom, "the depth of the hole")?;
         let dwell_s = call.dwell_s.or(self.dwell_s.filter(|_| is_same || !rs274::WITH_DWELL.contains(&code)));
         if dwell_s.is_none() && rs274::WITH_DWELL.contains(&code) {
-            return Err(fault("it begins without P".into(), "program the dwell in this block"));
+            return Err(fault("it starts without P".into(), "program the dwell in this block"));
         }
         let q = call.q.or(self.q.filter(|_| is_same));
         if q.is_none() && rs274::WITH_PECK.contains(&code) {
-            return Err(fault("it begins without Q".into(), "program the depth of one peck in this block"));
+            return Err(fault("it starts without Q".into(), "program the depth of one peck in this block"));
         }
         let repeats = call.repeats.unwrap_or(1);
         if repeats == 0 {
-            return Err(fault("L0".into(), "leave out L, or the block"));
+            return Err(fault("L0".into(), "omit L, or the block"));
         }
         let initial = *self.initial.get_or_insert(call.from.height);
         let (r, bottom) =

@@ -60,9 +60,8 @@ pub(in crate::exec) fn start<'a>(
     if let Some((block, number)) = program.outside() {
         let shown = String::from_utf8_lossy(program.source.slice(number)).into_owned();
         let message =
-            format!("blocks before the first program number {shown}: on the control they belong to no program");
-        let help =
-            format!("put them behind {shown}, or take them out; where they are a program of their own end it with M30");
+            format!("blocks before the first program number {shown} do not belong to any program on the control");
+        let help = format!("move them after {shown}, or remove them; if they are a separate program end it with M30");
         let place = Place { file: program.source.id(), span: block };
         ledger.report(Diagnostic::at(Code::LOST_PROGRAM, place, message, help));
     }
@@ -151,10 +150,11 @@ impl Interpreter<'_> {
         let Some((part, _)) = program.parts.iter().zip(&self.own.entered).find(is_left) else { return };
         let span = part.headers.first().copied().unwrap_or_default();
         let shown = String::from_utf8_lossy(program.source.slice(span)).into_owned();
-        let message =
-            format!("the program {shown} is left out: the first one of a file is executed, and does not call it");
+        let message = format!(
+            "the program {shown} is ignored: only the first one of a file is executed, and it does not call this one"
+        );
         let place = Place { file: program.source.id(), span };
-        let help = "put each main program into a file of its own";
+        let help = "put each main program into its own file";
         self.ledger.report(Diagnostic::at(Code::MORE_PROGRAMS, place, message, help));
     }
 

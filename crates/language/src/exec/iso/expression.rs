@@ -74,7 +74,7 @@ impl Scope<'_, '_> {
         let value = self.number(id)?;
         let nearest = value.round();
         if (value - nearest).abs() > WHOLE || nearest.abs() > 1e15 {
-            let message = format!("a whole number is needed, and this is {value}");
+            let message = format!("a whole number is required, and this is {value}");
             return Err(at(self.span(id), Code::BAD_WORD_VALUE, message, "use ROUND where the value is computed"));
         }
         Ok(nearest as i64)
@@ -88,7 +88,7 @@ impl Scope<'_, '_> {
         let expr = self.program.expr(id);
         if depth > MAX_DEPTH {
             let message = format!("more than {MAX_DEPTH} operators in one expression");
-            return Err(at(expr.span, Code::TOO_DEEP, message, "take it apart over several blocks"));
+            return Err(at(expr.span, Code::TOO_DEEP, message, "split it over several blocks"));
         }
         let depth = depth + 1;
         let computed = match expr.node {
@@ -119,7 +119,7 @@ impl Scope<'_, '_> {
                 self.arithmetic().call(function, first, second.map(Option::unwrap_or_default))
             }
         };
-        let wrong = |reason| fault(Code::NOT_COMPUTABLE, expr.span, reason, "check the values it is made of");
+        let wrong = |reason| fault(Code::NOT_COMPUTABLE, expr.span, reason, "check its operands");
         computed.map(Some).map_err(wrong)
     }
 
@@ -146,7 +146,7 @@ impl Scope<'_, '_> {
     fn variable_number(&self, value: f64, span: Span) -> Result<i64, Fault> {
         let nearest = value.round();
         if (value - nearest).abs() > WHOLE || nearest.abs() > 1e9 {
-            let message = format!("the number of a variable is whole, and this is {value}");
+            let message = format!("a variable number must be whole, and this is {value}");
             return Err(at(span, Code::BAD_INDEX, message, "use ROUND or FIX where it is computed"));
         }
         Ok(nearest as i64)
@@ -168,8 +168,7 @@ impl Scope<'_, '_> {
             Place::Null => return Ok(None),
             Place::Nowhere => return Err(no_variable(number, span)),
             Place::Variable if self.channel.settings.strict && self.channel.variables.is_left_over(known) => {
-                let message =
-                    format!("#{number} keeps its value when the power is off, and the program has not set it");
+                let message = format!("#{number} is retained when the power is off, and the program has not set it");
                 let help = format!("set it in the program, or add \"#{number}\" = … to [system] of the machine file");
                 return Err(fault(Code::NO_SYSTEM_VALUE, span, message, help).of_variable(format!("#{number}")));
             }
@@ -265,7 +264,7 @@ impl Scope<'_, '_> {
     /// `ADP[…]` adds a decimal point to an argument without one; if numbers without a point are whole units, it has no effect.
     fn with_point(&self, inner: ExprId, span: Span, depth: u32) -> Result<Option<f64>, Fault> {
         if self.increment().is_some() {
-            let message = "ADP[ ] is not supported where numbers without a point count increments";
+            let message = "ADP[ ] is not supported if numbers without a point count increments";
             return Err(at(span, Code::NOT_SUPPORTED, message, "write the arguments with a decimal point"));
         }
         self.value_at(inner, depth)
@@ -287,20 +286,20 @@ impl Scope<'_, '_> {
         match missing {
             Missing::Unknown | Missing::OnlyMachine => self.of_machine_file(span),
             Missing::Unstated => {
-                let message = format!("{shown} is read, and the program has not stated where this axis is");
+                let message = format!("{shown} is read, but the position of this axis is not known yet");
                 let help = "begin with an absolute position of this axis, or give --start";
                 Err(fault(Code::UNKNOWN_START, span, message, help))
             }
             Missing::Compensated => {
-                let message = format!("{shown} is a position that has no value while the radius compensation is on");
-                Err(fault(Code::BAD_COMPENSATION, span, message, "read it before G41 or G42, or behind G40"))
+                let message = format!("{shown} is a position that has no value while radius compensation is on");
+                Err(fault(Code::BAD_COMPENSATION, span, message, "read it before G41 or G42, or after G40"))
             }
         }
     }
 }
 
 fn no_value(key: &str, span: Span) -> Fault {
-    let message = format!("{key} is read, and only the machine knows its value");
+    let message = format!("{key} is read, but its value is known only to the machine");
     let help = format!("add \"{key}\" = … to [system] of the machine file");
     fault(Code::NO_SYSTEM_VALUE, span, message, help).of_variable(key)
 }
@@ -312,6 +311,6 @@ pub(super) fn name_of(text: &str) -> String {
 
 /// The error for a number that is not a variable.
 pub(super) fn no_variable(number: i64, span: Span) -> Fault {
-    let message = format!("#{number} is no variable of this control");
+    let message = format!("#{number} is not a variable of this control");
     at(span, Code::BAD_INDEX, message, "check the number, and how it is computed")
 }

@@ -208,8 +208,8 @@ pub(super) fn passed_on(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
     }
     let Some(entry) = gathered.passed else { return Ok(false) };
     if entry.uses(b'X') && gathered.code(Group::Motion).is_some() {
-        let message = format!("{} and a motion share the axis words of the block", entry.name);
-        let help = "give each of them a block of its own";
+        let message = format!("{} and a motion both use the axis words of the block", entry.name);
+        let help = "give each of them its own block";
         return Err(fault(Code::MUST_STAND_ALONE, gathered.code_span(Group::Motion), message, help));
     }
     let mut text = entry.name.to_owned();

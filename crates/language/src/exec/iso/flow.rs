@@ -80,7 +80,7 @@ pub(super) fn block(
         Body::Sub => behind_partner(),
         Body::EndSub(value) | Body::Return(value) => {
             if !level.own.is_sub() {
-                let message = "this ends a subroutine, and none was called";
+                let message = "this ends a subroutine, but none was called";
                 return Err(at(block.span, Code::UNMATCHED_STRUCTURE, message, "M2 ends the program"));
             }
             let value = value.map(|id| scope.number(id)).transpose()?;
@@ -94,8 +94,8 @@ pub(super) fn block(
         }
         Body::Printing(span) => {
             let shown = String::from_utf8_lossy(loaded.program.source.slice(span)).into_owned();
-            let message = format!("{shown} is left out: the values that it names are executed away");
-            channel.outlet.warnings.push(fault(Code::LEFT_OUT, span, message, "nothing about the motion changes"));
+            let message = format!("{shown} is omitted from the output: its variables are resolved");
+            channel.outlet.warnings.push(fault(Code::LEFT_OUT, span, message, "the motion does not change"));
             Action::Next
         }
     })

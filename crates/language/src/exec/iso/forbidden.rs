@@ -33,7 +33,7 @@ type Found = (Kind, String, Span);
 
 /// The machine file setting for makers who allow it.
 const SETTING: &str =
-    "or, where the maker of the control allows it, set control.codes_within_rotation = \"allowed\" in the machine file";
+    "or, if the machine builder allows it, set control.codes_within_rotation = \"allowed\" in the machine file";
 
 /// Rejects codes that the state before the block does not allow. A code that ends a state ends it for its whole block.
 pub(super) fn check_state(channel: &Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
@@ -90,8 +90,8 @@ fn within_transforms(
     if is_free || begins || machine.control.iso.codes_within_rotation {
         return Ok(());
     }
-    let message = format!("{name} while {what}: a Fanuc forbids it, and where the tool would go is not defined");
-    let help = format!("end it with {end} first, and begin it again behind {name}; {SETTING}");
+    let message = format!("{name} while {what}: a Fanuc forbids it, and the resulting position is not defined");
+    let help = format!("end it with {end} first, and begin it again after {name}; {SETTING}");
     Err(fault(Code::FORBIDDEN_STATE, *span, message, help))
 }
 
@@ -101,7 +101,7 @@ fn transform_within(modal: &Modal, gathered: &Gathered) -> Option<(&'static str,
     let ends = |group: Group, code: u16| gathered.code(group) == Some(code);
     [
         (transforms.tilt().is_some(), Group::Rotation, 690, "the working plane is tilted (G68.2)", "G69"),
-        (transforms.is_turned(), Group::Rotation, 690, "the coordinate system is turned (G68)", "G69"),
+        (transforms.is_turned(), Group::Rotation, 690, "the coordinate system is rotated (G68)", "G69"),
         (transforms.is_scaled(), Group::Scale, 500, "scaling is in force (G51)", "G50"),
         (transforms.is_mirrored(), Group::Mirror, 501, "a mirror is in force (G51.1)", "G50.1"),
     ]
@@ -118,11 +118,11 @@ fn within_compensation(modal: &Modal, gathered: &Gathered, (kind, name, span): &
     }
     let why = match kind {
         Kind::Plane => "the control stops with alarm 037",
-        Kind::Origin => "how the tool gets to the new zero depends on parameters of the control",
+        Kind::Origin => "the move to the new zero depends on parameters of the control",
         Kind::Machine => "when the tool leaves its distance from the contour depends on parameters of the control",
     };
     let message = format!("{name} while radius compensation is on: {why}");
-    let help = format!("program G40 with a motion in the plane before {name}, and G41 or G42 again behind it");
+    let help = format!("program G40 with a motion in the plane before {name}, and G41 or G42 again after it");
     Err(fault(Code::BAD_COMPENSATION, *span, message, help))
 }
 
@@ -158,7 +158,7 @@ fn within_polar(
     if !is_forbidden {
         return Ok(());
     }
-    let message = format!("{name} while polar coordinates are in force (G16): what its words mean is not defined");
+    let message = format!("{name} while polar coordinates are in force (G16): the meaning of its words is not defined");
     Err(fault(Code::FORBIDDEN_STATE, *span, message, "end them with G15 first"))
 }
 
@@ -195,18 +195,18 @@ pub(super) fn check_tilt(
     let Some(stand) = modal.transforms.stand() else {
         let has_rotary = settings.machine.axis_set().iter().any(Axis::is_rotary);
         if settings.strict && has_rotary && !named.intersection(AxisSet::XYZ).is_empty() {
-            let message = "a motion in a tilted plane on which the tool was not put";
-            return Err(refused_with(span, message, "program G53.1 behind G68.2"));
+            let message = "a motion in a tilted plane with which the tool is not aligned";
+            return Err(refused_with(span, message, "program G53.1 after G68.2"));
         }
         return Ok(());
     };
     if stand.tool_mm != standing.setup.tool_mm {
         let message = "the tool length changes within a tilted plane";
-        return Err(refused_with(span, message, "change it before G68.2, or behind G69"));
+        return Err(refused_with(span, message, "change it before G68.2, or after G69"));
     }
     if stand.below != modal.below_transforms() {
         let message = "the zero offset changes within a tilted plane";
-        return Err(refused_with(span, message, "change it before G68.2, or behind G69"));
+        return Err(refused_with(span, message, "change it before G68.2, or after G69"));
     }
     if named.iter().any(Axis::is_rotary) {
         let message = "rotary axes move within a tilted plane";

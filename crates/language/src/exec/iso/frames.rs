@@ -376,7 +376,7 @@ mod tests {
         let mut transforms = Transforms::default();
         transforms.set_scale(some([0.0; 3]), [2.0; 3], &AxisVector::ZERO).unwrap();
         assert!(transforms.set_mirror([Some(0.0), None, None]).is_err());
-        assert!(transforms.end_mirror([false; 3]).is_ok(), "there is none to end");
+        assert!(transforms.end_mirror([false; 3]).is_ok(), "there is nothing to end");
         transforms.set_rotation(Plane::XY, some([0.0; 2]), 1.0, &AxisVector::ZERO).unwrap();
         assert!(transforms.end_scale().is_err());
         assert!(transforms.set_tilt(Vector::zeros(), Matrix::identity()).is_err());

@@ -130,7 +130,7 @@ fn truth(holds: bool) -> f64 {
 }
 
 fn finite(value: f64) -> Result<f64, NoValue> {
-    if value.is_finite() { Ok(value) } else { Err("the result is no finite number") }
+    if value.is_finite() { Ok(value) } else { Err("the result is not finite") }
 }
 
 /// The remainder with the sign of the dividend.
@@ -140,7 +140,7 @@ fn modulo(a: f64, b: f64) -> Result<f64, NoValue> {
 
 fn power(a: f64, b: f64) -> Result<f64, NoValue> {
     if a < 0.0 && b.fract() != 0.0 {
-        return Err("a negative value has no power that is no whole number");
+        return Err("a negative value cannot be raised to a fractional power");
     }
     finite(a.powf(b))
 }

@@ -31,7 +31,7 @@ pub(super) fn gather(scope: &Scope<'_, '_>, words: &[Word], out: &mut Gathered) 
             Address::Comma(letter) => letter.to_ascii_lowercase(),
             Address::Variable(_) | Address::Name(_) => continue,
             Address::Indexed(..) => {
-                return Err(bad_value(word.span, "an address with an index", "this dialect has none"));
+                return Err(bad_value(word.span, "an address with an index", "this dialect has no indexed addresses"));
             }
         };
         let (value, has_point) = match word.value {
@@ -77,13 +77,13 @@ fn grid_scope<'s, 'a>(scope: &Scope<'s, 'a>, letter: u8, inch: bool) -> Scope<'s
 
 /// Handles a repeated word or group: an error, or the last one is used.
 fn double(span: Span) -> Result<(), Fault> {
-    Err(fault(Code::DOUBLE_WORD, span, "a word of this kind stands in the block already", "take one of them out"))
+    Err(fault(Code::DOUBLE_WORD, span, "the block already has a word of this kind", "remove one of them"))
 }
 
 fn g_code(scope: &Scope<'_, '_>, value: f64, span: Span, out: &mut Gathered) -> Result<(), Fault> {
     let rounded = (value * 10.0).round();
     if (value * 10.0 - rounded).abs() > NEAR || !(0.0..=9999.0).contains(&rounded) {
-        return Err(bad_value(span, format!("G{value} is no G code"), "write a G code of this control"));
+        return Err(bad_value(span, format!("G{value} is not a G code"), "write a G code of this control"));
     }
     let (tenths, dialect) = (rounded as u16, scope.program.dialect);
     if let Some(entry) = dialect.codes().g_tenths(tenths.into()).filter(|entry| entry.effect == CodeEffect::Refuse) {

@@ -80,7 +80,7 @@ fn reference(
         // The first reference point is usually the machine zero.
         None if point == 1 => Ok(0.0),
         None => {
-            let message = format!("where reference point {point} of {axis} is, the machine file does not say");
+            let message = format!("the machine file does not give reference point {point} of {axis}");
             let unit = if axis.is_rotary() { "deg" } else { "mm" };
             let help = format!("set control.reference_point_{point}_{axis}_{unit} there");
             Err(fault(Code::NO_SYSTEM_VALUE, span, message, help))
@@ -97,8 +97,8 @@ pub(super) fn save_home(channel: &mut Channel<'_>, code: u16, span: Span) -> Res
         return Err(unknown_start(span, axis));
     }
     if channel.settings.strict {
-        let message = format!("{} would store where the axes stand with their correction", name_of(code));
-        let help = "leave it out, and move there with G53 G0 instead of G28 or G30";
+        let message = format!("{} would store the corrected axis positions", name_of(code));
+        let help = "omit it, and move there with G53 G0 instead of G28 or G30";
         return Err(fault(Code::NOT_SUPPORTED, span, message, help));
     }
     let first = PARAMETERS[usize::from(code == 301)];

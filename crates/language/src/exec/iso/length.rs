@@ -76,7 +76,7 @@ fn rs274_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
                 if !AxisSet::XYZ.contains(axis) {
                     let message = format!("a tool offset along {axis} is not supported");
                     let at = gathered.span_of(axis.letter());
-                    return Err(fault(Code::NOT_SUPPORTED, at, message, "name X, Y or Z"));
+                    return Err(fault(Code::NOT_SUPPORTED, at, message, "program X, Y or Z"));
                 }
                 let value = target::axis_value(channel, gathered, axis)?;
                 let place = &mut length[axis.slot()];
@@ -202,5 +202,5 @@ fn length_axis(machine: &Machine, modal: &Modal, gathered: &Gathered, span: Span
 }
 
 fn unclear_axis(span: Span) -> Fault {
-    bad_value(span, "the axis of the length is not clear", "name one of X, Y, Z with G43")
+    bad_value(span, "the axis of the length offset is ambiguous", "name one of X, Y, Z with G43")
 }

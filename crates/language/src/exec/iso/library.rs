@@ -32,11 +32,11 @@ impl Interpreter<'_> {
                 let other = self.find_number(number);
                 if !self.machine.control.iso.reads_as_fanuc && found.is_some() && other.is_some() {
                     let message = format!(
-                        "M98 P{number}: program {short} {count} times on a Fanuc, program {number} once on a Haas, and both are there"
+                        "M98 P{number}: program {short} {count} times on a Fanuc, program {number} once on a Haas, and both exist"
                     );
                     let help = format!(
-                        "write M98 P{short} L{count}, or give program {number} a number of four digits; where the control is a Fanuc \
-                         set control.word_meaning = \"fanuc\""
+                        "write M98 P{short} L{count}, or give program {number} a four-digit number; if the \
+                         control is a Fanuc set control.word_meaning = \"fanuc\""
                     );
                     return Err(fault(Code::TWO_MEANINGS, call.span, message, help));
                 }
@@ -54,15 +54,15 @@ impl Interpreter<'_> {
 
     fn not_found(&mut self, shown: &str, span: Span) -> Fault {
         let message =
-            self.library.refusal().unwrap_or_else(|| format!("{shown} is neither in this file nor beside it"));
+            self.library.refusal().unwrap_or_else(|| format!("{shown} is neither in this file nor in its folder"));
         let help = match self.channel.language {
             Language::Rs274 => {
-                "put the file NAME.ngc beside the program, or its folder into control.search_path; a program that the control runs by \
-                 itself is named under [[opaque]]"
+                "put the file NAME.ngc next to the program, or add its folder to control.search_path; name a program that the \
+                 control runs itself under [[opaque]]"
             }
             _ => {
-                "put the file O1234, O1234.NC or 1234.NC beside the program, or its folder into control.search_path; a program that \
-                 the control runs by itself is named under [[opaque]]"
+                "put the file O1234, O1234.NC or 1234.NC next to the program, or add its folder to control.search_path; name a \
+                 program that the control runs itself under [[opaque]]"
             }
         };
         fault(Code::NO_SUBPROGRAM, span, message, help)

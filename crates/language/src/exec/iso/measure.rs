@@ -74,7 +74,7 @@ fn has_increments(machine: &Machine, warned: &mut Warned, gathered: &Gathered, l
         return Ok(false);
     }
     let message =
-        "a number without a decimal point, which is whole units or least increments by a parameter of the control";
+        "a number without a decimal point: a parameter of the control decides between whole units and least increments";
     let help = "set control.decimal_point to \"calculator\" or \"increment\" in the machine file";
     Err(fault(Code::UNITS_DOUBT, gathered.span_of(letter), message, help))
 }
@@ -86,7 +86,7 @@ pub(super) const NEAR: f64 = 1e-3;
 pub(super) fn whole(value: f64, span: Span, what: &str) -> Result<u32, Fault> {
     let rounded = value.round();
     if (value - rounded).abs() > NEAR || !(0.0..=f64::from(u32::MAX)).contains(&rounded) {
-        let message = format!("{what}{value} is no whole number from 0");
+        let message = format!("{what}{value} is not a whole number, 0 or larger");
         return Err(bad_value(span, message, "write a whole number that is not negative"));
     }
     Ok(rounded as u32)

@@ -51,7 +51,8 @@ pub(super) fn units(
     match machine.control.output_inch {
         Some(inch) if inch != modal.modes.inch && language != Language::Rs274 => {
             let message = "the program is in inches in one part and in millimeters in another";
-            let help = "correct them as two programs: what the control keeps in tool and zero offsets follows the unit in force";
+            let help =
+                "correct them as two programs: the control interprets tool and zero offsets in the unit in force";
             Err(fault(Code::MIXED_UNITS, gathered.code_span(Group::Units), message, help))
         }
         _ => Ok(()),

@@ -51,7 +51,7 @@ fn way(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), 
 /// `G53`: machine positions, for this block.
 fn machine_motion(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
     if !matches!(code, 0 | 10) {
-        let message = "G53 stands with G0 or G1";
+        let message = "G53 requires G0 or G1";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "program G0 or G1 in the block of G53"));
     }
     if channel.modal.modes.incremental {

@@ -92,7 +92,7 @@ pub(super) fn axis_offsets(channel: &mut Channel<'_>, gathered: &Gathered, code:
     forbidden::no_compensation(channel.language, &channel.modal, span, &name_of(code))?;
     if matches!(code, 520 | 920) && gathered.axes.is_empty() {
         let message = format!("{} without axis words", name_of(code));
-        return Err(bad_value(span, message, "name the axes that it concerns"));
+        return Err(bad_value(span, message, "program the axes that it applies to"));
     }
     let here = target::here(&channel.modal, &channel.standing);
     match code {

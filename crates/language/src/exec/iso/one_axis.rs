@@ -79,8 +79,9 @@ pub(super) fn other_axes(
         if setting == Some(OneAxis::Place) {
             return Ok(None);
         }
-        let message = "an incremental motion directly behind the end of a rotation, scaling or mirror: from where it counts is not defined";
-        return Err(in_doubt(span, message, "name all axes of the plane with G90 first"));
+        let message =
+            "an incremental motion directly after the end of a rotation, scaling or mirror: its start is not defined";
+        return Err(in_doubt(span, message, "program all axes of the plane with G90 first"));
     }
     let open = doubt.open.difference(named);
     let polar_lacks = channel.special.polar.is_some() && !doubt.group.difference(named).is_empty();
@@ -97,13 +98,13 @@ pub(super) fn other_axes(
         _ => {
             let other = open.iter().next().unwrap_or(Axis::X);
             let message = format!(
-                "{other} is not named in the first block behind a rotation, scaling or mirror: whether it moves is a \
-                 parameter of the control ({other} {:.3} or {:.3})",
+                "{other} is not programmed in the first block after a rotation, scaling or mirror: whether it \
+                 moves depends on a parameter of the control ({other} {:.3} or {:.3})",
                 doubt.values[other],
                 target::here(&channel.modal, &channel.standing)[other]
             );
             let help = format!(
-                "name {other} too, or say with control.one_axis_in_rotation what the control does (Fanuc parameter 11600, bit 5)"
+                "program {other} too, or set control.one_axis_in_rotation to the behaviour of the control (Fanuc parameter 11600, bit 5)"
             );
             return Err(in_doubt(span, message, help));
         }

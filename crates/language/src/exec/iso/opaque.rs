@@ -27,7 +27,7 @@ impl Interpreter<'_> {
         if self.channel.standing.setup != self.channel.standing.shown {
             let message =
                 "this program would run without the shifts and rotations in force, which the output does not have";
-            let help = "call it where only a settable zero offset is in force";
+            let help = "call it while only a settable zero offset is in force";
             return Err(at(call.span, Code::NOT_SUPPORTED, message, help));
         }
         let text = self.text_of(call)?;
@@ -51,7 +51,7 @@ impl Interpreter<'_> {
     fn text_of(&self, call: &Call) -> Result<String, Fault> {
         if call.is_of_code {
             let message = "a code that calls a program of the control itself cannot be passed on";
-            return Err(at(call.span, Code::NOT_SUPPORTED, message, "take the code out of control.macro_codes"));
+            return Err(at(call.span, Code::NOT_SUPPORTED, message, "remove the code from control.macro_codes"));
         }
         let mut text = match (call.kind, &call.callee) {
             (_, Callee::Sub(name)) => format!("o<{name}> call"),
@@ -72,8 +72,8 @@ impl Interpreter<'_> {
         }
         for &(number, value) in &call.arguments {
             let Some(letter) = letter_of(number) else {
-                let message = format!("the argument #{number} of a program of the control cannot be passed on");
-                return Err(at(call.span, Code::NOT_SUPPORTED, message, "pass it with a letter of its own"));
+                let message = format!("argument #{number} cannot be passed on to a program of the control");
+                return Err(at(call.span, Code::NOT_SUPPORTED, message, "pass it with its own letter"));
             };
             text::append(self.channel.language, &mut text, letter, value);
         }

@@ -41,8 +41,8 @@ pub(super) fn execute(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Res
     match gathered.unused() {
         None => Ok(()),
         Some((letter, span)) => {
-            let message = format!("no code of the block uses {letter}");
-            Err(fault(Code::BAD_WORD_VALUE, span, message, "take the word out, or add the code that it belongs to"))
+            let message = format!("{letter} has no effect in this block");
+            Err(fault(Code::BAD_WORD_VALUE, span, message, "remove the word, or add the code that it belongs to"))
         }
     }
 }
@@ -114,7 +114,7 @@ pub(super) fn move_axes(channel: &mut Channel<'_>, gathered: &Gathered, takes_ax
     let mut done = Ok(());
     if let Some(code) = code {
         if !takes_axes && code == G80 && !gathered.axes.is_empty() {
-            let message = "axis words, and no kind of motion is in force";
+            let message = "axis words without a motion mode in force";
             let help = "program G0 or G1 first";
             done = Err(fault(Code::BAD_WORD_VALUE, gathered.span, message, help));
             gathered.use_up(b"XYZABCUVW");

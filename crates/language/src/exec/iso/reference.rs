@@ -19,7 +19,7 @@ pub(super) fn back_to_work(channel: &mut Channel<'_>, gathered: &Gathered, code:
     if code == 290 {
         let Some(target) = channel.written.via.back(gathered.axes, channel.modal.position.command) else {
             let help = "program G28 or G30 before it";
-            return Err(bad_value(span, "G29, and no G28 or G30 has stated its point", help));
+            return Err(bad_value(span, "G29 without a preceding G28 or G30 that sets its point", help));
         };
         let setup = Shared::clone(&channel.standing.setup);
         let step = Step::straight(gathered, true, setup.programmed(&target), gathered.axes);

@@ -107,13 +107,13 @@ impl Request {
         Ok(match self {
             Request::EndModal => Action::Next,
             Request::EachBlock => {
-                let message = "G66.1, which makes every block behind it the arguments of a macro, is not supported";
+                let message = "G66.1, which makes every following block the arguments of a macro, is not supported";
                 return Err(at(block, Code::NOT_SUPPORTED, message, "write the calls with G65"));
             }
             Request::Return => match value(b'P')?.map(u32::try_from) {
                 None => Action::Return(None),
                 Some(Ok(number)) if scope.program.dialect.language == Language::Fanuc => Action::Return(Some(number)),
-                Some(_) => return Err(bad_value(block, "P of M99 is no block number", "write M99 alone")),
+                Some(_) => return Err(bad_value(block, "P of M99 is not a block number", "write M99 alone")),
             },
             Request::Subprogram => {
                 let repeats = repeats(scope, value(b'L')?, block)?;
@@ -166,11 +166,11 @@ fn whole(scope: &Scope<'_, '_>, word: &Word) -> Result<i64, Fault> {
     let value = scope.word(word)?.unwrap_or(0.0);
     let nearest = value.round();
     if nearest.abs() > 1e9 {
-        let message = format!("{value} is more than any number of repetitions or of a program");
+        let message = format!("{value} is too large for a repetition count or a program number");
         return Err(bad_value(word.span, message, "write a smaller number"));
     }
     if (value - nearest).abs() > 1e-3 {
-        return Err(bad_value(word.span, format!("{value} is no whole number"), "write a whole number"));
+        return Err(bad_value(word.span, format!("{value} is not a whole number"), "write a whole number"));
     }
     Ok(nearest as i64)
 }
@@ -180,7 +180,11 @@ fn repeats(scope: &Scope<'_, '_>, written: Option<i64>, block: Span) -> Result<O
     match written {
         None => Ok(None),
         Some(count) if (least..=MAX_REPEATS).contains(&count) => Ok(u32::try_from(count).ok()),
-        Some(count) => Err(bad_value(block, format!("L{count} is no number of repetitions"), "write a number from 1")),
+        Some(count) => Err(bad_value(
+            block,
+            format!("L{count} is not a valid number of repetitions"),
+            "write a number, 1 or larger",
+        )),
     }
 }
 

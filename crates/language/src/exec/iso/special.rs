@@ -46,14 +46,14 @@ pub(super) fn polar_end(
     );
     let span = gathered.span_of(if radius.is_some() { b'@' } else { b'^' });
     if !named.intersection(plane).is_empty() {
-        return Err(bad_value(span, "X or Y beside polar coordinates", "write X and Y, or @ and ^"));
+        return Err(bad_value(span, "X or Y together with polar coordinates", "write X and Y, or @ and ^"));
     }
     let incremental = channel.modal.modes.incremental;
     if incremental || radius.is_none() || angle.is_none() {
         check_plane_stated(channel.settings.strict, &channel.modal, plane, span)?;
     }
     let Some([x, y]) = polar::rs274([here[abscissa], here[ordinate]], radius, angle, incremental) else {
-        let message = "polar words at the zero, where there is no direction";
+        let message = "polar words at the origin, where the direction is undefined";
         return Err(bad_value(span, message, "give both @ and ^ with G90"));
     };
     end[abscissa] = x;
@@ -106,8 +106,8 @@ fn angle_word(
         .unwrap_or_default();
     let mut given = named.intersection(plane).iter();
     let (Some(axis), None) = (given.next(), given.next()) else {
-        let message = ",A stands in a block with one coordinate of the plane; this one has none or both";
-        return Err(fault(Code::NOT_SUPPORTED, span, message, "give one coordinate of the end, or both and no ,A"));
+        let message = ",A needs exactly one coordinate of the plane in its block";
+        return Err(fault(Code::NOT_SUPPORTED, span, message, "give one coordinate of the end, or both without ,A"));
     };
     check_plane_stated(channel.settings.strict, &channel.modal, plane, span)?;
     let (sin, cos) = angle.sin_cos();
@@ -140,7 +140,7 @@ pub(super) fn corner_words(channel: &mut Channel<'_>, gathered: &Gathered) -> Re
         _ => return Err(bad_value(span, ",C and ,R in one block", "write one of them")),
     };
     if !(0.0..=1e6).contains(&size) {
-        return Err(bad_value(span, format!("{size} is no size of a corner"), "write a value above 0"));
+        return Err(bad_value(span, format!("{size} is not a valid corner size"), "write a value above 0"));
     }
     if size == 0.0 {
         return Ok(());
@@ -148,7 +148,7 @@ pub(super) fn corner_words(channel: &mut Channel<'_>, gathered: &Gathered) -> Re
     let frame = &channel.standing.setup.frame;
     if !frame.is_translation() && !frame.keeps_circles(channel.modal.modes.plane) {
         let message = ",C or ,R under unequal scaling";
-        return Err(fault(Code::NOT_SUPPORTED, span, message, "scale both axes of the plane alike"));
+        return Err(fault(Code::NOT_SUPPORTED, span, message, "scale both axes of the plane equally"));
     }
     let [abscissa, ..] = channel.modal.modes.plane.axes();
     let size = size * frame.linear().column(abscissa.slot()).norm();

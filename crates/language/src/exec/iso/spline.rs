@@ -80,11 +80,11 @@ pub(super) fn nurbs_point(channel: &mut Channel<'_>, gathered: &Gathered) -> Res
         channel.special.curve.control.push(Control { at: [here[Axis::X], here[Axis::Y]], weight });
     } else if !has[0] {
         let message = "a control point without X and Y";
-        return Err(bad_value(gathered.span, message, "P stands alone in the first block of G5.2 only"));
+        return Err(bad_value(gathered.span, message, "P without X and Y is allowed only in the first block of G5.2"));
     }
     if let Some(order) = order.filter(|order| *order > 3.0) {
         if order > MOST_ORDER || order.fract() != 0.0 {
-            return Err(bad_value(gathered.span_of(b'L'), format!("L{order} is no order of a curve"), "check L"));
+            return Err(bad_value(gathered.span_of(b'L'), format!("L{order} is not a valid curve order"), "check L"));
         }
         // Between 4 and the limit.
         channel.special.curve.order = order as usize;
@@ -154,7 +154,7 @@ fn check_curve(strict: bool, language: Language, modal: &Modal, gathered: &Gathe
     let plane: AxisSet = [Axis::X, Axis::Y].into_iter().collect();
     if let Some(axis) = gathered.axes.difference(plane).iter().next() {
         let message = format!("{name} moves X and Y only");
-        return Err(bad_value(gathered.span_of(axis.letter()), message, "move the axis in a block of its own"));
+        return Err(bad_value(gathered.span_of(axis.letter()), message, "move the axis in its own block"));
     }
     special::check_plane_stated(strict, modal, plane, span)
 }
@@ -167,7 +167,7 @@ fn no_curve(found: NurbsFault, span: Span) -> Fault {
     let message = match found {
         NurbsFault::TooFew => "the curve has fewer control points than its order (L)",
         NurbsFault::TooMany => "the curve has too many control points",
-        NurbsFault::BadValue => "a control point has a weight that is not above 0, or a value that is no number",
+        NurbsFault::BadValue => "a control point has a weight that is not above 0, or a value that is not a number",
         NurbsFault::TooFine => "the curve needs too many straight pieces",
     };
     bad_value(span, message, "check its points and weights, and control.chord_tolerance_mm")

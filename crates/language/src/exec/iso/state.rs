@@ -50,7 +50,7 @@ pub(super) fn leave_level(channel: &mut Channel<'_>) {
 pub(super) fn restore_state(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
     let state = channel.saved.last_mut().and_then(Option::take);
     let Some(state) = state else {
-        return Err(bad_value(span, "M72, and no state was saved", "save it with M70 or M73 in this program"));
+        return Err(bad_value(span, "M72 without a saved state", "save it with M70 or M73 in this program"));
     };
     bring_back(channel, &state.modal);
     if let Some(place) = channel.saved.last_mut() {

@@ -149,7 +149,7 @@ pub(super) fn send(
         forbidden::check_tilt(&channel.settings, &channel.modal, &channel.standing, step.named, step.span)?;
     }
     let basis = PlaneBasis::behind(&setup.frame, channel.modal.modes.plane)
-        .ok_or_else(|| bad_value(step.span, "the frame squeezes the working plane flat", "check its factors"))?;
+        .ok_or_else(|| bad_value(step.span, "the frame collapses the working plane", "check its factors"))?;
     let (start, start_known) = (channel.modal.position.command, channel.modal.position.known);
     channel.modal.position.known = start_known.union(step.named);
     channel.modal.position.command = target;
@@ -206,8 +206,8 @@ pub(super) fn check_feed(
         return;
     }
     let (message, help) = match modal.modes.feed_unit {
-        FeedUnit::InverseTime => ("a feed motion in G93 without F", "program F in each block with G93"),
-        _ => ("a feed motion, and no F was programmed yet", "program F before it or in it"),
+        FeedUnit::InverseTime => ("a feed move in G93 without F", "program F in each block with G93"),
+        _ => ("feed move before any F word", "program F before it or in it"),
     };
     if settings.strict {
         outlet.warnings.push(fault(Code::MISSING_FEED, step.span, message, help));
@@ -217,6 +217,6 @@ pub(super) fn check_feed(
 }
 
 pub(super) fn unknown_mixed(span: Span, axis: Axis) -> Fault {
-    let message = format!("where {axis} goes depends on an axis that the program has not stated yet");
+    let message = format!("the target of {axis} depends on an axis whose position is not known yet");
     fault(Code::UNKNOWN_START, span, message, "begin with a block that names all axes of the rotation, or give --start")
 }

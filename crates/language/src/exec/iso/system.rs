@@ -230,7 +230,7 @@ pub(super) fn write_system(
         Some(Meaning::Alarm) => {
             let text = comment_of(loaded, block);
             let message = format!("the program stops with its alarm {number_value}: {text}");
-            let help = "the program found something that it does not go on with; correct what it asks for";
+            let help = "the program has raised this alarm itself; correct the cause that it states";
             channel.block.ends_program = true;
             let found = fault(Code::CYCLE_ALARM, span, message.trim_end_matches([':', ' ']), help);
             channel.outlet.warnings.push(found);
@@ -245,7 +245,7 @@ pub(super) fn write_system(
         Some(Meaning::Tool(tool, part)) => write_tool(channel, number, tool, part, number_value, span),
         Some(Meaning::Machine | Meaning::Position(..) | Meaning::Modal(_)) | None => {
             let message = format!("#{number} cannot be set here");
-            Err(bad_value(span, message, "what it stands for is the business of the control"))
+            Err(bad_value(span, message, "its value is set by the control only"))
         }
     }
 }
@@ -266,7 +266,11 @@ fn write_offset(
     span: Span,
 ) -> Result<(), Fault> {
     let Some(axis) = axis_at(channel.axes, place) else {
-        return Err(bad_value(span, format!("#{number} is of an axis that the machine lacks"), "check the number"));
+        return Err(bad_value(
+            span,
+            format!("#{number} belongs to an axis that the machine does not have"),
+            "check the number",
+        ));
     };
     forbidden::no_compensation(channel.language, &channel.modal, span, "a change of zero offsets")?;
     if system == channel.modal.system || system == System::EXTERNAL {
@@ -274,7 +278,7 @@ fn write_offset(
     }
     let known = target::offset_of(channel.settings.machine, &channel.written, system);
     if known.is_none() && channel.settings.strict {
-        let message = format!("{} is changed in part, and has no value in the machine file", system.words());
+        let message = format!("{} is changed only in part, but has no value in the machine file", system.words());
         return Err(fault(
             Code::NO_OFFSET,
             span,
@@ -309,7 +313,7 @@ fn write_tool(
 ) -> Result<(), Fault> {
     let known = channel.written.tools.find(channel.settings.machine, tool, 1);
     if known.is_none() && channel.settings.strict {
-        let message = format!("offset {tool} is changed in part, and has no value in the machine file");
+        let message = format!("offset {tool} is changed only in part, but has no value in the machine file");
         return Err(fault(Code::NO_TOOL, span, message, "add a [[tool]] entry of this number"));
     }
     let mut offset = known.unwrap_or_default();

@@ -24,16 +24,16 @@ pub(super) fn thread(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) 
     let Some(lead) = lead.or((!channel.is_rs274()).then_some(channel.modal.modes.feed)).filter(|lead| *lead > 0.0)
     else {
         let message = format!("{} needs {} with the lead", name_of(code), char::from(letter));
-        return Err(bad_value(gathered.span, message, "write the way of one turn of the spindle"));
+        return Err(bad_value(gathered.span, message, "write the travel per spindle revolution"));
     };
     if gathered.has(b'Q') && !channel.is_rs274() {
         let message = "the start angle of a thread (Q) is not supported";
-        return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(b'Q'), message, "take Q out"));
+        return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(b'Q'), message, "remove Q"));
     }
     gathered.use_up(b"$");
     if gathered.raw(b'I').is_some_and(|factor| factor > 1.0) {
-        let message = "a faster way out of the hole (I) is not supported";
-        return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(b'I'), message, "take I out"));
+        let message = "a faster retract from the hole (I) is not supported";
+        return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(b'I'), message, "remove I"));
     }
     let start = target::here(&channel.modal, &channel.standing);
     let (end, named) = step::end(channel, gathered)?;
@@ -80,7 +80,7 @@ pub(super) fn threading(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
     let (end, _) = step::end(channel, gathered)?;
     let tapers = gathered.raw(b'L').unwrap_or(0.0);
     if !(0.0..=3.0).contains(&tapers) || tapers.fract() != 0.0 {
-        return Err(bad_value(gathered.span_of(b'L'), format!("L{tapers} is none of 0 to 3"), "check L"));
+        return Err(bad_value(gathered.span_of(b'L'), format!("L{tapers} is not 0 to 3"), "check L"));
     }
     gathered.use_up(b"$");
     let springs = gathered.raw(b'H').unwrap_or(0.0);
@@ -129,8 +129,8 @@ fn check_thread(language: Language, modal: &Modal, gathered: &Gathered, code: u1
         return Err(fault(Code::NOT_SUPPORTED, span, message, "end it before the thread"));
     }
     if language == Language::Rs274 && !matches!(modal.spindle, 3 | 4) {
-        let message = format!("{name}, and the spindle does not turn");
-        return Err(bad_value(span, message, "start the spindle before it"));
+        let message = format!("{name} while the spindle does not turn");
+        return Err(bad_value(span, message, "start the spindle first"));
     }
     Ok(())
 }

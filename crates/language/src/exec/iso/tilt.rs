@@ -47,7 +47,7 @@ pub(super) fn tilt(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, sp
         (682 | 684, 1.0) => {
             let order = whole(order.unwrap_or(123.0));
             let Some(rotation) = by_roll_pitch_yaw(angles, order) else {
-                let message = "Q is no order of the axes 1, 2 and 3";
+                let message = "Q is not an order of the axes 1, 2 and 3";
                 return Err(bad_value(gathered.span_of(b'Q'), message, "write for example Q123"));
             };
             (origin, rotation)
@@ -60,15 +60,15 @@ pub(super) fn tilt(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, sp
                 Plane::Incomplete => return Ok(()),
                 Plane::Complete(origin, rotation) => (origin, rotation),
                 Plane::Degenerate => {
-                    let message = "the points or directions of G68.2 make no plane";
+                    let message = "the points or directions of G68.2 do not define a plane";
                     return Err(bad_value(
                         span,
                         message,
-                        "give three points that are not on a line, or two directions",
+                        "give three points that are not collinear, or two different directions",
                     ));
                 }
                 Plane::Unknown => {
-                    return Err(bad_value(span, "G68.2 has no such Q", "number its blocks from Q1 on"));
+                    return Err(bad_value(span, "G68.2 does not have this Q", "number its blocks from Q1"));
                 }
             }
         }
@@ -117,7 +117,7 @@ pub(super) fn tool_on_plane(channel: &mut Channel<'_>, gathered: &Gathered) -> R
     let near = channel.modal.position.command;
     let turned = match (kinematics.orientations(&normal, &near), choice) {
         ([None, None], _) => {
-            let message = "the rotary axes cannot put the tool on this plane";
+            let message = "the rotary axes cannot align the tool with this plane";
             let help = "check the angles of the plane and the travel of the rotary axes";
             return Err(fault(Code::BAD_SWIVEL, span, message, help));
         }
@@ -128,13 +128,13 @@ pub(super) fn tool_on_plane(channel: &mut Channel<'_>, gathered: &Gathered) -> R
         }
         ([Some(one), _], None | Some(0.0)) | ([Some(one), None], Some(1.0 | 2.0)) => one,
         ([None, Some(other)], _) => other,
-        _ => return Err(bad_value(gathered.span_of(b'P'), "P of G53.1 is none of 0, 1, 2", "correct P")),
+        _ => return Err(bad_value(gathered.span_of(b'P'), "P of G53.1 is not 0, 1 or 2", "correct P")),
     };
     channel.modal.transforms.leave_stand();
     setup::refresh_setup(channel);
     turn(channel, &kinematics, &turned, span)?;
     let total = turned_frame(&kinematics, &below, &tilt, &turned, &tool_mm)
-        .ok_or_else(|| refused(span, "the linear axes of this machine cannot place the tip".to_owned()))?;
+        .ok_or_else(|| refused(span, "the linear axes of this machine cannot position the tool tip".to_owned()))?;
     channel.modal.transforms.stand_on_tilt(below.inverse().compose(&total), below, tool_mm);
     setup::refresh_setup(channel);
     Ok(())
@@ -151,7 +151,7 @@ pub(super) fn stand_anew(channel: &mut Channel<'_>, span: Span) -> Result<(), Fa
     let kinematics = Kinematics::new(channel.settings.machine);
     let below = channel.modal.below_transforms();
     let total = turned_frame(&kinematics, &below, &tilt, &channel.modal.position.command, &tool_mm)
-        .ok_or_else(|| refused(span, "the linear axes of this machine cannot place the tip".to_owned()))?;
+        .ok_or_else(|| refused(span, "the linear axes of this machine cannot position the tool tip".to_owned()))?;
     channel.modal.transforms.stand_on_tilt(below.inverse().compose(&total), below, tool_mm);
     setup::refresh_setup(channel);
     Ok(())

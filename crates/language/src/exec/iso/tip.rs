@@ -95,7 +95,7 @@ fn check_table(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Re
         let is_zero = |place: &f64| (place - (place / TAU).round() * TAU).abs() < most;
         if !places.iter().all(is_zero) {
             let message = format!("G43.4 while {axis}, which carries the workpiece, is not at machine zero");
-            let help = "program G43.4 where the table is at zero, and turn it behind it";
+            let help = "program G43.4 while the table is at zero, and turn it afterwards";
             return Err(fault(Code::NOT_SUPPORTED, span, message, help));
         }
     }

@@ -35,7 +35,7 @@ pub(super) fn transform_codes(channel: &mut Channel<'_>, gathered: &Gathered) ->
     if gathered.code(Group::Interpolation).is_some_and(|code| code != 131) {
         let message = "polar coordinate interpolation (G12.1) is not supported";
         let span = gathered.code_span(Group::Interpolation);
-        return Err(fault(Code::NOT_SUPPORTED, span, message, "leave the block to a program that is not corrected"));
+        return Err(fault(Code::NOT_SUPPORTED, span, message, "put the block into a program that is not corrected"));
     }
     if channel.modal.turning.is_some() {
         let span = groups.iter().find(|&&group| gathered.code(group).is_some()).map(|&g| gathered.code_span(g));
@@ -104,7 +104,7 @@ fn once(took: bool, span: Span) -> Result<(), Fault> {
         return Ok(());
     }
     let message = "two codes of the block need its axis words";
-    Err(bad_value(span, message, "write each in a block of its own"))
+    Err(bad_value(span, message, "write each in its own block"))
 }
 
 fn allowed(done: Result<(), Within>, code: u16, span: Span) -> Result<(), Fault> {
@@ -129,7 +129,11 @@ fn mirror(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     let span = gathered.code_span(Group::Mirror);
     let words = place_words(channel, gathered)?;
     if words == [None; 3] {
-        return Err(bad_value(span, "G51.1 without axis words", "name the axes that it mirrors, and where"));
+        return Err(bad_value(
+            span,
+            "G51.1 without axis words",
+            "program the axes that it mirrors, with the mirror positions",
+        ));
     }
     let done = channel.modal.transforms.set_mirror(words);
     allowed(done, 511, span)
@@ -168,8 +172,8 @@ fn scale(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     let factors = match (factor(b'P'), each) {
         (Some(all), [None, None, None]) => [all; 3],
         (None, [None, None, None]) | (Some(_), _) => {
-            let message = "G51 needs P with the factor, or I, J, K with one for each axis";
-            return Err(bad_value(span, message, "write for example P2000 for twice the size"));
+            let message = "G51 needs P with the factor, or I, J, K with a factor for each axis";
+            return Err(bad_value(span, message, "for example P2000 for twice the size"));
         }
         (None, each) => each.map(|factor| factor.unwrap_or(1.0)),
     };
@@ -210,7 +214,7 @@ fn rotation(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Resul
     let [abscissa, ordinate, applicate] = channel.modal.modes.plane.axes();
     if gathered.has(applicate.letter()) {
         let message = format!("{applicate} with G68 in this plane");
-        let help = "name the center in the working plane, or the line with I, J and K too";
+        let help = "program the center in the working plane, or the line with I, J and K too";
         return Err(bad_value(gathered.span_of(applicate.letter()), message, help));
     }
     let plane: AxisSet = [abscissa, ordinate].into_iter().collect();

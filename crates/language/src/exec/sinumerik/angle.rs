@@ -48,14 +48,13 @@ pub(super) fn angle(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
     let Some(angle) = angle else { return Ok(()) };
     let suppressed = gathered.suppress.is_some();
     if !is_straight || suppressed || named == plane || gathered.center.iter().any(Option::is_some) {
-        let message = "ANG stands in a block that is no straight motion, or that gives both coordinates of its end";
-        let help = "keep ANG, or the second coordinate; with both it belongs behind a block with ANG alone";
+        let message = "ANG in a block that is not a straight move, or that gives both coordinates of its end";
+        let help = "keep ANG or the second coordinate; a block with both must follow a block with ANG alone";
         return Err(bad_value(angle.span, message, help));
     }
     if let Some(axis) = plane.difference(channel.modal.position.known).iter().next().filter(|_| channel.settings.strict)
     {
-        let message =
-            format!("the end of this element depends on {axis}, and the program has not stated where that is");
+        let message = format!("the end of this element depends on {axis}, whose position is not known yet");
         let help = "begin with an absolute position of this axis, or give --start";
         return Err(fault(Code::UNKNOWN_START, angle.span, message, help));
     }
@@ -95,13 +94,13 @@ fn close_angle(
     };
     if is_incremental(abscissa) || is_incremental(ordinate) {
         let message =
-            "the end of this element is incremental, and its start is its intersection with the element before";
-        return Err(bad_value(angle.span, message, "program the end absolute"));
+            "the end of this element is incremental, and its start is the intersection with the previous element";
+        return Err(bad_value(angle.span, message, "program the end in absolute coordinates"));
     }
     let here = standing.setup.programmed(&modal.position.command);
     let end = [programmed_end(modal, gathered, abscissa, &here), programmed_end(modal, gathered, ordinate, &here)];
     let Some(corner) = crossing((open.start, open.angle_rad), (end, angle.value.to_radians())) else {
-        let message = "this element and the one before run in the same direction: they do not meet";
+        let message = "this element and the previous one have the same direction: they do not meet";
         return Err(bad_value(angle.span, message, "correct one of the angles"));
     };
     let mut place = here;

@@ -29,14 +29,14 @@ pub(super) fn check_words(gathered: &Gathered, kind: MotionKind) -> Result<(), F
     let has_center = gathered.center.iter().any(Option::is_some);
     if !is_plane_arc && (has_center || of_plane.is_some()) {
         let span = of_plane.map_or(gathered.center_span, |value| value.span);
-        let message = "center, radius, angle or turns in a block that is no arc of the plane";
-        return Err(fault(Code::BAD_ARC, span, message, "program G2 or G3, or take the word out"));
+        let message = "center, radius, angle or turns in a block that is not an arc in the plane";
+        return Err(fault(Code::BAD_ARC, span, message, "program G2 or G3, or remove the word"));
     }
     let through = [Named::I1, Named::J1, Named::K1].into_iter().find_map(|word| gathered.named(word));
     match through {
         Some(value) if kind != MotionKind::Through => {
-            let message = "an intermediate point in a block that is no arc through one";
-            Err(fault(Code::BAD_ARC, value.span, message, "program CIP, or take the word out"))
+            let message = "an intermediate point in a block without CIP";
+            Err(fault(Code::BAD_ARC, value.span, message, "program CIP, or remove the word"))
         }
         _ => Ok(()),
     }
@@ -78,7 +78,7 @@ fn opening_rad(value: f64, span: Span) -> Result<f64, Fault> {
     if value > 0.0 && value < 360.0 {
         return Ok(value.to_radians());
     }
-    Err(bad_value(span, format!("AR={value} is no angle between 0 and 360"), "a full circle needs I, J, K"))
+    Err(bad_value(span, format!("AR={value} is not an angle between 0 and 360"), "a full circle needs I, J, K"))
 }
 
 /// Increments per millimeter of a Sinumerik in its delivered state (MD10200).
@@ -178,7 +178,7 @@ pub(super) fn arc(
         Some(&NamedValue { value: turns, span, .. }) => {
             return Err(bad_value(
                 span,
-                format!("TURN={turns} is no number of turns"),
+                format!("TURN={turns} is not a valid number of turns"),
                 "write a whole number from 0 to 999",
             ));
         }
@@ -251,7 +251,7 @@ fn radius_fault(found: &RadiusFault, span: Span) -> Fault {
 fn center_of_angle(angle: f64, span: Span, s: [f64; 2], e: [f64; 2], clockwise: bool) -> Result<[f64; 2], Fault> {
     let chord = [e[0] - s[0], e[1] - s[1]];
     if chord[0].hypot(chord[1]) == 0.0 {
-        let help = "name another end point, or give the center with I, J, K";
+        let help = "program another end point, or give the center with I, J, K";
         return Err(fault(Code::BAD_ARC, span, "start and end of an arc with AR coincide", help));
     }
     // Half the chord divided by the tangent of half the angle: below a half turn the center lies left of the chord of a counter-clockwise arc.

@@ -58,7 +58,7 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
                 }
                 Body::Empty | Body::Faulty | Body::Define { .. } => {}
                 _ => {
-                    let message = "saved data are assignments, and this is a statement";
+                    let message = "saved data consist of assignments, but this is a statement";
                     let found = at(
                         block.span,
                         Code::UNEXPECTED,
@@ -198,8 +198,8 @@ impl Reader<'_> {
                 ));
             }
             let Some(setting) = setting_of(&value) else {
-                let message = format!("{name} is a frame, which is not read");
-                return Err(at(word.span, Code::NOT_SUPPORTED, message, "take it out of the file"));
+                let message = format!("{name} is a frame; frames are not read");
+                return Err(at(word.span, Code::NOT_SUPPORTED, message, "remove it from the file"));
             };
             let is_like = elements.keys().next().is_none_or(|known| known.len() == place.len());
             let is_small = place.len() <= 3 && place.iter().all(|index| (0..MAX_ELEMENTS as i64).contains(index));
@@ -213,7 +213,7 @@ impl Reader<'_> {
 }
 
 fn no_assignment(word: &Word) -> Fault {
-    at(word.span, Code::UNEXPECTED, "saved data are assignments, and this is none", "take it out of the file")
+    at(word.span, Code::UNEXPECTED, "saved data consist of assignments, but this is not one", "remove it from the file")
 }
 
 /// `true` if a variable is a zero offset or tool datum.

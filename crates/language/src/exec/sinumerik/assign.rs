@@ -52,9 +52,12 @@ pub(super) fn assigned(loaded: &Loaded, channel: &Channel<'_>, word: &Word) -> R
     match word.value {
         Value::Expr(id) => scope.assigned(id),
         Value::Arguments(range) => scope.list(range).map(List::Set),
-        _ => {
-            Err(at(word.span, Code::UNEXPECTED, "this is no assignment", "write '=' and an expression behind the name"))
-        }
+        _ => Err(at(
+            word.span,
+            Code::UNEXPECTED,
+            "this is not an assignment",
+            "write '=' and an expression after the name",
+        )),
     }
 }
 
@@ -118,8 +121,8 @@ pub(super) fn assign(
                     return Err(at(
                         span,
                         Code::TYPE_MISMATCH,
-                        "this is no component of a frame",
-                        "name a FRAME variable",
+                        "this is not a component of a frame",
+                        "write a FRAME variable",
                     ));
                 };
                 let number = value.number().ok_or_else(|| {
@@ -136,7 +139,7 @@ pub(super) fn assign(
             let name = loaded.program.names.text(name);
             assign_system(loaded, channel, SystemName { name, range: Some(range), span }, list)
         }
-        _ => Err(at(span, Code::UNEXPECTED, "this cannot be assigned", "name a variable left of the equals sign")),
+        _ => Err(at(span, Code::UNEXPECTED, "this cannot be assigned", "write a variable left of the equals sign")),
     }
 }
 
@@ -149,7 +152,7 @@ pub(super) fn define(loaded: &Loaded, channel: &mut Channel<'_>, definition: &De
     for length in loaded.program.arguments_of(definition.dimensions) {
         let Some(length) = length else {
             let message = format!("{text} has a dimension without a length");
-            return Err(at(definition.span, Code::BAD_INDEX, message, "write the length of every dimension"));
+            return Err(at(definition.span, Code::BAD_INDEX, message, "give the length of every dimension"));
         };
         dimensions.push(scope.whole(*length)?);
     }

@@ -22,8 +22,8 @@ impl Gatherer<'_> {
         if !"XYZUVWABC".contains(letter) {
             return self.unsupported(word);
         }
-        let message = format!("{letter}{extension} is no axis of the machine file");
-        let help = format!("add name = \"{letter}{extension}\" to the section [axis.…] of the axis that it means");
+        let message = format!("{letter}{extension} is not an axis of the machine file");
+        let help = format!("add name = \"{letter}{extension}\" to the section [axis.…] of this axis");
         fault(Code::NOT_SUPPORTED, word.span, message, help)
     }
 }

@@ -43,11 +43,11 @@ pub(super) fn check(loaded: &Loaded, channel: &Channel<'_>, block: &Block) -> Re
     match words.iter().find(depends) {
         Some(word) => {
             let message = if writes_data {
-                "whether this word sees the frames and tools before or behind the assignment of its block is not clear"
+                "it is not clear whether this word uses the frames and tools before or after the assignment of its block"
             } else {
-                "whether this word sees the variables before or behind the assignments of its block is not clear"
+                "it is not clear whether this word uses the variables before or after the assignments of its block"
             };
-            Err(at(word.span, Code::BAD_EXPRESSION, message, "put the assignments into a block of their own"))
+            Err(at(word.span, Code::BAD_EXPRESSION, message, "put the assignments into their own block"))
         }
         None => Ok(()),
     }

@@ -161,7 +161,7 @@ impl Interpreter<'_> {
                 JumpTarget::Label(name) => {
                     Ok(variable(loaded, &self.channel, name).map(Value::text).unwrap_or_default())
                 }
-                _ => Err(fault(Code::NO_TARGET, span, "this is no label", "name a label or block number")),
+                _ => Err(fault(Code::NO_TARGET, span, "this is not a label", "write a label or block number")),
             },
         }
     }
@@ -201,10 +201,10 @@ impl Interpreter<'_> {
                 (Code::NO_SUBPROGRAM, refusal.unwrap_or_else(|| format!("there is no program {name}")))
             };
             let help = if cycle {
-                "write its moves out, or name it in control.opaque of the machine file if the control shall run it by itself"
+                "write its moves out, or add it to control.opaque of the machine file if the control is to run it itself"
             } else {
-                "put it beside the main program, as NAME.SPF, or name it in control.opaque of the machine file if the control shall \
-                 run it by itself"
+                "put it next to the main program as NAME.SPF, or add it to control.opaque of the machine file if \
+                 the control is to run it itself"
             };
             return Err(fault(code, span, message, help));
         };
@@ -324,7 +324,7 @@ impl Interpreter<'_> {
         let found = place.and_then(|place| search(&loaded.program.blocks, place, Search::Around, index, section));
         let Some(found) = found else {
             let message = format!("RET: the calling program has no block {}", lossy(&target.place));
-            return Err(fault(Code::NO_TARGET, span, message, "check the label, and from where the program is called"));
+            return Err(fault(Code::NO_TARGET, span, message, "check the label and the caller of the program"));
         };
         level.go_to(found + usize::from(target.behind), true);
         Ok(())

@@ -45,7 +45,7 @@ impl Cells {
         }
         let count = lengths.iter().try_fold(1_usize, |count, length| count.checked_mul(*length));
         let Some(count) = count.filter(|count| *count <= limit) else {
-            let message = format!("{text} has more elements than the {limit} that are left");
+            let message = format!("{text} has more elements than the remaining {limit}");
             return Err(fault(Code::BAD_INDEX, span, message, "make the array smaller"));
         };
         let string = string.and_then(|length| usize::try_from(length).ok()).unwrap_or(MAX_STRING).min(MAX_STRING);
@@ -111,7 +111,7 @@ impl Cells {
         for (offset, value) in values.into_iter().enumerate() {
             let place = start + offset;
             if place >= self.values.len() {
-                let message = format!("{} has {} elements, and the list goes on", at.0, self.values.len());
+                let message = format!("{} has {} elements, but the list is longer", at.0, self.values.len());
                 return Err(fault(Code::BAD_INDEX, at.1, message, "shorten the list, or make the array larger"));
             }
             if let Some(value) = value {
@@ -203,7 +203,7 @@ impl Cells {
         let lengths = list(self.lengths[..self.dimensions].iter().map(usize::to_string).collect());
         let message = format!("there is no {text}[{written}]");
         let help = if self.dimensions == 0 {
-            format!("{text} is no array")
+            format!("{text} is not an array")
         } else {
             format!("{text} has the lengths {lengths}, and its indices begin at 0")
         };
@@ -213,7 +213,7 @@ impl Cells {
 
 /// The error for a number beyond INT, for which the control has an alarm.
 fn beyond_int(text: &str, number: f64, span: Span) -> Fault {
-    let message = format!("{text} is an INT, which ends at 2147483647, and cannot hold {number}");
+    let message = format!("{text} is an INT (maximum 2147483647) and cannot hold {number}");
     fault(Code::NOT_COMPUTABLE, span, message, "define it as REAL, or check the value")
 }
 

@@ -118,7 +118,7 @@ impl OpenAngle {
 pub(super) fn without_end(span: Span) -> Fault {
     bad_value(
         span,
-        "this element has an angle and no end",
-        "give one coordinate of its end, or let an element with both coordinates and ANG follow",
+        "this element has an angle but no end",
+        "give one coordinate of its end, or program an element with both coordinates and ANG next",
     )
 }

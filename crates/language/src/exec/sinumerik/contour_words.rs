@@ -82,7 +82,7 @@ pub(super) fn contour_words(
         if value.value >= 0.0 && value.value <= 1e6 {
             return Ok(value.value);
         }
-        Err(bad_value(value.span, format!("{name}={} is not allowed", value.value), "write a value from 0"))
+        Err(bad_value(value.span, format!("{name}={} is not allowed", value.value), "write a value, 0 or larger"))
     };
     if let Some(value) = gathered.named(Named::Rndm) {
         modal.contour.round_mm = not_negative(value, "RNDM")? * scale;
@@ -105,7 +105,7 @@ pub(super) fn contour_words(
         return Err(fault(
             Code::NOT_SUPPORTED,
             value.span,
-            "DISC above 0 is not supported: corners that are no arcs",
+            "DISC above 0 is not supported: its corners are not arcs",
             "use DISC=0, or G451",
         ));
     }
@@ -120,7 +120,7 @@ pub(super) fn contour_words(
 pub(super) fn check_edge(strict: bool, modal: &Modal, outlet: &mut MotionSink<'_>, gathered: &Gathered, span: Span) {
     let code = gathered.contour.iter().find(|word| matches!(**word, "G41" | "G42"));
     let Some(code) = code.filter(|_| strict && !modal.edge_stated) else { return };
-    let message = format!("{code} and no D: the radius is that of the tool of an earlier program");
+    let message = format!("{code} without D: the radius would be that of the tool of an earlier program");
     let help = "program T, M6 where the machine needs it, and D before it";
     outlet.warnings.push(fault(Code::BAD_COMPENSATION, span, message, help));
 }
@@ -139,7 +139,12 @@ fn soft_words(
     let scale = modal.modes.scale();
     if let Some(value) = gathered.named(Named::Disrp) {
         let message = "DISRP is not supported";
-        return Err(fault(Code::NOT_SUPPORTED, value.span, message, "move to the retraction plane in a block before"));
+        return Err(fault(
+            Code::NOT_SUPPORTED,
+            value.span,
+            message,
+            "move to the retraction plane in a previous block",
+        ));
     }
     let size = gathered.named(Named::Disr).map_or(0.0, |value| value.value);
     let least = if form == SoftForm::Line { 0.0 } else { 1e-6 };
@@ -213,7 +218,7 @@ fn even_scale(modal: &Modal, standing: &InForce, value: &NamedValue) -> Result<f
             Code::NOT_SUPPORTED,
             value.span,
             "a rounding or chamfer under unequal scale",
-            "scale both axes of the plane alike",
+            "scale both axes of the plane equally",
         ));
     }
     let [abscissa, ..] = modal.modes.plane.axes();

@@ -33,7 +33,7 @@ impl Interpreter<'_> {
         if is_inside || !self.channel.modal.contour.compensates() {
             return None;
         }
-        let message = format!("{name} while radius compensation is on would drill or mill beside its place");
+        let message = format!("{name} while radius compensation is on would machine at an offset position");
         Some(fault(Code::BAD_COMPENSATION, span, message, "end it with G40 and a motion in the plane before the cycle"))
     }
 

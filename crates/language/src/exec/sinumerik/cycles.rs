@@ -33,27 +33,28 @@ pub(super) fn source(name: &str) -> Option<(&'static str, &'static [u8])> {
 const ALARMS: &[(i64, &str, &str)] = &[
     (61000, "no tool radius is in force", "activate a cutting edge with a radius before the cycle"),
     (61001, "the lead of the thread is wrong", "give a size M3 to M48 of the table (MPIT), or the lead (PIT)"),
-    (61002, "the kind of machining is not one of the cycle", "check VARI, CDIR and the tens of VARI"),
+    (61002, "the machining type is not valid for the cycle", "check VARI, CDIR and the tens of VARI"),
     (
         61101,
-        "reference plane, retraction plane and depth do not fit",
-        "the reference plane lies between the two others",
+        "reference plane, retraction plane and depth are inconsistent",
+        "the reference plane must lie between the other two",
     ),
-    (61102, "no direction of the spindle is given", "give 3 or 4 (behind tapping also 5)"),
+    (61102, "no spindle direction is given", "give 3 or 4 (after tapping also 5)"),
     (61103, "the number of positions is 0", "give at least 1"),
-    (61104, "the slots meet, or one is no slot", "check radius, length, width and angles"),
-    (61105, "the radius of the tool is too large", "a smaller tool, or a larger corner radius"),
+    (61104, "the slots overlap, or one is not a valid slot", "check radius, length, width and angles"),
+    (61105, "the radius of the tool is too large", "use a smaller tool, or a larger corner radius"),
     (61107, "the first depth lies on the wrong side of the reference plane", "check FDEP and FDPR"),
 ];
 
 /// The error of an alarm; number 0 is for unsupported functions, which the text names.
 pub(super) fn alarm(number: i64, text: &str, span: Span) -> Fault {
     if number == 0 {
-        let help = "write its moves out, or name the cycle in control.opaque of the machine file if the control shall run it by itself";
+        let help = "write its moves out, or add the cycle to control.opaque of the machine file if the control is to run it itself";
         return fault(Code::NOT_SUPPORTED, span, format!("not supported yet: {text}"), help);
     }
     let known = ALARMS.iter().find(|(known, ..)| *known == number);
-    let (message, help) = known.map_or(("the cycle cannot run like this", "check its arguments"), |&(_, m, h)| (m, h));
+    let (message, help) =
+        known.map_or(("the cycle cannot run with these arguments", "check its arguments"), |&(_, m, h)| (m, h));
     fault(Code::CYCLE_ALARM, span, format!("alarm {number}, {message}"), help)
 }
 
@@ -82,7 +83,7 @@ mod tests {
             .collect();
         let names: BTreeSet<String> = CYCLES.iter().map(|(name, _)| (*name).to_owned()).collect();
         assert_eq!(files, names);
-        assert_eq!(names.len(), CYCLES.len(), "a name stands twice");
+        assert_eq!(names.len(), CYCLES.len(), "a name is given twice");
     }
 
     #[test]

@@ -17,12 +17,7 @@ pub(super) fn dwell(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
         }
     };
     if !gathered.named.is_empty() {
-        return Err(fault(
-            Code::MUST_STAND_ALONE,
-            span,
-            "G4 shares its block with a motion",
-            "give the dwell a block of its own",
-        ));
+        return Err(fault(Code::MUST_STAND_ALONE, span, "G4 in a block with a motion", "give the dwell its own block"));
     }
     let before = std::mem::take(&mut gathered.before);
     if !before.is_empty() {

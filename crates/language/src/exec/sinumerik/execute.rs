@@ -60,8 +60,8 @@ pub(in crate::exec) fn start<'a>(
     let mut ledger = RunState::new(source, program.blocks.len(), options);
     if let Some(other) = program.sections.iter().filter(is_main).nth(1) {
         let span = other.headers.first().copied().unwrap_or_default();
-        let message = format!("the main program {} is left out: only the first one of a file is executed", other.name);
-        let help = "put each main program into a file of its own";
+        let message = format!("the main program {} is ignored: only the first one of a file is executed", other.name);
+        let help = "put each main program into its own file";
         ledger.findings.push_back(Diagnostic::at(
             Code::MORE_PROGRAMS,
             Place { file: program.source.id(), span },

@@ -66,7 +66,7 @@ impl Scope<'_> {
             Node::Binary(operator, left, right) => self.binary(operator, left, right, id)?,
         };
         match value {
-            Value::Real(number) if !number.is_finite() => Err(wrong("the result is no finite number")),
+            Value::Real(number) if !number.is_finite() => Err(wrong("the result is not finite")),
             other => Ok(other),
         }
     }
@@ -95,7 +95,7 @@ impl Scope<'_> {
             Some((number, id)) => fault(
                 Code::TYPE_MISMATCH,
                 self.program.expr(*id).span,
-                format!("a whole number (INT) is needed here, and this is {number}"),
+                format!("a whole number (INT) is required here, and this is {number}"),
                 "round it with ROUND or TRUNC; DIV, MOD, bit operators and indices take whole numbers, / divides REAL",
             ),
             None => self.type_fault(whole),
@@ -104,12 +104,7 @@ impl Scope<'_> {
 
     pub(super) fn type_fault(&self, id: ExprId) -> Fault {
         let span = self.program.expr(id).span;
-        fault(
-            Code::TYPE_MISMATCH,
-            span,
-            "this value has the wrong type here",
-            "use a number where a number is needed, a string where a string is",
-        )
+        fault(Code::TYPE_MISMATCH, span, "this value has the wrong type here", "use a value of the required type")
     }
 
     /// The error for a result beyond the type INT.
@@ -117,7 +112,7 @@ impl Scope<'_> {
         fault(
             Code::NOT_COMPUTABLE,
             self.program.expr(id).span,
-            "the result is beyond the type INT, which ends at 2147483647: the control has an alarm",
+            "the result exceeds the type INT (maximum 2147483647): the control would raise an alarm",
             "write one of the operands as REAL, such as 1000.0, or use R parameters",
         )
     }
@@ -205,6 +200,6 @@ impl Scope<'_> {
 
     pub(super) fn argument_count(&self, name: &str, count: &str, given: usize, id: ExprId) -> Fault {
         let message = format!("{name} takes {count}, not {given}");
-        fault(Code::BAD_EXPRESSION, self.program.expr(id).span, message, "give it the arguments it takes")
+        fault(Code::BAD_EXPRESSION, self.program.expr(id).span, message, "give it the required arguments")
     }
 }

@@ -139,7 +139,7 @@ fn end_for(
 ) -> Result<Action, Fault> {
     let Body::For { variable, .. } = loaded.program.blocks[start].body else { return Ok(Action::Next) };
     let Some(&end) = level.own.for_ends.get(&start) else {
-        let message = "a jump led into this FOR loop, whose end value is unknown";
+        let message = "a jump into this FOR loop, whose end value is unknown";
         return Err(at(block.span, Code::SKIPPED_INTO, message, "jump to the FOR block instead"));
     };
     let scope = scope_of(loaded, channel);
@@ -169,13 +169,13 @@ fn return_target(
             1 => out.behind = scope.truth(id)?,
             2 => {
                 let levels = u32::try_from(scope.whole(id)?).ok().filter(|levels| (1..=100).contains(levels));
-                let help = "name the number of program levels to go back";
+                let help = "give the number of program levels to go back";
                 out.levels =
                     levels.ok_or_else(|| at(span, Code::BAD_WORD_VALUE, "RET goes back at least one level", help))?;
             }
             _ if scope.truth(id)? => {
                 let message = "RET to the start of the main program is not supported yet";
-                return Err(at(span, Code::NOT_SUPPORTED, message, "name a label there"));
+                return Err(at(span, Code::NOT_SUPPORTED, message, "write a label there"));
             }
             _ => {}
         }

@@ -13,7 +13,7 @@ pub(super) fn check_state(modal: &Modal, gathered: &Gathered, span: Span) -> Res
     }
     if modal.transform.turning().is_some() && gathered.is_reference {
         let message =
-            "G74 or G75 under TRAORI: the control does not send the axes of a transformation to a point of the machine";
+            "G74 or G75 under TRAORI: the control does not move the axes of a transformation to a machine point";
         return Err(fault(Code::FORBIDDEN_STATE, span, message, "end it with TRAFOOF first"));
     }
     Ok(())

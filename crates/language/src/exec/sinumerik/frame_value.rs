@@ -41,7 +41,7 @@ impl Component {
 /// Values are rounded to this many parts of a mm or degree: far finer than any increment, without rounding noise.
 const PARTS: f64 = 1e9;
 /// Help for a value that does not form a frame.
-const HELP: &str = "shift any axis; turn, scale and mirror X, Y or Z; scale by factors above 0";
+const HELP: &str = "shift any axis; rotate, scale and mirror only X, Y or Z; scale by factors above 0";
 
 impl Scope<'_> {
     /// The order of rotation angles.
@@ -80,7 +80,7 @@ impl Scope<'_> {
                     1 => Axis::Z,
                     2 => Axis::Y,
                     3 => Axis::X,
-                    _ => return Err(wrong(format!("CRPL knows the planes 0 to 3, not {plane}"))),
+                    _ => return Err(wrong(format!("CRPL takes the planes 0 to 3, not {plane}"))),
                 };
                 parts.rotation[about.slot()] = angle.to_radians();
                 frame(parts)
@@ -102,7 +102,7 @@ impl Scope<'_> {
                 };
                 for pair in pairs.chunks(2) {
                     let [axis, value] = pair else {
-                        return Err(wrong(format!("{name} takes axes and values in turn")));
+                        return Err(wrong(format!("{name} takes alternating axes and values")));
                     };
                     let axis = self.axis_in(axis, id)?;
                     let value = value.number().ok_or_else(|| self.type_fault(id))?;
@@ -115,7 +115,7 @@ impl Scope<'_> {
                 let mut named = AxisSet::EMPTY;
                 for pair in pairs.chunks(2) {
                     let [axis, value] = pair else {
-                        return Err(wrong("CROTS takes axes and angles in turn".to_owned()));
+                        return Err(wrong("CROTS takes alternating axes and angles".to_owned()));
                     };
                     let axis = self.axis_in(axis, id)?;
                     values[axis] = value.number().ok_or_else(|| self.type_fault(id))?.to_radians();
@@ -126,7 +126,7 @@ impl Scope<'_> {
                 let turned = frame_of(&statement, self.modal.modes.plane, &self.machine.control);
                 match turned.and_then(|turned| FrameParts::of(&turned, self.order())) {
                     Some(parts) => frame(parts),
-                    None => Err(wrong("these solid angles make no plane".to_owned())),
+                    None => Err(wrong("these solid angles do not define a plane".to_owned())),
                 }
             }
             ("INVFRAME", [Value::Frame(given)]) => match given.inverse(self.order()) {
@@ -137,7 +137,7 @@ impl Scope<'_> {
                 Code::NOT_SUPPORTED,
                 span,
                 format!("function {name}( ) is not supported here"),
-                "make the frame of CTRANS, CFINE, CROT, CRPL, CSCALE and CMIRROR",
+                "build the frame from CTRANS, CFINE, CROT, CRPL, CSCALE and CMIRROR",
             )),
         }
     }
@@ -149,8 +149,8 @@ impl Scope<'_> {
             None => Err(fault(
                 Code::NOT_COMPUTABLE,
                 span,
-                "this chain has no components: it turns inside different factors",
-                "scale all axes alike, or turn before scaling",
+                "this chain has no components: it rotates inside unequal scale factors",
+                "scale all axes equally, or rotate before scaling",
             )),
         }
     }
@@ -212,7 +212,12 @@ impl Scope<'_> {
             Component::Scale => {
                 let place = parts.scale.get_mut(axis.slot()).ok_or_else(missing)?;
                 if value.is_nan() || value <= 0.0 {
-                    return Err(fault(Code::BAD_WORD_VALUE, span, format!("{value} is no scale factor"), HELP));
+                    return Err(fault(
+                        Code::BAD_WORD_VALUE,
+                        span,
+                        format!("{value} is not a valid scale factor"),
+                        HELP,
+                    ));
                 }
                 *place = value;
             }
@@ -223,7 +228,7 @@ impl Scope<'_> {
 }
 
 fn not_of_space(axis: Axis) -> String {
-    format!("{axis} can be shifted, but not turned, scaled or mirrored")
+    format!("{axis} can be shifted, but not rotated, scaled or mirrored")
 }
 
 /// The frame as an expression of the language, in mm and degrees: `CTRANS(X,100):CROT(Z,90)`.
@@ -306,7 +311,7 @@ impl Scope<'_> {
         let number = self.whole(first.ok_or_else(missing)?)?;
         if !(0..count).contains(&number) {
             let message = format!("there is no {name}[{number}]");
-            return Err(fault(Code::BAD_INDEX, span, message, format!("its numbers run from 0 to {}", count - 1)));
+            return Err(fault(Code::BAD_INDEX, span, message, format!("its indices run from 0 to {}", count - 1)));
         }
         Ok(Some(make(number)))
     }
@@ -316,8 +321,8 @@ impl Scope<'_> {
         let frames = &self.system.frames;
         let of = |frame: &Frame| {
             FrameParts::of(frame, self.order()).ok_or_else(|| {
-                let message = "this frame has no components: it turns inside different factors";
-                fault(Code::NOT_COMPUTABLE, span, message, "scale all axes alike, or turn before scaling")
+                let message = "this frame has no components: it rotates inside unequal scale factors";
+                fault(Code::NOT_COMPUTABLE, span, message, "scale all axes equally, or rotate before scaling")
             })
         };
         match name {

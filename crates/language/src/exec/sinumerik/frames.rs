@@ -66,7 +66,7 @@ pub(super) fn frame_statement(
         return Err(fault(
             Code::MUST_STAND_ALONE,
             span,
-            "a frame statement shares its block with nothing but axis words",
+            "a frame statement allows only axis words in its block",
             "move the other words to another block",
         ));
     }
@@ -75,7 +75,7 @@ pub(super) fn frame_statement(
         && (kind != FrameKind::Rotate || !gathered.named.is_empty())
     {
         let help = "program ROT or AROT with RPL, or with angles about axes";
-        return Err(bad_value(angle.span, "RPL stands alone behind ROT or AROT", help));
+        return Err(bad_value(angle.span, "RPL must be the only word after ROT or AROT", help));
     }
     let mut values = AxisVector::ZERO;
     for axis in gathered.named.iter() {
@@ -88,8 +88,8 @@ pub(super) fn frame_statement(
         values[axis] = gathered.axes[axis] * unit;
         let is_space = AxisSet::XYZ.contains(axis);
         if !is_space && !matches!(kind, FrameKind::Translate | FrameKind::Coarse | FrameKind::Fine) {
-            let message = format!("{axis} can be shifted, but not turned, scaled or mirrored");
-            return Err(bad_value(gathered.axis_spans[axis.slot()], message, "name X, Y or Z"));
+            let message = format!("{axis} can be shifted, but not rotated, scaled or mirrored");
+            return Err(bad_value(gathered.axis_spans[axis.slot()], message, "program X, Y or Z"));
         }
     }
     let in_plane_rad = in_plane.map(|angle| angle.value.to_radians());
@@ -128,7 +128,7 @@ fn apply_statement(channel: &mut Channel<'_>, statement: &FrameStatement, span: 
             .ok_or_else(|| {
                 bad_value(
                     span,
-                    "this statement makes no frame",
+                    "this statement does not define a valid frame",
                     "scale by factors above 0, tilt by less than 90 degrees",
                 )
             })?;
@@ -153,7 +153,7 @@ fn apply_statement(channel: &mut Channel<'_>, statement: &FrameStatement, span: 
     });
     match lacking {
         Some(axis) => {
-            let message = format!("the frame turns into {axis}, which the machine lacks");
+            let message = format!("the frame rotates into {axis}, which the machine does not have");
             Err(fault(Code::NO_AXIS, span, message, "check the topology in the machine file, or the program"))
         }
         None => Ok(()),
@@ -163,12 +163,12 @@ fn apply_statement(channel: &mut Channel<'_>, statement: &FrameStatement, span: 
 /// `G58`, `G59`: the two parts of the programmable shift, axis by axis.
 fn shift_part(machine: &Machine, modal: &mut Modal, statement: &FrameStatement, span: Span) -> Result<(), Fault> {
     if !machine.control.fine_shift {
-        let message = "G58 and G59 need a control that keeps a fine part of its shifts";
-        let help = "set control.fine_shift = true where it does (Sinumerik MD24000)";
+        let message = "G58 and G59 need a control with fine shifts";
+        let help = "set control.fine_shift = true if the control has them (Sinumerik MD24000)";
         return Err(fault(Code::NOT_SUPPORTED, span, message, help));
     }
     if !modal.programmable.is_translation() {
-        let message = "G58 and G59 on a frame that is turned, scaled or mirrored are not supported";
+        let message = "G58 and G59 on a frame that is rotated, scaled or mirrored are not supported";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "program the shift with TRANS or ATRANS"));
     }
     let mut offset = *modal.programmable.offset();

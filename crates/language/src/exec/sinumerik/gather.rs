@@ -44,7 +44,7 @@ impl Gatherer<'_> {
             match &mut out.call {
                 Some(call) => call.repeats = repeats,
                 None => {
-                    return Err(bad_value(span, "P without a subprogram call", "put P behind the name of the program"));
+                    return Err(bad_value(span, "P without a subprogram call", "put P after the name of the program"));
                 }
             }
         }
@@ -54,8 +54,8 @@ impl Gatherer<'_> {
             return Err(fault(
                 Code::MUST_STAND_ALONE,
                 call.span,
-                format!("the call of {} shares its block", call.name),
-                "give the call a block of its own",
+                format!("the call of {} must be alone in its block", call.name),
+                "give the call its own block",
             ));
         }
         Ok(())
@@ -173,7 +173,7 @@ impl Gatherer<'_> {
                 Code::UNEXPECTED,
                 span,
                 format!("{name} and {} in one block", first.name),
-                "give each call its block",
+                "give each call its own block",
             ));
         }
         out.call = Some(Call { name, arguments, repeats: 1, span });
@@ -193,7 +193,7 @@ impl Gatherer<'_> {
                 Code::NOT_SUPPORTED,
                 word.span,
                 format!("G{number} is not supported"),
-                "check the code; if the control knows it, it cannot be executed here yet",
+                "check the code; if it is valid on the control, ncfix does not execute it yet",
             )),
         }
     }
@@ -334,7 +334,7 @@ impl Gatherer<'_> {
             _ => Err(fault(
                 Code::UNEXPECTED,
                 word.span,
-                format!("{text} is used in a way it does not allow"),
+                format!("{text} is used in a way that is not allowed"),
                 "check its spelling and value",
             )),
         }

@@ -25,5 +25,5 @@ pub(super) fn once<T>(place: &mut Option<T>, value: T, span: Span) -> Result<(),
 }
 
 pub(super) fn twice(span: Span) -> Fault {
-    fault(Code::DOUBLE_WORD, span, "this address stands twice in the block", "keep one of them, or split the block")
+    fault(Code::DOUBLE_WORD, span, "this address is given twice in the block", "keep one of them, or split the block")
 }

@@ -35,7 +35,7 @@ impl Gatherer<'_> {
         let Value::Expr(value) = word.value else { return Err(self.unsupported(word)) };
         let (group, number) = (self.scope.whole(group)?, self.scope.whole(value)?);
         let unknown = || {
-            let message = format!("G[{group}]={number}: this code is not known by its number");
+            let message = format!("G[{group}]={number}: codes by number are not known for this one");
             fault(Code::NOT_SUPPORTED, word.span, message, "program the code by its name")
         };
         let name = code_of(group, number).ok_or_else(unknown)?;

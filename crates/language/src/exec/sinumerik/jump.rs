@@ -64,7 +64,7 @@ pub(super) fn jumps(
             None if jump.search == Search::AroundIfAny => {}
             None => {
                 let shown = String::from_utf8_lossy(loaded.program.source.slice(jump.span)).into_owned();
-                let message = format!("{shown}: the target is not there");
+                let message = format!("{shown}: the target does not exist");
                 return Err(at(jump.span, Code::NO_TARGET, message, "check the name and the direction of the jump"));
             }
         }

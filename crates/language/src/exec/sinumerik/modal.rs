@@ -230,11 +230,11 @@ impl Modal {
             return unknown_start(span, axis);
         }
         let message = format!(
-            "the program has not stated where {axis} is since G{} was selected, which moves the tool length to another axis",
+            "the position of {axis} is not known since G{} was selected, because the tool length then acts along another axis",
             self.modes.plane.number()
         );
         let help = format!(
-            "set control.tool_length_plane = 17 in the machine file where the length stays along Z in every plane (SD42940), else state {axis} behind the change of the plane"
+            "set control.tool_length_plane = 17 in the machine file if the length acts along Z in every plane (SD42940), otherwise program {axis} after the change of plane"
         );
         fault(Code::UNKNOWN_START, span, message, help)
     }

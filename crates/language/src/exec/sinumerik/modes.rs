@@ -14,9 +14,7 @@ pub(super) fn modal_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Res
             return Err(fault(
                 Code::UNITS_DOUBT,
                 channel.outlet.origin.span,
-                format!(
-                    "the program switches to inch here, and has lengths or feeds from line {first} on without a unit"
-                ),
+                format!("the program switches to inch here, but lengths or feeds from line {first} on have no unit"),
                 "state the unit (G71 or G710, G70 or G700) in the first block",
             ));
         }

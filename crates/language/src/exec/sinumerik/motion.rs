@@ -34,7 +34,7 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
         return Err(fault(
             Code::MISSING_FEED,
             context.span,
-            "a feed motion, and no F was programmed yet",
+            "feed move before any F word",
             "program F before it or in it",
         ));
     }
@@ -42,7 +42,7 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
         arc::check_words(gathered, kind)?;
     }
     let mut basis = PlaneBasis::behind(&context.setup.frame, modal.modes.plane)
-        .ok_or_else(|| bad_value(context.span, "the frame squeezes the working plane flat", "check SCALE"))?;
+        .ok_or_else(|| bad_value(context.span, "the frame collapses the working plane", "check SCALE"))?;
     let shape = match kind {
         MotionKind::Rapid | MotionKind::Line | MotionKind::Thread(_) => Shape::Line,
         MotionKind::Akima | MotionKind::BSpline | MotionKind::Cubic => Shape::Line,
@@ -193,7 +193,7 @@ fn stale_start(span: Span, axis: Axis) -> Fault {
     fault(
         Code::UNKNOWN_START,
         span,
-        format!("an incremental {axis} directly behind a change of the frame that is more than a shift"),
+        format!("an incremental {axis} directly after a frame change that is more than a shift"),
         "begin with an absolute position of this axis, or see control.incremental_traverses_frame_change",
     )
 }

@@ -92,7 +92,7 @@ impl Scope<'_> {
                 }
                 _ => {
                     let span = self.program.expr(id).span;
-                    let message = "REP takes a value, and how often where that is not to the end";
+                    let message = "REP takes a value, and a count unless it fills to the end";
                     Err(fault(Code::BAD_EXPRESSION, span, message, "write for example REP(0) or REP(0,5)"))
                 }
             },
@@ -116,7 +116,7 @@ impl Scope<'_> {
             } else {
                 format!("the machine has no axis {name}")
             };
-            fault(Code::NO_AXIS, span, message, "name an axis of the machine")
+            fault(Code::NO_AXIS, span, message, "write an axis of the machine")
         })
     }
 }

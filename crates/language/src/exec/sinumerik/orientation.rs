@@ -32,11 +32,11 @@ pub(super) fn orient(
         return Err(fault(Code::NOT_SUPPORTED, span, message, "give the direction of the tool with A3, B3, C3"));
     }
     let (Some(turning), Some(kinematics)) = (path.setup.transform, &outlet.kinematics) else {
-        let message = "a direction of the tool without TRAORI";
+        let message = "a tool direction without TRAORI";
         return Err(bad_value(span, message, "program TRAORI first, or positions of the rotary axes"));
     };
     if let Some(axis) = kinematics.rotary_axes().find(|&axis| gathered.named.contains(axis)) {
-        let message = format!("a direction of the tool and a position of {axis} in one block");
+        let message = format!("a tool direction and a position of {axis} in one block");
         return Err(fault(Code::DOUBLE_WORD, span, message, "keep one of them"));
     }
     let mut direction = match number {
@@ -50,12 +50,11 @@ pub(super) fn orient(
         direction = path.setup.frame.apply_direction(direction);
     }
     let Some(direction) = direction.try_normalize(1e-9).filter(|unit| unit.iter().all(|part| part.is_finite())) else {
-        return Err(bad_value(span, "a direction of the tool without length", "give A3, B3, C3 values"));
+        return Err(bad_value(span, "a tool direction of length zero", "give A3, B3 or C3 a value other than 0"));
     };
     let Some(found) = five_axis::turned_to(kinematics, turning, path, &direction) else {
         let [a, b, c] = [direction.x, direction.y, direction.z];
-        let message =
-            format!("the rotary axes cannot bring the tool to the direction {a:.6} {b:.6} {c:.6} of the machine");
+        let message = format!("the rotary axes cannot orient the tool along {a:.6} {b:.6} {c:.6} of the machine");
         let help = "check the direction, the travel of the rotary axes, and the kinematics in the machine file";
         return Err(fault(Code::NO_ORIENTATION, span, message, help));
     };

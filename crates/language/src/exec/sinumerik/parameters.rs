@@ -29,7 +29,7 @@ pub(super) fn evaluate(
             1 => format!("this program takes 1 argument, not {}", given.len()),
             count => format!("this program takes {count} arguments, not {}", given.len()),
         };
-        return Err(fault(Code::BAD_ARGUMENTS, span, message, "give it what its PROC block says"));
+        return Err(fault(Code::BAD_ARGUMENTS, span, message, "give the arguments of its PROC block"));
     }
     let mut out = Vec::with_capacity(parameters.len());
     for (index, parameter) in parameters.iter().enumerate() {
@@ -37,7 +37,7 @@ pub(super) fn evaluate(
             Some(id) => one(caller, channel, program, parameter, id)?,
             None if parameter.by_reference && !given.is_empty() => {
                 let message = format!("{} needs a variable", program.program.names.text(parameter.name));
-                return Err(fault(Code::BAD_ARGUMENTS, span, message, "a VAR parameter cannot be left out"));
+                return Err(fault(Code::BAD_ARGUMENTS, span, message, "a VAR parameter cannot be omitted"));
             }
             None => Argument::default(),
         });
@@ -110,7 +110,7 @@ pub(super) fn bind(
             Some(cells) => cells,
             None if parameter.dimensions > 0 => {
                 let message = format!("the array {text} was not given");
-                let help = "a parameter that is an array cannot be left out";
+                let help = "an array parameter cannot be omitted";
                 return Err(fault(Code::BAD_ARGUMENTS, parameter.span, message, help));
             }
             None => {

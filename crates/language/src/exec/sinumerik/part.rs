@@ -29,8 +29,8 @@ pub(super) fn blocks_of(
     let found = search(loaded, channel, &repetition, index, section)?;
     let Some(found) = found else {
         let shown = String::from_utf8_lossy(loaded.program.source.slice(repetition.span)).into_owned();
-        let message = format!("{shown}: the program part is not there");
-        let help = "REPEAT looks for its label above itself, and must not stand between its two labels";
+        let message = format!("{shown}: the program part does not exist");
+        let help = "REPEAT searches its label above itself, and must not be between its two labels";
         return Err(fault(Code::NO_TARGET, repetition.span, message, help));
     };
     loaded.own.parts[place] = Some(found);

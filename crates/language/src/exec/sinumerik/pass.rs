@@ -81,8 +81,8 @@ impl Gatherer<'_> {
             Treatment::File => {
                 let name = String::from_utf8_lossy(self.source(word.span)).into_owned();
                 let name = name.split('(').next().unwrap_or_default().trim_end().to_ascii_uppercase();
-                let message = format!("{name} is left out of the output: files of the control stay as they are");
-                let help = "its result counts as 0, no error; take the block out if it is not needed";
+                let message = format!("{name} is omitted from the output: files of the control are not changed");
+                let help = "its result counts as 0, no error; remove the block if it is not needed";
                 out.warning = Some(fault(Code::LEFT_OUT, word.span, message, help));
             }
             Treatment::Interrupt => {
@@ -90,8 +90,8 @@ impl Gatherer<'_> {
                 let span = Span { start: word.span.start, end };
                 out.verbatim.push(self.source(span).trim_ascii_end().to_vec());
                 out.is_complete = true;
-                let message = "a program that an interrupt starts is run by the control as it is there";
-                let help = "its moves are not corrected; correct that program too, if it cuts";
+                let message = "a program that an interrupt starts runs uncorrected on the control";
+                let help = "if it cuts, correct that program too";
                 out.warning = Some(fault(Code::NOT_CORRECTED, word.span, message, help));
             }
             Treatment::Lost => {
@@ -116,13 +116,13 @@ impl Gatherer<'_> {
             let is_other_code = matches!((word.address, word.value), (Address::Letter(b'G'), Value::Number(code, _)) if code != 25.0 && code != 26.0);
             let unit = match word.address {
                 _ if is_other_code => {
-                    let message = "G25 and G26 share their block with another G code";
+                    let message = "G25 and G26 in a block with another G code";
                     return Err(fault(Code::MUST_STAND_ALONE, span, message, "move the other code to another block"));
                 }
                 Address::Letter(letter) if b"XYZUVW".contains(&letter) => ValueUnit::Length,
                 Address::Letter(b'G' | b'S' | b'A' | b'B' | b'C') | Address::Extended(b'S', _) => ValueUnit::None,
                 _ => {
-                    let message = "G25 and G26 share their block with nothing but limits";
+                    let message = "G25 and G26 allow only limits in their block";
                     return Err(fault(Code::MUST_STAND_ALONE, span, message, "move the other words to another block"));
                 }
             };

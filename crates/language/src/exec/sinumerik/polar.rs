@@ -29,7 +29,12 @@ pub(super) fn end(
     if let Some(axis) = gathered.named.intersection(in_plane).iter().next() {
         let span = gathered.axis_spans[axis.slot()];
         let message = format!("{axis} and a polar position in one block");
-        return Err(fault(Code::BAD_POLAR, span, message, "only the axis across the plane may stand beside AP and RP"));
+        return Err(fault(
+            Code::BAD_POLAR,
+            span,
+            message,
+            "only the axis perpendicular to the plane is allowed with AP and RP",
+        ));
     }
     let pole = modal.polar.pole(modal.modes.plane, context.span)?;
     let (scale, incremental) = (modal.modes.scale(), modal.modes.incremental);
@@ -55,8 +60,8 @@ fn coordinate(
 ) -> Result<f64, Fault> {
     let name = if word == Named::Ap { "AP" } else { "RP" };
     let lacking = |span| {
-        let message = format!("{name} was not programmed since the pole was set");
-        fault(Code::BAD_POLAR, span, message, "give angle and radius in the first block behind the pole")
+        let message = format!("{name} has not been programmed since the pole was set");
+        fault(Code::BAD_POLAR, span, message, "give angle and radius in the first block after the pole")
     };
     let Some(&NamedValue { value, dimension, span, .. }) = gathered.named(word) else {
         return held.ok_or_else(|| lacking(context.span));
@@ -70,7 +75,7 @@ fn coordinate(
         Some(DimensionFunction::Absolute) => Ok(value),
         None if !incremental => Ok(value),
         None => {
-            let message = format!("{name} under G91 can be meant in two ways");
+            let message = format!("{name} under G91 is ambiguous");
             Err(fault(Code::BAD_POLAR, span, message, "write AC(…) or IC(…)"))
         }
         Some(_) => Err(bad_value(span, format!("{name} takes AC(…) or IC(…)"), "correct the word")),
@@ -85,7 +90,7 @@ pub(super) fn set_pole(
     (base, span): (PoleBase, Span),
 ) -> Result<(), Fault> {
     if shares_its_block(gathered) {
-        let message = "a pole shares its block with nothing but its position";
+        let message = "a pole allows only its position in its block";
         return Err(fault(Code::MUST_STAND_ALONE, span, message, "move the other words to another block"));
     }
     let [abscissa, ordinate, _] = modal.modes.plane.axes();
@@ -111,13 +116,13 @@ pub(super) fn set_pole(
         }
         _ => {
             let help = "give its position either by axes or by both AP and RP";
-            return Err(fault(Code::BAD_POLAR, span, "the position of this pole is not clear", help));
+            return Err(fault(Code::BAD_POLAR, span, "the position of this pole is ambiguous", help));
         }
     };
     pole[0] += step[0];
     pole[1] += step[1];
     if !pole.iter().all(|part| part.abs() < 1e9) {
-        return Err(bad_value(span, "the pole lies too far away", "check the values"));
+        return Err(bad_value(span, "the pole is too far away", "check the values"));
     }
     modal.polar = Polar { pole, plane: Some(modal.modes.plane), radius: None, angle_rad: None };
     Ok(())

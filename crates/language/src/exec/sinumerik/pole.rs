@@ -45,7 +45,7 @@ impl Polar {
             None => Ok([0.0; 2]),
             Some(own) if own == plane => Ok(self.pole),
             Some(_) => {
-                let message = "the plane was changed behind the pole";
+                let message = "the plane was changed after the pole";
                 Err(fault(Code::BAD_POLAR, span, message, "program the pole in this plane with G110, G111 or G112"))
             }
         }

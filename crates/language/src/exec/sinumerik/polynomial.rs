@@ -75,7 +75,7 @@ pub(super) fn shape(
     };
     let unknown = words.polynomials.iter().find(|(axis, _)| context.strict && !modal.position.known.contains(*axis));
     if let Some((axis, _)) = unknown {
-        let message = format!("the program has not stated where {axis} is");
+        let message = format!("the position of {axis} is not known yet");
         let help = "begin with an absolute position of this axis, or give --start";
         return Err(fault(Code::UNKNOWN_START, words.span, message, help));
     }
@@ -85,7 +85,7 @@ pub(super) fn shape(
         [&context.setup.programmed(start), &context.setup.programmed(target)],
         length,
     )
-    .ok_or_else(|| bad_value(words.span, "a denominator is for X, Y and Z", "take the rotary polynomial out"))?;
+    .ok_or_else(|| bad_value(words.span, "a denominator applies only to X, Y and Z", "remove the rotary polynomial"))?;
     let Some(curve) = Bezier::of_powers(&powers) else { return Ok(Shape::Line) };
     let mut ends = Vec::new();
     let mut budget = MOST_CHORDS;

@@ -33,7 +33,7 @@ impl Gatherer<'_> {
         }
         let axis = self.scope.axis(*axis)?;
         if text == "POSA" {
-            let message = format!("POSA[{axis}]: the blocks behind it run while the axis still moves");
+            let message = format!("POSA[{axis}]: the following blocks run while the axis still moves");
             return Err(fault(Code::NOT_SUPPORTED, word.span, message, "program POS, which waits for the axis"));
         }
         self.axis(axis.letter(), word, out)?;
@@ -62,7 +62,7 @@ impl Gatherer<'_> {
         let unit = match Axis::from_letter(letter) {
             Some(axis) if !axis.is_rotary() => ValueUnit::Length,
             None if self.scope.modal.modes.inch => {
-                let message = "a position in inch or degrees of an axis that the machine file does not know";
+                let message = "a position, in inch or degrees, of an axis that is not in the machine file";
                 return Err(fault(Code::NOT_SUPPORTED, word.span, message, "program G71 or G710 before it"));
             }
             _ => ValueUnit::None,
@@ -100,8 +100,8 @@ pub(super) fn is_positioning(gathered: &Gathered, block: Span) -> Result<bool, F
         || gathered.taps
         || gathered.addresses.iter().any(|value| value.address.moves());
     if has_more {
-        let message = "POS and a motion of the path in one block: which is where at what time only the control knows";
-        return Err(fault(Code::NOT_SUPPORTED, block, message, "give POS a block of its own"));
+        let message = "POS and a path motion in one block: only the control knows their timing";
+        return Err(fault(Code::NOT_SUPPORTED, block, message, "give POS its own block"));
     }
     Ok(true)
 }

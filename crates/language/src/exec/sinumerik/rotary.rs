@@ -30,7 +30,7 @@ pub(super) fn set_way(axis: Axis, function: DimensionFunction, span: Span, out: 
         DimensionFunction::Other => return Ok(false),
     };
     if way != RotaryDirection::Plain && !axis.is_rotary() {
-        return Err(bad_value(span, format!("{axis} is no rotary axis"), "DC, ACP and ACN are for rotary axes"));
+        return Err(bad_value(span, format!("{axis} is not a rotary axis"), "DC, ACP and ACN are for rotary axes"));
     }
     out.as_absolute.insert(axis);
     if let Some(place) = out.ways.get_mut(axis.dimension()).filter(|_| axis.is_rotary()) {
@@ -58,18 +58,18 @@ pub(super) fn position(
         return match way {
             RotaryDirection::Plain => Ok(value),
             _ => {
-                let message = format!("DC, ACP and ACN need an axis that turns without end; {axis} is none");
+                let message = format!("DC, ACP and ACN need a modulo axis; {axis} is not one");
                 Err(bad_value(
                     span,
                     message,
-                    "set modulo = true in its section of the machine file if it does, instead of a travel",
+                    "if it is one, set modulo = true instead of a travel in its section of the machine file",
                 ))
             }
         };
     }
     if !(0.0..TAU).contains(&value) {
         let shown = value.to_degrees();
-        let message = format!("{axis} turns without end, and {shown} is no position from 0 to below 360 degrees");
+        let message = format!("{axis} is a modulo axis, and {shown} is not a position from 0 to below 360 degrees");
         return Err(bad_value(span, message, "write a position within the turn, or IC(…)"));
     }
     let within = here.rem_euclid(TAU);
@@ -78,13 +78,8 @@ pub(super) fn position(
     let increment = context.control.increment_rad;
     let is_near = !(increment..=TAU - increment).contains(&forward);
     if is_known && is_near && matches!(way, RotaryDirection::Positive | RotaryDirection::Negative) {
-        let message = format!("{axis} stands there already: with ACP and ACN it turns in full, or not at all");
-        return Err(fault(
-            Code::WAY_OPEN,
-            span,
-            message,
-            "program DC(…) where it shall stay, IC(360) or IC(-360) for a turn",
-        ));
+        let message = format!("{axis} is already there: with ACP and ACN it makes a full turn, or does not move");
+        return Err(fault(Code::WAY_OPEN, span, message, "program DC(…) to stay, IC(360) or IC(-360) for a full turn"));
     }
     let is_shortest =
         way == RotaryDirection::Shortest || way == RotaryDirection::Plain && context.control.modulo_shortest;
@@ -117,7 +112,9 @@ pub(super) fn check_either(
         return Ok(());
     }
     let axis = ROTARY_AXES.get(dimension).copied().unwrap_or(Axis::C);
-    let message = format!("{axis} is to turn by exactly half a turn the shortest way: the control may go either way");
+    let message = format!(
+        "{axis} turns by exactly half a turn in the shortest direction: the control may turn in either direction"
+    );
     Err(fault(Code::WAY_OPEN, context.span, message, "program ACP(…) or ACN(…), or IC(180) or IC(-180)"))
 }
 
@@ -126,7 +123,12 @@ pub(super) fn either_way(ways: &[RotaryDirection; 3], span: Span) -> Option<Faul
     let dimension = ways.iter().position(|way| *way == RotaryDirection::Either)?;
     let axis = ROTARY_AXES.get(dimension).copied().unwrap_or(Axis::C);
     let message = format!(
-        "{axis} turns by exactly half a turn the shortest way: the control may go either way, with the corrected position another way than without"
+        "{axis} turns by exactly half a turn in the shortest direction: the control may turn in either direction, and the correction may reverse it"
     );
-    Some(fault(Code::EITHER_WAY, span, message, "see that it may turn both ways here, or program ACP(…) or ACN(…)"))
+    Some(fault(
+        Code::EITHER_WAY,
+        span,
+        message,
+        "check that it may turn in both directions here, or program ACP(…) or ACN(…)",
+    ))
 }

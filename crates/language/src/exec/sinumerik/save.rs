@@ -65,8 +65,8 @@ pub(super) fn restore(channel: &mut Channel<'_>, saved: Modal) {
         !needs_plane || *plane == channel.modal.modes.plane
     };
     if !is_said || !is_whole || !after.iter().all(in_plane) || left.base != channel.modal.base {
-        let message = "SAVE of the program that ends here brings back a frame that cannot be written as statements";
-        let help = "program the frame anew behind the call, with TRANS, ROT, SCALE, MIRROR in the plane in force";
+        let message = "SAVE restores a frame at the end of this program that cannot be written as statements";
+        let help = "program the frame again after the call, with TRANS, ROT, SCALE, MIRROR in the plane in force";
         channel.outlet.warnings.push(fault(Code::NOT_SUPPORTED, channel.outlet.origin.span, message, help));
     } else if is_other {
         if let Some(text) = assigned {
@@ -99,7 +99,7 @@ pub(super) fn restate(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault
     channel.modal.fine = AxisVector::ZERO;
     setup::refresh_setup(&mut channel.modal, &mut channel.standing, &mut channel.outlet);
     if channel.standing.setup.frame.linear().iter().any(|part| !part.is_finite()) {
-        return Err(refused(span, "the swivelled plane makes no frame".to_owned()));
+        return Err(refused(span, "the swivelled plane does not give a valid frame".to_owned()));
     }
     for statement in statements.into_iter().filter(|statement| !(statement.additive && statement.named.is_empty())) {
         channel.outlet.begin_line();
@@ -109,6 +109,6 @@ pub(super) fn restate(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault
 }
 
 pub(super) fn refused(span: Span, message: String) -> Fault {
-    let help = "program the plane with frame statements and the rotary axes with their words, or name CYCLE800 in control.opaque";
+    let help = "program the plane with frame statements and the rotary axes with their words, or add CYCLE800 to control.opaque";
     fault(Code::BAD_SWIVEL, span, message, help)
 }

@@ -45,7 +45,7 @@ pub(super) fn circle(
     }
     if modal.modes.motion == MotionKind::Tangent {
         let Some(tangent) = modal.tangent else {
-            let message = "a tangential arc, and nothing comes before it";
+            let message = "a tangential arc without a preceding motion";
             return Err(fault(Code::BAD_ARC, context.span, message, "program a motion before it, or G2 or G3"));
         };
         return Ok(tangential(&from.xyz(), &context.setup.frame.unapply_direction(tangent), &chord));
@@ -106,12 +106,12 @@ fn intermediate(
             }
             None if gathered.named.contains(axis) && modal.programmed[axis] != from[axis] => {
                 let letter = char::from(b"IJK"[axis.slot()]);
-                let message = format!("{axis} moves, and the intermediate point has no {letter}1");
+                let message = format!("{axis} moves, but the intermediate point has no {letter}1");
                 return Err(fault(
                     Code::BAD_ARC,
                     context.span,
                     message,
-                    "name all coordinates of the intermediate point",
+                    "give all coordinates of the intermediate point",
                 ));
             }
             None => {}

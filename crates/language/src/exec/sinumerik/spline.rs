@@ -89,7 +89,7 @@ pub(super) fn push_path(channel: &mut Channel<'_>, path: Path, node: Option<Node
 fn spline(channel: &mut Channel<'_>, path: Path, element: Element, node: Node) -> Result<(), Fault> {
     let unknown = path.motion.named.difference(path.start_known).iter().next();
     if let Some(axis) = unknown.filter(|_| channel.settings.strict) {
-        let message = format!("the program has not stated where {axis} is");
+        let message = format!("the position of {axis} is not known yet");
         let help = "begin with an absolute position of this axis, or give --start";
         return Err(fault(Code::UNKNOWN_START, path.span, message, help));
     }
@@ -241,7 +241,7 @@ fn along_b_spline(blocks: &mut [(&mut Path, Node)], tolerance_mm: f64) -> Result
     let mut steps = blocks.iter().map(|(path, node)| (node.length.unwrap_or(1.0), path.span));
     let step = steps.next().map_or(1.0, |(step, _)| step);
     if let Some((_, span)) = steps.find(|(other, _)| *other != step) {
-        let message = "a B-spline whose knots have different distances (PL)";
+        let message = "a B-spline with unequal knot intervals (PL)";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "give all blocks the same PL, or none"));
     }
     let degree = blocks.iter().find_map(|(_, node)| node.degree).unwrap_or(3);

@@ -67,7 +67,7 @@ pub(super) fn send(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -
     let step = &path.motion;
     let is_driven = matches!(step.motion_mode, MotionMode::Thread(thread) if thread.code.is_spindle_driven());
     if !step.rapid && !is_driven && step.feed <= 0.0 && !std::mem::replace(&mut channel.feed_warned, true) {
-        let message = "a feed motion, and no F was programmed yet";
+        let message = "feed move before any F word";
         channel.outlet.warnings.push(fault(Code::FEED_ASSUMED, span, message, "program F before it or in it"));
     }
     orientation::orient(&channel.settings, &mut channel.modal, &mut channel.outlet, gathered, &mut path)?;
@@ -86,8 +86,8 @@ pub(super) fn check_swivelled(machine: &Machine, modal: &Modal, span: Span) -> R
     let Some(swivelled) = &modal.swivelled else { return Ok(()) };
     let turns_tool = machine.topology.tool.iter().any(|axis| axis.is_rotary());
     if turns_tool && swivelled.tool_mm != modal.tool_mm() {
-        let message = "the tool length changed in a swivelled plane, and the head turns";
-        return Err(fault(Code::BAD_SWIVEL, span, message, "swivel again behind the tool change"));
+        let message = "the tool length changed in a swivelled plane on a swivelling head";
+        return Err(fault(Code::BAD_SWIVEL, span, message, "swivel again after the tool change"));
     }
     Ok(())
 }

@@ -44,8 +44,8 @@ pub(super) fn surface(modal: &mut Modal, gathered: &Gathered) -> Result<(), Faul
             return Err(bad_value(span, "a surface normal without TRAORI", "program TRAORI first"));
         }
         if !(normal.norm_squared() > 0.0 && normal.norm_squared().is_finite()) {
-            let message = format!("a surface normal without length: A{number}, B{number}, C{number}");
-            return Err(bad_value(span, message, "give its components values"));
+            let message = format!("a surface normal of length zero: A{number}, B{number}, C{number}");
+            return Err(bad_value(span, message, "give a component a value other than 0"));
         }
         surface.normal = normal;
         break;
@@ -73,7 +73,9 @@ pub(super) fn direction_on_path(
     if !moves {
         return match word {
             None => Ok(None),
-            Some(_) => Err(bad_value(span, "LEAD or TILT in a block without a path", "program them with a motion")),
+            Some(_) => {
+                Err(bad_value(span, "LEAD or TILT in a block without path motion", "program them with a motion"))
+            }
         };
     }
     let refused = |message: &str, help: &str| Err(fault(Code::NOT_SUPPORTED, span, message, help));
@@ -84,11 +86,11 @@ pub(super) fn direction_on_path(
         );
     }
     if surface.angles == [None; 2] {
-        return Err(bad_value(span, "ORIPATH, and neither LEAD nor TILT was programmed yet", "program LEAD and TILT"));
+        return Err(bad_value(span, "ORIPATH before any LEAD or TILT", "program LEAD and TILT"));
     }
     if !AxisSet::XYZ.difference(path.start_known).is_empty() {
-        let message = "the direction of the path is not known, because its start is not";
-        return Err(fault(Code::UNKNOWN_START, span, message, "begin with a motion that names X, Y and Z"));
+        let message = "the path direction is not known, because its start is not known";
+        return Err(fault(Code::UNKNOWN_START, span, message, "begin with a motion that programs X, Y and Z"));
     }
     let tangent = match &path.shape {
         // Chords give the direction at the end of a curve only approximately.
@@ -105,7 +107,7 @@ pub(super) fn direction_on_path(
         Some(direction) => Ok(Some((direction, span))),
         None => Err(bad_value(
             span,
-            "the surface normal lies along the path, so that LEAD has no plane",
+            "the surface normal is parallel to the path, so LEAD has no plane",
             "give a normal across the path with A5, B5, C5, or program ORIVECT for this block",
         )),
     }
@@ -121,11 +123,11 @@ fn check_only_direction(outlet: &MotionSink<'_>, gathered: &Gathered, word: Opti
     match (direct.map(|value| value.span).or(rotary), word) {
         (None, _) => Ok(()),
         (Some(span), Some(_)) => {
-            let message = "LEAD or TILT, and another word for the direction of the tool, in one block";
+            let message = "LEAD or TILT and another word for the tool direction in one block";
             Err(fault(Code::DOUBLE_WORD, span, message, "keep one of them"))
         }
         (Some(span), None) => {
-            let message = "a direction of the tool of its own under ORIPATH is not supported";
+            let message = "an explicit tool direction under ORIPATH is not supported";
             Err(fault(Code::NOT_SUPPORTED, span, message, "program ORIVECT before it, or LEAD and TILT"))
         }
     }
@@ -135,7 +137,7 @@ fn check_only_direction(outlet: &MotionSink<'_>, gathered: &Gathered, word: Opti
 pub(super) fn follow_path(machine: &Machine, modal: &mut Modal, outlet: &mut MotionSink<'_>) -> Result<(), Fault> {
     if machine.control.ori_path == OriPath::Path {
         let message = "ORIPATH that keeps the tool relative to the path within a block is not supported";
-        let help = "control.oripath says that the control does so; program the directions with A3, B3, C3";
+        let help = "control.oripath states this behaviour; program the directions with A3, B3, C3";
         return Err(fault(Code::NOT_SUPPORTED, outlet.origin.span, message, help));
     }
     modal.transform.surface.follows_path = true;

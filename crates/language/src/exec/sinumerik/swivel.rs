@@ -62,7 +62,7 @@ impl Interpreter<'_> {
                 (1, Value::Text(text)) => name.clone_from(text),
                 _ => match (values.get_mut(place), value.number()) {
                     (Some(slot), Some(number)) => *slot = number,
-                    _ => return Err(save::refused(call.span, format!("argument {} is not understood", place + 1))),
+                    _ => return Err(save::refused(call.span, format!("argument {} is not valid", place + 1))),
                 },
             }
         }
@@ -71,7 +71,10 @@ impl Interpreter<'_> {
         let is_reset = given.iter().all(Option::is_none) || name == b"0";
         let digits = status as i64;
         if digits < 0 || status.fract() != 0.0 || digits / 10 % 10_000 != 0 || digits % 10 > 1 {
-            return Err(save::refused(call.span, format!("_ST {status}: only 0 and 1 in the last digit are followed")));
+            return Err(save::refused(
+                call.span,
+                format!("_ST {status}: only 0 and 1 in the last digit are supported"),
+            ));
         }
         let rotation = if is_reset { Matrix::identity() } else { rotation_of(mode, [a, b, c], call.span)? };
         let request = Request {
@@ -96,7 +99,7 @@ fn rotation_of(mode: f64, angles_deg: [f64; 3], span: Span) -> Result<Matrix, Fa
         return Ok(rotation);
     }
     if !(0.0..64.0).contains(&mode) || mode.fract() != 0.0 {
-        return Err(save::refused(span, format!("_MODE {mode}: only rotations axis by axis are followed")));
+        return Err(save::refused(span, format!("_MODE {mode}: only axis-by-axis rotations are supported")));
     }
     // Below 64.
     let bits = mode as u32;
@@ -106,7 +109,7 @@ fn rotation_of(mode: f64, angles_deg: [f64; 3], span: Span) -> Result<Matrix, Fa
             2 => Vector::y(),
             3 => Vector::z(),
             _ if angle == 0.0 => continue,
-            _ => return Err(save::refused(span, format!("_MODE {mode} names no axis for rotation {}", place + 1))),
+            _ => return Err(save::refused(span, format!("_MODE {mode} has no axis for rotation {}", place + 1))),
         };
         rotation *= about(&unit, angle.to_radians());
     }
@@ -116,7 +119,7 @@ fn rotation_of(mode: f64, angles_deg: [f64; 3], span: Span) -> Result<Matrix, Fa
 fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
     let span = request.span;
     if channel.modal.transform.turning().is_some() {
-        return Err(save::refused(span, "under TRAORI the plane cannot be swivelled".to_owned()));
+        return Err(save::refused(span, "the plane cannot be swivelled under TRAORI".to_owned()));
     }
     let kinematics = Kinematics::new(channel.settings.machine);
     retract(channel, request, &kinematics)?;
@@ -138,7 +141,7 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
         if request.direction == 0.0 {
             return Err(save::refused(
                 span,
-                "_DIR 0 on a machine that swivels: what turns the axes is not known".to_owned(),
+                "_DIR 0 on a machine with swivel axes: it is not known what moves the axes".to_owned(),
             ));
         }
         let all = AxisSet::XYZ.iter().chain(kinematics.rotary_axes());
@@ -151,18 +154,20 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
         let normal = workpiece_normal(&kinematics, &below, &tilt, &tool_mm);
         let turned = choose(channel.settings.machine, &channel.modal, &kinematics, &normal, request)?;
         turn(channel, &kinematics, &turned, span)?;
-        let total = turned_frame(&kinematics, &below, &tilt, &turned, &tool_mm)
-            .ok_or_else(|| save::refused(span, "the linear axes of this machine cannot place the tip".to_owned()))?;
+        let total = turned_frame(&kinematics, &below, &tilt, &turned, &tool_mm).ok_or_else(|| {
+            save::refused(span, "the linear axes of this machine cannot position the tool tip".to_owned())
+        })?;
         Some(total)
     } else if request.direction == 0.0 {
         Some(below.compose(&tilt))
     } else {
         return Err(save::refused(
             span,
-            "the machine has no rotary axes to swivel; _DIR 0 sets the frame alone".to_owned(),
+            "the machine has no rotary axes to swivel; _DIR 0 sets only the frame".to_owned(),
         ));
     };
-    let total = total.ok_or_else(|| save::refused(span, "the swivelled plane makes no frame".to_owned()))?;
+    let total =
+        total.ok_or_else(|| save::refused(span, "the swivelled plane does not give a valid frame".to_owned()))?;
     let relative = below.inverse().compose(&total);
     let statements = statements_of(&relative, setup::rotation_order(channel.settings.machine))
         .ok_or_else(|| save::refused(span, "the zero offset scales or mirrors".to_owned()))?;
@@ -191,7 +196,7 @@ fn choose(
     let help = "check the angles of the plane and the travel of the rotary axes";
     match kinematics.orientations(normal, &near) {
         [None, None] => {
-            let message = "the rotary axes cannot put the tool on this plane";
+            let message = "the rotary axes cannot align the tool with this plane";
             Err(fault(Code::BAD_SWIVEL, request.span, message, help))
         }
         [Some(one), None] | [None, Some(one)] => Ok(one),
@@ -258,7 +263,8 @@ fn retract(channel: &mut Channel<'_>, request: &Request, kinematics: &Kinematics
         let tip = kinematics.tip_mm(&channel.modal.position.command, &tool_mm);
         let away = tip + kinematics.direction(&channel.modal.position.command) * request.retract_by_mm;
         let target = kinematics.placed(&away, &channel.modal.position.command, &tool_mm);
-        let target = target.ok_or_else(|| save::refused(span, "the linear axes cannot place the tip".to_owned()))?;
+        let target =
+            target.ok_or_else(|| save::refused(span, "the linear axes cannot position the tool tip".to_owned()))?;
         AxisSet::XYZ.iter().for_each(|axis| go_to(axis, target[axis]));
         return go(channel, words, span);
     }
@@ -272,8 +278,8 @@ fn retract(channel: &mut Channel<'_>, request: &Request, kinematics: &Kinematics
             go(channel, words, span)
         }
         None => {
-            let message = format!("_FR {}: where the axes retract to is not known", request.retract);
-            let help = "set control.swivel_retract_z_mm for _FR 1 and 4 (tool along Z), or program 0 and the retraction yourself";
+            let message = format!("_FR {}: the retract position is not known", request.retract);
+            let help = "set control.swivel_retract_z_mm for _FR 1 and 4 (tool along Z), or program _FR 0 and a separate retraction";
             Err(fault(Code::BAD_SWIVEL, span, message, help))
         }
     }

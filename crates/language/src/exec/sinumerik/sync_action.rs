@@ -48,16 +48,14 @@ pub(super) fn execute(
     let number = std::str::from_utf8(source(id)).ok().and_then(|text| text.trim().parse().ok());
     let is_allowed = channel.settings.machine.control.allows_synchronised(number);
     let help =
-        "if this is right for the machine, put the ID into control.allow_synchronised of the machine file, or \"all\"";
+        "if this is correct for the machine, add the ID to control.allow_synchronised of the machine file, or \"all\"";
     let refusal = |message: String| fault(Code::NOT_SUPPORTED, whole, message, help);
     if !is_allowed {
         if let Some(word) = moving_word(&with_values(loaded, channel, actions)?, channel.settings.machine.axis_set()) {
             return Err(refusal(format!("a synchronised action that may move an axis ({word})")));
         }
         if let Some(word) = tokens(source(whole)).find_map(|token| of_block(&token)) {
-            return Err(refusal(format!(
-                "{word} depends on where a block begins and ends, and moves are cut into pieces"
-            )));
+            return Err(refusal(format!("{word} depends on block boundaries, and moves are cut into pieces")));
         }
     }
     let mut text = with_values(loaded, channel, whole)?;
@@ -66,12 +64,12 @@ pub(super) fn execute(
         channel.variables.set_parameter(index, f64::NAN, actions)?;
     }
     if id.start == id.end && condition.start != condition.end {
-        let message = "an action without ID is watched during the next block only, which may become several";
+        let message = "an action without ID is active only during the next block, which may become several blocks";
         channel.outlet.warnings.push(fault(
             Code::WATCHED_ONCE,
             whole,
             message,
-            "give it an ID and CANCEL it behind the block if it must be watched to the end",
+            "if it must be active to the end, give it an ID and CANCEL it after the block",
         ));
     }
     text.truncate(text.trim_ascii_end().len());
@@ -129,7 +127,7 @@ fn too_clever(span: Span) -> Fault {
     fault(
         Code::NOT_SUPPORTED,
         span,
-        "a variable of the program that a synchronised action writes, or an element of an array",
+        "a program variable or an array element written by a synchronised action",
         "use a $ variable such as $AC_MARKER[1], or write the value",
     )
 }

@@ -101,13 +101,13 @@ impl Scope<'_> {
         // Values that the program itself must state, and the machine file cannot.
         match name {
             "$P_EP" => {
-                let message = format!("{key} is read, and the program has not stated where this axis is");
+                let message = format!("{key} is read, but the position of this axis is not known yet");
                 let help = "begin with an absolute position of this axis, or give --start";
                 return Err(fault(Code::UNKNOWN_START, span, message, help));
             }
             "$P_TOOLR" if self.modal.tool.assumed => return Ok(Value::Real(0.0)),
             "$P_TOOLR" => {
-                let message = "the radius of the tool is read, and no cutting edge is in force";
+                let message = "the tool radius is read, but no cutting edge is in force";
                 return Err(fault(
                     Code::NO_TOOL,
                     span,
@@ -117,7 +117,7 @@ impl Scope<'_> {
             }
             _ => {}
         }
-        let message = format!("{key} is read, and only the machine knows its value");
+        let message = format!("{key} is read, but its value is known only to the machine");
         let help = format!("add \"{}\" = … to [system] of the machine file", key.replace('"', "\\\""));
         Err(fault(Code::NO_SYSTEM_VALUE, span, message, help).of_variable(key))
     }

@@ -47,7 +47,7 @@ pub(super) fn assign_system(
     let SystemName { name, span, .. } = target;
     if COMPENSATION.iter().any(|known| name.starts_with(known)) {
         let message = format!("{name} is the machine's own compensation, and the program changes it");
-        let help = "load it on the machine before, and give ncfix the error model that is left";
+        let help = "load it on the machine first, and give ncfix the residual error model";
         return Err(fault(Code::OWN_COMPENSATION, span, message, help));
     }
     let values = match list {
@@ -55,7 +55,7 @@ pub(super) fn assign_system(
         List::Set(values) => values,
         List::Repeat(value, Some(count @ 0..=1000)) => vec![Some(value); usize::try_from(count).unwrap_or(0)],
         List::Repeat(..) => {
-            let message = "REP needs to say how many values of a system variable it means";
+            let message = "REP needs the number of values of a system variable";
             return Err(fault(Code::BAD_EXPRESSION, span, message, "write REP(value,number)"));
         }
     };
@@ -183,7 +183,7 @@ fn assign_frame(
             "$P_PFRAME".to_owned()
         }
         FrameName::AllBases | FrameName::All => {
-            let message = "the sum of all frames can only be read";
+            let message = "the sum of all frames is read-only";
             return Err(fault(Code::BAD_WORD_VALUE, span, message, "assign one of its frames, such as $P_PFRAME"));
         }
         FrameName::System if parts.is_identity() => return Ok(()),

@@ -95,7 +95,7 @@ fn text_of(loaded: &Loaded, call: &Call, scope: &super::expression::Scope<'_>) -
     match scope.value(*id)? {
         Value::Text(text) => Ok(text),
         _ => {
-            let help = "put numbers behind a string with <<";
+            let help = "append numbers to a string with <<";
             Err(fault(Code::TYPE_MISMATCH, loaded.program.expr(*id).span, "EXECSTRING takes a string", help))
         }
     }

@@ -32,8 +32,8 @@ pub(super) fn thread(gathered: &Gathered, modal: &Modal, block: Span) -> Result<
     let Some(code) = code(gathered, modal) else { return Ok(None) };
     let of_arc = [Named::Cr, Named::Turn, Named::Ar, Named::I1, Named::J1, Named::K1];
     if let Some(value) = of_arc.into_iter().find_map(|word| gathered.named(word)) {
-        let message = format!("a word of an arc in a block with {}", code.word());
-        return Err(fault(Code::BAD_ARC, value.span, message, "take it out"));
+        let message = format!("an arc word in a block with {}", code.word());
+        return Err(fault(Code::BAD_ARC, value.span, message, "remove it"));
     }
     let mut leads =
         [b'I', b'J', b'K'].into_iter().zip(gathered.center).filter_map(|(letter, word)| Some((letter, word?)));
@@ -50,11 +50,7 @@ pub(super) fn thread(gathered: &Gathered, modal: &Modal, block: Span) -> Result<
         return Err(bad_value(block, message, "program I, J or K, the lead along X, Y or Z, in the same block"));
     };
     if another.is_some() || is_absolute {
-        return Err(bad_value(
-            span,
-            "a thread has one lead",
-            "keep the one of I, J and K that belongs to the axis of the thread",
-        ));
+        return Err(bad_value(span, "a thread has one lead", "keep only the one of I, J and K along the thread axis"));
     }
     let lead_mm = value * modal.modes.scale();
     let is_signed = matches!(code, ThreadCode::G331 | ThreadCode::G332);
@@ -101,7 +97,7 @@ pub(super) fn check_manner(modal: &Modal, block: &SinumerikAtHand, path: &mut Pa
     } else if block.corner.is_some() {
         "a rounding or chamfer"
     } else if path.motion.motion_mode == MotionMode::Positioning && !path.setup.frame.is_translation() {
-        "a frame that turns, scales or mirrors"
+        "a frame that rotates, scales or mirrors"
     } else {
         return Ok(());
     };

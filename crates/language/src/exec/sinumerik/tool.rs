@@ -57,7 +57,7 @@ fn activate_edge(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
         .take(3)
         .find(|&axis| tool_mm[axis.slot()] != 0.0 && channel.settings.machine.axis(axis).is_none());
     if let Some(axis) = lacking {
-        let message = format!("the tool length lies along {axis}, which the machine lacks");
+        let message = format!("the tool length acts along {axis}, which the machine does not have");
         return Err(fault(Code::NO_AXIS, span, message, "select another plane, or set control.tool_length_plane"));
     }
     if !channel.modal.tool.assumed {
@@ -73,11 +73,11 @@ fn activate_edge(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
             (message, "add a [[tool]] entry there or in a file given with --setup")
         }
         (None, Some(_)) => (
-            "a cutting edge is activated, but the selected tool was never changed to with M6".to_owned(),
-            "program M6, or set control.tool_change = \"T\" where T changes the tool",
+            "a cutting edge is activated, but the selected tool was never loaded with M6".to_owned(),
+            "program M6, or set control.tool_change = \"T\" if T changes the tool",
         ),
         (None, None) => (
-            "a cutting edge is activated, and the program has not said which tool is in the spindle".to_owned(),
+            "a cutting edge is activated, but the tool in the spindle is not known".to_owned(),
             "program T and M6 first",
         ),
     };

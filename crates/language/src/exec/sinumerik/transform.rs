@@ -42,7 +42,7 @@ impl Gatherer<'_> {
             _ => {
                 return Err(bad_value(
                     word.span,
-                    "a control has the transformations 1 and 2",
+                    "a control has only the transformations 1 and 2",
                     "write TRAORI or TRAORI(2)",
                 ));
             }
@@ -75,8 +75,8 @@ pub(super) fn transform(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
     }
     if let Some((name, span)) = words.switch {
         if !gathered.named.is_empty() {
-            let message = format!("{name} shares its block with a motion");
-            return Err(fault(Code::MUST_STAND_ALONE, span, message, "give it a block of its own"));
+            let message = format!("{name} in a block with a motion");
+            return Err(fault(Code::MUST_STAND_ALONE, span, message, "give it its own block"));
         }
         let is_on = name != "TRAFOOF";
         if is_on && channel.modal.swivelled.is_some() {

@@ -141,7 +141,7 @@ impl Variables {
     /// The value of an R parameter. A parameter that is never set keeps the value of an earlier program.
     pub(super) fn parameter(&self, index: i64, span: Span) -> Result<f64, Fault> {
         if self.strict && slot(index).and_then(|slot| self.stated.get(slot)) == Some(&false) {
-            let message = format!("R{index} keeps its value from program to program, and this program has not set it");
+            let message = format!("R{index} keeps its value between programs, and this program has not set it");
             let help = format!(
                 "set it in the program, add \"$R[{index}]\" = … to [system] of the machine file, or give --setup the R parameters that the control has saved"
             );
@@ -231,11 +231,11 @@ impl Variables {
     fn check_new(&self, name: NameId, text: &str, span: Span) -> Result<(), Fault> {
         // A single letter is read as a variable in expressions; a letter and a digit are an address with extension.
         if matches!(text.as_bytes(), [first, second, ..] if first.is_ascii_alphabetic() && second.is_ascii_digit()) {
-            let message = format!("{text} cannot be told from an address");
+            let message = format!("{text} cannot be distinguished from an address");
             return Err(fault(Code::DUPLICATE_NAME, span, message, "begin the name with two letters or underscores"));
         }
         if self.locals.variables.iter().any(|(known, _)| *known == name) || is_function(text) {
-            return Err(fault(Code::DUPLICATE_NAME, span, format!("{text} is taken already"), "choose another name"));
+            return Err(fault(Code::DUPLICATE_NAME, span, format!("{text} is already in use"), "choose another name"));
         }
         Ok(())
     }

@@ -260,7 +260,7 @@ impl Parser {
                 Code::MUST_STAND_ALONE,
                 rest,
                 rest.len(),
-                "this stands behind a statement that needs its own block",
+                "this follows a statement that must be alone in its block",
             ),
         }
     }
@@ -322,7 +322,7 @@ impl Parser {
                     Code::MISSING_VALUE,
                     input,
                     1,
-                    "this address has no value; a value that is no number needs '='",
+                    "this address has no value; a value that is not a number needs '='",
                 );
             }
         };
@@ -356,7 +356,7 @@ impl Parser {
             Some(b'[') => {
                 let (rest, left) = self.left_side(input)?;
                 let Ok((value, _)) = behind_blanks(byte(b'=')).parse(rest) else {
-                    let message = "this needs '=' and a value behind its index";
+                    let message = "this needs '=' and a value after its index";
                     return fault(Code::MISSING_VALUE, input, name.len(), message);
                 };
                 let (rest, value) = self.assigned_value(value)?;
@@ -414,8 +414,8 @@ fn help_for(code: Code) -> &'static str {
         Code::MISSING_VALUE => "give the address a value, for example X10 or X=R1",
         Code::BAD_EXPRESSION => "complete or correct the expression",
         Code::UNCLOSED => "close it before the end of the block",
-        Code::TOO_DEEP => "take the expression apart over several blocks",
-        Code::MUST_STAND_ALONE => "move it to a block of its own",
+        Code::TOO_DEEP => "split the expression over several blocks",
+        Code::MUST_STAND_ALONE => "move it to its own block",
         Code::BLOCK_TOO_LONG => "check that the file is a part program and still has its line ends",
         _ => "correct the block, or check --dialect",
     }

@@ -101,7 +101,7 @@ impl Parser {
         if word == b"CALL"
             && let Ok((behind, ())) = behind_blanks(keyword("BLOCK")).parse(rest)
         {
-            let message = "TO was expected behind the first label of BLOCK";
+            let message = "TO was expected after the first label of BLOCK";
             let to = (blank, required(keyword("TO"), Code::UNEXPECTED, 1, message), blank);
             let (behind, first) = preceded(blank, terminated(|input| self.jump_target(input), to)).parse(behind)?;
             let (behind, last) = self.jump_target(behind)?;
@@ -136,7 +136,7 @@ impl Parser {
 
     /// Production `proc`: `PROC NAME[(parameters)] {attributes}`
     pub(super) fn proc<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Body> {
-        let message = "the name of the program was expected behind PROC";
+        let message = "the name of the program was expected after PROC";
         let name = (blank, required(identifier, Code::UNEXPECTED, 1, message), blank);
         let (mut rest, name) = map(name, |(_, name, _)| self.intern(name)).parse(input)?;
         let first = self.program.parameters.len();
@@ -148,7 +148,7 @@ impl Parser {
                 match rest.first() {
                     Some(b',') => rest = blanks(&rest[1..]),
                     Some(b')') => {}
-                    Some(_) => return fault(Code::UNEXPECTED, rest, 1, "',' or ')' was expected behind the parameter"),
+                    Some(_) => return fault(Code::UNEXPECTED, rest, 1, "',' or ')' was expected after the parameter"),
                     None => return fault(Code::UNCLOSED, open, 1, "this bracket is not closed in the block"),
                 }
             }

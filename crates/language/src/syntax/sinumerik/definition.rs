@@ -48,7 +48,7 @@ pub struct Definition {
 impl Parser {
     /// Production `def`: `DEF {modifier} TYPE {modifier} name [= value] {, name [= value]}`
     pub(super) fn define<'a>(&mut self, input: Input<'a>, rest: Input<'a>) -> Parsed<'a, Body> {
-        const MESSAGE: &str = "a type was expected behind DEF: INT, REAL, BOOL, CHAR, STRING, AXIS or FRAME";
+        const MESSAGE: &str = "a type was expected after DEF: INT, REAL, BOOL, CHAR, STRING, AXIS or FRAME";
         let start = self.program.definitions.next();
         let mut rest = blanks(rest);
         let mut is_global = false;

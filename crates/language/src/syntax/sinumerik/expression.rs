@@ -212,7 +212,7 @@ impl Parser {
 
     /// `'H1F'` or `'B101'`, of production `primary`.
     fn based_constant<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ExprId> {
-        const BAD: &str = "a constant in apostrophes reads 'H1F' or 'B101'";
+        const BAD: &str = "a constant in apostrophes has the form 'H1F' or 'B101'";
         let base = alt((
             value(16, one(|byte| byte.eq_ignore_ascii_case(&b'H'))),
             value(2, one(|byte| byte.eq_ignore_ascii_case(&b'B'))),
@@ -233,7 +233,7 @@ impl Parser {
         if let Ok((rest, index)) = r_parameter(input) {
             return Ok((rest, self.push_between(input, rest, Node::Parameter(index))));
         }
-        let (rest, name) = required(identifier, Code::BAD_EXPRESSION, 1, "this is no operand")(input)?;
+        let (rest, name) = required(identifier, Code::BAD_EXPRESSION, 1, "this is not an operand")(input)?;
         let node = match name.to_ascii_uppercase().as_slice() {
             b"NOT" => return self.unary(input, name.len(), UnaryOperator::Not),
             b"B_NOT" => return self.unary(input, name.len(), UnaryOperator::BitNot),

@@ -43,7 +43,7 @@ impl Parser {
             b"CASE" => self.case(rest),
             word @ (b"MCALL" | b"CALL" | b"PCALL" | b"EXTCALL" | b"CALLPATH") => self.call_statement(input, word, rest),
             b"DEFINE" if definition(input).is_none() => {
-                fault(Code::UNEXPECTED, input, 6, "a macro is written DEFINE NAME AS and its text")
+                fault(Code::UNEXPECTED, input, 6, "the form of a macro is DEFINE NAME AS, then its text")
             }
             b"DEFINE" | b"REDEF" | b"EXTERN" => self.declaration(rest, draft),
             b"GOTO" | b"GOTOF" | b"GOTOB" | b"GOTOC" | b"GOTOS" => self.jumps(input, None),
@@ -144,7 +144,7 @@ impl Parser {
     fn case<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Body> {
         let start = self.program.jumps.len();
         let (rest, selector) = self.expression(input)?;
-        let message = "OF was expected behind the expression of CASE";
+        let message = "OF was expected after the expression of CASE";
         let (mut rest, ()) = behind_blanks(required(keyword("OF"), Code::UNEXPECTED, 1, message)).parse(rest)?;
         loop {
             rest = blanks(rest);
@@ -182,9 +182,9 @@ impl Parser {
     /// Production `for`: `FOR variable = from TO to`
     fn for_statement<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Body> {
         let (rest, variable) = preceded(blank, |input| self.left_side(input)).parse(input)?;
-        let equals = required(byte(b'='), Code::UNEXPECTED, 1, "'=' was expected behind the variable of FOR");
+        let equals = required(byte(b'='), Code::UNEXPECTED, 1, "'=' was expected after the variable of FOR");
         let (rest, from) = preceded((blank, equals), |input| self.expression(input)).parse(rest)?;
-        let to = required(keyword("TO"), Code::UNEXPECTED, 1, "TO was expected behind the start value of FOR");
+        let to = required(keyword("TO"), Code::UNEXPECTED, 1, "TO was expected after the start value of FOR");
         let (rest, to) = preceded((blank, to), |input| self.expression(input)).parse(rest)?;
         Ok((rest, Body::For { variable, from, to }))
     }

@@ -67,14 +67,14 @@ impl Parser {
                         Code::UNEXPECTED,
                         rest,
                         word.len(),
-                        "a condition and DO were expected behind this word",
+                        "a condition and DO were expected after this word",
                     );
                 };
                 condition = Some(span(value, end));
                 rest = &value[end..];
             } else if upper == b"DO" {
                 if value.is_empty() {
-                    return fault(Code::UNEXPECTED, full(rest), word.len(), "an action was expected behind DO");
+                    return fault(Code::UNEXPECTED, full(rest), word.len(), "an action was expected after DO");
                 }
                 let whole = span(body, body.len());
                 let actions = span(value, value.len());

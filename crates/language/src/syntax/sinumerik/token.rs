@@ -107,7 +107,7 @@ pub(super) fn number(input: Input<'_>) -> Parsed<'_, Number> {
         };
         let (rest, text) = match digits(&input[at..]) {
             Ok(parsed) => parsed,
-            Err(_) => return fault(Code::BAD_NUMBER, input, at, "the exponent behind EX has no digits"),
+            Err(_) => return fault(Code::BAD_NUMBER, input, at, "the exponent after EX has no digits"),
         };
         // Four digits suffice to decide between zero and overflow.
         let magnitude = text.iter().fold(0_i32, |value, digit| (value * 10 + i32::from(digit - b'0')).min(9999));

@@ -35,7 +35,7 @@ fn in_brackets(input: Input<'_>) -> Parsed<'_, &[u8]> {
     let brackets = delimited(byte(b'('), take_till(|byte| byte == b')'), byte(b')'));
     let (rest, inner) = required(brackets, Code::UNCLOSED, 1, "this comment is not closed in the block")(input)?;
     match inner.iter().position(|&byte| byte == b'(') {
-        Some(open) => fault(Code::UNEXPECTED, &input[1 + open..], 1, "a comment must not hold another one"),
+        Some(open) => fault(Code::UNEXPECTED, &input[1 + open..], 1, "a comment must not contain another one"),
         None => Ok((rest, inner)),
     }
 }

@@ -158,7 +158,7 @@ impl Parser {
             if strength == COMPARISON && self.language == Language::Fanuc {
                 // The second comparison would use the bitwise result of AND, which is never intended.
                 if compared {
-                    let message = "a second comparison needs brackets of its own: [[#1 EQ 1] AND [#2 EQ 2]]";
+                    let message = "a second comparison needs its own brackets: [[#1 EQ 1] AND [#2 EQ 2]]";
                     return fault(Code::BAD_EXPRESSION, at, 2, message);
                 }
                 compared = true;
@@ -190,7 +190,7 @@ impl Parser {
             Some(b'#') if self.language != Language::Grundig => self.parameter(input),
             Some(b'E' | b'e') if self.language == Language::Grundig && !keyword_exp(input) => self.e_parameter(input),
             Some(byte) if byte.is_ascii_alphabetic() => self.function(input),
-            Some(_) => fault(Code::BAD_EXPRESSION, input, 1, "this is no operand"),
+            Some(_) => fault(Code::BAD_EXPRESSION, input, 1, "this is not an operand"),
         }
     }
 
@@ -200,7 +200,7 @@ impl Parser {
             // -E1^2 is -(E1^2).
             Language::Grundig => parser.binary(behind, POWER_STRENGTH),
             Language::Fanuc if matches!(blanks(behind).first(), Some(b'+' | b'-')) => {
-                fault(Code::BAD_EXPRESSION, blanks(behind), 1, "two signs stand side by side")
+                fault(Code::BAD_EXPRESSION, blanks(behind), 1, "two signs in sequence")
             }
             _ => parser.operand(behind),
         })?;
@@ -234,7 +234,7 @@ impl Parser {
                     Code::BAD_EXPRESSION,
                     input,
                     1,
-                    "behind # stands a number, a name in < > or an expression in [ ]",
+                    "a number, a name in < > or an expression in [ ] must follow #",
                 );
             }
         };
@@ -247,7 +247,7 @@ impl Parser {
         let (rest, node) = match behind.first() {
             Some(b'(') => map(|input| self.bracket(input, b')'), Node::ParameterAt).parse(behind)?,
             Some(b'0'..=b'9') => map(|input| small_number(input, false), Node::Parameter).parse(behind)?,
-            _ => return fault(Code::BAD_EXPRESSION, input, 1, "behind E stands the number of a parameter"),
+            _ => return fault(Code::BAD_EXPRESSION, input, 1, "a parameter number must follow E"),
         };
         Ok((rest, self.push_between(input, rest, node)))
     }
@@ -271,7 +271,7 @@ impl Parser {
         let (open, close) = if self.language == Language::Grundig { (b'(', b')') } else { (b'[', b']') };
         let bracket = blanks(rest);
         let Ok((inside, _)) = byte(open)(bracket) else {
-            return fault(Code::BAD_EXPRESSION, input, length, "the value of a function stands in brackets");
+            return fault(Code::BAD_EXPRESSION, input, length, "the argument of a function must be in brackets");
         };
         let (rest, first) = self.expression(inside)?;
         let (rest, second) = match blanks(rest) {
@@ -302,7 +302,7 @@ impl Parser {
         let node = self.program.expr(first).node;
         let is_parameter = matches!(node, Node::Named(_) | Node::Parameter(_) | Node::ParameterAt(_));
         if function == Function::Exists && !is_parameter {
-            return fault(Code::BAD_EXPRESSION, bracket, 1, "EXISTS asks for a parameter: EXISTS[#<name>]");
+            return fault(Code::BAD_EXPRESSION, bracket, 1, "EXISTS needs a parameter: EXISTS[#<name>]");
         }
         Ok((rest, self.push_between(input, rest, Node::Call(function, first, second))))
     }

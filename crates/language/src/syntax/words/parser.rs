@@ -282,7 +282,7 @@ impl Parser {
         if rest.is_empty() {
             return Ok((rest, ()));
         }
-        fault(Code::MUST_STAND_ALONE, rest, rest.len(), "this stands behind a statement that needs its own block")
+        fault(Code::MUST_STAND_ALONE, rest, rest.len(), "this follows a statement that must be alone in its block")
     }
 
     /// Words and comments up to the end of the line.
@@ -325,8 +325,8 @@ fn help_for(code: Code) -> &'static str {
         Code::MISSING_VALUE => "give the address a value, for example X10",
         Code::BAD_EXPRESSION => "complete or correct the expression",
         Code::UNCLOSED => "close it before the end of the block",
-        Code::TOO_DEEP => "take the expression apart over several blocks",
-        Code::MUST_STAND_ALONE => "move it to a block of its own",
+        Code::TOO_DEEP => "split the expression over several blocks",
+        Code::MUST_STAND_ALONE => "move it to its own block",
         Code::BLOCK_TOO_LONG => "check that the file is a part program and still has its line ends",
         _ => "correct the block, or check --dialect",
     }

@@ -151,8 +151,8 @@ impl Parser {
     pub(super) fn o_word<'a>(&mut self, input: Input<'a>, block: &mut Block) -> Parsed<'a, ()> {
         let (rest, label) = terminated(|input| self.o_label(input), blank).parse(input)?;
         block.label = Some(label);
-        let message = "behind the label stands sub, endsub, call, return, if, elseif, else, endif, while, endwhile, do, \
-                       repeat, endrepeat, break or continue";
+        let message = "sub, endsub, call, return, if, elseif, else, endif, while, endwhile, do, repeat, \
+                       endrepeat, break or continue must follow the label";
         let (rest, word) = required(one_of(O_WORDS), Code::UNEXPECTED, rest.len().min(1), message)(rest)?;
         let (rest, body) = match word {
             OWord::Sub => (rest, Body::Sub),
@@ -193,9 +193,7 @@ impl Parser {
                 };
                 Ok((rest, label))
             }
-            _ => {
-                fault(Code::MISSING_VALUE, input, 1, "behind O stands a number, a name in < > or an expression in [ ]")
-            }
+            _ => fault(Code::MISSING_VALUE, input, 1, "a number, a name in < > or an expression in [ ] must follow O"),
         }
     }
 

@@ -97,8 +97,8 @@ fn report_doubles(program: &Program, findings: &mut Vec<Diagnostic>) {
             let block = |index: u32| program.blocks.get(index as usize);
             let (Some(first), Some(second)) = (block(pair[0].1), block(pair[1].1)) else { continue };
             let place = Place { file: program.source.id(), span: second.span };
-            let message = format!("N{} is the number of line {} already", pair[0].0, first.line);
-            let help = "give each block of a program a number of its own";
+            let message = format!("N{} is already the number of line {}", pair[0].0, first.line);
+            let help = "give each block of a program its own number";
             findings.push(Diagnostic::at(Code::DOUBLE_NUMBER, place, message, help));
         }
     }
@@ -144,7 +144,7 @@ pub(super) fn connect(program: &mut Program, findings: &mut Vec<Diagnostic>) {
             }
         }
         for left in open {
-            let message = "this has no end in this program";
+            let message = "this structure has no end in this program";
             report(program, left.block, message, findings);
         }
     }
@@ -160,7 +160,7 @@ pub(super) fn connect(program: &mut Program, findings: &mut Vec<Diagnostic>) {
 fn report(program: &Program, index: usize, message: &str, findings: &mut Vec<Diagnostic>) {
     let span = program.blocks.get(index).map_or(Span::default(), |block| block.span);
     let place = Place { file: program.source.id(), span };
-    let help = "every structure needs both its sides, in the same program and properly nested";
+    let help = "every structure needs its beginning and its end, in the same program and properly nested";
     findings.push(Diagnostic::at(Code::UNMATCHED_STRUCTURE, place, message, help));
 }
 
@@ -195,7 +195,7 @@ fn step(program: &mut Program, index: usize, open: &mut Vec<Open>, findings: &mu
                 set(program, top.last, index);
                 top.last = index;
             }
-            _ => report(program, index, "there is no IF that this could belong to", findings),
+            _ => report(program, index, "there is no matching IF", findings),
         },
         Body::EndWhile | Body::EndRepeat | Body::EndIf | Body::EndSub(_) => {
             let fits = matches!(
@@ -208,7 +208,7 @@ fn step(program: &mut Program, index: usize, open: &mut Vec<Open>, findings: &mu
             if fits && top.is_some_and(|top| top.2 == label) {
                 close(program, index, open);
             } else {
-                report(program, index, "there is no open structure of this kind that this could end", findings);
+                report(program, index, "there is no open structure of this kind to end", findings);
             }
         }
         Body::Break | Body::Continue => {
@@ -218,7 +218,7 @@ fn step(program: &mut Program, index: usize, open: &mut Vec<Open>, findings: &mu
             };
             match open.iter().rev().take(MAX_SEARCH).find(is_loop).map(|open| open.block) {
                 Some(start) => set(program, index, start),
-                None => report(program, index, "there is no open loop that this could belong to", findings),
+                None => report(program, index, "there is no open loop for this statement", findings),
             }
         }
         _ => {}

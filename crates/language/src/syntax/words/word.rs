@@ -110,13 +110,13 @@ impl Parser {
                 Some(b'#' | b'[') if is_iso => {}
                 Some(byte)
                     if self.language == Language::Rs274 && (byte.is_ascii_alphabetic() || b"+-".contains(byte)) => {}
-                _ => return fault(Code::MISSING_VALUE, input, 2, "behind this sign stands no value"),
+                _ => return fault(Code::MISSING_VALUE, input, 2, "no value follows this sign"),
             },
             Some(b'#' | b'[') if is_iso => {}
             Some(byte) if self.language == Language::Rs274 && byte.is_ascii_alphabetic() => {}
             _ => {
                 let message = match self.language {
-                    Language::Grundig => "this address has no value; a value that is no number needs '='",
+                    Language::Grundig => "this address has no value; a value that is not a number needs '='",
                     _ => "this address has no value",
                 };
                 return fault(Code::MISSING_VALUE, input, 1, message);
@@ -134,7 +134,7 @@ impl Parser {
                 let letter = one(|byte| matches!(byte.to_ascii_uppercase(), b'A' | b'C' | b'R'));
                 let behind_comma =
                     map(preceded((byte(b','), blank), peek(letter)), |letter| letter.to_ascii_uppercase());
-                let message = "behind a comma stands C, R or A with its value";
+                let message = "C, R or A with its value must follow a comma";
                 let (behind, letter) = required(behind_comma, Code::UNEXPECTED, 2, message)(input)?;
                 let (rest, word) = self.word(behind, letter)?;
                 Ok((rest, self.word_between(input, rest, Address::Comma(letter), word.value)))
@@ -164,11 +164,11 @@ impl Parser {
                 Code::MISSING_VALUE,
                 input,
                 input.len() - rest.len(),
-                "a variable alone does nothing; '=' is missing",
+                "a variable alone has no effect; '=' is missing",
             );
         };
         if self.program.expr(variable).node == Node::Parameter(0) && self.language == Language::Fanuc {
-            return fault(Code::UNEXPECTED, input, 2, "#0 is always empty and cannot be given a value");
+            return fault(Code::UNEXPECTED, input, 2, "#0 is always empty and cannot be assigned");
         }
         let (rest, id) = self.expression(behind)?;
         Ok((rest, self.word_between(input, rest, Address::Variable(variable), Value::Expr(id))))
@@ -186,7 +186,7 @@ fn no_digits_behind<'a>(from: Input<'a>, rest: Input<'a>) -> Parsed<'a, ()> {
     match recognize(exponent).parse(rest) {
         Ok((_, exponent)) => {
             let length = from.len() - rest.len() + exponent.len();
-            fault(Code::EXPONENT, from, length, "this number has a letter in it")
+            fault(Code::EXPONENT, from, length, "this number contains a letter")
         }
         Err(_) => Ok((rest, ())),
     }

@@ -60,8 +60,8 @@ pub fn check_load(table: &Table, columns: &[ConditionColumn], findings: &mut Vec
     if !columns.contains(&ConditionColumn::Force)
         && columns.iter().any(|column| matches!(column, ConditionColumn::LoadPlace(_)))
     {
-        let help = "add a column load_N with the weight, or remove the place";
-        let message = "the table has the place of a load but not load_N";
+        let help = "add a column load_N with the weight, or remove the position of the load";
+        let message = "the table has the position of a load but no load_N";
         findings.push(Diagnostic::at(Code::DATA_COLUMN, table.header_place(None), message, help));
     }
 }
@@ -97,10 +97,10 @@ pub fn read_cell(
         ConditionColumn::Sensor(_) if !(low..=high).contains(&value) && of_dead == OfDead::Empty => return Ok(None),
         ConditionColumn::Sensor(_) if !(low..=high).contains(&value) => {
             let help = "leave the cell empty where a sensor has no reading; temperatures are -30 to 150 °C";
-            return fault(format!("{value} °C is no temperature of a machine"), help);
+            return fault(format!("{value} °C is not a plausible machine temperature"), help);
         }
         ConditionColumn::Force if value < 0.0 => {
-            return fault(format!("{value} N is no weight"), "write the weight in N, 0 for an empty table");
+            return fault(format!("{value} N is not a valid weight"), "write the weight in N, 0 for an empty table");
         }
         ConditionColumn::Force => load.force_n = value,
         ConditionColumn::LoadPlace(axis) => load.position_mm[*axis] = value,

@@ -86,8 +86,8 @@ fn check_columns(table: &Table, columns: &[ConditionColumn], findings: &mut Vec<
         matches!(column, ConditionColumn::Sensor(_) | ConditionColumn::Force | ConditionColumn::LoadPlace(_))
     };
     if !columns.iter().any(says_something) {
-        let help = "name the columns of temperatures like their sensors with _C behind, T_head_C for the sensor T_head";
-        report("the log has no column of a temperature or a load", help);
+        let help = "name each temperature column after its sensor with the ending _C: T_head_C for the sensor T_head";
+        report("the log has no temperature column and no load column", help);
     }
     check_load(table, columns, findings);
 }
@@ -118,8 +118,9 @@ impl Readings {
     fn tell_dead(&self, findings: &mut Vec<Diagnostic>) {
         for (column, (place, value, rows)) in &self.dead {
             let Some(ConditionColumn::Sensor(sensor)) = self.columns.get(*column) else { continue };
-            let message = format!("{sensor} is dead: {value} °C is no temperature of a machine; so in {rows} rows");
-            let help = "these rows say nothing of it; check its plug and cable";
+            let message =
+                format!("{sensor} is dead: {value} °C is not a plausible machine temperature (in {rows} rows)");
+            let help = "its readings in these rows are ignored; check its plug and cable";
             findings.push(Diagnostic::at(Code::FAULTY_DATA, *place, message, help));
         }
     }
@@ -152,8 +153,8 @@ impl Readings {
         let column = self.columns.iter().position(|column| *column == ConditionColumn::Time).ok_or(None)?;
         let time_s = row.number(column, self.sign)?;
         if let Some(last_s) = self.time_s.filter(|&last_s| time_s < last_s) {
-            let message = format!("the time goes back from {last_s} s to {time_s} s");
-            let help = "sort the rows by time, and keep logs of different runs apart";
+            let message = format!("the time decreases from {last_s} s to {time_s} s");
+            let help = "sort the rows by time, and use a separate log for each run";
             return Err(Some(Diagnostic::at(Code::DATA_CELL, row.place(column), message, help)));
         }
         self.time_s = Some(time_s);

@@ -62,7 +62,7 @@ impl FromStr for Load {
 
     /// Reads `1700` or `1700@0,0,-280`: weight in N, and position in mm.
     fn from_str(text: &str) -> Result<Load, String> {
-        let wrong = || format!("'{text}' is no load; write newtons, and where it stands: 1700 or 1700@0,0,-280");
+        let wrong = || format!("'{text}' is not a load; write newtons and the position: 1700 or 1700@0,0,-280");
         let number = |part: &str| part.trim().parse().ok().filter(|value: &f64| value.is_finite());
         let (force, place) = text.split_once('@').map_or((text, None), |(force, place)| (force, Some(place)));
         let force_n = number(force.trim().trim_end_matches('N')).filter(|&force_n| force_n >= 0.0).ok_or_else(wrong)?;

@@ -117,8 +117,8 @@ pub fn read(
         let (Some(time_s), false) = (time_s, positions.contains(&None)) else { continue };
         if run.times_s.last().is_some_and(|&last_s| time_s < last_s) {
             if temperatures.is_some() {
-                let message = format!("the time goes back to {time_s} s");
-                let help = "sort the rows by time, and give every run a table of its own";
+                let message = format!("the time decreases to {time_s} s");
+                let help = "sort the rows by time, and give every run its own table";
                 findings.push(Diagnostic::at(Code::DATA_CELL, row.place(time), message, help));
             }
             continue;
@@ -130,13 +130,13 @@ pub fn read(
         }
     }
     if !run.condition.has_temperatures() && !findings.iter().any(Diagnostic::is_error) {
-        let help = "name the columns of temperatures like their sensors with _C behind, T_head_C for T_head";
-        findings.push(Diagnostic::at(Code::DATA_COLUMN, place, "there is no column of a temperature", help));
+        let help = "name each temperature column after its sensor with the ending _C: T_head_C for T_head";
+        findings.push(Diagnostic::at(Code::DATA_COLUMN, place, "there is no temperature column", help));
     }
     let sensors = run.condition.sensors().count();
     if sensors > MOST_SENSORS {
-        let message = format!("there are {sensors} sensors; the search takes {MOST_SENSORS} at most");
-        let help = "take out columns of sensors that are far from sources of heat, or read the same as others";
+        let message = format!("there are {sensors} sensors; the search allows at most {MOST_SENSORS}");
+        let help = "remove columns of sensors that are far from heat sources, or read the same as others";
         findings.push(Diagnostic::at(Code::DATA_COLUMN, place, message, help));
     }
     if findings.iter().any(Diagnostic::is_error) {
@@ -168,7 +168,7 @@ pub fn over(runs: &[SensorRun]) -> Result<Option<(Axis, Vec<f64>)>, Diagnostic> 
         let fault = |place, message: String, help: &str| Err(Diagnostic::at(Code::DATA_COLUMN, place, message, help));
         if let Some((other, _)) = found {
             let help =
-                "a drift is given over one axis; take the column of the other out if the drift does not depend on it";
+                "a drift is given over one axis; remove the column of the other one if the drift does not depend on it";
             return fault(
                 first.place,
                 format!("the drift was measured at several positions of {other} and of {axis}"),
@@ -176,12 +176,11 @@ pub fn over(runs: &[SensorRun]) -> Result<Option<(Axis, Vec<f64>)>, Diagnostic> 
             );
         }
         if values.len() > MOST_POSITIONS {
-            let help =
-                "write the positions that were commanded, at most 20 different ones; a drift is measured at rest";
+            let help = "write the commanded positions, at most 20 different ones; a drift is measured at rest";
             return fault(first.place, format!("the drift was measured at {} positions of {axis}", values.len()), help);
         }
         if let Some(run) = runs.iter().find(|run| run.positions.iter().all(|(known, _)| *known != axis)) {
-            let help = "every run needs the axis whose position changes in any of them";
+            let help = "every run needs the column of an axis whose position changes in any run";
             return fault(run.place, format!("{} has no column {axis}", run.name), help);
         }
         found = Some((axis, values));

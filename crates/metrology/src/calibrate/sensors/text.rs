@@ -14,12 +14,12 @@ pub fn entries(selections: &[SensorSelection]) -> String {
         let Some(model) = selection.model() else {
             let drift_um = selection.drift_um;
             // Writing into a String cannot fail.
-            let _ = writeln!(out, "# {letter}{place}: no sensors tell the drift of {drift_um:.1} µm (RMS).\n");
+            let _ = writeln!(out, "# {letter}{place}: no sensors predict the drift of {drift_um:.1} µm (RMS).\n");
             continue;
         };
         let _ = writeln!(
             out,
-            "# {letter}{place}: efficiency {:.1} % on {} readings, {:.1} % independently, where {:.1} of {:.1} µm (RMS) are left.",
+            "# {letter}{place}: efficiency {:.1} % on {} readings, {:.1} % on independent readings, residual {:.1} of {:.1} µm (RMS).",
             100.0 * model.efficiency,
             selection.rows,
             100.0 * model.independent,

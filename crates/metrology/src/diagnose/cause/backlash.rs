@@ -9,8 +9,8 @@ use ncfix_model::name::{DIRECTIONS, ErrorName};
 pub(super) const BACKLASH: Cause = Cause {
     name: "backlash",
     effect: EffectKind::Backlash,
-    made_by: "play of nut, preload or gear; wind-up of the screw",
-    shown_by: "ball-bar: steps at the turns of the axis, of opposite sign in the two senses; laser forth and back",
+    made_by: "backlash of nut, preload or gear; wind-up of the screw",
+    shown_by: "ball-bar: steps at the reversals of the axis, of opposite sign in the two senses; laser in both directions",
     separate_by: "a second feed: lag grows with it, backlash does not",
     correctable: Correctable::Program,
     propose: |scene, out| propose(scene, out, &BACKLASH, true),
@@ -21,7 +21,7 @@ pub(super) const LATERAL_PLAY: Cause = Cause {
     effect: EffectKind::LateralPlay,
     made_by: "clearance of the guideway",
     shown_by: "ball-bar: the traces of the two senses split across the axis, without steps",
-    separate_by: "both senses of the ball-bar; forth and back along the axis with an indicator across it",
+    separate_by: "both senses of the ball-bar; both directions along the axis with an indicator across it",
     correctable: Correctable::Program,
     propose: |scene, out| propose(scene, out, &LATERAL_PLAY, false),
 };
@@ -34,8 +34,8 @@ pub(super) const WIND_UP: Cause = Cause {
     name: "backlash that depends on the position",
     effect: EffectKind::Backlash,
     made_by: "a screw that winds up, worn where it is used most",
-    shown_by: "laser forth and back over the whole travel: the two lines are not parallel",
-    separate_by: "forth and back at three places at least",
+    shown_by: "laser in both directions over the whole travel: the two lines are not parallel",
+    separate_by: "both directions at three or more positions",
     correctable: Correctable::Program,
     propose: wind_up,
 };

@@ -12,7 +12,7 @@ pub(super) const CHORDS: Cause = Cause {
     name: "chords in place of the circle",
     effect: EffectKind::Program,
     made_by: "a program of straight blocks",
-    shown_by: "ball-bar: equal arcs inwards between corners that lie on the circle, at all feeds",
+    shown_by: "ball-bar: equal inward arcs between corners on the circle, at all feeds",
     separate_by: "the same circle as one block",
     correctable: Correctable::Program,
     propose: |_, _| {},
@@ -21,7 +21,7 @@ pub(super) const CHORDS: Cause = Cause {
 pub(super) const OCTANTS: Cause = Cause {
     name: "change of the leading axis",
     effect: EffectKind::Dynamic,
-    made_by: "an interpolator that lets one axis lead and the other follow",
+    made_by: "an interpolator in which one axis leads and the other follows",
     shown_by: "ball-bar: steps at 45°, 135°, 225° and 315°",
     separate_by: "the circle in another plane; lines at 40° and 50°",
     correctable: Correctable::No,
@@ -41,8 +41,8 @@ pub(super) const CUP: Cause = Cause {
 pub(super) const LOBES: Cause = Cause {
     name: "lobes over the angle of a circle",
     effect: EffectKind::Unknown,
-    made_by: "a ball or a cup out of round, or nothing that is known",
-    shown_by: "ball-bar: as many lobes in both senses and at all feeds",
+    made_by: "a ball or a cup out of round, or an unknown cause",
+    shown_by: "ball-bar: the same number of lobes in both senses and at all feeds",
     separate_by: "turn the bar end for end and the ball in its cup: lobes of the instrument turn with it",
     correctable: Correctable::No,
     propose: |_, _| {},

@@ -7,9 +7,9 @@ use ncfix_model::name::{DIRECTIONS, ErrorName};
 pub(super) const CAUSE: Cause = Cause {
     name: "cross-coupled error",
     effect: EffectKind::Cross,
-    made_by: "stacked axes, weight that moves, a frame that gives way",
-    shown_by: "lines measured at several places of the other axes",
-    separate_by: "a grid of lines: three places of the other axis",
+    made_by: "stacked axes, moving weight, compliance of the frame",
+    shown_by: "lines measured at several positions of the other axes",
+    separate_by: "a grid of lines: three positions of the other axis",
     correctable: Correctable::Program,
     propose,
 };

@@ -8,7 +8,7 @@ pub(super) const CAUSE: Cause = Cause {
     effect: EffectKind::Drift,
     made_by: "warming up, a set-up that creeps",
     shown_by: "readings of the same pose at different times",
-    separate_by: "sensors of temperature; the poses in another order",
+    separate_by: "temperature sensors; the poses in another order",
     correctable: Correctable::No,
     propose,
 };
@@ -17,8 +17,8 @@ pub(super) const EVENT: Cause = Cause {
     name: "drift behind an event",
     effect: EffectKind::Drift,
     made_by: "coolant, an opened door, a cold workpiece",
-    shown_by: "a step in the readings of one pose that fades",
-    separate_by: "a log of what happened when; the same again",
+    shown_by: "a step in the readings of one pose that decays",
+    separate_by: "a log of events with times; repeat the measurement",
     correctable: Correctable::No,
     propose: |_, _| {},
 };

@@ -9,7 +9,7 @@ pub(super) const GUIDE: Cause = Cause {
     name: "guideway under load",
     effect: EffectKind::Load,
     made_by: "the weight of the workpiece on a guideway",
-    shown_by: "level or plate with weights at several places: roll or pitch along the axis that grows with the weight",
+    shown_by: "level or plate with weights at several positions: roll or pitch along the axis that grows with the weight",
     separate_by: "the same line without the weight",
     correctable: Correctable::Program,
     propose: guide,
@@ -18,9 +18,9 @@ pub(super) const GUIDE: Cause = Cause {
 pub(super) const TABLE: Cause = Cause {
     name: "table under load",
     effect: EffectKind::Load,
-    made_by: "bearings of the table that give way",
-    shown_by: "a tilt that grows with the weight and with how far off the middle it stands",
-    separate_by: "lines along the axis: a guideway that gives way changes along it",
+    made_by: "compliance of the table bearings",
+    shown_by: "a tilt that grows with the weight and with its distance from the center",
+    separate_by: "lines along the axis: the effect of a compliant guideway changes along it",
     correctable: Correctable::Program,
     propose: table,
 };

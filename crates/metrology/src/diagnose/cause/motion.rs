@@ -11,7 +11,7 @@ pub(super) const CAUSE: Cause = Cause {
     effect: EffectKind::Motion,
     made_by: "guideways, ball screw, scale",
     shown_by: "laser, level, hole plate; ball-bar: lobes that are the same in both senses and at all feeds",
-    separate_by: "a second tool length or plate height tells angles from straightness, two radii a scale from the length of the bar",
+    separate_by: "a second tool length or plate height separates angles from straightness; two radii separate a scale from the length of the bar",
     correctable: Correctable::Program,
     propose,
 };

@@ -9,8 +9,8 @@ use ncfix_base::geometry::{Axis, AxisVector};
 pub(super) const MISMATCH: Cause = Cause {
     name: "servo mismatch",
     effect: EffectKind::ServoMismatch,
-    made_by: "velocity gains that differ",
-    shown_by: "ball-bar: an oval at 45° that turns over with the sense and grows with the feed",
+    made_by: "different velocity gains",
+    shown_by: "ball-bar: an oval at 45° that changes its sign with the sense and grows with the feed",
     separate_by: "the other sense of the same circle",
     correctable: Correctable::No,
     propose: mismatch,
@@ -21,7 +21,7 @@ pub(super) const FOLLOWING: Cause = Cause {
     effect: EffectKind::Following,
     made_by: "velocity gain without feed-forward",
     shown_by: "traces: set point less encoder grows with the velocity; ball-bar: circles shrink with the square of the feed",
-    separate_by: "two feeds tell it from the length of the bar",
+    separate_by: "two feeds separate it from the length of the bar",
     correctable: Correctable::No,
     propose: following,
 };
@@ -29,9 +29,9 @@ pub(super) const FOLLOWING: Cause = Cause {
 pub(super) const DYNAMIC: Cause = Cause {
     name: "deflection by acceleration",
     effect: EffectKind::Dynamic,
-    made_by: "inertia and a frame that gives way",
+    made_by: "inertia and compliance of the frame",
     shown_by: "errors at corners and small circles that grow with the acceleration",
-    separate_by: "encoders: a lag shows in them, a deflection does not",
+    separate_by: "encoders show a lag, but not a deflection",
     correctable: Correctable::No,
     propose: dynamic,
 };
@@ -39,9 +39,9 @@ pub(super) const DYNAMIC: Cause = Cause {
 pub(super) const DELAY: Cause = Cause {
     name: "delay between readings and positions",
     effect: EffectKind::Delay,
-    made_by: "two recorders, clocks that run apart",
-    shown_by: "readings of moving axes: forth and back differ by what grows with the feed, alike on all axes",
-    separate_by: "an external clock, two feeds: a lag of one axis is not that of the others",
+    made_by: "two recorders, clocks with different rates",
+    shown_by: "readings of moving axes: the two directions differ in proportion to the feed, equally on all axes",
+    separate_by: "an external clock, two feeds: a lag of one axis differs from that of the others",
     correctable: Correctable::No,
     propose: delay,
 };
@@ -51,7 +51,7 @@ pub(super) const STICK_SLIP: Cause = Cause {
     effect: EffectKind::Dynamic,
     made_by: "friction that falls with the speed, at low feeds",
     shown_by: "saw-teeth where an axis is slow; rougher traces at low feed",
-    separate_by: "the same at a higher feed: it goes away",
+    separate_by: "the same at a higher feed: it disappears",
     correctable: Correctable::No,
     propose: stick_slip,
 };

@@ -11,8 +11,8 @@ use crate::measure::kind::Measurand;
 pub(super) const PLACE: Cause = Cause {
     name: "place of the artefact",
     effect: EffectKind::Setup,
-    made_by: "a ball or an artefact that is not where the description has it",
-    shown_by: "ball-bar: a circle off its centre; the same in both senses, another one in the next set-up",
+    made_by: "a ball or an artefact that is not at its described position",
+    shown_by: "ball-bar: a circle off its center; the same in both senses, different in the next set-up",
     separate_by: "mount it again",
     correctable: Correctable::No,
     propose: place,
@@ -31,8 +31,8 @@ pub(super) const TOOL: Cause = Cause {
 pub(super) const SCALE: Cause = Cause {
     name: "scale of the instrument",
     effect: EffectKind::Setup,
-    made_by: "a beam that is not along the axis, air or artefact at another temperature than is allowed for",
-    shown_by: "lengths that are wrong in one set-up, or as the temperature of air or artefact",
+    made_by: "a beam that is not along the axis, air or artefact at another temperature than assumed",
+    shown_by: "lengths that are wrong in one set-up, or with the temperature of air or artefact",
     separate_by: "mount it again; an artefact of another material",
     correctable: Correctable::No,
     propose: scale,
@@ -41,7 +41,7 @@ pub(super) const SCALE: Cause = Cause {
 pub(super) const PROBE: Cause = Cause {
     name: "delay and lobes of the probe",
     effect: EffectKind::Probe,
-    made_by: "a trigger that comes late, a seat on three points",
+    made_by: "a late trigger, a seat on three points",
     shown_by: "probing at two feeds; a sphere touched from nine directions",
     separate_by: "a second feed, the probe turned by 60°",
     correctable: Correctable::No,

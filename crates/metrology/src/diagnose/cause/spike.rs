@@ -6,9 +6,9 @@ use crate::diagnose::scene::{Scene, Through};
 pub(super) const CAUSE: Cause = Cause {
     name: "reversal spike",
     effect: EffectKind::ReversalSpike,
-    made_by: "friction and a loop that takes its time",
-    shown_by: "ball-bar: short peaks outwards behind each turn, higher at higher feed",
-    separate_by: "repeat it: a spike comes again at its place, a false reading does not",
+    made_by: "friction and a slow control loop",
+    shown_by: "ball-bar: short outward peaks after each reversal, higher at higher feed",
+    separate_by: "repeat it: a spike recurs at its position, a false reading does not",
     correctable: Correctable::No,
     propose,
 };

@@ -18,9 +18,9 @@ use ncfix_model::name::{DIRECTIONS, ErrorName};
 pub(super) const DRIFT: Cause = Cause {
     name: "drift with a temperature",
     effect: EffectKind::ThermalDrift,
-    made_by: "spindle, head and column that grow",
+    made_by: "thermal expansion of spindle, head and column",
     shown_by: "readings of one pose while the spindle runs, with temperatures",
-    separate_by: "a cooling run with the spindle off, or a random spectrum of speeds",
+    separate_by: "a cooling run with the spindle off, or random spindle speeds",
     correctable: Correctable::Live,
     propose: drift,
 };
@@ -28,9 +28,9 @@ pub(super) const DRIFT: Cause = Cause {
 pub(in crate::diagnose) const ON: Cause = Cause {
     name: "drift with a temperature that goes on from run to run",
     effect: EffectKind::ThermalDrift,
-    made_by: "spindle, head and column that grow, with an instrument that was not set to zero for each run",
-    shown_by: "readings of one pose in several runs that begin at other temperatures",
-    separate_by: "the instrument set to zero at the beginning of each run",
+    made_by: "thermal expansion of spindle, head and column, with an instrument not zeroed for each run",
+    shown_by: "readings of one pose in several runs that begin at different temperatures",
+    separate_by: "zero the instrument at the beginning of each run",
     correctable: Correctable::Live,
     propose: |_, _| {},
 };
@@ -38,7 +38,7 @@ pub(in crate::diagnose) const ON: Cause = Cause {
 pub(super) const EXPANSION: Cause = Cause {
     name: "growth of a scale",
     effect: EffectKind::ThermalExpansion,
-    made_by: "scale, screw, table and workpiece that grow with their temperature",
+    made_by: "thermal expansion of scale, screw, table and workpiece",
     shown_by: "a line measured at two temperatures",
     separate_by: "the same line at another temperature",
     correctable: Correctable::Live,
@@ -48,7 +48,7 @@ pub(super) const EXPANSION: Cause = Cause {
 pub(super) const SQUARENESS: Cause = Cause {
     name: "squareness with a temperature",
     effect: EffectKind::ThermalSquareness,
-    made_by: "a frame that is warmer on one side",
+    made_by: "a frame warmer on one side",
     shown_by: "a plate measured at two temperatures",
     separate_by: "sensors on both sides of the frame",
     correctable: Correctable::Live,

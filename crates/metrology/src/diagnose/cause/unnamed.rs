@@ -5,8 +5,8 @@ use super::{Cause, Correctable, EffectKind};
 pub(in crate::diagnose) const CAUSE: Cause = Cause {
     name: "unknown cause",
     effect: EffectKind::Unknown,
-    made_by: "nothing that is known: it depends on what is listed, with the shape that is attached",
-    shown_by: "structure that no known cause explains as well",
+    made_by: "not known: it depends on the listed drivers, with the attached shape",
+    shown_by: "a structure that no known cause explains as well",
     separate_by: "vary the listed drivers one at a time",
     correctable: Correctable::No,
     // Shapes are searched ([`crate::diagnose::empirical`]).

@@ -143,7 +143,7 @@ impl Change {
     /// A sentence without a full stop.
     pub fn make(&self, edit: &mut Edit) -> Result<Anchor, String> {
         let is_done = match self {
-            Change::Parameter { name, .. } => return Err(format!("{} is no entry", name.component)),
+            Change::Parameter { name, .. } => return Err(format!("{} is not an entry", name.component)),
             Change::Wave { name, period, parts, travel } => wave(edit, *name, (*period, *travel), *parts),
             Change::Shape { .. } => self.shape(edit),
             Change::Drift { direction, sensor, lag_s, um_per_k } => {
@@ -156,7 +156,7 @@ impl Change {
             Change::Entry { list, words, amounts, keys } => entry(edit, list, words, amounts, keys),
             Change::Section { section, amounts } => of_section(edit, section, amounts),
         };
-        is_done.ok_or_else(|| "the machine file has its list in a form that cannot be added to".into())
+        is_done.ok_or_else(|| "the list of the machine file has a form that cannot be extended".into())
     }
 
     fn shape(&self, edit: &mut Edit) -> Option<Anchor> {

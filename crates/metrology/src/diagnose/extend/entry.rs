@@ -20,9 +20,9 @@ pub(super) fn periodic(one: &AcceptedCause, scene: &Scene<'_>) -> Result<Vec<Cha
     let ([sine, cosine], Some((period, _)), Some(name)) =
         (one.amounts.values.as_slice(), one.candidate.constant, component(&one.candidate))
     else {
-        return Err("it is no wave of one component of the error".into());
+        return Err("it is not a wave of one component of the error".into());
     };
-    let axis = name.axis().ok_or("it is no error of an axis")?;
+    let axis = name.axis().ok_or("it is not an error of an axis")?;
     let travel = super::super::cause::range(scene, axis).ok_or("it has no travel")?;
     let travel = travel.map(|place| if axis.is_rotary() { place.to_degrees() } else { place });
     Ok(vec![Change::Wave { name, period, parts: [*sine, *cosine], travel }])
@@ -46,7 +46,7 @@ pub(super) fn expansion(one: &AcceptedCause, scene: &Scene<'_>) -> Result<Vec<Ch
     let axis = component(candidate).filter(|name| name.kind == ErrorKind::Motion).and_then(|name| name.axis());
     let data = axis.and_then(|axis| scene.machine.axis(axis));
     let (Some(sensor), Some(axis), Some(data)) = (sensor_of(candidate), axis, data) else {
-        return Err("it is no growth of one axis with one sensor".into());
+        return Err("it is not a thermal expansion of one axis with one sensor".into());
     };
     let share = data.direction[axis.dimension()];
     if axis.is_rotary() || (share.abs() - 1.0).abs() > ALONG {
@@ -55,7 +55,7 @@ pub(super) fn expansion(one: &AcceptedCause, scene: &Scene<'_>) -> Result<Vec<Ch
     let (slope, offset) = match one.amounts.values.as_slice() {
         [slope] => (*slope, 0.0),
         [slope, offset] => (*slope, *offset),
-        _ => return Err("it is no straight line".into()),
+        _ => return Err("it is not a straight line".into()),
     };
     // e = slope · x + offset = strain · (x − fixed).
     Ok(vec![Change::Growth {
@@ -70,19 +70,21 @@ pub(super) fn expansion(one: &AcceptedCause, scene: &Scene<'_>) -> Result<Vec<Ch
 pub(super) fn drift(one: &AcceptedCause) -> Result<Vec<Change>, String> {
     let candidate = &one.candidate;
     if candidate.cause.name == thermal::ON.name {
-        return Err("a drift counts from the first row of each set-up in each run, and this one goes on from run to run: give the runs between which the \
-             instrument was not set to zero one label"
+        return Err("a drift counts from the first row of each set-up in each run, but this one continues from run to run: give runs without a zero setting between them the same label"
             .into());
     }
     let (Some(sensor), [amount]) = (sensor_of(candidate), one.amounts.values.as_slice()) else {
-        return Err("[[drift]] is proportional to the temperatures of sensors, and this is not".into());
+        return Err("[[drift]] is proportional to the temperatures of sensors, but this is not".into());
     };
     let mut all = candidate.columns.iter().flatten();
     let (Some((Through::Tip(direction), _)), None) = (all.next(), all.next()) else {
-        return Err("it is no displacement along one direction".into());
+        return Err("it is not a displacement along one direction".into());
     };
     if candidate.drivers.len() != 1 {
-        return Err(format!("it goes with {}, and [[drift]] with temperatures alone", candidate.drivers.join(" and ")));
+        return Err(format!(
+            "it depends on {}, but [[drift]] depends only on temperatures",
+            candidate.drivers.join(" and ")
+        ));
     }
     let direction = ["X", "Y", "Z"].get(*direction).copied().unwrap_or("Z");
     let um_per_k = rounded(um_from_mm(*amount));
@@ -91,7 +93,7 @@ pub(super) fn drift(one: &AcceptedCause) -> Result<Vec<Change>, String> {
 
 /// Columns are weight/1000 N · share of the travel to a power, and the same times place/100 mm.
 pub(super) fn load(one: &AcceptedCause, scene: &Scene<'_>) -> Result<Vec<Change>, String> {
-    const NO: &str = "it is no weight on one component of the error";
+    const NO: &str = "it is not a load effect on one component of the error";
     let candidate = &one.candidate;
     let name = component(candidate).ok_or(NO)?;
     let along = candidate.drivers.iter().find_map(|driver| match driver.as_str() {

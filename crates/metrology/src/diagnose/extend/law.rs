@@ -35,7 +35,7 @@ fn drivers(one: &AcceptedCause) -> Result<Drivers, String> {
             out.senses.push(axis);
         } else {
             return Err(format!(
-                "it goes with {driver}, and tables of the machine file with positions and senses of axes alone"
+                "it depends on {driver}, but tables of the machine file depend only on positions and directions of axes"
             ));
         }
     }
@@ -47,12 +47,12 @@ fn component_of(one: &AcceptedCause, scene: &Scene<'_>, drivers: &Drivers) -> Re
     let mut all = one.candidate.columns.iter().flatten().map(|(through, _)| *through);
     let first = all.next().ok_or("it has no shape")?;
     if one.candidate.columns.iter().any(|parts| parts.len() != 1) || all.any(|own| own != first) {
-        return Err("it acts in several ways at once".into());
+        return Err("it has several effects at once".into());
     }
     match first {
         Through::Component(name) if name.kind == ErrorKind::Motion => Ok((name, 1.0)),
         Through::Tip(direction) => {
-            let axis = *drivers.senses.first().or(drivers.places.first()).ok_or("it goes with nothing")?;
+            let axis = *drivers.senses.first().or(drivers.places.first()).ok_or("it depends on no driver")?;
             let direction = *DIRECTIONS.get(direction).ok_or("it has no direction")?;
             let name = ErrorName::motion(direction, axis);
             let [own, tip] = [Through::Component(name), first].map(|through| scene.factors(through));
@@ -62,9 +62,9 @@ fn component_of(one: &AcceptedCause, scene: &Scene<'_>, drivers: &Drivers) -> Re
                 .into_iter()
                 .find(|&sign| most > 0.0 && is(sign))
                 .map(|sign| (name, sign))
-                .ok_or_else(|| format!("errors of {axis} turn with other axes, and this does not"))
+                .ok_or_else(|| format!("errors of {axis} turn with other axes, but this one does not"))
         }
-        _ => Err("it is no error of an axis".into()),
+        _ => Err("it is not an error of an axis".into()),
     }
 }
 
@@ -148,7 +148,7 @@ fn coarse(values: impl Iterator<Item = f64>) -> Vec<f64> {
 pub(super) fn law(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Result<Change, String> {
     let drivers = drivers(one)?;
     let (name, sign) = component_of(one, scene, &drivers)?;
-    let own = name.axis().ok_or("it is no error of an axis")?;
+    let own = name.axis().ok_or("it is not an error of an axis")?;
     let mut rows = scene.rows.iter().filter(|row| row.set < used);
     let first = rows.next().ok_or("there is no reading")?;
     let (mut low, mut high) = (first.position, first.position);
@@ -171,9 +171,9 @@ pub(super) fn law(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Result
         ([sense], []) if *sense == own => line(law, name, own, Some(own)),
         ([], [other]) => grid(law, name, own, (*other, drivers.places.contains(&own))),
         ([_, ..], _) => {
-            Err("it turns over with the sense of one axis and goes with another, which no entry has".into())
+            Err("it reverses with the direction of one axis and depends on another one; no entry can hold this".into())
         }
-        _ => Err("it goes with more than two axes".into()),
+        _ => Err("it depends on more than two axes".into()),
     };
     let mut found = change(&law)?;
     // A set-up with a zero of its own does not tell what all places have in common: it may be anything.
@@ -186,9 +186,10 @@ pub(super) fn law(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Result
     let change = found;
     match &change {
         // Where the tool reaches other places than the axes do, or what else counts is not known.
-        Change::Shape { values, .. } if values.iter().flatten().all(|value| *value == 0.0) => {
-            Err("it goes with the place in the workpiece, and errors of the machine file with positions of axes".into())
-        }
+        Change::Shape { values, .. } if values.iter().flatten().all(|value| *value == 0.0) => Err(
+            "it depends on the position in the workpiece, but errors of the machine file depend on positions of axes"
+                .into(),
+        ),
         _ => Ok(change),
     }
 }
@@ -210,7 +211,9 @@ fn line(law: &Law<'_>, name: ErrorName, own: Axis, sense: Option<Axis>) -> Resul
     // What turns over with the sense is play: the whole of it.
     let (kind, times, sense) = match sense {
         Some(axis) if looks.iter().all(is_odd) => ("backlash", 2.0, Some((axis, 1))),
-        Some(_) => return Err("it goes with the sense and does not turn over with it, which no entry has".into()),
+        Some(_) => {
+            return Err("it depends on the direction but does not reverse with it; no entry can hold this".into());
+        }
         None => ("table", 1.0, Some((own, 0))),
     };
     let all: Vec<[f64; 2]> = looks.iter().map(|&place| at(place, sense)).collect();

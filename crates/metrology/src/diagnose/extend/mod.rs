@@ -50,7 +50,7 @@ pub fn extension(found: &DiagnosedCauses, scene: &Scene<'_>, used: usize) -> Vec
     let mut out: Vec<Result<Vec<Change>, String>> = found.findings.iter().map(sound).collect();
     while let Some(number) = leaning(found, scene, &out) {
         if let Some(one) = out.get_mut(number) {
-            *one = Err("it is only right together with findings that are not corrected: alone it may make the machine worse; measure what tells those from their rivals".into());
+            *one = Err("it is correct only together with findings that are not corrected: alone it may increase the error; measure what separates those from their rivals".into());
         }
     }
     out
@@ -99,24 +99,24 @@ fn leaning(found: &DiagnosedCauses, scene: &Scene<'_>, written: &[Result<Vec<Cha
 fn is_sound(one: &AcceptedCause, left: f64) -> Result<(), String> {
     if largest(one.size.unit).is_some_and(|most| one.size.value.abs() > most) || one.rms > MOST_MM {
         return Err(
-            "no machine errs so much: the columns, their units or the description say something else than was measured"
+            "the size is not plausible for a machine: the columns, their units or the description do not match the measurement"
                 .into(),
         );
     }
     if one.rms > CANCELS * left {
         let times = one.rms / left;
         return Err(format!(
-            "alone it would do {times:.1} times what the model leaves: others cancel it, and where was not measured they do not; measure at more places"
+            "alone its effect is {times:.1} times the residual of the model: other findings cancel it only at the measured positions; measure at more positions"
         ));
     }
     if !one.aliases.is_empty() {
         let what = if one.candidate.cause.effect == EffectKind::Periodic {
             "it may as well have other periods"
         } else {
-            "a short wave of other periods does the same at the places that were measured, as the class has it"
+            "short waves of other periods have the same effect at the measured positions"
         };
         return Err(format!(
-            "{what}: between these places nobody knows what it does; measure at points of uneven spacing or in small steps"
+            "{what}: between these positions its effect is not known; measure at unevenly spaced points or in small steps"
         ));
     }
     if let Some(doubt) = &one.doubt {
@@ -124,12 +124,12 @@ fn is_sound(one: &AcceptedCause, left: f64) -> Result<(), String> {
     }
     if !one.by_file.is_empty() {
         return Err(
-            "it is not the same in all files: the machine, or how it was measured, became another one between them; diagnose the latest by itself"
+            "it differs between files: the machine or the measurement changed between them; diagnose the latest file alone"
                 .into(),
         );
     }
     if one.size.u95 >= one.size.value.abs() {
-        return Err("it is less sure than it is large; measure more often or at more places".into());
+        return Err("its uncertainty exceeds its size; measure more often or at more positions".into());
     }
     Ok(())
 }
@@ -137,11 +137,11 @@ fn is_sound(one: &AcceptedCause, left: f64) -> Result<(), String> {
 /// Why what is in doubt is not corrected.
 fn doubtful(doubt: &ExtrapolationRisk) -> String {
     if doubt.rivals.is_empty() {
-        return format!("over the whole travel it is less sure than it is large; measure {}", doubt.separate_by);
+        return format!("over the whole travel its uncertainty exceeds its size; measure {}", doubt.separate_by);
     }
     let (verb, does) = if doubt.rivals.len() > 1 { ("do", "together ") } else { ("does", "") };
     format!(
-        "{} {does}{verb} the same to the readings, and something else where was not measured: a correction may as well make it worse; to tell them apart: {}",
+        "{} {does}{verb} the same to the readings and differ where nothing was measured, so a correction could increase the error; to separate them: {}",
         doubt.rivals.join(" and "),
         doubt.separate_by
     )
@@ -190,22 +190,18 @@ fn changes(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Result<Vec<Ch
         EffectKind::Backlash | EffectKind::LateralPlay | EffectKind::Cross | EffectKind::Unknown | EffectKind::Motion => {
             law::law(one, scene, used).map(|change| vec![change])
         }
-        EffectKind::ThermalSquareness => Err("the machine file has no angle between axes that goes with a temperature: a drift ends where the zero \
-             point is set, and an angle stays; beams ([[segment]]) tilt axes where the structure and its sensors are known"
+        EffectKind::ThermalSquareness => Err("the machine file has no angle between axes that depends on a temperature: setting the zero point removes a drift, but not an angle; beams ([[segment]]) tilt axes if the structure and its sensors are known"
             .into()),
         EffectKind::Drift => {
-            Err("it goes with time, and nobody knows when a program will run; log temperatures: one that it \
-                              goes with has an entry ([[drift]])"
+            Err("it depends on time, and the time at which a program will run is not known; log temperatures: a drift with temperature has an entry ([[drift]])"
                 .into())
         }
         EffectKind::Setup | EffectKind::Probe => Err("it belongs to the instrument and its set-up, not to the machine".into()),
         EffectKind::Sensor | EffectKind::Outlier | EffectKind::Program => Err("it belongs to the data, not to the machine".into()),
-        EffectKind::Dynamic => Err("it goes with the acceleration, which no position tells: ncfix decompose fits it to traces and writes [[dynamic]], and a lower feed \
-             makes it smaller"
+        EffectKind::Dynamic => Err("it depends on the acceleration, not on the position: ncfix decompose fits it to traces and writes [[dynamic]]; a lower feed makes it smaller"
             .into()),
         EffectKind::ServoMismatch | EffectKind::Following | EffectKind::Delay | EffectKind::ReversalSpike => Err(
-            "it goes with the speed or with what was before, and errors of the machine file with positions: tune the \
-                 drive, or compensate it in the control"
+            "it depends on the speed or on earlier motion, but errors of the machine file depend on positions: tune the drive, or compensate it in the control"
                 .into(),
         ),
         EffectKind::Location | EffectKind::Own(_) => Err("it has no parameter of the error model".into()),
@@ -330,10 +326,10 @@ pub fn again(original: &ErrorModel, read: &ErrorModel, changes: &[Change]) -> Ve
 /// What can be done about a finding, in words.
 fn remedy(candidate: &Candidate) -> &'static str {
     match candidate.cause.correctable {
-        Correctable::Program => "a corrected program takes it away",
-        Correctable::Live => "only live readings can take it away",
+        Correctable::Program => "a corrected program removes it",
+        Correctable::Live => "only live readings can remove it",
         // What the file has as a table needs no name.
-        Correctable::No => "a corrected program takes it away, whatever makes it",
+        Correctable::No => "a corrected program removes it, whatever its cause",
     }
 }
 
@@ -376,7 +372,7 @@ mod tests {
     fn what_does_more_than_there_is_left_is_cancelled_by_others() {
         let why = |rms: f64| is_sound(&finding(100.0, rms), 0.1).err().unwrap_or_default();
         assert_eq!(why(0.14), "");
-        assert!(why(0.2).contains("2.0 times what the model leaves"));
+        assert!(why(0.2).contains("2.0 times the residual of the model"));
     }
 
     #[test]

@@ -8,8 +8,8 @@ use super::{Change, remedy};
 pub const HEAD: &str = "diagnosed:";
 /// A line that says what it found and did not add begins with this.
 pub const LEFT_OUT: &str = "# not corrected:";
-/// A chance below this is not said more exactly.
-const LEAST_CHANCE: f64 = 1e-12;
+/// Smallest p-value that is written as a number.
+const LEAST_P: f64 = 1e-12;
 /// So many rivals, and values with their uncertainties, are said.
 const MOST: usize = 3;
 const VALUES: usize = 16;
@@ -39,14 +39,14 @@ pub fn lines(
     fitted: &[(String, f64, f64, String)],
 ) -> Vec<String> {
     let mut out = vec![format!("{HEAD} {}; {}", size(one), remedy(&one.candidate))];
-    let chance = if one.chance < LEAST_CHANCE { "next to none".to_owned() } else { format!("{:.0e}", one.chance) };
+    let p = if one.chance < LEAST_P { format!("p < {LEAST_P:e}") } else { format!("p = {:.0e}", one.chance) };
     let unseen = if files.held_out.is_empty() {
         "left out in turn".to_owned()
     } else {
         format!("held out, {}", files.held_out.join(", "))
     };
     out.push(format!(
-        "  from {}; of readings that were not used ({unseen}) {:.0} % less is left with it; chance {chance}",
+        "  from {}; on readings not used ({unseen}) the residual is {:.0} % smaller; {p}",
         files.used.join(", "),
         100.0 * one.gain_unseen
     ));
@@ -58,8 +58,8 @@ pub fn lines(
         .map(|(cause, parameter)| format!("{} {parameter}", cause.effect).trim_end().to_owned())
         .collect();
     if !rivals.is_empty() {
-        let how = one.separate_by.as_ref().map_or(String::new(), |how| format!(", told apart by: {how}"));
-        out.push(format!("  not told from {}{how}", rivals.join(", ")));
+        let how = one.separate_by.as_ref().map_or(String::new(), |how| format!(", separated by: {how}"));
+        out.push(format!("  not separable from {}{how}", rivals.join(", ")));
     }
     let needs = match one.candidate.cause.effect {
         EffectKind::Load => {
@@ -78,7 +78,7 @@ pub fn lines(
     if !fitted.is_empty() {
         let all =
             fitted.iter().map(|(name, value, sigma, unit)| format!("{name} {value:.4e} ± {:.1e} {unit}", 2.0 * sigma));
-        out.push(format!("  fitted again with the others (± 2σ): {}", all.collect::<Vec<_>>().join(", ")));
+        out.push(format!("  fitted again together with the others (± 2σ): {}", all.collect::<Vec<_>>().join(", ")));
     }
     for change in changes {
         if let Change::Shape { u95, kind, .. } = change {

@@ -47,7 +47,7 @@ pub(super) fn growth(
     [slope, offset]: [f64; 2],
 ) -> Result<Anchor, String> {
     const LIST: &str = "expansion";
-    const NO: &str = "the machine file has its expansion in a form that cannot be added to";
+    const NO: &str = "the expansion of the machine file has a form that cannot be extended";
     // µm/K = µm/(m K) · m.
     let held = |slope: f64, offset: f64| if slope == 0.0 { 0.0 } else { rounded(offset / slope * 1e3) };
     let words = [("axis", axis.to_string())];
@@ -73,7 +73,7 @@ pub(super) fn growth(
         && same(lag, lag_s);
     if !is_same {
         return Err(format!(
-            "the scale of {axis} goes with another sensor or another lag in the machine file already, and [[expansion]] has one scale for each axis; \
+            "the scale of {axis} already depends on another sensor or lag in the machine file, and [[expansion]] has one scale for each axis; \
              name its sensors, weights and lag by hand, and calibrate"
         ));
     }

@@ -24,7 +24,7 @@ const MOST_PER_K: f64 = 1e-3;
 pub(super) fn implausible(celsius: Option<f64>) -> Option<String> {
     celsius
         .filter(|celsius| !RANGE_C.contains(celsius))
-        .map(|celsius| format!("{celsius} °C is no temperature of a room"))
+        .map(|celsius| format!("{celsius} °C is not a plausible room temperature"))
 }
 
 /// Reads the rod or artefact data of a set-up; `rods` has all labels.
@@ -84,7 +84,7 @@ fn lacks(section: &mut Section<'_>, key: &str, example: &str) {
     section.report(
         Code::BAD_VALUE,
         place,
-        format!("{key} says nothing without an expansion"),
+        format!("{key} has no effect without an expansion"),
         format!("write for example {example}"),
     );
 }
@@ -94,12 +94,12 @@ pub(super) fn contradiction(data: &DataSet) -> Option<(&'static str, &'static st
     let has = |free: Free| data.free.contains(&free);
     let no_expansion = |setup: &Setup| setup.expansion_per_k <= 0.0;
     if has(Free::Length) && has(Free::Rod) {
-        let help = "take \"length\" out: set-ups with the same rod then have the same length";
-        return Some(("a length for every set-up and one for every rod cannot be told apart", help));
+        let help = "remove \"length\": set-ups with the same rod then have the same length";
+        return Some(("a length for every set-up and one for every rod cannot be separated", help));
     }
     if has(Free::RodTemperature) && (has(Free::Length) || has(Free::Rod)) {
-        let help = "take \"rod_temperature\" or the length out, and give rod_temperature_C where it was measured";
-        return Some(("a warmer rod is a longer rod: its temperature and its length cannot be told apart", help));
+        let help = "remove \"rod_temperature\" or the length, and give rod_temperature_C where it was measured";
+        return Some(("a warmer rod is a longer rod: its temperature and its length cannot be separated", help));
     }
     if has(Free::RodTemperature) && data.setups.iter().any(no_expansion) {
         return Some(("a temperature of a rod needs its expansion", "give rod_expansion_per_K in every set-up"));
@@ -111,7 +111,7 @@ pub(super) fn contradiction(data: &DataSet) -> Option<(&'static str, &'static st
     if data.kind.measurand == Measurand::BallDistance && data.setups.iter().any(lengths) {
         return Some((
             "set-ups with the same rod differ in length_mm or rod_expansion_per_K",
-            "give them the same, or the rods names of their own",
+            "give them the same values, or give each rod its own name",
         ));
     }
     None

@@ -72,7 +72,7 @@ pub(super) fn begin(
     {
         let help =
             "add load_x_mm, load_y_mm, load_z_mm, any of them: mm from the center of the table, 0 for the center";
-        let message = "there is the weight of a load but not its place";
+        let message = "the weight of a load is given, but not its position";
         findings.push(Diagnostic::at(Code::DATA_COLUMN, table.header_place(Some(force)), message, help));
     }
     Some(Conditions {
@@ -108,8 +108,8 @@ impl Conditions {
                 Ok(value) if matches!(column, ConditionColumn::Sensor(_)) => {
                     *found = value;
                     if value.is_none() && !self.has_time && row.text(index).is_empty() {
-                        let help = "write the temperature of this row, or add a column t_s: then it is taken from the rows around";
-                        let message = "there is no temperature, and without t_s no row before or behind it counts";
+                        let help = "write the temperature of this row, or add a column t_s: then it is interpolated from neighbouring rows";
+                        let message = "there is no temperature, and without t_s it cannot be interpolated";
                         findings.push(Diagnostic::at(Code::DATA_CELL, row.place(index), message, help));
                     }
                 }
@@ -125,7 +125,7 @@ impl Conditions {
         }
         if self.has_time && self.has_temperatures && t_s.is_none() {
             let column = self.columns.iter().position(|column| *column == ConditionColumn::Time);
-            let help = "write the time of the row in s, or take the column out where temperatures did not change";
+            let help = "write the time of the row in s, or remove the column if temperatures did not change";
             let message = "there is a temperature but no time";
             findings.push(Diagnostic::at(Code::DATA_CELL, row.place(column.unwrap_or(0)), message, help));
         }
@@ -136,7 +136,7 @@ impl Conditions {
         let time_s = t_s.filter(|_| self.has_temperatures).unwrap_or(0.0);
         let clock = self.clock(run, time_s).map_err(|message| {
             let column = self.columns.iter().position(|column| *column == ConditionColumn::Time);
-            let help = "sort the rows of each run by time; a column run tells runs apart that begin again";
+            let help = "sort the rows of each run by time; a column run separates runs whose time begins again";
             vec![Diagnostic::at(Code::DATA_CELL, row.place(column.unwrap_or(0)), message, help)]
         })?;
         self.note(clock, time_s, &temperatures);
@@ -153,7 +153,7 @@ impl Conditions {
         let clock = match (self.of_run.get(&run).copied(), latest) {
             (Some(own), _) if !goes_on(own) => {
                 let last_s = self.clocks.get(own).map_or(0.0, |clock| clock.last_s);
-                return Err(format!("the time goes back from {last_s} s to {time_s} s"));
+                return Err(format!("the time decreases from {last_s} s to {time_s} s"));
             }
             (Some(own), _) => own,
             (None, Some(latest)) if goes_on(latest) => latest,

@@ -35,7 +35,7 @@ struct Member {
 pub(super) fn find(data: &mut DataSet, table: &Table, findings: &mut Vec<Diagnostic>) {
     let with_time = data.observations.iter().filter(|row| row.t_s.is_some()).count();
     if let Some(row) = data.observations.iter().find(|row| with_time > 0 && row.t_s.is_none()) {
-        let help = "fill the column t_s, or take it out where readings are evenly spaced in time";
+        let help = "fill the column t_s, or remove it if readings are evenly spaced in time";
         findings.push(Diagnostic::at(Code::DATA_CELL, row.place, "a drift needs the time of every reading", help));
         return;
     }
@@ -86,8 +86,7 @@ pub(super) fn find(data: &mut DataSet, table: &Table, findings: &mut Vec<Diagnos
     }
 }
 
-const HELP: &str = "read each position on the way forth and on the way back, in the order of the rows (X_dir … says the sense), or take \
-    \"drift\" out of free";
+const HELP: &str = "read each position in both directions, in the order of the rows (X_dir … gives the direction), or remove \"drift\" from free";
 
 /// Adds a cycle.
 fn note(data: &mut DataSet, own: &[Member], cycle: RepeatCycle, findings: &mut Vec<Diagnostic>) {
@@ -102,14 +101,14 @@ fn note(data: &mut DataSet, own: &[Member], cycle: RepeatCycle, findings: &mut V
     let turns = own.iter().any(|member| member.sense != own.first().map_or(0, |first| first.sense));
     if !(turns && duration > 0.0) {
         let message = format!(
-            "the readings of {component} from here go one way only: their drift cannot be told from an error that grows along the axis"
+            "the readings of {component} from here are in one direction only: their drift is not separable from an error that grows along the axis"
         );
         findings.push(Diagnostic::at(Code::DRIFT_NOT_TOLD, place(data, own.first()), message, HELP));
         return;
     }
     if let Some(back) = own.windows(2).find(|pair| pair[1].time < pair[0].time) {
-        let message = "the time goes back within a back-and-forth cycle";
-        let help = "bring the rows into the order in which they were read";
+        let message = "the time decreases within a back-and-forth cycle";
+        let help = "put the rows in the order in which they were read";
         findings.push(Diagnostic::at(Code::DATA_CELL, place(data, back.last()), message, help));
         return;
     }

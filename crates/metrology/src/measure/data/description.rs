@@ -133,7 +133,7 @@ fn read_measurement(name: &str, section: &mut Section<'_>, instruments: &Instrum
             None => {
                 let known: Vec<&str> = kind.free.iter().map(|&free| kind::word(free)).collect();
                 let place = section.place_of_item("free", index);
-                let message = format!("\"{word}\" is nothing that may be unknown of a {} measurement", kind.name);
+                let message = format!("\"{word}\" is not a possible unknown of a {} measurement", kind.name);
                 section.report(Code::BAD_VALUE, place, message, format!("write any of {}", known.join(", ")));
             }
         }

@@ -132,9 +132,9 @@ fn copied(rows: &Table, copies: &[(Place, Place)]) -> Option<Diagnostic> {
         let lines: Vec<String> =
             copies.iter().skip(1).take(LINES).map(|(place, _)| row_line(rows, *place).to_string()).collect();
         let dots = if more > LINES { ", …" } else { "" };
-        message.push_str(&format!("; so are {more} more copies of others (line {}{dots})", lines.join(", ")));
+        message.push_str(&format!("; {more} more rows are copies too (line {}{dots})", lines.join(", ")));
     }
-    let help = "take one of them out: a repetition would differ by the noise of the instrument; where it is one, give t_s or run";
+    let help = "remove one of them: a repetition would differ by the noise of the instrument; if it is a repetition, give t_s or run";
     Some(Diagnostic::at(Code::DATA_REPEATED, place, message, help))
 }
 

@@ -230,11 +230,11 @@ fn circle_of(places: &[&Place], axes: [Vector; 2]) -> Result<Figures, String> {
     for path in paths.iter().filter(|path| path.points > 0) {
         if path.arc < LEAST_ARC {
             let degrees = path.arc.to_degrees();
-            return Err(format!("a path covers {degrees:.0}° of the circle; less than half of one has no figures"));
+            return Err(format!("a path covers {degrees:.0}° of the circle; figures need at least half a circle"));
         }
     }
     let [counter, clock] = sides.map(|side| side.into_iter().map(|(point, _)| point).collect::<Vec<_>>());
-    let figures = circle::figures(radius_mm, &counter, &clock).ok_or("the readings make no circle")?;
+    let figures = circle::figures(radius_mm, &counter, &clock).ok_or("the readings do not form a circle")?;
     Ok(Figures::Circle { figures, radius_mm, paths })
 }
 
@@ -267,6 +267,6 @@ fn timed_feed(points: &[(CirclePoint, &Place)]) -> Option<f64> {
 fn sphere_of(places: &[Place]) -> Result<Figures, String> {
     let radius_mm = places.iter().map(|place| place.nominal.norm()).sum::<f64>() / places.len().max(1) as f64;
     let points: Vec<Vector> = places.iter().map(|place| place.nominal.normalize() * place.distance).collect();
-    let sphere = sphere::fit(&points).ok_or("the readings make no sphere")?;
+    let sphere = sphere::fit(&points).ok_or("the readings do not form a sphere")?;
     Ok(Figures::Sphere { sphere, radius_mm, points: points.len() })
 }

@@ -112,23 +112,21 @@ impl fmt::Display for FiguresError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             FiguresError::Nothing => write!(f, "there are no readings of this component"),
-            FiguresError::NoSense(target) => write!(
-                f,
-                "the sense in which {target} was approached is not known: give it in the column of the sense (X_dir …)"
-            ),
+            FiguresError::NoSense(target) => {
+                write!(f, "the direction in which {target} was approached is not known: give it in the column X_dir …")
+            }
             FiguresError::Once(target) => {
                 write!(
                     f,
-                    "{target} was approached only once in a sense: at least two runs are needed, the standard asks for five"
+                    "{target} was approached only once in one direction: at least two runs are needed, the standard requires five"
                 )
             }
-            FiguresError::TooFew => write!(
-                f,
-                "too few targets were read on the way out and on the way back of a cycle: a drift needs three or more"
-            ),
+            FiguresError::TooFew => {
+                write!(f, "too few targets were read in both directions of a cycle: a drift needs three or more")
+            }
             FiguresError::Backlash(value, sigma) => write!(
                 f,
-                "the axis has a backlash of {value:.6} ± {sigma:.6}, so that way out and way back differ by more than drift"
+                "the axis has a backlash of {value:.6} ± {sigma:.6}, so that the two directions differ by more than drift"
             ),
         }
     }

@@ -40,7 +40,12 @@ fn read(data: &mut DataSet, row: &Row<'_>, sign: DecimalSign, observation: &mut 
     let component = name.parse::<ErrorName>().ok().filter(|name| name.kind == ErrorKind::Motion);
     let Some(component) = component else {
         let help = "write a motion error such as EXX, EYX or EAX";
-        return Err(Diagnostic::at(Code::DATA_CELL, row.place(column), format!("'{name}' is no motion error"), help));
+        return Err(Diagnostic::at(
+            Code::DATA_CELL,
+            row.place(column),
+            format!("'{name}' is not a motion error"),
+            help,
+        ));
     };
     observation.component = Some(component);
     observation.target = Some(number_of(&mut data.targets, &name));
@@ -53,7 +58,7 @@ fn read(data: &mut DataSet, row: &Row<'_>, sign: DecimalSign, observation: &mut 
     let column = needed(row, own)?;
     if row.column(other).is_some_and(|column| !row.text(column).is_empty()) {
         let message = format!("{name} has no {other}");
-        return Err(Diagnostic::at(Code::DATA_CELL, row.place(column), message, format!("write it into {own}")));
+        return Err(Diagnostic::at(Code::DATA_CELL, row.place(column), message, format!("write it in {own}")));
     }
     let value = optional(row, Some(column), sign)?;
     observation.values[0] = value.map(if is_rotation { rad_from_urad } else { mm_from_um });
@@ -101,12 +106,12 @@ fn check(data: &DataSet, _: &Table, findings: &mut Vec<Diagnostic>) {
                 let (unit, factor) = if is_rotation { ("µrad", urad_from_rad(1.0)) } else { ("µm", um_from_mm(1.0)) };
                 let [value, sigma] = [value * factor, sigma * factor];
                 format!(
-                    "way forth and way back of {name} differ by a reversal of {value:.2} ± {sigma:.2} {unit}, which is no drift"
+                    "the two directions of {name} differ by a reversal of {value:.2} ± {sigma:.2} {unit}, which is not a drift"
                 )
             }
             Err(fault) => format!("{name}: {fault}"),
         };
-        let help = "take \"drift\" out of free, and measure fast or warmed up where the axis has a reversal";
+        let help = "remove \"drift\" from free; measure fast, or with the machine warm, if the axis has a reversal";
         findings.push(Diagnostic::at(Code::DRIFT_NOT_TOLD, place, message, help));
     }
 }

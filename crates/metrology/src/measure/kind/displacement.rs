@@ -54,12 +54,7 @@ pub(super) fn read(
 pub(super) fn check(data: &DataSet, table: &Table, findings: &mut Vec<Diagnostic>) {
     if !data.is_plan && COLUMNS.iter().all(|name| table.column(name).is_none()) {
         let help = "name the columns of the readings dx_um, dy_um, dz_um (any of them)";
-        findings.push(Diagnostic::at(
-            Code::DATA_COLUMN,
-            table.header_place(None),
-            "there is no column of readings",
-            help,
-        ));
+        findings.push(Diagnostic::at(Code::DATA_COLUMN, table.header_place(None), "there is no reading column", help));
     }
     no_expansion(data, table, findings);
 }

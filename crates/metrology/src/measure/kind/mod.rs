@@ -234,12 +234,16 @@ fn no_expansion(data: &DataSet, table: &Table, findings: &mut Vec<Diagnostic>) {
     if data.observations.iter().any(|row| row.temperature_c.is_some() && !grows(row)) {
         let help =
             "give rod_expansion_per_K in the set-up (ball-bar) or expansion_per_K in [artefact], or rename the column";
-        findings.push(Diagnostic::at(Code::DATA_COLUMN, at, format!("{name} says nothing without an expansion"), help));
+        findings.push(Diagnostic::at(
+            Code::DATA_COLUMN,
+            at,
+            format!("{name} has no effect without an expansion"),
+            help,
+        ));
     } else if !data.free.contains(&Free::RodTemperature)
         && data.observations.iter().any(|row| grows(row) && !is_warm(row))
     {
-        let help =
-            format!("fill the column {name}, give the temperature in the description, or take the expansion out");
+        let help = format!("fill the column {name}, give the temperature in the description, or remove the expansion");
         findings.push(Diagnostic::at(Code::DATA_COLUMN, at, "an expansion is given, but no temperature", help));
     }
 }

@@ -15,7 +15,7 @@ use ncfix_model::Model;
 /// The kind.
 pub(super) const KIND: Instrument = Instrument {
     name: "probe",
-    title: "probing of balls of unknown place",
+    title: "probing of balls with unknown positions",
     measurand: Measurand::BallPlace,
     free: &[Free::Tool],
     read,
@@ -51,8 +51,8 @@ fn check(data: &DataSet, table: &Table, findings: &mut Vec<Diagnostic>) {
             let place = first.map_or_else(|| table.header_place(table.column("target")), |row| row.place);
             let (message, help) = if first.is_some() {
                 (
-                    format!("the ball {label} was probed once, which only tells where it is"),
-                    "probe it at other angles too, or take it out",
+                    format!("the ball {label} was probed once, which determines only its position"),
+                    "probe it also at other angles, or remove it",
                 )
             } else {
                 (format!("the ball {label} of [[length]] was not probed"), "check its label")

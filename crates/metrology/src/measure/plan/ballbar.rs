@@ -106,9 +106,9 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
             let before = from - sense * overlap;
             let outside = circle.at(before, radius_mm + FEED_IN_MM);
             if is_first {
-                plan.stop("take the ball-bar off: the axes go to their first position");
+                plan.stop("remove the ball-bar: the axes go to their first position");
                 plan.approach(&outside, feed)?;
-                plan.stop("put the ball-bar on");
+                plan.stop("mount the ball-bar");
                 is_first = false;
             } else {
                 plan.on_sphere(&centre_mm, &tool_mm, &outside, chord, feed)?;
@@ -129,7 +129,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
             plan.go(&circle.at(end + sense * overlap, radius_mm + FEED_IN_MM), Some(feed))?;
         }
     }
-    plan.stop("take the ball-bar off");
+    plan.stop("remove the ball-bar");
     plan.candidates = sphere::candidates(&plan, 0, radius_mm, &tool_mm);
     plan.notes.push("the ball-bar must reach all planes of the plan in one mounting".into());
     Ok(plan)

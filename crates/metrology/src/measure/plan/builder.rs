@@ -159,11 +159,14 @@ impl Builder {
 
     fn check(&self, position: &AxisVector) -> Result<(), PlanRefused> {
         if self.path.len() > MOST || self.extras.len() > MOST {
-            return Err(PlanRefused(format!("the plan has more than {MOST} steps; take a wider step")));
+            return Err(PlanRefused(format!("the plan has more than {MOST} steps; use a larger step")));
         }
         let Some(axis) = self.outside(position) else { return Ok(()) };
         let Some(data) = self.machine.axis(axis) else {
-            return Err(PlanRefused(format!("the plan moves {axis}, which the machine {} lacks", self.machine.name)));
+            return Err(PlanRefused(format!(
+                "the plan moves {axis}, which the machine {} does not have",
+                self.machine.name
+            )));
         };
         let show = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
         let unit = if axis.is_rotary() { "deg" } else { "mm" };

@@ -83,7 +83,7 @@ fn spectrum(wishes: &Wishes) -> Result<Vec<(f64, u32)>, PlanRefused> {
             Ok(out)
         }
         Some(other) => {
-            Err(PlanRefused(format!("there is no spectrum '{other}'; the variants are din, pseudo-din, random")))
+            Err(PlanRefused(format!("unknown spectrum '{other}'; the variants are din, pseudo-din, random")))
         }
     }
 }
@@ -96,10 +96,10 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     plan.is_geometric = false;
     let centre_mm = wishes.centre_or_middle(machine, &tool_mm);
     let pose = plan.at_tip(&centre_mm, &tool_mm);
-    plan.stop("clear the way: the axes go to the sensors");
+    plan.stop("clear the path: the axes move to the sensors");
     plan.approach(&pose, wishes.feed.unwrap_or(1000.0))?;
     let pose = plan.last().unwrap_or(pose);
-    plan.stop("set the sensors to zero");
+    plan.stop("zero the sensors");
     let mut time_s = 0;
     let row = |plan: &mut Builder, time_s: u32, speed: f64| {
         let extra = Extra { time_s: Some(f64::from(time_s)), speed: Some(speed), ..Extra::default() };

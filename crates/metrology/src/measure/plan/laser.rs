@@ -15,7 +15,7 @@ use ncfix_model::name::{Carrier, ErrorKind};
 /// The plan.
 pub(super) const PLAN: PlanKind = PlanKind {
     name: "laser",
-    title: "one axis in steps, forth and back (ISO 230-2); variant equal: equal steps",
+    title: "one axis in steps, forward and backward (ISO 230-2); variant equal: equal steps",
     wishes: &["axis", "component", "range", "points", "runs", "centre", "feed", "dwell", "variant", "seed"],
     spacing: RowSpacing::Angle,
     has_setups: false,
@@ -31,7 +31,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     let is_equal = match wishes.variant.as_deref() {
         None | Some("iso") => false,
         Some("equal") => true,
-        Some(other) => return Err(PlanRefused(format!("there are no steps '{other}'; the variants are iso, equal"))),
+        Some(other) => return Err(PlanRefused(format!("unknown steps '{other}'; the variants are iso, equal"))),
     };
     let components = if wishes.components.is_empty() {
         let own = format!("E{axis}{axis}").parse::<ErrorName>();
@@ -41,7 +41,8 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     };
     for component in &components {
         if component.kind != ErrorKind::Motion || component.carrier != Carrier::Axis(axis) {
-            let message = format!("{component} is no motion error of {axis}; give such as E{axis}{axis} or EY{axis}");
+            let message =
+                format!("{component} is not a motion error of {axis}; give for example E{axis}{axis} or EY{axis}");
             return Err(PlanRefused(message));
         }
     }
@@ -79,7 +80,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     let mut plan = Builder::new(machine, wishes, set);
     let centre_mm = wishes.centre_or_middle(machine, &tool_mm);
     let mut pose = plan.at_tip(&centre_mm, &tool_mm);
-    plan.stop("clear the way: the axes go to their first position");
+    plan.stop("clear the path: the axes move to their first position");
     pose[axis] = low;
     plan.approach(&pose, feed)?;
     plan.stop("set the instrument to zero");

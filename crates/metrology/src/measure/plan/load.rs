@@ -15,7 +15,7 @@ use ncfix_model::name::{Carrier, ErrorKind};
 /// The plan.
 pub(super) const PLAN: PlanKind = PlanKind {
     name: "load",
-    title: "weights on the table at several places: variants level (an axis), plate (grid of holes)",
+    title: "weights on the table at several positions: variants level (an axis), plate (grid of holes)",
     wishes: &[
         "force",
         "place",
@@ -43,7 +43,7 @@ type Load = (f64, Vector);
 
 fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     if wishes.forces_n.is_empty() {
-        return Err(PlanRefused("the weights are missing; give --force N for each, such as --force 2000".into()));
+        return Err(PlanRefused("the weights are missing; give --force N for each, for example --force 2000".into()));
     }
     let places = if wishes.places_mm.is_empty() { vec![Vector::zeros()] } else { wishes.places_mm.clone() };
     let none: Load = (0.0, Vector::zeros());
@@ -53,7 +53,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
         None | Some("level") => level(machine, wishes, &loads)?,
         Some("plate") => plate(machine, wishes, &loads)?,
         Some(other) => {
-            return Err(PlanRefused(format!("there are no readings '{other}'; the variants are level, plate")));
+            return Err(PlanRefused(format!("unknown readings '{other}'; the variants are level, plate")));
         }
     };
     plan.is_geometric = false;
@@ -97,14 +97,16 @@ fn level(machine: &Machine, wishes: &Wishes, loads: &[Load]) -> Result<Builder, 
         .iter()
         .find(|component| component.kind != ErrorKind::Motion || component.carrier != Carrier::Axis(axis))
     {
-        return Err(PlanRefused(format!("{other} is no motion error of {axis}; give such as EA{axis} or EB{axis}")));
+        return Err(PlanRefused(format!(
+            "{other} is not a motion error of {axis}; give for example EA{axis} or EB{axis}"
+        )));
     }
     let margin = if axis.is_rotary() { 0.0 } else { wishes.margin_mm() };
     let [low, high] = wishes
         .range
         .or_else(|| data.travel.map(|[low, high]| [low + margin, high - margin]))
         .filter(|[low, high]| high > low)
-        .ok_or_else(|| PlanRefused(format!("{axis} has no range to go along; give --range FROM,TO")))?;
+        .ok_or_else(|| PlanRefused(format!("{axis} has no range of travel; give --range FROM,TO")))?;
     let count = wishes.points.unwrap_or(8).clamp(2, 10_000);
     let tool_mm = wishes.tool_mm();
     let feed = wishes.feed.unwrap_or(1000.0);

@@ -150,7 +150,7 @@ impl PlanKind {
         }
         for (name, count) in [("tool", wishes.tools_mm.len()), ("centre", wishes.centres_mm.len())] {
             if count > 1 && !self.has_setups {
-                return Err(PlanRefused(format!("a plan {} has one --{name}", self.name)));
+                return Err(PlanRefused(format!("a plan {} has only one --{name}", self.name)));
             }
         }
         let is_turned = wishes.axis.is_some_and(Axis::is_rotary);
@@ -259,5 +259,5 @@ fn kind(name: &str) -> Result<&'static super::kind::Instrument, PlanRefused> {
         .iter()
         .copied()
         .find(|kind| kind.name == name)
-        .ok_or_else(|| PlanRefused(format!("there is no kind of measurement {name}")))
+        .ok_or_else(|| PlanRefused(format!("unknown kind of measurement {name}")))
 }

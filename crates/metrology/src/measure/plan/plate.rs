@@ -53,7 +53,7 @@ impl PlannedPlate {
         let planes = if wishes.planes.is_empty() { vec![Plane::XY] } else { wishes.planes.clone() };
         let &[plane] = planes.as_slice() else {
             return Err(PlanRefused(
-                "a plate lies in one plane; make a plan for each, and judge them together (--with)".into(),
+                "a plate lies in one plane; make a plan for each, and evaluate them together (--with)".into(),
             ));
         };
         let [abscissa, ordinate, _] = plane.axes();
@@ -95,10 +95,10 @@ impl PlannedPlate {
         if let Some(side) = self.plan.side {
             let letter = ["X", "Y", "Z"].get(side.iamax()).unwrap_or(&"");
             let sign = if side.sum() < 0.0 { "-" } else { "+" };
-            self.plan.notes.push(format!("{label}: the plate is reached from its side {sign}{letter}"));
+            self.plan.notes.push(format!("{label}: the plate is probed from its side {sign}{letter}"));
         }
         self.plan.data.setups.push(Setup { label: label.to_owned(), ..Setup::default() });
-        self.plan.stop(&format!("set-up {label}: clear the way"));
+        self.plan.stop(&format!("set-up {label}: clear the path"));
         let gaps = self.side - 1;
         let between = (0..gaps * gaps).map(|number| [(number % gaps) as f64 + 0.5, (number / gaps) as f64 + 0.5]);
         let between: Vec<Observation> =

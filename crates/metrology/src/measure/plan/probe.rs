@@ -115,7 +115,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     let tool_mm = wishes.tool_mm();
     let word = wishes.variant.as_deref().unwrap_or("indexed");
     let strategy = ProbeStrategy::from_word(word).ok_or_else(|| {
-        PlanRefused(format!("there is no way of probing '{word}'; the variants are samba, rumba, rumba-check, indexed"))
+        PlanRefused(format!("unknown way of probing '{word}'; the variants are samba, rumba, rumba-check, indexed"))
     })?;
     let (poses, balls_needed, free): (Vec<Pose>, usize, &[Free]) = match strategy {
         ProbeStrategy::Samba => (samba(machine)?, 6, &[]),
@@ -181,13 +181,13 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     }
     if left_out > 0 {
         plan.notes.push(format!(
-            "{left_out} of {} poses are out of reach, or another ball is in the way, and left out",
+            "{left_out} of {} poses are omitted: they are out of reach, or another ball is in the path",
             poses.len()
         ));
     }
     if near > 0 {
         plan.notes.push(format!(
-            "at {near} poses the tool passes another ball by less than {clearance_mm} mm: look before you run it"
+            "at {near} poses the tool passes another ball by less than {clearance_mm} mm: check them before you run the program"
         ));
     }
     if wishes.balls_mm.is_empty() {
@@ -233,7 +233,7 @@ fn needs(machine: &Machine, axes: [Axis; 2], what: &str) -> Result<(), PlanRefus
     }
     let [tilt, turn] = axes;
     Err(PlanRefused(format!(
-        "{what} is for a table {turn} on {tilt}, and {} is another machine; take the generated poses (variant indexed)",
+        "{what} is for a table {turn} on {tilt}, but {} is another machine; use the generated poses (variant indexed)",
         machine.name
     )))
 }
@@ -314,7 +314,7 @@ fn balls(machine: &Machine, wishes: &Wishes, count: usize) -> Result<Vec<Vector>
     if !wishes.balls_mm.is_empty() {
         let given = wishes.balls_mm.len();
         let enough = given >= count;
-        let refused = || PlanRefused(format!("{count} balls are needed, and {given} are given"));
+        let refused = || PlanRefused(format!("{count} balls are needed, but {given} are given"));
         return enough.then(|| wishes.balls_mm.clone()).ok_or_else(refused);
     }
     let radius_mm = wishes.radius_mm.unwrap_or(RADIUS_MM);

@@ -139,9 +139,8 @@ fn forth_and_back() -> Vec<Leg> {
 
 fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     let word = wishes.variant.as_deref().unwrap_or("meridians");
-    let variant = SphereVariant::from_word(word).ok_or_else(|| {
-        PlanRefused(format!("there is no sphere '{word}'; the variants are meridians, esmaeili, spaan"))
-    })?;
+    let variant = SphereVariant::from_word(word)
+        .ok_or_else(|| PlanRefused(format!("unknown sphere '{word}'; the variants are meridians, esmaeili, spaan")))?;
     let spheres = match variant {
         SphereVariant::Meridians | SphereVariant::Esmaeili => {
             let tool_mm = wishes.tool_mm();
@@ -189,7 +188,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
         left_out += hemisphere(&mut plan, number, sphere, &settings)?;
     }
     if left_out > 0 {
-        plan.notes.push(format!("{left_out} points of the spheres are out of travel and left out"));
+        plan.notes.push(format!("{left_out} points of the spheres are outside the travel and omitted"));
     }
     if let [Sphere { radius_mm, tool_mm, .. }] = spheres.as_slice() {
         plan.candidates = candidates(&plan, 0, *radius_mm, tool_mm);
@@ -258,9 +257,9 @@ fn hemisphere(
             continue;
         }
         if !is_on {
-            plan.stop(&format!("set-up {label}: the ball-bar is off: the axes go to their first position"));
+            plan.stop(&format!("set-up {label}: ball-bar removed: the axes move to their first position"));
             plan.approach(&point.position, settings.feed)?;
-            plan.stop("put the ball-bar on");
+            plan.stop("mount the ball-bar");
             is_on = true;
         } else if is_apart {
             plan.on_sphere(centre_mm, tool_mm, &middle, WAY_CHORD, settings.feed)?;
@@ -284,7 +283,7 @@ fn hemisphere(
             "no point of sphere {label} is within the travel; the machine is too small for it"
         )));
     }
-    plan.stop("take the ball-bar off");
+    plan.stop("remove the ball-bar");
     plan.retract()?;
     Ok(left_out)
 }

@@ -63,7 +63,7 @@ fn read_measurement(section: &mut Section<'_>) -> Described {
             None => {
                 let known: Vec<&str> = UNKNOWNS.iter().map(|&(word, _)| word).collect();
                 let place = section.place_of_item("free", index);
-                let message = format!("\"{word}\" is nothing that may be unknown of a trace");
+                let message = format!("\"{word}\" is not a possible unknown of a trace");
                 section.report(Code::BAD_VALUE, place, message, format!("write any of {}", known.join(", ")));
             }
         }
@@ -83,7 +83,7 @@ fn read_ball(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Option
         let at = one.required("place_mm", "[100, 0, 50]", Section::vector);
         one.finish(findings);
         if number > 0 {
-            let help = "a trace follows one ball; take the others out";
+            let help = "a trace follows one ball; remove the others";
             section.report(Code::BAD_VALUE, place, "a second ball", help);
         }
         ball = ball.or(at);

@@ -79,7 +79,7 @@ fn columns(rows: &Table, machine: &Machine, has_control: bool, findings: &mut Ve
                 axes.push((axis, [set, encoder]));
             }
             for (name, _) in names.iter().zip(found).filter(|(_, column)| column.is_none()) {
-                let what = if name.ends_with("_enc") { "what the encoder says" } else { "the set-point" };
+                let what = if name.ends_with("_enc") { "the encoder position" } else { "the set-point" };
                 missing(name, format!("a trace needs {what} of every axis of the machine, mm or deg"));
             }
         }
@@ -90,7 +90,10 @@ fn columns(rows: &Table, machine: &Machine, has_control: bool, findings: &mut Ve
     }
     if readings.iter().any(Option::is_some) && readings.iter().any(Option::is_none) {
         let name = READINGS.iter().zip(readings).find(|(_, column)| column.is_none()).map_or("dx_um", |(name, _)| name);
-        missing(name, "parts of an error are told along three directions; give all of dx_um, dy_um, dz_um".into());
+        missing(
+            name,
+            "parts of an error are determined along three directions; give all of dx_um, dy_um, dz_um".into(),
+        );
     }
     let tool = TOOL.map(|name| rows.column(name));
     let [run, feed] = ["run", "feed_mm_min"].map(|name| rows.column(name));
@@ -152,8 +155,8 @@ fn read_row(row: &Row<'_>, columns: &Columns, machine: &Machine, run: &mut Trace
         let is_another = run.feed_mm_min.is_some_and(|known| known != feed);
         if feed <= 0.0 || is_another && !run.control.t_s.is_empty() {
             let known = run.feed_mm_min.unwrap_or(0.0);
-            let message = format!("the feed is {feed} mm/min, in a run of {known} mm/min");
-            let help = "a run is one pass at one programmed feed: give each a label of its own in the column run";
+            let message = format!("the feed is {feed} mm/min in a run with {known} mm/min");
+            let help = "a run is one pass at one programmed feed: give each pass its own label in the column run";
             return Err(Diagnostic::at(Code::DATA_CELL, row.place(column), message, help));
         }
         run.feed_mm_min = Some(feed);
@@ -195,7 +198,7 @@ fn read_row(row: &Row<'_>, columns: &Columns, machine: &Machine, run: &mut Trace
             *value = mm_from_um(number(column)?);
             if value.abs() > MOST_MM {
                 let message = "a deviation of centimetres".to_owned();
-                let help = "dx_um, dy_um, dz_um are the tool from the ball in micrometres";
+                let help = "dx_um, dy_um, dz_um are the position of the tool relative to the ball in micrometres";
                 return Err(Diagnostic::at(Code::DATA_SIZE, row.place(column), message, help));
             }
         }
@@ -226,12 +229,12 @@ fn join(rows: &Table, signals: &TraceSignals, machine: &Machine, trace: &mut Tra
             findings.extend(outside(rows, machine, &run.control));
         }
         _ => {
-            let help = "the file of a control is one run: give each run a table of its own";
+            let help = "the file of a control is one run: give each run its own table";
             let place = rows.header_place(rows.column("run"));
             findings.push(Diagnostic::at(
                 Code::DATA_COLUMN,
                 place,
-                "a table of several runs beside one file of a control",
+                "a table of several runs with one file of a control",
                 help,
             ));
         }
@@ -247,7 +250,7 @@ fn outside(rows: &Table, machine: &Machine, control: &ControlSamples) -> Option<
     let axes: Vec<Axis> = machine.axes.iter().flatten().map(|data| data.axis).collect();
     let mut all = control.set.iter().chain(&control.encoder);
     let axis = all.find_map(|at| axes.iter().find_map(|&axis| far(at, axis)))?;
-    let message = format!("what the control recorded of {axis} is outside its travel");
+    let message = format!("the recorded positions of {axis} are outside its travel");
     let help = format!("check the signal of {axis}, its unit (mm, degrees), and --machine");
     Some(Diagnostic::at(Code::OUT_OF_TRAVEL, rows.header_place(None), message, help))
 }
@@ -262,8 +265,8 @@ fn check(rows: &Table, trace: &Trace, findings: &mut Vec<Diagnostic>) {
         let place = run.place.unwrap_or_else(|| rows.header_place(None));
         for (what, times) in [("control", &run.control.t_s), ("instrument", &run.readings.t_s)] {
             if let Some((from_s, gap_s)) = gap(times) {
-                let message = format!("the record of the {what} stops for {gap_s:.3} s behind t_s {from_s}");
-                let help = "a run is one record without a break: give the parts labels of their own in the column run";
+                let message = format!("the record of the {what} has a gap of {gap_s:.3} s after t_s {from_s}");
+                let help = "a run is one record without a gap: give each part its own label in the column run";
                 findings.push(Diagnostic::at(Code::DATA_CELL, place, message, help));
             }
         }
@@ -275,12 +278,12 @@ fn check(rows: &Table, trace: &Trace, findings: &mut Vec<Diagnostic>) {
             findings.push(Diagnostic::at(Code::DATA_COLUMN, place, message, help));
         }
         if trace.runs.len() > 1 && run.feed_mm_min.is_none() {
-            let message = format!("nothing says at which feed {name} was programmed");
+            let message = format!("the programmed feed of {name} is not given");
             let help = "fill the column feed_mm_min";
             findings.push(Diagnostic::at(Code::DATA_COLUMN, place, message, help));
         }
         if run.tool_mm != trace.runs.first().map_or(Vector::zeros(), |first| first.tool_mm) {
-            let help = "a trace is one set-up: give runs with another tool a table of their own";
+            let help = "a trace is one set-up: put runs with another tool in a separate table";
             findings.push(Diagnostic::at(Code::DATA_CELL, place, format!("{name} has another tool"), help));
         }
     }

@@ -55,13 +55,13 @@ pub fn read(
         let help = "give the XML file that the control saves with Diagnostics › Trace";
         vec![Diagnostic::at(Code::DATA_NO_TABLE, place, message, help)]
     };
-    let text = std::str::from_utf8(source.bytes()).map_err(|_| none(whole, "the file is no UTF-8".into()))?;
+    let text = std::str::from_utf8(source.bytes()).map_err(|_| none(whole, "the file is not UTF-8".into()))?;
     let text = text.trim_start_matches('\u{feff}');
     let skipped = source.bytes().len() - text.len();
     let options = ParsingOptions { allow_dtd: false, nodes_limit: MOST_NODES, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options).map_err(|error| {
         let at = offset(text, error.pos().row, error.pos().col) + skipped;
-        none(Place { file: source.id(), span: Span::new(at, at + 1) }, format!("the file is no XML: {error}"))
+        none(Place { file: source.id(), span: Span::new(at, at + 1) }, format!("the file is not XML: {error}"))
     })?;
     let place = |node: Node<'_, '_>| {
         let range = node.range();
@@ -69,14 +69,14 @@ pub fn read(
         Place { file: source.id(), span: Span::new(range.start + skipped, end + skipped) }
     };
     let find = |name: &str| document.descendants().find(|node| node.has_tag_name(name));
-    let frame = find("dataFrame").ok_or_else(|| none(whole, "the file has no dataFrame: it is no trace".into()))?;
+    let frame = find("dataFrame").ok_or_else(|| none(whole, "the file has no dataFrame: it is not a trace".into()))?;
     let signals = signals(&document, frame);
     let columns = columns(names, &signals, machine, place(frame))?;
     let mut control = ControlSamples::default();
     let mut now: Vec<Option<f64>> = vec![None; columns.len()];
     for record in frame.children().filter(|node| node.has_tag_name("rec")) {
         let bad = |what: &str, text: &str| {
-            let message = format!("'{text}' is no {what}");
+            let message = format!("'{text}' is not a valid {what}");
             vec![Diagnostic::at(Code::DATA_CELL, place(record), message, "correct the file, or record it again")]
         };
         let stated = record.attribute("time").unwrap_or_default();
@@ -88,7 +88,7 @@ pub fn read(
             }
         }
         if control.t_s.last().is_some_and(|&last| t_s <= last) {
-            return Err(bad("time behind the one before", stated));
+            return Err(bad("time after the previous one", stated));
         }
         // Records begin before every signal has a value.
         let Some(values) = now.iter().copied().collect::<Option<Vec<f64>>>() else { continue };
@@ -148,7 +148,7 @@ fn columns<'a>(
         }
     }
     if !unnamed.is_empty() {
-        faults.push(format!("nothing says which signal is {}", unnamed.join(", ")));
+        faults.push(format!("the signal for {} is not given", unnamed.join(", ")));
     }
     if faults.is_empty() {
         return Ok(columns);

@@ -165,7 +165,7 @@ impl<'a> Weigher<'a> {
         self.demand_separation(findings)?;
         let left_out = self.leave_out()?;
         for &place in &left_out {
-            let message = "this reading is left out: it contradicts the others, as behind a pulse of lubricant";
+            let message = "this reading is excluded: it contradicts the others, as after a lubrication pulse";
             findings.push(Diagnostic::at(
                 Code::READING_LEFT_OUT,
                 place,
@@ -177,12 +177,12 @@ impl<'a> Weigher<'a> {
             .ok_or_else(|| self.refusal(NOT_TOLD, NOT_TOLD_HELP))?;
         if fit.freedom == 0 && self.sigma_um_m.is_none() {
             return Err(self.refusal(
-                "there are as many unknowns as readings, so nothing says how uncertain the load is",
+                "there are as many unknowns as readings, so the uncertainty of the load is not known",
                 "measure every position twice, or give sigma_um_per_m in [strain]",
             ));
         }
         if fit.freedom < 2 {
-            let message = "a reading disturbed by a pulse of lubricant cannot be found: there are too few readings";
+            let message = "a reading disturbed by a lubrication pulse cannot be detected: there are too few readings";
             findings.push(self.warning(message.to_owned(), "measure every position at least twice"));
         }
         let noise_um_m = self.noise(&fit, findings);
@@ -214,11 +214,10 @@ impl<'a> Weigher<'a> {
             OutlierVerdict::Rivals(indices) => {
                 let place = indices.iter().find_map(|&index| place(index));
                 let message = format!(
-                    "{} readings contradict each other, this and others at its position or beside it; one or two of them are disturbed, as behind a \
-                     pulse of lubricant, and nothing says which",
+                    "{} readings contradict each other, this one and others at or near its position; one or two are disturbed, as after a lubrication pulse, but it is not known which",
                     indices.len()
                 );
-                let help = "measure all positions once more as a further run; three readings of a position tell which one is disturbed";
+                let help = "measure all positions again as a further run; three readings of a position show which one is disturbed";
                 Err(match place {
                     Some(place) => Diagnostic::at(Code::LOAD_NOT_TOLD, place, message, help),
                     None => self.refusal(&message, help),
@@ -243,12 +242,11 @@ impl<'a> Weigher<'a> {
             let letter = ['X', 'Y', 'Z'][i];
             let likeness = fit::likeness(&self.lines, column);
             let message = format!(
-                "the readings do not tell where the load stands along {letter}; {letter} 0 is assumed, and the weight changes by {:.0} % for each \
-                 100 mm that it is off",
+                "the readings do not determine the position of the load along {letter}; {letter} 0 is assumed, and the weight changes by {:.0} % for each 100 mm of deviation",
                 likeness * 1e4
             );
             let help = format!(
-                "give the place with --known {letter}0; runs with more positions, or forth and back where there is t_s, may tell it"
+                "give the position with --known {letter}0; runs with more positions, or in both directions with t_s, may determine it"
             );
             findings.push(self.warning(message, &help));
             for line in &mut self.lines {
@@ -283,10 +281,10 @@ impl<'a> Weigher<'a> {
         let is_seen = force.value > LEAST_SIGMAS * force.sigma;
         if !is_seen {
             let message = format!(
-                "no load is told from none: {:.0} N with a standard uncertainty of {:.0} N",
+                "the load is not significant: {:.0} N with a standard uncertainty of {:.0} N",
                 force.value, force.sigma
             );
-            findings.push(self.warning(message, "the place is taken for the center of the table"));
+            findings.push(self.warning(message, "the position is taken as the center of the table"));
         }
         for (column, &i) in self.moments.iter().enumerate().map(|(index, i)| (index + 1, i)) {
             position_mm[i] = Coordinate::Assumed;
@@ -319,9 +317,9 @@ impl<'a> Weigher<'a> {
     }
 }
 
-const NOT_TOLD: &str = "the strain of these readings does not tell the weight: its change along the axis is no other than that of its offset and drift";
+const NOT_TOLD: &str = "the strain of these readings does not determine the weight: it changes along the axis only as its offset and drift do";
 const NOT_TOLD_HELP: &str =
-    "measure at all positions of [strain] in every run; where there is a column t_s go forth and back, or remove it";
+    "measure at all positions of [strain] in every run; with a column t_s measure in both directions, or remove it";
 
 /// The place of a workpiece as a person writes it, `X0,Z-280`: coordinates in mm, `None` for those that are not given.
 ///
@@ -330,7 +328,7 @@ const NOT_TOLD_HELP: &str =
 pub fn known_place(text: &str) -> Result<[Option<f64>; 3], String> {
     let mut place = [None; 3];
     for part in text.split(',').map(str::trim) {
-        let wrong = || format!("'{part}' is no coordinate; write for example X0,Z-280");
+        let wrong = || format!("'{part}' is not a coordinate; write for example X0,Z-280");
         let letter = part.bytes().next().ok_or_else(wrong)?.to_ascii_uppercase();
         let index = b"XYZ".iter().position(|&known| known == letter).ok_or_else(wrong)?;
         let number: f64 = part.get(1..).and_then(|number| number.trim().parse().ok()).ok_or_else(wrong)?;

@@ -72,11 +72,11 @@ impl Words {
             return Err(self.no_words(
                 origin,
                 "such a move in machine coordinates",
-                "move to machine coordinates in rapid",
+                "move to machine coordinates at rapid",
             ));
         }
         if arc.as_ref().is_some_and(|arc| arc.extra_turns > 0) && self.flavour.language != Language::Rs274 {
-            return Err(self.no_words(origin, "an arc of several turns", "program one turn a block"));
+            return Err(self.no_words(origin, "an arc of several turns", "program one turn per block"));
         }
         match (&piece.motion_mode, arc) {
             (MotionMode::Thread(thread), _) => self.thread_word(thread, origin),
@@ -117,7 +117,7 @@ impl Words {
             (ThreadCode::G63, Language::Fanuc) => Ok("G1"),
             (code, _) => {
                 let what = format!("a thread like {}", code.word());
-                Err(self.no_words(origin, &what, "cut this thread with a program that is not corrected"))
+                Err(self.no_words(origin, &what, "cut this thread with the uncorrected program"))
             }
         }
     }
@@ -148,7 +148,7 @@ impl Words {
             // RS274/NGC gives a special meaning to the sign of a position within the turn.
             let plain = plain.filter(|&plain| self.flavour.language != Language::Rs274 || plain == count);
             let Some(count) = plain else {
-                let what = format!("the way on which {axis} turns");
+                let what = format!("the direction in which {axis} turns");
                 return Err(self.no_words(&piece.origin, &what, "turn by less than half a turn in each block"));
             };
             self.line.word(&[axis.letter()]);

@@ -76,7 +76,7 @@ impl std::fmt::Display for ActSubject {
             ActSubject::Message => "message",
             ActSubject::WorkOffset => "work offset",
             ActSubject::Frame => "frame",
-            ActSubject::Passing => "passing of block ends",
+            ActSubject::Passing => "exact stop or path mode",
             ActSubject::Tool => "tool",
             ActSubject::ToolOffset => "tool offset",
             ActSubject::ToolLength => "tool length or H function",

@@ -118,7 +118,7 @@ impl MoveGroup<'_> {
                 piece.rapid != self.step.rapid && !(piece.rapid && piece.continues && self.step.is_uncut());
             if is_torn || is_another || self.length_mm > MOST_SHARE * whole_mm + MEANT_END_MM {
                 let why = match (is_torn, is_another, piece.rapid) {
-                    (true, ..) => "is marked as a further piece of a move that has ended",
+                    (true, ..) => "is marked as one more piece of a move that has already ended",
                     (_, true, true) => "goes at rapid where this move of the original has a feed",
                     (_, true, false) => "has a feed where this move of the original goes at rapid",
                     _ => "does not follow this move of the original",
@@ -137,7 +137,7 @@ impl MoveGroup<'_> {
                 self.parameter = if is_complete { 1.0 } else { self.nearest(&piece) };
             }
             if is_complete && self.off_mm(&offset) > MEANT_END_MM {
-                let why = "does not end this move of the original where it ends";
+                let why = "does not end at the end of this move of the original";
                 let parting = self.parting(&piece, why, corrected.peek());
                 corrected.put_back(piece);
                 return Err(parting);

@@ -141,7 +141,13 @@ pub fn compare(
     found.map_err(|partings| {
         let line = |origin: &Origin| format!("line {} of the corrected program", origin.line);
         let first = partings.first().map(|parting| parting.diagnostic(line));
-        first.unwrap_or_else(|| Diagnostic::nowhere(Code::CANNOT_ALIGN, "the programs part", "compare them by eye"))
+        first.unwrap_or_else(|| {
+            Diagnostic::nowhere(
+                Code::CANNOT_ALIGN,
+                "the programs no longer match from here",
+                "compare them manually from here",
+            )
+        })
     })
 }
 
@@ -209,7 +215,7 @@ pub fn compare_seeing(
     let mut rest = Vec::new();
     for step in corrected {
         if step.route.size_mm() > SAME_END_MM {
-            let why = "moves on behind the end of the original";
+            let why = "continues to move after the end of the original";
             partings.push(Parting::at(&step, &step, why, [step.route.end; 2], false));
             return Err(partings);
         }

@@ -46,14 +46,14 @@ impl Parting {
             why = format!("{why}: it ends with {}", ends.join(", "));
         }
         if is_new {
-            why.push_str("; it may be new, as the line below it ends this move");
+            why.push_str("; it may be new, because the next line ends this move");
         }
         Parting { original: step.origin, corrected: Some(piece.origin), why }
     }
 
     /// Adds that the piece ends the next move of the original.
     pub(super) fn lacks_a_move(&mut self) {
-        self.why.push_str("; this move may be missing, as that line ends the next one");
+        self.why.push_str("; this move may be missing, because that line ends the next one");
     }
 
     /// A diagnostic in the original; `line` names the line of the corrected program.
@@ -68,7 +68,7 @@ impl Parting {
             Code::CANNOT_ALIGN,
             place,
             message,
-            "compare a program with what was made from it, on the same machine",
+            "compare a program with its own corrected program, on the same machine",
         )
     }
 }

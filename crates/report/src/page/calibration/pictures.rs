@@ -129,7 +129,7 @@ fn circles(out: &mut Markup, data: &Data) {
     }
     let more = planes.len().saturating_sub(MOST_POLAR);
     for picture in planes.values().take(MOST_POLAR) {
-        figure(out, picture, "Center and length as far as they are unknown are taken off.");
+        figure(out, picture, "Unknown center and length are removed.");
     }
     if more > 0 {
         out.leaf("p", &[("class", &"soft")], format_args!("{more} more circles are not drawn."));

@@ -1,8 +1,9 @@
 //! Evidence of one cause, with its equivalent explanations.
 
 use super::pictures::{driver_of, mean_lines, means, time_of, title_of};
-use super::{component_of, figure, polar, side_by_side, spelled_out};
-use crate::diagnosis::{CauseText as _, DiagnosisReport, PageReadings, chance, differing};
+use super::{figure, polar, side_by_side};
+use crate::component::{component_of, spelled_out};
+use crate::diagnosis::{CauseText as _, DiagnosisReport, PageReadings, differing, p_value};
 use crate::markup::Markup;
 use crate::number::{grouped, significant};
 use crate::plot::{Chart, PlotSeries, Shape};
@@ -61,47 +62,44 @@ fn words(out: &mut Markup, report: &DiagnosisReport, one: &CauseReport) {
     let mut all: Vec<(&str, String)> = Vec::new();
     match &one.what {
         Some(what) => all.push(("what it is", what.clone())),
-        None => all.push(("usually made by", one.made_by.clone())),
+        None => all.push(("usual reasons", one.made_by.clone())),
     }
     let depends = one.depends();
     if !depends.is_empty() {
-        all.push(("goes with", depends));
+        all.push(("depends on", depends));
     }
     if !one.shown_by.is_empty() && one.what.is_none() {
         all.push(("shown by", one.shown_by.clone()));
     }
     all.push((
-        "what it does",
+        "effect",
         format!(
-            "{} {unit} of the readings (RMS), {} {unit} from its smallest to its largest within a set-up",
+            "{} {unit} RMS of the readings, {} {unit} from its smallest to its largest within a set-up",
             significant(one.rms_um),
             significant(one.alone_um)
         ),
     ));
     let tried = grouped(report.found.tried as u64);
-    all.push(("by chance", format!("{}, over {tried} candidates and with the memory of the noise", chance(one.p))));
-    let held_out = if report.found.before.holdout_rms_um.is_some() {
-        "of data held out"
-    } else {
-        "of runs or set-ups left out in turn"
-    };
+    all.push(("significance", format!("{}, for {tried} candidates and autocorrelated noise", p_value(one.p))));
+    let held_out =
+        if report.found.before.holdout_rms_um.is_some() { "data held out" } else { "runs or set-ups left out in turn" };
     all.push((
         "on unseen readings",
-        format!("{:.1} % less is left (RMS) {held_out}, in which it was not looked for", 100.0 * one.gain_holdout),
+        format!("residual {:.1} % smaller (RMS) on {held_out}, which were not searched", 100.0 * one.gain_holdout),
     ));
     if one.class.len() > 1 {
         let more = one.class.len().saturating_sub(1 + MOST_RIVALS);
         let rivals: Vec<&str> = one.class.iter().skip(1).take(MOST_RIVALS).map(String::as_str).collect();
         let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
-        all.push(("may as well be", format!("{}{rest}", rivals.join(", "))));
+        all.push(("equivalent explanations", format!("{}{rest}", rivals.join(", "))));
     } else {
-        all.push(("rivals", "none: no other candidate explains as much".into()));
+        all.push(("equivalent explanations", "none: no other candidate explains as much".into()));
     }
     if let Some(differs) = differing(&one.by_file) {
         all.push(("file by file", format!("it {differs}")));
     }
     if let Some(how) = &one.separate_by {
-        all.push(("to tell them apart", how.clone()));
+        all.push(("to separate them", how.clone()));
     }
     let held = match (&report.output, one.extends) {
         (Some(_), true) => "; it is in the extended machine file",

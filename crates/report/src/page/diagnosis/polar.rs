@@ -30,12 +30,12 @@ pub(super) fn section(out: &mut Markup, shown: &PageReadings) {
         side_by_side(out, |out| {
             for plane in most(set, &planes, &before, MOST_CIRCLES) {
                 let picture = picture(set, plane, "Ball-bar", &[("before", &before), ("after", &after)]);
-                figure(out, &picture, "Center and length as far as they are unknown are taken off.");
+                figure(out, &picture, "Unknown center and length are removed.");
             }
         });
         let more = planes.len().saturating_sub(MOST_CIRCLES);
         if more > 0 {
-            let text = format_args!("{more} more circles are not drawn: those with most left come first.");
+            let text = format_args!("{more} more circles are not drawn: those with the largest residual come first.");
             out.leaf("p", &[("class", &"soft")], text);
         }
     }

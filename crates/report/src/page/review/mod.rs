@@ -125,9 +125,9 @@ fn body(out: &mut Markup, subject: &Subject<'_>) {
         out.leaf("div", &[("id", &"filters")], "");
         out.leaf("div", &[("id", &"lines"), ("tabindex", &0)], "");
     });
-    out.leaf("noscript", &[], "Plots and the list of lines need JavaScript; everything above is there without.");
+    out.leaf("noscript", &[], "Plots and the list of lines need JavaScript; everything above works without it.");
     out.element("section", &[("id", &"provenance")], |out| {
-        out.leaf("h2", &[], "Where this comes from");
+        out.leaf("h2", &[], "Sources");
         out.element("dl", &[("class", &"evidence")], |out| {
             for (what, value) in &review.provenance {
                 out.leaf("dt", &[], what);
@@ -202,7 +202,7 @@ fn figures(out: &mut Markup, subject: &Subject<'_>) {
         out,
         &titles,
         &rows,
-        "What was added to the words of each axis; 99 % of all sizes are no larger than the last number.",
+        "Corrections added to the words of each axis; 99 % of them are not larger than the last number.",
         usize::MAX,
     );
     let left: Vec<super::PageRow> = review
@@ -211,14 +211,14 @@ fn figures(out: &mut Markup, subject: &Subject<'_>) {
         .map(|(why, count)| super::PageRow { class: "", cells: vec![(*why).to_owned(), grouped(*count)] })
         .collect();
     if !left.is_empty() {
-        table(out, &columns(["moves left as they were", "#count"]), &left, "", usize::MAX);
+        table(out, &columns(["moves left unchanged", "#count"]), &left, "", usize::MAX);
     }
     pictures(out, |out| {
         for axis in changed(subject) {
             let (unit, scale) = unit_of(axis);
             let values = subject.trace.rows.iter().map(|row| scale * row.added(axis)).collect();
             let histogram = Histogram {
-                title: format!("{axis}: what was added"),
+                title: format!("{axis}: corrections"),
                 across: format!("{unit} added to {axis}"),
                 counted: "pieces",
                 values,

@@ -59,7 +59,7 @@ fn faults(tables: &Tables, _: &Wiring) -> Vec<String> {
             Nodes::Even { .. } => {}
         }
         if one.modulo && !one.input.is_rotary() {
-            faults.push(format!("table {index} repeats over {}, and only rotary axes do", one.input));
+            faults.push(format!("table {index} repeats over {}, which only rotary axes can", one.input));
         }
         let factor = one.factor.and_then(|factor| tables.lookups.get(factor));
         if factor.is_some_and(|factor| factor.output != one.output) {

@@ -131,7 +131,7 @@ fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic
             }
             Some(row) if rows.len() < MOST_POINTS => rows.push(row),
             Some(_) => {
-                report.fault(&line, line.text, format!("more than {MOST_POINTS} points"), "the control takes 256");
+                report.fault(&line, line.text, format!("more than {MOST_POINTS} points"), "a COMP_FILE may have 256");
                 is_behind = true;
             }
             None => is_behind = true,
@@ -147,27 +147,27 @@ fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic
     }
     if rows.is_empty() {
         report.empty(
-            "the first line is no triplet",
+            "the first line is not a triplet",
             "write nominal, forward and reverse from the first line on, without remarks",
         );
         return report.findings;
     }
     if let Some(span) = lost {
-        let help = "the control stops at the first line that is no triplet: put remarks behind the table";
+        let help = "the control stops at the first line that is not a triplet: write remarks after the table";
         report.unused_at(span, "the control does not read from here on", help);
     }
     if report.has_fault() {
         return report.findings;
     }
     let Some(is_trim) = is_trim.or_else(|| guess_type(&rows)) else {
-        let help = format!("write {TYPE_MARK} 0 or 1 behind the table, as the INI file has it");
-        report.empty("positions or trims: the numbers do not tell", &help);
+        let help = format!("write {TYPE_MARK} 0 or 1 after the table, as in the INI file");
+        report.empty("positions or trims: the numbers do not show which", &help);
         return report.findings;
     };
     let Some(axis) = axis else {
         report.empty(
             "the axis of the table is not known",
-            "name the file after it, x.comp, or write # axis X behind the table",
+            "name the file after it, x.comp, or write # axis X after the table",
         );
         return report.findings;
     };

@@ -26,7 +26,7 @@ const MOST_TABLES: usize = 62;
 pub(super) const FORMAT: Format = Format {
     name: "enc",
     title: "SINUMERIK $AA_ENC_COMP",
-    sign: "positive values move the axis in the negative direction, because they correct what the encoder tells",
+    sign: "positive values move the axis in the negative direction, because they correct the encoder reading",
     holds: &[Holds::Own, Holds::Repetition],
     // One for each of 31 axes; MD38000 accepts 5000 points; the largest value is not documented.
     limits: FormatLimits { tables: 31, points: 5000, value_mm: 0.0, resolution_mm: 1e-6 },
@@ -59,10 +59,10 @@ fn faults(tables: &Tables, _: &Wiring) -> Vec<String> {
             Nodes::Even { .. } => {}
         }
         if one.modulo && !one.input.is_rotary() {
-            faults.push(format!("the table of {} repeats, and only rotary axes do", one.input));
+            faults.push(format!("the table of {} repeats, which only rotary axes can", one.input));
         }
         if tables.lookups.iter().take(index).any(|other| other.input == one.input) {
-            faults.push(format!("{} has a second table, and an encoder has one", one.input));
+            faults.push(format!("{} has a second table, but an encoder has only one", one.input));
         }
     }
     faults
@@ -147,8 +147,8 @@ impl Reader<'_> {
             // Sag tables belong to another format, with its own reader.
             let is_known = ["$AN_CEC", "$SN_CEC", "$MN_MM_CEC"].iter().any(|head| one.name.starts_with(head));
             if !one.name.contains("ENC_COMP") && !is_known {
-                let message = format!("{} is not part of the leadscrew compensation and is left out", shown(&one.name));
-                self.report.unused(line, one.text, message, "see that nothing of the tables is lost");
+                let message = format!("{} is not part of the leadscrew compensation and is ignored", shown(&one.name));
+                self.report.unused(line, one.text, message, "check that no part of the tables is missing");
             }
             return;
         };
@@ -170,7 +170,7 @@ impl Reader<'_> {
         match (field, n) {
             ("", Some(n)) => {
                 if raw.values.insert(n, number).is_some_and(|before| before != number) {
-                    let message = format!("point {n} of {} is there twice, with different values", shown(axis));
+                    let message = format!("point {n} of {} is given twice, with different values", shown(axis));
                     self.report.fault(line, one.text, message, super::TWICE);
                 }
             }
@@ -183,16 +183,16 @@ impl Reader<'_> {
                 let is_switch = name != "IS_MODULO" || [0.0, 1.0].contains(&number);
                 let before = raw.fields.insert(name, number);
                 if !is_switch {
-                    let help = "write 0 or 1: what the control makes of another number is not known";
+                    let help = "write 0 or 1: it is not known how the control reads another number";
                     self.report.fault(line, one.value, format!("{} is {number}", one.name), help);
                 } else if before.is_some_and(|before| before != number) {
-                    let message = format!("{} of {} is there twice, with different values", one.name, shown(axis));
+                    let message = format!("{} of {} is given twice, with different values", one.name, shown(axis));
                     self.report.fault(line, one.text, message, super::TWICE);
                 }
             }
             _ => {
-                let message = format!("{} is not known and is left out", shown(&one.name));
-                self.report.unused(line, one.text, message, "look up what it does before the table is used");
+                let message = format!("{} is not known and is ignored", shown(&one.name));
+                self.report.unused(line, one.text, message, "look up its effect before the table is used");
             }
         }
     }
@@ -201,7 +201,7 @@ impl Reader<'_> {
         let raw = std::mem::take(&mut self.raw);
         if raw.is_empty() {
             self.report
-                .empty("no leadscrew table is in the file", "a table has lines such as $AA_ENC_COMP[0,0,AX1]=0.005");
+                .empty("the file has no leadscrew table", "a table has lines such as $AA_ENC_COMP[0,0,AX1]=0.005");
         }
         // In the order of the file, which is that of the written tables.
         let mut raw: Vec<_> = raw.into_iter().collect();
@@ -211,7 +211,7 @@ impl Reader<'_> {
             let [step, min, max] = ["STEP", "MIN", "MAX"].map(|name| one.field(name));
             if one.fields.get("STEP") == Some(&0.0) {
                 let message = format!("the table of {} is not in use: STEP 0", shown(name));
-                self.report.unused_at(span, message, "give it a step above 0 and MAX above MIN if it shall be used");
+                self.report.unused_at(span, message, "if it is to be used, give it a step above 0 and MAX above MIN");
                 continue;
             }
             if let Some(names) = missing("$AA_ENC_COMP_", &FIELDS, &one.fields) {
@@ -220,14 +220,14 @@ impl Reader<'_> {
             }
             if step < 0.0 || max <= min {
                 let message = format!("the table of {} has STEP {step}, MIN {min}, MAX {max}", shown(name));
-                let help = "give it a step above 0 and MAX above MIN, or STEP 0 if it shall not be used";
+                let help = "give it a step above 0 and MAX above MIN, or STEP 0 if it is not used";
                 self.report.fault_at(span, message, help);
                 continue;
             }
             if let Some(lookup) = self.lookup(wiring, name, *m, one, span) {
                 if tables.lookups.iter().any(|other| other.input == lookup.input && other.output == lookup.output) {
                     let message = format!("{} has a second table, for measuring system {m}", shown(name));
-                    let help = "only one measuring system of an axis is at work: leave out the lines of the other, or set its STEP to 0";
+                    let help = "only one measuring system of an axis is active: remove the lines of the other, or set its STEP to 0";
                     self.report.fault_at(span, message, help);
                     continue;
                 }
@@ -240,7 +240,7 @@ impl Reader<'_> {
     fn lookup(&mut self, wiring: &Wiring, name: &str, m: usize, raw: &Raw, span: Span) -> Option<Lookup> {
         let Some(axis) = wiring.axis(name) else {
             let help = "give the machine, or name the axis with --axis-name X=AX1";
-            self.report.fault_at(span, format!("no axis is known as {}", shown(name)), help);
+            self.report.fault_at(span, format!("no axis has the name {}", shown(name)), help);
             return None;
         };
         let scale = |value: f64| if axis.is_rotary() { value } else { value * raw.unit_mm };
@@ -261,14 +261,14 @@ impl Reader<'_> {
         }
         let surplus = raw.values.range(count..).filter(|(_, value)| **value != 0.0).count();
         if surplus > 0 {
-            let message = format!("{surplus} values of {} lie behind MAX and are not used", shown(name));
-            self.report.unused_at(span, message, "the control does not use them either");
+            let message = format!("{surplus} values of {} are beyond MAX and are not used", shown(name));
+            self.report.unused_at(span, message, "the control ignores them too");
         }
         let value = |n: usize| 0.0 - scale(raw.values.get(&n).copied().unwrap_or(0.0));
         let modulo = raw.field("IS_MODULO") != 0.0;
         if modulo && !axis.is_rotary() {
             let message = format!("the table of {axis} repeats, which is a linear axis");
-            self.report.fault_at(span, message, "write $AA_ENC_COMP_IS_MODULO 0: only rotary axes begin again");
+            self.report.fault_at(span, message, "write $AA_ENC_COMP_IS_MODULO 0: only rotary axes can repeat");
         }
         let values = (0..count).map(value).collect();
         Some(Lookup { modulo, sense: Sense::Both, ..Lookup::added(axis, axis, nodes, values) })

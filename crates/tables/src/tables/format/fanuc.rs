@@ -130,14 +130,14 @@ impl Reader<'_> {
         let parts: Vec<&str> = cells(text).take(5).collect();
         let [name, start, step, count] = parts[..] else {
             let help = "write a row for each of three axes: X,-100,50,9";
-            self.report.fault(line, text, format!("'{}' is no row of {GRID_HEAD}", shown(text)), help);
+            self.report.fault(line, text, format!("'{}' is not a row of {GRID_HEAD}", shown(text)), help);
             return;
         };
         let axis = self.wiring.axis(name).filter(|axis| !axis.is_rotary());
         let is_new = self.axes.len() < 3 && self.axes.iter().all(|row| Some(row.axis) != axis);
         let (Some(axis), true) = (axis, is_new) else {
             let help = "a grid has three different linear axes";
-            self.report.fault(line, name, format!("'{}' is no further linear axis", shown(name)), help);
+            self.report.fault(line, name, format!("'{}' is not another linear axis", shown(name)), help);
             return;
         };
         let (Some(start), Some(step)) = (self.report.number(line, start), self.report.number(line, step)) else {
@@ -149,7 +149,7 @@ impl Reader<'_> {
             }
             _ => {
                 let help = "an axis has two nodes or more, a positive distance apart";
-                self.report.fault(line, text, format!("'{}' is no grid", shown(text)), help);
+                self.report.fault(line, text, format!("'{}' is not a grid", shown(text)), help);
             }
         }
     }
@@ -160,7 +160,7 @@ impl Reader<'_> {
             self.report.fault(
                 line,
                 text,
-                format!("'{}' is no node", shown(text)),
+                format!("'{}' is not a node", shown(text)),
                 "write number, positions and values",
             );
             return;
@@ -168,7 +168,7 @@ impl Reader<'_> {
         let index = self.values.len();
         if number.parse::<usize>().ok() != Some(index + 1) {
             let help = "nodes are numbered from 1 without a gap, the first axis fastest";
-            self.report.fault(line, number, format!("node {} is expected", index + 1), help);
+            self.report.fault(line, number, format!("node {} must come here", index + 1), help);
             return;
         }
         if index >= MOST_NODES {
@@ -176,7 +176,7 @@ impl Reader<'_> {
                 line,
                 number,
                 format!("more than {MOST_NODES} nodes"),
-                "the control takes 25 along each axis",
+                "the control allows 25 along each axis",
             );
             return;
         }
@@ -207,16 +207,17 @@ impl Reader<'_> {
     fn finish(mut self, tables: &mut Tables) -> Vec<Diagnostic> {
         let Ok([x, y, z]) = <[Row; 3]>::try_from(self.axes) else {
             self.report
-                .empty("no grid is in the file", "write a row of axis,start_mm,step_mm,count for each of three axes");
+                .empty("the file has no grid", "write a row of axis,start_mm,step_mm,count for each of three axes");
             return self.report.findings;
         };
         let rows = [x, y, z];
         let nodes = rows.iter().try_fold(1_usize, |nodes, row| nodes.checked_mul(row.count));
         if nodes != Some(self.values.len()) {
-            let message = format!("{} nodes, and the grid has {}", self.values.len(), nodes.unwrap_or(usize::MAX));
+            let message =
+                format!("the file has {} nodes, but the grid has {}", self.values.len(), nodes.unwrap_or(usize::MAX));
             self.report.empty(&message, "write every node");
         } else if tables.grid.is_some() {
-            self.report.empty("a grid was read before this one", "the control has one");
+            self.report.empty("a grid has already been read", "the control has only one");
         } else if !self.report.has_fault() {
             tables.grid = Some(Grid {
                 axes: [rows[0].axis, rows[1].axis, rows[2].axis],

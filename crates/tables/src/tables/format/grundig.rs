@@ -61,7 +61,7 @@ fn number(axis: Axis) -> Option<usize> {
 fn faults(tables: &Tables, _: &Wiring) -> Vec<String> {
     let axes = tables.errors.iter().flat_map(|errors| &errors.axes);
     let others = axes.filter(|one| number(one.axis).is_none());
-    others.map(|one| format!("the table has S1, S2, S3 for X, Y, Z and none for {}", one.axis)).collect()
+    others.map(|one| format!("the table has S1, S2, S3 for X, Y, Z and no letter for {}", one.axis)).collect()
 }
 
 fn write(tables: &Tables, _: &Wiring, notes: &[String]) -> Vec<Written> {
@@ -112,14 +112,12 @@ fn read(source: &Source, _: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
         }
     }
     if axes.is_empty() && !report.has_fault() {
-        report.empty(
-            "no error table is in the file",
-            "a table has rows such as S1 P-100 T1=10 T2=6 T3=-6 R1=-1 R2=0 R3=3",
-        );
+        report
+            .empty("the file has no error table", "a table has rows such as S1 P-100 T1=10 T2=6 T3=-6 R1=-1 R2=0 R3=3");
     }
     let known = tables.errors.iter().flat_map(|errors| &errors.axes);
     if let Some(one) = known.map(|one| one.axis).find(|&axis| axes.iter().any(|one| one.axis == axis)) {
-        report.empty(&format!("the errors of {one} were read before"), "name one file only");
+        report.empty(&format!("the errors of {one} have already been read"), "name one file only");
     }
     if !report.has_fault() {
         tables.errors.get_or_insert_with(ErrorTables::default).axes.extend(axes);
@@ -144,7 +142,7 @@ fn add(
     if one.positions.last().is_some_and(|&last| last >= position) {
         report.fault(line, line.text, format!("the positions of {axis} do not increase"), "sort the rows by P");
     } else if one.positions.len() >= MOST_POINTS {
-        report.fault(line, line.text, format!("{axis} has more than {MOST_POINTS} points"), "take fewer");
+        report.fault(line, line.text, format!("{axis} has more than {MOST_POINTS} points"), "use fewer");
     } else {
         one.positions.push(position);
         one.values.push(values);
@@ -161,8 +159,13 @@ fn row(line: &ScannedLine<'_>, text: &str, report: &mut Report<'_>) -> Option<(A
         if let Some((address, value)) = upper.split_once('=') {
             let Some(place) = ADDRESSES.iter().position(|&one| one == address).filter(|&place| values[place].is_none())
             else {
-                let help = "a row has each of T1 T2 T3 R1 R2 R3 once";
-                report.fault(line, word, format!("'{}' is none of the values, or there twice", shown(word)), help);
+                let help = "write each of T1 T2 T3 R1 R2 R3 once in a row";
+                report.fault(
+                    line,
+                    word,
+                    format!("'{}' is not one of the values, or is given twice", shown(word)),
+                    help,
+                );
                 return None;
             };
             values[place] = Some(value_of(line, word, value, report)? * UNITS[place]);
@@ -176,14 +179,19 @@ fn row(line: &ScannedLine<'_>, text: &str, report: &mut Report<'_>) -> Option<(A
                 .and_then(|s| LINEAR_AXES[..3].get(s))
                 .copied();
             if axis.is_none() {
-                report.fault(line, word, format!("'{}' is no axis", shown(word)), "write S1 for X, S2 for Y, S3 for Z");
+                report.fault(
+                    line,
+                    word,
+                    format!("'{}' is not an axis", shown(word)),
+                    "write S1 for X, S2 for Y, S3 for Z",
+                );
                 return None;
             }
         } else {
             report.fault(
                 line,
                 word,
-                format!("'{}' is no word of a table", shown(word)),
+                format!("'{}' is not a word of a table", shown(word)),
                 "a row has S, P, T1 to T3 and R1 to R3",
             );
             return None;
@@ -200,7 +208,7 @@ fn row(line: &ScannedLine<'_>, text: &str, report: &mut Report<'_>) -> Option<(A
     };
     for (_, address) in values.iter().zip(ADDRESSES).filter(|(value, _)| value.is_none()) {
         let message = format!("{address} has no value");
-        report.fault(line, text, message, "write every value, 0 too");
+        report.fault(line, text, message, "write every value, including 0");
     }
     Some((axis, position, values.map(|value| value.unwrap_or(0.0))))
 }

@@ -121,7 +121,7 @@ fn faults(tables: &Tables, _: &Wiring) -> Vec<String> {
         }
         let points = points_of(group.iter().copied());
         if group.iter().any(|one| one.modulo) && !is_turn(input, &points) {
-            faults.push(format!("the table over {input} repeats, and only a turn from 0 to 360 degrees does"));
+            faults.push(format!("the table over {input} repeats, which only a turn from 0 to 360 degrees can"));
         }
         if input.is_rotary() && points.iter().any(|point| !(0.0..=360.0).contains(point)) {
             faults.push(format!(

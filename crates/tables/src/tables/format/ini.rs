@@ -14,8 +14,7 @@ const SILENT: [&str; 5] = ["M0", "M00", "M01", "M1", "NEWCONF"];
 const ENDS: [&str; 5] = ["M17", "M30", "M2", "M02", "RET"];
 
 /// Help for a table that lacks a field.
-pub(super) const KEEPS_FIELDS: &str = "write every field as the control saves it, 0 too: the control keeps what it had there – 0 only where \
-     its memory was cleared – and nothing here tells what that is";
+pub(super) const KEEPS_FIELDS: &str = "write every field as the control saves it, including 0: the control keeps its old value of a missing field, which is unknown here and 0 only after its memory was cleared";
 
 /// The missing fields of a table, with their name prefix; `None` if it has all.
 pub(super) fn missing(prefix: &str, wanted: &[&str], there: &BTreeMap<String, f64>) -> Option<String> {
@@ -94,8 +93,8 @@ impl IniPosition {
     /// Reports a list that breaks off: a missing end is the only sign of missing lines.
     pub(super) fn end(&mut self, report: &mut Report<'_>) {
         if let Some(span) = self.open.take() {
-            let help = "see that the file is whole: the control ends it with M17";
-            report.unused_at(span, "no M17 comes behind this: the list may be cut off", help);
+            let help = "check that the file is complete: the control ends it with M17";
+            report.unused_at(span, "no M17 follows: the list may be truncated", help);
         }
     }
 
@@ -157,12 +156,12 @@ impl IniPosition {
             None if self.is_foreign => None,
             None if text.starts_with('$') || text.to_ascii_uppercase().contains(self.mark) => {
                 let help = "a table is a list of assignments such as $AN_CEC[0,0]=0.005";
-                report.fault(line, text, format!("'{}' is no assignment", shown(text)), help);
+                report.fault(line, text, format!("'{}' is not an assignment", shown(text)), help);
                 None
             }
             None => {
-                let help = "a table is a list of assignments; see that nothing of it is lost";
-                report.unused(line, text, format!("'{}' says nothing of tables", shown(text)), help);
+                let help = "a table is a list of assignments; check that no part of it is missing";
+                report.unused(line, text, format!("'{}' is not part of a table and is ignored", shown(text)), help);
                 None
             }
         }

@@ -73,7 +73,7 @@ fn faults(tables: &Tables, _: &Wiring) -> Vec<String> {
             faults.push(format!("there is no name for {name}"));
         }
         if errors.location.iter().take(index).any(|(other, _)| other == name) {
-            faults.push(format!("{name} is there twice"));
+            faults.push(format!("{name} is given twice"));
         }
     }
     faults
@@ -170,7 +170,7 @@ fn read(source: &Source, _: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
         }
     }
     if blocks.is_empty() && !report.has_fault() {
-        report.empty("no error table is in the file", "a table begins with names: X EXX EYX EZX EAX EBX ECX");
+        report.empty("the file has no error table", "a table begins with a header of names: X EXX EYX EZX EAX EBX ECX");
     }
     let mut errors = tables.errors.clone().unwrap_or_default();
     for block in &blocks {
@@ -188,16 +188,16 @@ fn header(line: &ScannedLine<'_>, text: &str, report: &mut Report<'_>) -> Option
     for name in cells(text).take(MOST_COLUMNS) {
         let Some(column) = column(name) else {
             let help = "a header has names of axes and errors: X EXX EYX EZX EAX EBX ECX";
-            report.fault(line, name, format!("'{}' is no name of an error", shown(name)), help);
+            report.fault(line, name, format!("'{}' is not the name of an error", shown(name)), help);
             return None;
         };
         if names.contains(&name.to_ascii_uppercase()) {
-            report.fault(line, name, format!("{} is there twice", shown(name)), "a name stands once in a header");
+            report.fault(line, name, format!("{} is given twice", shown(name)), "write each name once in a header");
             return None;
         }
         if column == Column::Other {
             let message = format!("{} is not read: the kinematics are those of the machine file", shown(name));
-            report.unused(line, name, message, "see that both describe the same machine");
+            report.unused(line, name, message, "check that both describe the same machine");
         }
         names.push(name.to_ascii_uppercase());
         columns.push(column);
@@ -208,12 +208,12 @@ fn header(line: &ScannedLine<'_>, text: &str, report: &mut Report<'_>) -> Option
 fn record(line: &ScannedLine<'_>, text: &str, block: &mut Block, report: &mut Report<'_>) {
     let parts: Vec<&str> = cells(text).take(MOST_COLUMNS + 1).collect();
     if parts.len() != block.columns.len() {
-        let message = format!("{} values, and the header has {}", parts.len(), block.columns.len());
+        let message = format!("the row has {} values, but the header has {}", parts.len(), block.columns.len());
         report.fault(line, text, message, "write a number for each name, with a decimal point");
         return;
     }
     if block.rows.len() >= MOST_POINTS {
-        report.fault(line, text, format!("more than {MOST_POINTS} rows"), "take fewer points");
+        report.fault(line, text, format!("more than {MOST_POINTS} rows"), "use fewer points");
         return;
     }
     let values: Option<Vec<f64>> = parts.into_iter().map(|part| report.number(line, part)).collect();
@@ -233,7 +233,7 @@ fn take(block: &Block, errors: &mut ErrorTables, report: &mut Report<'_>) {
         [(index, axis)] => functions(block, index, axis, errors, report),
         _ => {
             let help = "write errors of one axis over that axis";
-            report.fault_at(block.span, "errors that depend on two axes are not known", help);
+            report.fault_at(block.span, "errors that depend on two axes are not supported", help);
         }
     }
 }
@@ -241,7 +241,7 @@ fn take(block: &Block, errors: &mut ErrorTables, report: &mut Report<'_>) {
 /// Constant errors: one row.
 fn constants(block: &Block, errors: &mut ErrorTables, report: &mut Report<'_>) {
     let [row] = &block.rows[..] else {
-        let message = format!("{} rows of errors that depend on no axis", block.rows.len());
+        let message = format!("errors that depend on no axis have {} rows", block.rows.len());
         report.fault_at(block.span, message, "write one row, or the axis as the first column");
         return;
     };
@@ -250,11 +250,11 @@ fn constants(block: &Block, errors: &mut ErrorTables, report: &mut Report<'_>) {
         if name.kind == ErrorKind::Motion {
             report.fault_at(
                 block.span,
-                format!("{name} has no axis that it depends on"),
+                format!("{name} has no axis on which it depends"),
                 "write the axis as the first column",
             );
         } else if errors.location.iter().any(|(other, _)| other == name) {
-            report.fault_at(block.span, format!("{} is there twice", short_name(*name)), "write it once");
+            report.fault_at(block.span, format!("{} is given twice", short_name(*name)), "write it once");
         } else {
             errors.location.push((*name, *value));
         }
@@ -288,7 +288,7 @@ fn functions(block: &Block, index: usize, axis: Axis, errors: &mut ErrorTables, 
             report.fault_at(
                 block.span,
                 message,
-                "write errors of one axis over that axis, location errors in a row of their own",
+                "write errors of one axis over that axis, location errors in a separate row",
             );
             continue;
         }

@@ -68,7 +68,7 @@ pub(super) fn kinds(format: &Format, tables: &Tables) -> Vec<String> {
     let mut faults: Vec<String> = has
         .into_iter()
         .filter(|&(kind, is_there, _)| is_there && !format.can_hold(kind))
-        .map(|(_, _, what)| format!("{} has no place for {what}", format.title))
+        .map(|(_, _, what)| format!("{} cannot hold {what}", format.title))
         .collect();
     if tables.multiplication == Multiplication::Beside && !format.can_hold(Holds::Products) {
         faults.push(format!("{} does not multiply tables", format.title));
@@ -80,11 +80,11 @@ pub(super) fn kinds(format: &Format, tables: &Tables) -> Vec<String> {
 pub(super) fn exceeded(limits: &FormatLimits, tables: &Tables) -> Vec<String> {
     let mut faults = Vec::new();
     if limits.tables > 0 && tables.count() > limits.tables {
-        faults.push(format!("{} tables, and the control has {}", tables.count(), limits.tables));
+        faults.push(format!("{} tables are needed, but the control has {}", tables.count(), limits.tables));
     }
     let mut points = |what: String, count: usize| {
         if limits.points > 0 && count > limits.points {
-            faults.push(format!("{what} has {count} points, and the control takes {}", limits.points));
+            faults.push(format!("{what} has {count} points, but the control allows {}", limits.points));
         }
     };
     for (index, one) in tables.lookups.iter().enumerate() {
@@ -101,19 +101,19 @@ pub(super) fn exceeded(limits: &FormatLimits, tables: &Tables) -> Vec<String> {
         let most = (0..9).map(|place| apart(place / 3, place % 3)).fold(0.0, f64::max);
         if most > MOST_SLOPE {
             let message = format!(
-                "a factor of the matrix is off by {most:.4}, and no axis is off by more than {MOST_MM} mm in a metre"
+                "a factor of the matrix is off by {most:.4}; plausible errors of an axis are at most {MOST_MM} mm in a metre"
             );
             faults.push(message);
         }
     }
     let [largest_mm, largest_deg] = largest(tables);
     if limits.value_mm > 0.0 && largest_mm > limits.value_mm {
-        faults.push(format!("a value of {largest_mm:.4} mm, and the control takes {} mm", limits.value_mm));
+        faults.push(format!("a value of {largest_mm:.4} mm; the control allows {} mm", limits.value_mm));
     } else if largest_mm > MOST_MM {
-        faults.push(format!("a value of {largest_mm:.4} mm, and no axis is off by more than {MOST_MM} mm"));
+        faults.push(format!("a value of {largest_mm:.4} mm; plausible errors of an axis are at most {MOST_MM} mm"));
     }
     if largest_deg > MOST_DEG {
-        faults.push(format!("a value of {largest_deg:.4} degrees, and no axis is off by more than {MOST_DEG}"));
+        faults.push(format!("a value of {largest_deg:.4} degrees; plausible errors of an axis are at most {MOST_DEG}"));
     }
     faults
 }

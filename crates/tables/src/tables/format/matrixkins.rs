@@ -97,9 +97,9 @@ fn read(source: &Source, _: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
         return report.findings;
     }
     if count == 0 {
-        report.empty("no matrix is in the file", "it has lines such as setp matrixkins.C_xy 0.0001");
+        report.empty("the file has no matrix", "it has lines such as setp matrixkins.C_xy 0.0001");
     } else if tables.matrix.is_some() {
-        report.empty("a matrix was read before this one", "the control has one");
+        report.empty("a matrix has already been read", "the control has only one");
     } else {
         tables.matrix = Some(matrix);
     }
@@ -116,11 +116,16 @@ fn parameter(line: &ScannedLine<'_>, report: &mut Report<'_>) -> Option<([usize;
     let name = words.next()?;
     let Some(place) = place(name.strip_prefix(PREFIX)?) else {
         let help = "rows and columns are x, y and z: matrixkins.C_xy";
-        report.fault(line, name, format!("'{}' is no place of the matrix", shown(name)), help);
+        report.fault(line, name, format!("'{}' is not an element of the matrix", shown(name)), help);
         return None;
     };
     let (Some(value), None) = (words.next(), words.next()) else {
-        report.fault(line, text, format!("'{}' is not one value", shown(text)), "write setp matrixkins.C_xy 0.0001");
+        report.fault(
+            line,
+            text,
+            format!("'{}' is not a single value", shown(text)),
+            "write setp matrixkins.C_xy 0.0001",
+        );
         return None;
     };
     Some((place, report.number(line, value)?))

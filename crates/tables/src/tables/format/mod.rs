@@ -70,10 +70,10 @@ pub struct Written {
 
 /// Help for a table with gaps.
 const KEEPS: &str =
-    "write every point from MIN to MAX: the control keeps what it had there, and nothing here tells what that is";
+    "write every point from MIN to MAX: at a missing point the control keeps its old value, which is unknown here";
 
 /// Help for a point that is set twice.
-const TWICE: &str = "leave one of them out: the control takes the last one";
+const TWICE: &str = "remove one of them: the control uses the last one";
 
 /// For formats whose tables have no numbers, or whose readers detect repeated axes themselves.
 #[must_use]

@@ -127,7 +127,7 @@ impl<'a> Report<'a> {
     pub(super) fn number(&mut self, line: &ScannedLine<'_>, part: &str) -> Option<f64> {
         let value = part.trim().parse::<f64>().ok().filter(|value| value.is_finite());
         if value.is_none() {
-            self.fault(line, part, format!("'{}' is no number", shown(part)), "write a decimal number");
+            self.fault(line, part, format!("'{}' is not a number", shown(part)), "write a decimal number");
         }
         value
     }

@@ -11,7 +11,7 @@ pub(super) fn faults(tables: &Tables) -> Vec<String> {
     faults.extend(tables.grid.as_ref().and_then(grid).map(|fault| format!("the grid {fault}")));
     faults.extend(tables.errors.iter().flat_map(errors));
     if tables.matrix.is_some_and(|matrix| !matrix.iter().flatten().all(|value| value.is_finite())) {
-        faults.push("the matrix has a value that is no number".to_owned());
+        faults.push("the matrix has a value that is not a number".to_owned());
     }
     faults
 }
@@ -36,9 +36,9 @@ fn lookup(one: &Lookup, tables: usize) -> Option<String> {
     } else if one.values.len() != count {
         Some(format!("has {} values at {count} points", one.values.len()))
     } else if !are_finite(&one.values) || !one.weight.is_finite() {
-        Some("has a value that is no number".to_owned())
+        Some("has a value that is not a number".to_owned())
     } else if one.factor.is_some_and(|factor| factor >= tables) {
-        Some("is multiplied by one that is not there".to_owned())
+        Some("is multiplied by one that does not exist".to_owned())
     } else {
         None
     }
@@ -47,19 +47,19 @@ fn lookup(one: &Lookup, tables: usize) -> Option<String> {
 fn grid(grid: &Grid) -> Option<String> {
     let nodes = grid.count.iter().try_fold(1_usize, |nodes, &count| nodes.checked_mul(count));
     if grid.count.iter().any(|&count| count < 2) {
-        Some("has an axis with less than two nodes".to_owned())
+        Some("has an axis with fewer than two nodes".to_owned())
     } else if !are_finite(&grid.start) || !grid.step.iter().all(|step| step.is_finite() && *step > 0.0) {
         Some("has positions that do not increase".to_owned())
     } else if nodes != Some(grid.values.len()) {
         Some(format!(
-            "has {} values, and {} by {} by {} nodes",
+            "has {} values, but {} by {} by {} nodes",
             grid.values.len(),
             grid.count[0],
             grid.count[1],
             grid.count[2]
         ))
     } else if !are_finite(grid.values.iter().flatten()) {
-        Some("has a value that is no number".to_owned())
+        Some("has a value that is not a number".to_owned())
     } else {
         None
     }
@@ -76,15 +76,15 @@ fn errors(errors: &ErrorTables) -> Vec<String> {
             faults.push(format!("the errors of {axis}: {} values at {} points", one.values.len(), one.positions.len()));
         }
         if !are_finite(one.values.iter().flatten()) {
-            faults.push(format!("the errors of {axis} have a value that is no number"));
+            faults.push(format!("the errors of {axis} have a value that is not a number"));
         }
         if errors.axes.iter().filter(|other| other.axis == axis).count() > 1 {
-            faults.push(format!("the errors of {axis} are there twice"));
+            faults.push(format!("the errors of {axis} are given twice"));
         }
     }
     for (name, value) in &errors.location {
         if !value.is_finite() {
-            faults.push(format!("{name} is no number"));
+            faults.push(format!("{name} is not a number"));
         }
     }
     faults

@@ -154,14 +154,14 @@ fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic
             None => report.unused(
                 &line,
                 text,
-                format!("'{}' says nothing of leadscrews", shown(text)),
-                "see that nothing is lost",
+                format!("'{}' is not about leadscrews and is ignored", shown(text)),
+                "check that nothing is missing",
             ),
         }
     }
     list.axis = list.axis.or_else(|| naming::axis(wiring, source.name()));
     if list.points.is_empty() && !report.has_fault() {
-        report.empty("no leadscrew list is in the file", "a list has lines such as kw.ssfk.table[0].pos 24");
+        report.empty("the file has no leadscrew list", "a list has lines such as kw.ssfk.table[0].pos 24");
     }
     if list.is_in_increments {
         report.empty("the list is in increments", "write it in 0.1 µm and 0.0001°, with kw.ssfk.unit 1");
@@ -189,19 +189,19 @@ fn entry(list: &mut List, line: &ScannedLine<'_>, field: &str, value: &str, repo
                 (Some(index), Some(column)) => {
                     let cell = &mut list.points.entry(index).or_default()[column];
                     if cell.replace(number).is_some_and(|before| before != number) {
-                        let message = format!("kw.ssfk.{} is there twice, with different values", shown(field));
+                        let message = format!("kw.ssfk.{} is given twice, with different values", shown(field));
                         report.fault(line, field, message, super::TWICE);
                     }
                 }
                 (None, Some(_)) => {
                     let help = format!("number the entries from 0 to {}", MOST_POINTS - 1);
-                    report.fault(line, field, format!("'{}' is no entry of the table", shown(field)), &help);
+                    report.fault(line, field, format!("'{}' is not an entry of the table", shown(field)), &help);
                 }
                 _ => report.unused(
                     line,
                     field,
-                    format!("kw.ssfk.{} is not known and is left out", shown(field)),
-                    "look up what it does",
+                    format!("kw.ssfk.{} is not known and is ignored", shown(field)),
+                    "look up its effect",
                 ),
             }
         }
@@ -232,18 +232,18 @@ fn finish(list: &List, tables: &mut Tables, report: &mut Report<'_>) {
     }
     if positions.len() != list.count || positions.is_empty() || positions.windows(2).any(|pair| pair[0] >= pair[1]) {
         report.empty(
-            "the positions are not as many as kw_nr_max, or do not increase",
+            "the number of positions is not kw_nr_max, or they do not increase",
             "give every entry its setpoint, or an interval",
         );
         return;
     }
     let surplus = list.points.range(list.count..).count();
     if surplus > 0 {
-        let message = format!("{surplus} entries lie behind kw_nr_max {} and are not used", list.count);
-        report.unused_at(Span::new(0, 1), message, "see that kw.ssfk.kw_nr_max is the number of entries");
+        let message = format!("{surplus} entries are beyond kw_nr_max {} and are not used", list.count);
+        report.unused_at(Span::new(0, 1), message, "check that kw.ssfk.kw_nr_max is the number of entries");
     }
     if missing > 0 {
-        report.empty(&format!("{missing} entries have no value"), "write every value, 0 too");
+        report.empty(&format!("{missing} entries have no value"), "write every value, including 0");
         return;
     }
     let [up, down] = values;

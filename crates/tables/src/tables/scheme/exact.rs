@@ -26,7 +26,7 @@ use ncfix_model::motion::EntryFunction;
 
 pub(super) const SCHEME: Scheme = Scheme {
     name: "fik",
-    title: "what the linear forward and inverse kinematics of the machine ask for, term by term",
+    title: "the terms of the linearized forward and inverse kinematics of the machine",
     needs: &[Holds::Own, Holds::Cross, Holds::Products],
     home: Orientation::Smooth,
     finds_nodes: false,
@@ -210,7 +210,7 @@ impl<'a> Terms<'a> {
     fn add_plane(&mut self, name: ErrorName, factor: f64, [first, second]: [Axis; 2]) -> Result<(), String> {
         let (rows, columns) = (self.assembly.positions(first), self.assembly.positions(second));
         if rows.len() * columns.len() > MOST_PLACES {
-            return Err(format!("{first} and {second} have too many points together; choose fewer --points"));
+            return Err(format!("{first} and {second} together have too many points; choose fewer --points"));
         }
         let mut pose = self.task.region.middle();
         LINEAR_AXES.into_iter().for_each(|axis| pose[axis] = 0.0);

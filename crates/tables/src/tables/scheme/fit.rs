@@ -122,7 +122,7 @@ impl Basis<'_> {
             row.iter_mut().zip(terms).for_each(|(factor, &term)| *factor = self.value(term, pose));
             system.add(&row, value, 1.0);
         }
-        let solution = system.solve_to(RANK_LIMIT).ok_or("the corrections are no numbers")?;
+        let solution = system.solve_to(RANK_LIMIT).ok_or("the corrections are not finite numbers")?;
         Ok(solution.unknowns.iter().copied().collect())
     }
 
@@ -185,8 +185,7 @@ pub(super) fn fill(task: &Task<'_>, terms_of: &dyn Fn(Axis) -> Vec<FitTerm>) -> 
         // The number of free terms of an output grows with the points, others do not.
         let points = MOST_TERMS * task.points / most;
         return Err(format!(
-            "{most} values of one axis would be fitted at once, and {MOST_TERMS} are the most that can be (the time goes with their third power): \
-             choose --points {points} or fewer; the schemes polynomial, trigonometric and fik take more"
+            "{most} values of one axis would be fitted at once, but the limit is {MOST_TERMS} (the time grows with their third power): choose --points {points} or fewer; the schemes polynomial, trigonometric and fik allow more"
         ));
     }
     let poses = task.region.poses((most * POSES_A_TERM).max(LEAST_POSES), SEED);
@@ -200,7 +199,7 @@ pub(super) fn fill(task: &Task<'_>, terms_of: &dyn Fn(Axis) -> Vec<FitTerm>) -> 
     for pose in &poses {
         let start = *pose + control.correction(pose, &task.target.tool_mm, &state);
         let solved = task.target.model.solve(pose, &task.target.tool_mm, &state, &start, Solve::PositionOnly);
-        wanted.push(solved.map_err(|_| "the tip cannot be brought to its place everywhere in the region")? - *pose);
+        wanted.push(solved.map_err(|_| "the tip cannot be brought to its position everywhere in the region")? - *pose);
     }
     super::append(&mut tables, basis.fitted(task.linear(), terms_of, &poses, &wanted)?);
     Ok(tables)

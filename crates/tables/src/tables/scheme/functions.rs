@@ -14,7 +14,7 @@ use ncfix_model::name::{Carrier, ErrorKind};
 
 pub(super) const SCHEME: Scheme = Scheme {
     name: "functions",
-    title: "a table for each error function, for controls with kinematics of their own (18 on three axes)",
+    title: "a table for each error function, for controls with their own kinematics (18 on three axes)",
     needs: &[Holds::Errors],
     home: Orientation::Smooth,
     finds_nodes: false,
@@ -26,7 +26,7 @@ fn functions(task: &Task<'_>) -> Result<Tables, String> {
     for (name, function, _) in &parts {
         if let (Some(_), Some(axis)) = (function.and_then(EntryFunction::with), name.axis()) {
             return Err(format!(
-                "a motion error of {axis} depends on a second axis, and the control's functions on one"
+                "a motion error of {axis} depends on a second axis, but the control's functions depend on one"
             ));
         }
     }
@@ -63,7 +63,7 @@ fn functions(task: &Task<'_>) -> Result<Tables, String> {
         let locations = parts.iter().filter(|(name, ..)| name.kind == ErrorKind::Location);
         tables.location = locations.map(|&(name, _, value)| (name, value)).collect();
     } else if last.is_none() && parts.iter().any(|(name, ..)| name.carrier == Carrier::Spindle) {
-        return Err("errors of the spindle have no axis on its side that could carry them".to_owned());
+        return Err("errors of the spindle cannot be assigned to an axis on its side".to_owned());
     }
     Ok(Tables { errors: Some(tables), ..Tables::default() })
 }

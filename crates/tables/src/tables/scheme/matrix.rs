@@ -43,7 +43,7 @@ fn matrix(task: &Task<'_>) -> Result<Tables, String> {
             let [x, y, z] = axes.map(|axis| scaled(&region, axis, pose[axis]));
             system.add(&[x, y, z, 1.0], correction[output], 1.0);
         }
-        let solution = system.solve_to(RANK_LIMIT).ok_or("the corrections are no numbers")?;
+        let solution = system.solve_to(RANK_LIMIT).ok_or("the corrections are not finite numbers")?;
         for ((to, axis), value) in row.iter_mut().zip(axes).zip(solution.unknowns.iter()) {
             let [low, high] = region.range(axis);
             *to = if high > low { 2.0 * value / (high - low) } else { 0.0 };

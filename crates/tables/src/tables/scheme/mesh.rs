@@ -73,7 +73,7 @@ impl Mesh<'_> {
         let mut pose = self.rest;
         self.axes.iter().zip(position).for_each(|(&axis, at)| pose[axis] = at);
         let exact = self.task.target.correction(&pose, &State::default());
-        let exact = exact.ok_or("the tip cannot be brought to its place everywhere in the region")?;
+        let exact = exact.ok_or("the tip cannot be brought to its position everywhere in the region")?;
         Ok(self.axes.map(|axis| exact[axis]))
     }
 

@@ -106,7 +106,7 @@ impl Scheme {
     /// A message if the format does not support the scheme, or the scheme cannot represent the errors.
     pub fn tables(&self, task: &Task<'_>) -> Result<Tables, String> {
         if !self.needs.iter().all(|&need| task.format.can_hold(need)) {
-            return Err(format!("{} has no place for the scheme {}", task.format.title, self.name));
+            return Err(format!("{} cannot hold the scheme {}", task.format.title, self.name));
         }
         let orientation = task.orientation.unwrap_or(self.home);
         let task = &Task { target: Target { orientation, ..task.target }, ..*task };
@@ -148,7 +148,7 @@ impl<'a> Task<'a> {
         let state = State::default();
         let corrections = poses.iter().map(|pose| self.target.correction(pose, &state));
         let all: Option<Vec<AxisVector>> = corrections.collect();
-        all.ok_or_else(|| "the tip cannot be brought to its place everywhere in the region".to_owned())
+        all.ok_or_else(|| "the tip cannot be brought to its position everywhere in the region".to_owned())
     }
 }
 

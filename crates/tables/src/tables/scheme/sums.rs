@@ -22,7 +22,7 @@ pub(super) const POLYNOMIALS: Scheme = Scheme {
 
 pub(super) const FREE: Scheme = Scheme {
     name: "free",
-    title: "a table for each pair of axes, free at every point (25 on five axes)",
+    title: "a table for each pair of axes, each point fitted freely (25 on five axes)",
     needs: &[Holds::Own, Holds::Cross],
     home: Orientation::Smooth,
     finds_nodes: false,
@@ -31,7 +31,7 @@ pub(super) const FREE: Scheme = Scheme {
 
 pub(super) const OWN: Scheme = Scheme {
     name: "own",
-    title: "a table for each axis over its own position, free at every point",
+    title: "a table for each axis over its own position, each point fitted freely",
     needs: &[Holds::Own],
     home: Orientation::Smooth,
     finds_nodes: false,

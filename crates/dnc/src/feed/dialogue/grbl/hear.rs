@@ -66,11 +66,11 @@ impl Grbl {
         } else if let Some(code) = text.strip_prefix("error:") {
             self.refuse(code, now, wire, events);
         } else if let Some(code) = text.strip_prefix("ALARM:") {
-            self.lost(&format!("the control stands in alarm {}", shown(code)), events);
+            self.lost(&format!("the control is in alarm {}", shown(code)), events);
         } else if is(STARTING) && self.state != State::Greeting {
-            self.lost("the control was reset: it carries out the lines of its start", events);
+            self.lost("the control was reset: it executes its start-up lines", events);
         } else if is(LOCKED) {
-            self.lost("the control stands in an alarm, or was reset", events);
+            self.lost("the control is in alarm, or was reset", events);
         } else if is_info || is(NOTICE) {
             events.push(Event::Said(text.to_owned()));
         } else if !text.is_empty() && self.state != State::Greeting {
@@ -153,7 +153,7 @@ impl Grbl {
     pub(super) fn refused(&mut self, is_taken: bool, events: &mut Vec<Event>) {
         let (number, said) = std::mem::take(&mut self.refusal);
         let what =
-            "the axes are held; cycle start (~) would carry out the lines behind it, a reset (Ctrl-X) throws them away";
+            "the axes are in hold; cycle start (~) would execute the lines after it, a reset (Ctrl-X) discards them";
         if is_taken && self.surplus == 0 && self.in_flight.is_empty() && number != NO_LINE {
             self.state = State::Over;
             // The lines after it were answered, too; the refused line was not carried out.
@@ -162,7 +162,7 @@ impl Grbl {
             events.push(Event::Refused(number, format!("{said}; {what}")));
         } else {
             let first = number.saturating_sub(self.surplus.max(1));
-            self.lost(&format!("the control has refused line {number}, or one from {first} on, with {said}; not every line has one answer; {what}"), events);
+            self.lost(&format!("the control has refused line {number}, or one from {first} on, with {said}; not every line was answered exactly once; {what}"), events);
         }
     }
 
@@ -185,15 +185,13 @@ impl Grbl {
             }
         }
         let why = match status.word {
-            GrblState::Alarm => "the control stands in an alarm",
-            GrblState::Sleep => "the control sleeps: its axes are without current, and it has to be reset",
-            GrblState::Check => "the control is in its check mode ($C): it takes lines and moves nothing",
-            GrblState::ByHand => "somebody moves or homes the axes at the control",
+            GrblState::Alarm => "the control is in alarm",
+            GrblState::Sleep => "the control is asleep: its axes have no power, and it must be reset",
+            GrblState::Check => "the control is in its check mode ($C): it accepts lines but moves nothing",
+            GrblState::ByHand => "the axes are being jogged or homed at the control",
             GrblState::Odd => {
-                return self.lost(
-                    &impossible(&format!("the control reports no state that is known, {}", shown(text))),
-                    events,
-                );
+                return self
+                    .lost(&impossible(&format!("the control reports an unknown state, {}", shown(text))), events);
             }
             GrblState::Idle | GrblState::Run | GrblState::Held => "",
         };
@@ -227,11 +225,11 @@ impl Grbl {
         let longest = self.longest();
         match self.counts.judge(status, is_asked, longest, wire.waiting()) {
             CountVerdict::Surplus => {
-                let what = "the control has more than was not answered, an answer came twice";
+                let what = "the control holds more lines than were unanswered; an answer came twice";
                 return self.lost(&impossible(what), events);
             }
             CountVerdict::Missing => {
-                let what = "answers are missing to lines that the control no longer has, as after a reset";
+                let what = "answers are missing for lines that the control no longer has, as after a reset";
                 return self.lost(&impossible(what), events);
             }
             // The answer to the dwell after the last line may be counted for that line.
@@ -260,7 +258,7 @@ impl Grbl {
             let (first, last) =
                 if *last == NO_LINE { (self.confirmed, self.acknowledged) } else { (self.acknowledged, *last) };
             let what = format!(
-                "an answer was lost: the control is idle and answers no more, but one of the lines {} to {last} may have been refused",
+                "an answer was lost: the control is idle and sends no more answers, but one of the lines {} to {last} may have been refused",
                 first + 1
             );
             self.lost(&impossible(&what), events);

@@ -160,7 +160,7 @@ impl Grbl {
     fn begin(&mut self, events: &mut Vec<Event>) {
         self.state = State::Open;
         if !self.tells_buffers {
-            let said = "reports do not say what the buffers hold, so that it comes to rest now and then to say what it has carried out; with $10=2 ($10=3 for positions of the machine) they do";
+            let said = "status reports do not include the buffer fill, so the axes stop now and then to confirm the executed lines; $10=2 ($10=3 with machine positions) adds it";
             events.push(Event::Said(said.to_owned()));
         }
         if !self.counts.is_size_known() {
@@ -290,13 +290,13 @@ impl Dialogue for Grbl {
         let lines = self.in_flight.len();
         match halt {
             Halt::Stop => Some(format!(
-                "no further line is sent; the control carries out the {lines} that it has not answered and {}",
+                "no further line is sent; the control executes the {lines} that it has not answered and {}",
                 self.depth.words()
             )),
             Halt::Hold => {
                 wire.push_urgent(HOLD);
                 Some(format!(
-                    "the axes stop, the spindle turns; {lines} lines that were not answered and {} stay in the control and go on with cycle start (~)",
+                    "the axes stop, the spindle keeps turning; {lines} unanswered lines and {} stay in the control and continue with cycle start (~)",
                     self.depth.words()
                 ))
             }
@@ -304,7 +304,7 @@ impl Dialogue for Grbl {
                 wire.clear();
                 wire.push_urgent(RESET);
                 self.state = State::Over;
-                Some(format!("the control is reset; the {lines} lines that it had are thrown away"))
+                Some(format!("the control is reset; its {lines} lines are discarded"))
             }
         }
     }

@@ -88,7 +88,7 @@ impl Rsh {
     }
 
     pub(super) fn is_none(&mut self, answer: &str, events: &mut Vec<Event>) {
-        let what = format!("'{}' is no answer to what was asked", shown(answer));
+        let what = format!("'{}' is not an answer to the query", shown(answer));
         self.lost(&impossible(&what), events);
     }
 }

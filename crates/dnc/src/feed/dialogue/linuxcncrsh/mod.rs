@@ -110,7 +110,7 @@ struct Seen {
 
 fn create(profile: &Profile) -> Result<Box<dyn Dialogue>, String> {
     if profile.window.lines > 1 {
-        return Err("after an error LinuxCNC goes on with the next line: write lines = 1 under [window]".into());
+        return Err("after an error LinuxCNC continues with the next line: write lines = 1 under [window]".into());
     }
     let text = String::from_utf8_lossy(&profile.frame.start).into_owned();
     let mut words = text.split_ascii_whitespace().map(str::to_owned);
@@ -212,24 +212,27 @@ impl Rsh {
         let before = if line.words.starts_spindle { true } else { self.seen.turned && !line.words.has_other_m };
         let took = now.saturating_sub(line.since);
         if !self.seen.is_ours {
-            self.lost(&format!("another client of linuxcncrsh took the control over {which}. {said}"), events);
+            self.lost(&format!("another client of linuxcncrsh took over the control {which}. {said}"), events);
         } else if !self.seen.is_on {
-            self.lost(&format!("the machine went off {which}. {said}"), events);
+            self.lost(&format!("the machine was switched off {which}. {said}"), events);
         } else if !self.seen.is_mdi {
             self.lost(&format!("the mode was changed at the control {which}. {said}"), events);
         } else if !said.is_empty() || !line.is_received || !line.is_done && !line.words.ends {
             // The end of a program is answered like an error, but without a message.
             let said = if said.is_empty() { "no reason is given".to_owned() } else { said };
             if line.number == 0 {
-                self.lost(&format!("MDI is not taken: {said}. A person has to see to that, by homing for one"), events);
+                self.lost(
+                    &format!("MDI is not accepted: {said}. Correct this at the machine, for example by homing"),
+                    events,
+                );
             } else {
                 self.state = State::Over;
                 events.push(Event::Refused(line.number, said));
             }
         } else if before && !line.words.ends && !self.seen.turns {
-            self.lost(&format!("the spindle stands {which}: somebody has broken it off at the control"), events);
+            self.lost(&format!("the spindle has stopped {which}: the line was aborted at the control"), events);
         } else if line.busy > NOTICED && took < line.busy / 4 {
-            let why = "was done much sooner than it can be: somebody has broken it off, or resumed it, at the control";
+            let why = "ended much sooner than possible: it was aborted, or resumed, at the control";
             self.lost(&format!("line {} {why}", line.number), events);
         } else if line.number == 0 {
             self.state = State::Open;
@@ -255,7 +258,7 @@ fn check_words(text: &[u8], longest_line: usize) -> Result<Words, String> {
     check_text(text, longest_line, &[])?;
     let found = words(text);
     if found.has_o {
-        return Err("linuxcncrsh takes no O-words; write the program flat".into());
+        return Err("linuxcncrsh does not accept O-words; write the program without subprograms".into());
     }
     if found.stops {
         // Observed with 2.9: the next line runs immediately.
@@ -296,7 +299,7 @@ impl Dialogue for Rsh {
             match self.state {
                 State::Opening(step) if self.under_way.is_none() => self.answer_step(step, &answer, now, wire, events),
                 State::Broken if answer.starts_with("SET ABORT") => {
-                    self.lost("broken off as was asked for; the line under way was carried out in part", events);
+                    self.lost("aborted as requested; the current line was executed in part", events);
                 }
                 State::Opening(_) | State::Open | State::Closed => self.answer(&answer, now, wire, events),
                 State::Broken | State::Over => {}
@@ -309,7 +312,7 @@ impl Dialogue for Rsh {
             return;
         }
         if self.state == State::Broken && now.saturating_sub(self.last_heard) > self.patience {
-            self.lost("broken off as was asked for, but the control does not answer: stop it there", events);
+            self.lost("aborted as requested, but the control does not answer: stop it there", events);
             return;
         }
         if let Some(line) = &self.under_way {
@@ -353,15 +356,18 @@ impl Dialogue for Rsh {
     fn halt(&mut self, halt: Halt, now: Duration, wire: &mut Wire) -> Option<String> {
         // Text after a command that has begun cannot split it.
         match halt {
-            Halt::Stop => Some("no further line is sent; the one under way is carried out".into()),
+            Halt::Stop => Some("no further line is sent; the current line is executed to its end".into()),
             Halt::Hold => {
                 self.say(b"set pause", now, wire);
-                Some("the axes stop, the spindle turns; the line under way goes on with resume at the control".into())
+                Some(
+                    "the axes stop, the spindle keeps turning; the current line continues with resume at the control"
+                        .into(),
+                )
             }
             Halt::Abort => {
                 self.say(b"set abort", now, wire);
                 self.state = State::Broken;
-                Some("the axes stop in the middle of the line, the spindle is switched off; no line is left in the control".into())
+                Some("the axes stop in the middle of the line, the spindle is switched off; no line remains in the control".into())
             }
         }
     }

@@ -107,7 +107,8 @@ impl Marlin {
                     self.state = State::Over;
                     events.push(Event::Refused(line, shown(text)));
                 }
-                _ => self.lost(&format!("the control does not take what ends a job: {}", shown(text)), events),
+                _ => self
+                    .lost(&format!("the control does not accept the commands that end a job: {}", shown(text)), events),
             }
         } else if is(BUSY) {
             self.hold(is(PAUSED), events);
@@ -130,7 +131,7 @@ impl Marlin {
             MarlinText::Unknown if self.state == State::Opening => events.push(Event::Said(text.to_owned())),
             MarlinText::Unknown => {
                 let what = format!(
-                    "a text of the control is not known, '{}', and may say that a line was not carried out",
+                    "the control sent an unknown text, '{}', which may mean that a line was not executed",
                     shown(text)
                 );
                 self.lost(&impossible(&what), events);
@@ -172,7 +173,7 @@ impl Marlin {
         let named =
             text.split(' ').find_map(|word| word.strip_prefix('N')).and_then(|number| number.parse::<u64>().ok());
         if named.is_some_and(|named| named != sent.number) && self.state != State::Opening {
-            let what = format!("the control has answered '{}' while N{} is under way", shown(text), sent.number);
+            let what = format!("the control has answered '{}' while N{} is in progress", shown(text), sent.number);
             return self.lost(&impossible(&what), events);
         }
         // All moves are done, so the planner is empty (ADVANCED_OK).
@@ -195,7 +196,7 @@ impl Marlin {
         if is_known {
             self.named = Some(last);
         } else {
-            let what = format!("the control names N{last} as the last line that it took, {}", self.standing());
+            let what = format!("the control reports N{last} as its last accepted line, {}", self.standing());
             self.lost(&impossible(&what), events);
         }
     }
@@ -227,7 +228,7 @@ impl Marlin {
     fn standing(&self) -> String {
         let next = self.next;
         match &self.under_way {
-            Some(sent) => format!("while N{} is under way: it has lost count", sent.number),
+            Some(sent) => format!("while N{} is in progress: it has lost count", sent.number),
             None => format!("while N{next} is next: it has lost count"),
         }
     }

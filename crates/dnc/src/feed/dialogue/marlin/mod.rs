@@ -238,12 +238,12 @@ impl Marlin {
             let repeats = self.repeats;
             let why = match what {
                 What::Line(line) => format!(
-                    "line {line} was sent {repeats} times and not taken: the control asks for it again, or does not answer"
+                    "line {line} was sent {repeats} times and not accepted: the control asks for it again, or does not answer"
                 ),
                 What::Mark if is_taken => {
-                    "the control does not repeat the text of M118, so that answers cannot be told apart".to_owned()
+                    "the control does not repeat the text of M118, so answers cannot be distinguished".to_owned()
                 }
-                What::Wait => "the control does not come to rest, or does not answer".to_owned(),
+                What::Wait => "the control does not become idle, or does not answer".to_owned(),
                 What::Count | What::Mark => "the control does not answer".to_owned(),
             };
             self.lost(&why, events);
@@ -351,14 +351,14 @@ impl Dialogue for Marlin {
 
     fn halt(&mut self, halt: Halt, _now: Duration, wire: &mut Wire) -> Option<String> {
         match halt {
-            Halt::Stop => Some("no further line is sent; the control carries out what is in its planner".into()),
+            Halt::Stop => Some("no further line is sent; the control executes what is in its planner".into()),
             // Marlin has no hold command.
             Halt::Hold => None,
             Halt::Abort => {
                 wire.clear();
                 wire.push_urgent(EMERGENCY_STOP);
                 self.state = State::Over;
-                Some("emergency stop (M112): the control has to be reset".into())
+                Some("emergency stop (M112): the control must be reset".into())
             }
         }
     }

@@ -22,19 +22,16 @@ pub(super) enum MarlinText {
 
 /// Patterns of texts and their meaning; the first match counts.
 const TEXTS: &[(&str, MarlinText)] = &[
-    (r"^(?:!!$|error$|error:)", MarlinText::Ends("the control has stopped itself")),
+    (r"^(?:!!$|error$|error:)", MarlinText::Ends("the control has halted")),
     // `Home X First`, in older versions `Home X/Y before Z`; the settings printed at startup contain `Home offset`.
-    (
-        "home.*(?:first|before)|(?:first|before).*home",
-        MarlinText::Ends("an axis is not homed, so that moves are left out"),
-    ),
+    ("home.*(?:first|before)|(?:first|before).*home", MarlinText::Ends("an axis is not homed, so moves are skipped")),
     // Nothing may follow these texts.
-    ("endstops hit", MarlinText::Ends("an axis ran into its end switch")),
-    (r"printer stopped|printer halted|kill\(|killed", MarlinText::Ends("the control has stopped itself")),
-    ("//action:cancel", MarlinText::Ends("a person has cancelled the job at the control")),
-    ("//action:poweroff", MarlinText::Ends("the control switches its power off")),
-    ("//action:disconnect", MarlinText::Ends("the control asks to be left")),
-    ("cold extrusion", MarlinText::Ends("the control leaves moves out")),
+    ("endstops hit", MarlinText::Ends("an axis hit its limit switch")),
+    (r"printer stopped|printer halted|kill\(|killed", MarlinText::Ends("the control has halted")),
+    ("//action:cancel", MarlinText::Ends("the job was cancelled at the control")),
+    ("//action:poweroff", MarlinText::Ends("the control switches off its power")),
+    ("//action:disconnect", MarlinText::Ends("the control asks the host to disconnect")),
+    ("cold extrusion", MarlinText::Ends("the control skips moves")),
     ("clamped", MarlinText::Ends("the control has changed a move")),
     ("^(?:wait|echo:)?$", MarlinText::Harmless),
     ("^//action:paused?$", MarlinText::Pause(true)),

@@ -58,7 +58,7 @@ impl Tape {
                 self.hold(false, events);
             } else if is_fed {
                 // Haas repeats it while no data come: that is harmless. A control that receives data does not ask.
-                let what = "the control asks for data although it gets them, it was reset or started anew";
+                let what = "the control requests data although it receives them; it was reset or restarted";
                 self.lost(&impossible(what), wire, events);
             }
             self.asked = now;
@@ -66,10 +66,10 @@ impl Tape {
             match byte {
                 NUL | DC2 | DC4 => {}
                 SYN => self.lost("the control was reset (SYN)", wire, events),
-                NAK => self.lost("the control stands in an alarm (NAK)", wire, events),
+                NAK => self.lost("the control is in alarm (NAK)", wire, events),
                 // It may have been an XOFF, or the notice of a reset.
                 _ if self.flow.xoff.is_some() && self.state != State::Waiting => {
-                    let what = format!("a byte means nothing on this link ({byte:#04x})");
+                    let what = format!("a byte has no meaning on this link ({byte:#04x})");
                     self.lost(&impossible(&what), wire, events);
                 }
                 _ => {}

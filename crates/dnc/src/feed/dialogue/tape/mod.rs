@@ -16,7 +16,7 @@ use crate::feed::profile::Flow;
 /// Entry of this dialogue; profiles select it by its name.
 pub(super) const PROTOCOL: Protocol = Protocol {
     name: "tape",
-    title: "bytes held by XON and XOFF, no answers (tape readers)",
+    title: "flow control with XON and XOFF, no answers (tape readers)",
     asks_idle: false,
     has_planner: false,
     beyond: 0,
@@ -75,16 +75,16 @@ struct Tape {
 fn create(profile: &Profile) -> Result<Box<dyn Dialogue>, String> {
     let Flow { xon, xoff, wait_for_xon } = profile.flow;
     if xon.is_some() != xoff.is_some() || xon.is_some() && xon == xoff {
-        return Err("xon and xoff go together: write two different bytes, or none".into());
+        return Err("xon and xoff must be given together: write two different bytes, or neither".into());
     }
     if xon.is_none() && !profile.serial.rts_cts {
-        return Err("nothing holds the flow: write xon and xoff, or rts_cts = true".into());
+        return Err("there is no flow control: write xon and xoff, or rts_cts = true".into());
     }
     if wait_for_xon && xon.is_none() {
         return Err("wait_for_xon needs xon".into());
     }
     if profile.frame.end_of_block.is_empty() {
-        return Err("without end_of_block lines cannot be told apart".into());
+        return Err("without end_of_block lines cannot be separated".into());
     }
     Ok(Box::new(Tape::new(profile)))
 }
@@ -186,7 +186,7 @@ impl Dialogue for Tape {
         match self.state {
             State::Over => return,
             State::Broken => {
-                let why = "broken off as was asked for; what has left may be carried out or not";
+                let why = "aborted as requested; it is not known whether the sent lines are executed";
                 self.lost(why, wire, events);
                 return;
             }
@@ -236,10 +236,10 @@ impl Dialogue for Tape {
     }
 
     fn halt(&mut self, halt: Halt, _now: Duration, wire: &mut Wire) -> Option<String> {
-        let keeps = "the control carries out what its buffer holds; how much that is this link does not tell";
+        let keeps = "the control executes what is in its buffer; this link does not report how much that is";
         match halt {
             Halt::Stop => Some(format!(
-                "no further line is sent; the {} lines under way still go out, and {keeps}",
+                "no further line is started; the {} lines in progress are still sent, and {keeps}",
                 self.lines.len()
             )),
             // Such a link has no command for it: feed hold is a key at the control.
@@ -249,7 +249,7 @@ impl Dialogue for Tape {
                 wire.clear();
                 self.state = State::Broken;
                 Some(format!(
-                    "nothing more is sent, in the middle of a line perhaps; {keeps}: stop it and reset it there"
+                    "nothing more is sent, perhaps in the middle of a line; {keeps}: stop it and reset it there"
                 ))
             }
         }

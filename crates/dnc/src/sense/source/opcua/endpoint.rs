@@ -19,7 +19,7 @@ pub(super) fn choose(
     endpoints: Vec<EndpointDescription>,
     kind: UserTokenType,
 ) -> Result<EndpointDescription, String> {
-    let (host, port) = host_and_port(url).ok_or("this is no address")?;
+    let (host, port) = host_and_port(url).ok_or("this is not an address")?;
     let mut plain: Vec<EndpointDescription> = endpoints
         .into_iter()
         .filter(|one| {
@@ -40,8 +40,8 @@ pub(super) fn choose(
     plain.retain(|one| one.find_policy(kind).is_some());
     let at = plain.iter().position(|one| path(one.endpoint_url.as_ref()) == path(url)).unwrap_or(0);
     if plain.is_empty() {
-        let who = if kind == UserTokenType::Anonymous { "anybody without a name" } else { "a user with a password" };
-        return Err(format!("the server lets in nobody: it has no endpoint without encryption for {who}"));
+        let who = if kind == UserTokenType::Anonymous { "anonymous users" } else { "a user with a password" };
+        return Err(format!("the server accepts no login: it has no endpoint without encryption for {who}"));
     }
     let mut endpoint = plain.swap_remove(at);
     endpoint.endpoint_url = format!("opc.tcp://{host}:{port}{}", path(endpoint.endpoint_url.as_ref())).into();
@@ -123,7 +123,7 @@ mod tests {
         assert_eq!(chosen(url, &all[..3], anonymous), Ok(("opc.tcp://10.0.0.5:14840/a".into(), "open".into())));
         let no = "the server has no endpoint without encryption";
         assert_eq!(chosen(url, &all[..2], anonymous).unwrap_err(), no);
-        assert!(chosen(url, &all, UserTokenType::UserName).unwrap_err().starts_with("the server lets in nobody"));
+        assert!(chosen(url, &all, UserTokenType::UserName).unwrap_err().starts_with("the server accepts no login"));
     }
 
     #[test]

@@ -62,16 +62,21 @@ fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn 
     let url = section.required("url", "\"opc.tcp://192.168.0.5:4840\"", Section::text).map(str::to_owned);
     if let Some(url) = url.as_ref().filter(|url| host_and_port(url).is_none()) {
         let help = "write opc.tcp:// and the name or number of the server, for example \"opc.tcp://192.168.0.5:4840\"";
-        section.report(Code::BAD_VALUE, section.place_of("url"), format!("'{url}' is no address of a server"), help);
+        section.report(
+            Code::BAD_VALUE,
+            section.place_of("url"),
+            format!("'{url}' is not an address of a server"),
+            help,
+        );
     }
     let user = section.text("user").map(str::to_owned);
     let variable = section.text("password_env").map(str::to_owned);
     if variable.as_ref().is_some_and(|name| name.is_empty() || name.contains(['=', '\0'])) {
-        let help = "write the name of a variable of the environment, for example \"OPCUA_PASSWORD\"";
-        section.report(Code::BAD_VALUE, section.place_of("password_env"), "password_env is no name", help);
+        let help = "write the name of an environment variable, for example \"OPCUA_PASSWORD\"";
+        section.report(Code::BAD_VALUE, section.place_of("password_env"), "password_env is not a name", help);
     }
     if variable.is_some() && user.is_none() {
-        let message = format!("{} has a password and no user", section.title());
+        let message = format!("{} has a password but no user", section.title());
         section.report(Code::MISSING_KEY, section.place_of("password_env"), message, "add user = \"…\"");
     }
     let timeout = seconds(section, "timeout_s", 0.05).unwrap_or(Duration::from_secs(5));
@@ -87,8 +92,8 @@ fn read_node(section: &mut Section<'_>) -> Option<NodeId> {
     let text = section.required("node", "\"ns=2;s=Machine.T_head\"", Section::text)?.to_owned();
     let node = NodeId::from_str(&text).ok();
     if node.is_none() {
-        let message = format!("'{}' is no node", shortened(&text));
-        let help = "write ns=, the number of its name space, and i= with a number, s= with a text, g= with a GUID or b= with Base64, for \
+        let message = format!("'{}' is not a node", shortened(&text));
+        let help = "write ns=, the number of its namespace, and i= with a number, s= with a text, g= with a GUID or b= with Base64, for \
                     example \"ns=2;s=Machine.T_head\"";
         section.report(Code::BAD_VALUE, section.place_of("node"), message, help);
     }
@@ -101,7 +106,7 @@ impl SourcePlan for Settings {
             None => IdentityToken::Anonymous,
             Some((user, None)) => IdentityToken::new_user_name(user, ""),
             Some((user, Some(variable))) => {
-                let no = |_| format!("the password: there is no variable {variable} in the environment");
+                let no = |_| format!("the password: the environment variable {variable} is not set");
                 IdentityToken::new_user_name(user, env::var(variable).map_err(no)?)
             }
         };
@@ -132,7 +137,9 @@ impl Reader {
     fn run(mut self, poll: Duration, outlet: &ReadingOutlet) {
         let runtime = match tokio::runtime::Builder::new_current_thread().enable_all().build() {
             Ok(runtime) => runtime,
-            Err(error) => return outlet.fail(ChannelFault::Disconnected, &format!("no runtime: {error}")),
+            Err(error) => {
+                return outlet.fail(ChannelFault::Disconnected, &format!("cannot start the runtime: {error}"));
+            }
         };
         runtime.block_on(async {
             tokio::select! {

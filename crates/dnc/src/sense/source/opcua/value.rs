@@ -11,7 +11,7 @@ pub(super) fn halt(state: &DataValue) -> Option<String> {
     let Some(Variant::Int32(number)) = state.value else { return None };
     match ServerState::try_from(number) {
         Ok(ServerState::Running | ServerState::Unknown) | Err(_) => None,
-        Ok(state) => Some(format!("the server does not run: its state is {state:?}")),
+        Ok(state) => Some(format!("the server is not running: its state is {state:?}")),
     }
 }
 
@@ -24,7 +24,7 @@ pub(super) fn told(node: &NodeId, value: &DataValue, has_times: bool) -> (Source
     let status = value.status.unwrap_or(StatusCode::Good);
     // A number that was set in place of the sensor is not a measured value.
     if !status.is_good() || status.sub_code() == StatusCode::GoodLocalOverride.sub_code() {
-        return (nothing(format!("the server says of {node}: {status}")), None);
+        return (nothing(format!("the server reports for {node}: {status}")), None);
     }
     let told = match value.value.as_ref().map_or(Err("no value"), number) {
         Ok(number) => SourceReport::Value(number),
@@ -36,7 +36,7 @@ pub(super) fn told(node: &NodeId, value: &DataValue, has_times: bool) -> (Source
     let time = value.source_timestamp.or(value.server_timestamp).filter(|time| !time.is_null());
     match time {
         Some(time) => (told, Some(time.as_chrono().into())),
-        None => (nothing(format!("the server does not say when {node} was read")), None),
+        None => (nothing(format!("the server does not state when {node} was read")), None),
     }
 }
 
@@ -55,11 +55,11 @@ fn number(value: &Variant) -> Result<f64, &'static str> {
         Variant::Float(number) => number.to_string().parse().unwrap_or(f64::NAN),
         Variant::Double(number) => *number,
         Variant::Empty => return Err("no value"),
-        Variant::Boolean(_) => return Err("a truth value and no number"),
-        Variant::String(_) | Variant::LocalizedText(_) => return Err("a text and no number"),
-        Variant::DateTime(_) => return Err("a time and no number"),
-        Variant::Array(_) => return Err("an array and no number"),
-        _ => return Err("something else than a number"),
+        Variant::Boolean(_) => return Err("a truth value, not a number"),
+        Variant::String(_) | Variant::LocalizedText(_) => return Err("a text, not a number"),
+        Variant::DateTime(_) => return Err("a time, not a number"),
+        Variant::Array(_) => return Err("an array, not a number"),
+        _ => return Err("a value that is not a number"),
     };
     if number.is_finite() { Ok(number) } else { Err("no finite number") }
 }
@@ -100,12 +100,12 @@ mod tests {
     fn what_is_no_number_is_refused_and_named() {
         let array = Array::new(VariantScalarTypeId::Double, vec![Variant::Double(21.0)]).unwrap();
         let others = [
-            (Variant::Boolean(true), "ns=2;s=T has a truth value and no number"),
-            (Variant::from("21.5"), "ns=2;s=T has a text and no number"),
-            (Variant::from(DateTime::now()), "ns=2;s=T has a time and no number"),
-            (Variant::from(array), "ns=2;s=T has an array and no number"),
+            (Variant::Boolean(true), "ns=2;s=T has a truth value, not a number"),
+            (Variant::from("21.5"), "ns=2;s=T has a text, not a number"),
+            (Variant::from(DateTime::now()), "ns=2;s=T has a time, not a number"),
+            (Variant::from(array), "ns=2;s=T has an array, not a number"),
             (Variant::Empty, "ns=2;s=T has no value"),
-            (Variant::from(NodeId::new(0, 1_u32)), "ns=2;s=T has something else than a number"),
+            (Variant::from(NodeId::new(0, 1_u32)), "ns=2;s=T has a value that is not a number"),
             (Variant::Double(f64::NAN), "ns=2;s=T has no finite number"),
             (Variant::Float(f32::INFINITY), "ns=2;s=T has no finite number"),
         ];
@@ -130,7 +130,7 @@ mod tests {
                 "{code}"
             );
         }
-        let why = "the server says of ns=2;s=T: BadNoCommunication".to_owned();
+        let why = "the server reports for ns=2;s=T: BadNoCommunication".to_owned();
         assert_eq!(of(Variant::Double(21.0), StatusCode::BadNoCommunication), nothing(why));
         assert_eq!(of(Variant::Double(21.0), StatusCode::GoodClamped), SourceReport::Value(21.0));
     }
@@ -141,7 +141,7 @@ mod tests {
         let time = |seconds: u64| Some(DateTime::from(opcua::types::DateTimeUtc::from(at(seconds))));
         let mut value = DataValue { value: Some(21.0.into()), ..DataValue::default() };
         let node = NodeId::new(2, "T");
-        let unknown = "the server does not say when ns=2;s=T was read".to_owned();
+        let unknown = "the server does not state when ns=2;s=T was read".to_owned();
         assert_eq!(told(&node, &value, true), (nothing(unknown), None));
         value.server_timestamp = time(1_800_000_060);
         assert_eq!(told(&node, &value, true), (SourceReport::Value(21.0), Some(at(1_800_000_060))));
@@ -154,7 +154,7 @@ mod tests {
     fn a_server_that_does_not_run_has_no_values() {
         let state = |number: i32| DataValue { value: Some(number.into()), ..DataValue::default() };
         assert_eq!(halt(&state(0)), None);
-        assert_eq!(halt(&state(3)).as_deref(), Some("the server does not run: its state is Suspended"));
+        assert_eq!(halt(&state(3)).as_deref(), Some("the server is not running: its state is Suspended"));
         assert!(halt(&state(6)).is_some());
         // State missing, or not in the standard.
         assert_eq!(halt(&DataValue::default()), None);

@@ -94,7 +94,7 @@ impl Active {
         if let Some(approach) = &self.approach {
             findings.push(approach.fault(
                 Code::BAD_COMPENSATION,
-                "radius compensation begins here, and ends before a contour element",
+                "radius compensation begins here and ends before any contour element",
                 "program the contour between G41 or G42 and G40",
             ));
             self.flush(out);
@@ -104,7 +104,7 @@ impl Active {
         if !matches!(moving.path.shape, Shape::Line) {
             findings.push(moving.fault(
                 Code::BAD_COMPENSATION,
-                "radius compensation ends in a block that is not straight",
+                "radius compensation ends in a block that is not a straight move",
                 "end it with G0 or G1 off the contour",
             ));
         }
@@ -249,7 +249,7 @@ impl Active {
 fn blocked(moving: &Moving) -> Fault {
     moving.fault(
         Code::BAD_COMPENSATION,
-        "the tool stands behind the contour and nearer to its corner than its radius",
+        "the tool is behind the contour and closer to its corner than its radius",
         "begin or end the compensation farther away, or in front of the contour",
     )
 }

@@ -8,23 +8,23 @@ use ncfix_base::diagnostic::Code;
 pub(super) fn transformed(moving: &Moving) -> Fault {
     moving.fault(
         Code::NOT_SUPPORTED,
-        "radius compensation under TRAORI is not supported: it is known for tools that stand upright on their plane",
-        "program G41 and G42 behind TRAFOOF, or the way of the tool center",
+        "radius compensation under TRAORI is not supported: it requires a tool perpendicular to its plane",
+        "program G41 and G42 after TRAFOOF, or the tool center path",
     )
 }
 
 pub(super) fn no_contour(moving: &Moving) -> Fault {
     moving.fault(
         Code::BAD_COMPENSATION,
-        "radius compensation begins here, and no contour follows",
-        "program a motion in the plane behind it before G40 or the end",
+        "radius compensation begins here, but no contour follows",
+        "program a motion in the plane after it, before G40 or the end",
     )
 }
 
 pub(super) fn soft_alone(moving: &Moving) -> Fault {
     moving.fault(
         Code::NOT_SUPPORTED,
-        "a soft approach or retraction is supported where radius compensation begins or ends only",
+        "a soft approach or retraction is supported only where radius compensation begins or ends",
         "program it where G41, G42 or G40 takes effect (Sinumerik G147, G247, G347 and G148, G248, G348; Grundig G61 and G62)",
     )
 }

@@ -165,7 +165,7 @@ impl Compensation {
             return;
         }
         let found = if !matches!(moving.path.shape, Shape::Line) {
-            Some("radius compensation begins in a block that is not straight")
+            Some("radius compensation begins in a block that is not a straight move")
         } else if moving.path.motion.in_machine_frame {
             Some("radius compensation begins in a block with machine coordinates")
         } else {
@@ -220,7 +220,7 @@ impl Compensation {
         } else {
             findings.push(active.last.fault(
                 Code::COMPENSATION_LEFT_ON,
-                "radius compensation is still on behind the last contour element",
+                "radius compensation is still on after the last contour element",
                 "end it with G40 and a straight motion off the contour",
             ));
         }
@@ -388,7 +388,7 @@ impl Active {
         self.last.fault(
             Code::BAD_COMPENSATION,
             "too many blocks without motion in the plane follow this contour element",
-            "move them off the contour; the limit is control.compensation_blocks_between",
+            "move them out of the contour; the limit is control.compensation_blocks_between",
         )
     }
 
@@ -417,8 +417,8 @@ impl Active {
         let (code, message, help) = if moving.path.setup.transform.is_some() {
             return Some(transformed(moving));
         } else if !moving.wish.compensates() && !same_plane(&self.basis, &moving.path.basis) {
-            let help = "program a motion in the plane in the block of G40 or behind it, before the plane changes";
-            let message = "radius compensation ends with the next motion behind G40, and the plane has changed or been mirrored before it";
+            let help = "program a motion in the plane in the block of G40 or after it, before the plane changes";
+            let message = "radius compensation ends with the next motion after G40, but the plane is changed or mirrored before it";
             (Code::BAD_COMPENSATION, message, help)
         } else if !same_plane(&self.basis, &moving.path.basis) {
             let help = "end the compensation with G40 before plane, mirror or tilt change";
@@ -427,8 +427,8 @@ impl Active {
             let help = "program the feed with G94 or G95";
             (Code::NOT_SUPPORTED, "inverse-time feed (G93) under radius compensation", help)
         } else if moving.path.motion.in_machine_frame && !moving.wish.compensates() {
-            let help = "program a motion in the plane in the block of G40 or behind it";
-            let message = "machine coordinates directly behind G40: nothing has led the tool off the contour yet";
+            let help = "program a motion in the plane in the block of G40 or after it";
+            let message = "machine coordinates directly after G40: the tool has not left the contour yet";
             (Code::BAD_COMPENSATION, message, help)
         } else if moving.path.motion.in_machine_frame {
             let help = "end it with G40 and a motion in the plane before G53, G153 or SUPA";
@@ -438,7 +438,7 @@ impl Active {
             (Code::BAD_COMPENSATION, "an axis of the plane is positioned (POS) while radius compensation is on", help)
         } else if self.awaits_end() && !matches!(moving.path.shape, Shape::Line) {
             let help = "program a straight motion to the start of the contour";
-            (Code::BAD_COMPENSATION, "the end of a soft approach that is not straight", help)
+            (Code::BAD_COMPENSATION, "the end of a soft approach is not a straight move", help)
         } else if moving.wish.soft.is_some_and(|soft| soft.retracts == moving.wish.compensates()) {
             return Some(soft_alone(moving));
         } else if moving.wish.soft.is_some() && !moving.names_plane() {
@@ -447,7 +447,7 @@ impl Active {
             (Code::NOT_SUPPORTED, "a soft retraction without an end in the plane", help)
         } else if moving.wish.soft.is_none() && moving.curve(&self.basis).is_none() {
             let help = "program lines and arcs, without unequal SCALE";
-            (Code::NOT_SUPPORTED, "a curve that is no line or arc of the plane under radius compensation", help)
+            (Code::NOT_SUPPORTED, "a curve that is not a line or arc in the plane, under radius compensation", help)
         } else {
             return None;
         };

@@ -132,8 +132,8 @@ impl Active {
         if matches!(link.contour, Curve::Arc { .. }) {
             findings.push(link.moving.fault(
                 Code::BAD_COMPENSATION,
-                "G41 or G42 again, in an arc: the control leaves the arc",
-                "program it again in a straight block, or not at all while it is on",
+                "G41 or G42 repeated in an arc: the control leaves the arc",
+                "repeat it in a straight block, or not at all while it is on",
             ));
         }
         self.give_up(findings);
@@ -214,7 +214,8 @@ impl Active {
         match link.contour {
             Curve::Line { start, end } if is_smooth => {
                 let normal = left(link.contour.first_tangent());
-                let curve = Curve::Line { start: add(start, scaled(normal, before)), end: add(end, scaled(normal, beside)) };
+                let curve =
+                    Curve::Line { start: add(start, scaled(normal, before)), end: add(end, scaled(normal, beside)) };
                 link.curve = curve;
                 link.to = curve.length();
                 link.clearance_mm = before.abs().min(beside.abs());
@@ -222,7 +223,7 @@ impl Active {
             _ => findings.push(link.moving.fault(
                 Code::BAD_COMPENSATION,
                 "the radius of the tool changes at a corner or in an arc of the compensated contour",
-                "change D, OFFN or the tool in a straight block that goes on in the direction of the last, or behind G40",
+                "change D, OFFN or the tool in a straight block that continues in the previous direction, or after G40",
             )),
         }
     }

@@ -172,12 +172,12 @@ impl Wall {
     fn found(&self) -> Option<Fault> {
         let (_, is_refused, depth) = self.worst.filter(|_| !self.is_open)?;
         let message = format!(
-            "the tool comes {depth:.4} mm too near to this element where it follows another one: it is wider than the contour is there"
+            "the tool comes {depth:.4} mm too close to this element while it follows another one: it is wider than the contour there"
         );
         let (code, help) = if is_refused {
             (Code::CONTOUR_NOT_FOLLOWED, "use a smaller tool; the look-ahead is control.compensation_look_ahead")
         } else {
-            (Code::CONTOUR_DAMAGED, "use a smaller tool, or CDON, which leaves out what cannot be reached")
+            (Code::CONTOUR_DAMAGED, "use a smaller tool, or CDON, which skips what cannot be reached")
         };
         Some(fault(code, self.span, message, help).of_file(self.file))
     }

@@ -32,8 +32,8 @@ impl Compensation {
         } else if !matches!(moving.path.shape, Shape::Line) {
             findings.push(moving.fault(
                 Code::BAD_COMPENSATION,
-                "a motion that is not straight with G43 or G44, or directly behind them",
-                "program a straight motion, or G41 or G42 behind G43 or G44",
+                "a move that is not straight with G43 or G44, or directly after them",
+                "program a straight move, or G41 or G42 after G43 or G44",
             ));
             self.reached = None;
             out.push(Item::Path(moving));
@@ -82,8 +82,8 @@ impl Compensation {
             if distance(wanted, basis.flat(&position)) > NO_WAY_MM {
                 findings.push(moving.fault(
                     Code::BAD_COMPENSATION,
-                    "radius compensation begins behind G43 or G44, and the tool does not stand beside the start of this element",
-                    "let the motion with G43 or G44 end square to the contour on the side of G41 or G42, or begin without G43 and G44",
+                    "radius compensation begins after G43 or G44, but the tool is not beside the start of this element",
+                    "end the motion with G43 or G44 perpendicular to the contour on the side of G41 or G42, or begin without G43 and G44",
                 ));
             }
         }

@@ -254,7 +254,7 @@ impl Tracking {
             (Code::BAD_COMPENSATION, "machine coordinates while radius compensation is on", help)
         } else if matches!(moving.path.shape, Shape::Chords(_)) {
             let help = "program lines and arcs, or end it with G40 before";
-            (Code::BAD_COMPENSATION, "a curve that is no line or arc of the plane under radius compensation", help)
+            (Code::BAD_COMPENSATION, "a curve that is not a line or arc in the plane, under radius compensation", help)
         } else {
             return None;
         };
@@ -265,7 +265,7 @@ impl Tracking {
 fn not_straight(moving: &Moving) -> Fault {
     moving.fault(
         Code::BAD_COMPENSATION,
-        "the first motion behind G40 is not straight",
+        "the first move after G40 is not straight",
         "end the compensation with G0 or G1 off the contour",
     )
 }

@@ -159,14 +159,14 @@ fn at_height(basis: PlaneBasis, position: &AxisVector, height: f64) -> AxisVecto
 }
 
 fn no_feed(moving: &Moving) -> Fault {
-    let message = "a soft approach or retraction moves with feed, and no F was programmed yet";
+    let message = "a soft approach or retraction at feed before any F word";
     moving.fault(Code::MISSING_FEED, message, "program F before it or in it")
 }
 
 fn no_side(moving: &Moving) -> Fault {
     moving.fault(
         Code::BAD_COMPENSATION,
-        "a soft approach or retraction by an arc has no side without radius compensation",
+        "a soft approach or retraction by an arc needs a side from radius compensation",
         "program G141, G142 or G143, or the compensation with G41 or G42",
     )
 }

@@ -62,7 +62,7 @@ impl Moving {
 
     /// The fault for compensation that cannot be left to the control.
     pub(super) fn no_wear(&self, message: &str, help: &str) -> Fault {
-        self.fault(Code::NO_WEAR, format!("{message}: with --compensation wear the control cannot do that"), help)
+        self.fault(Code::NO_WEAR, format!("{message}: not possible with --compensation wear"), help)
     }
 }
 
@@ -84,18 +84,20 @@ impl Compensation {
         let is_rs274 = modal.rules == Rules::Rs274;
         if modal.reach != Reach::End {
             let help = "program G41 or G42 with the motion to the contour";
-            return Some(moving.no_wear("G43 and G44 end before or beyond a position by the radius alone", help));
+            return Some(moving.no_wear("G43 and G44 shift the end position by the radius only", help));
         }
         if !moving.wish.compensates() {
             return None;
         }
         if modal.shown == Shown::Other {
             let help = "program the contour in a plane of the work offset";
-            return Some(moving.no_wear("the plane of the contour is tilted, and the output has no such plane", help));
+            return Some(
+                moving.no_wear("the plane of the contour is tilted, but the output has no tilted plane", help),
+            );
         }
         if is_rs274 && modal.register.is_none() {
             let help = "program G41 or G42 with the number of a tool";
-            return Some(moving.no_wear("G41.1 and G42.1 have the diameter in the program, and no register", help));
+            return Some(moving.no_wear("G41.1 and G42.1 have the diameter in the program, not in a register", help));
         }
         if is_rs274 && moving.wish.distance_mm == 0.0 && modal.register != Some(0) {
             let help = "give the tool its radius in the machine file, or with --setup";
@@ -111,9 +113,9 @@ impl Compensation {
             (None, Some(tracking)) => again(tracking.activation),
             (None, None) => false,
         };
-        let help = "end it with G40 and a straight motion off the contour, and begin it again";
+        let help = "end it with G40 and a straight motion off the contour, then begin it again";
         changes.then(|| {
-            moving.no_wear("radius compensation begins again, or its side or radius changes while it is on", help)
+            moving.no_wear("radius compensation is repeated, or its side or radius changes while it is on", help)
         })
     }
 
@@ -125,7 +127,7 @@ impl Compensation {
         let last = self.active.as_ref().map(|active| &active.last).or(held);
         if let Some(last) = last.filter(|_| self.limits.keeps_wear) {
             let help = "program G40 and a straight motion off the contour";
-            findings.push(last.no_wear("no motion leads off the contour behind this element", help));
+            findings.push(last.no_wear("no motion leaves the contour after this element", help));
         }
     }
 }

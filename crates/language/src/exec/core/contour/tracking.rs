@@ -104,7 +104,7 @@ impl Tracking {
             findings.push(piece.moving.fault(
                 Code::BAD_COMPENSATION,
                 "too many blocks without motion in the plane follow this contour element",
-                "move them off the contour",
+                "move them out of the contour",
             ));
         }
         self.release(out);

@@ -90,8 +90,8 @@ impl Transitions {
         if first.wish.corner.is_some_and(|corner| !corner.is_modal) {
             findings.push(first.fault(
                 Code::CORNER_LEFT_OUT,
-                "no rounding or chamfer is made here: no motion in the plane follows soon enough",
-                "take RND, CHF or CHR out, or let the next contour element follow at once",
+                "no rounding or chamfer here: no motion in the plane follows soon enough",
+                "remove RND, CHF or CHR, or program the next contour element directly after it",
             ));
         }
     }
@@ -125,7 +125,7 @@ impl Transitions {
                     findings.push(first.fault(
                         Code::CORNER_DOES_NOT_FIT,
                         message,
-                        "make it smaller, or the contour elements beside it longer",
+                        "make it smaller, or the adjacent contour elements longer",
                     ));
                     None
                 }

@@ -23,10 +23,7 @@ pub(in crate::exec) fn unstated(path: &Path, wish: &ContourRequest, plane: Plane
     if shown.is_empty() {
         return None;
     }
-    let message = format!(
-        "the way of the tool center depends on {}, and the program has not stated where that is",
-        shown.join(" and ")
-    );
+    let message = format!("the tool center path depends on {}, whose position is not known yet", shown.join(" and "));
     let help = "begin with an absolute position of this axis in a block before it, or give --start";
     Some(fault(Code::UNKNOWN_START, wish.span, message, help))
 }
@@ -70,7 +67,7 @@ pub(super) fn across(first: &Moving, behind: &[Item]) -> Option<Fault> {
     };
     let shown: String = shown.chars().take(40).collect();
     let message = format!(
-        "{shown} stands between the elements of the rounding or chamfer of line {line}: whether the control makes that is not known"
+        "{shown} is between the elements of the rounding or chamfer of line {line}: it is not known whether the control makes the transition"
     );
     Some(fault(Code::CORNER_OVER_UNKNOWN, origin.span, message, BEFORE_OR_BEHIND).of_file(origin.file))
 }
@@ -80,7 +77,7 @@ pub(super) fn across_stop(first: &Moving, stop: Option<(Origin, &str)>) -> Optio
     let (origin, name) = stop.filter(|_| first.wish.corner.is_some())?;
     let line = first.element.origin.line;
     let message = format!(
-        "{name} is read between the elements of the rounding or chamfer of line {line}: the control stops there to read it, as with STOPRE, and whether it makes the transition is not known"
+        "{name} is read between the elements of the rounding or chamfer of line {line}: the control stops there to read it, as with STOPRE, and it is not known whether it makes the transition"
     );
     Some(fault(Code::CORNER_OVER_UNKNOWN, origin.span, message, BEFORE_OR_BEHIND).of_file(origin.file))
 }
@@ -97,19 +94,19 @@ pub(super) fn between(first: &Moving, second: &Moving) -> Option<Fault> {
     } else if old.plane != new.plane {
         "the working plane changes"
     } else if !lost.intersection(plane_axes(&first.path.basis)).is_empty() {
-        "the place of the tool gets lost"
+        "the tool position becomes unknown"
     } else {
         return None;
     };
     let line = first.element.origin.line;
     let message = format!(
-        "{what} between the elements of the rounding or chamfer of line {line}, and where the control makes the transition then is not known"
+        "{what} between the elements of the rounding or chamfer of line {line}; it is not known where the control then makes the transition"
     );
     let origin = second.element.origin;
     Some(fault(Code::CORNER_OVER_UNKNOWN, origin.span, message, BEFORE_OR_BEHIND).of_file(origin.file))
 }
 
-const BEFORE_OR_BEHIND: &str = "put it before the first element or behind the second one, or take the transition out";
+const BEFORE_OR_BEHIND: &str = "move it before the first element or after the second one, or remove the transition";
 
 /// The fault for a program of the control, or other unseen axis motion, under radius compensation.
 pub(super) fn under_compensation(element: &Element) -> Option<Fault> {
@@ -117,7 +114,7 @@ pub(super) fn under_compensation(element: &Element) -> Option<Fault> {
     if axes.intersection(AxisSet::XYZ).is_empty() {
         return None;
     }
-    let message = "the machine goes to a place that only the control knows, and radius compensation is on, or no motion has led the tool off its contour: on the control it acts there too, in the output it does not";
-    let help = "end it with G40 and a motion in the plane before, and begin it again behind";
+    let message = "the machine moves to a position known only to the control while radius compensation is on or the tool has not left the contour: the control compensates there, the output does not";
+    let help = "end it with G40 and a motion in the plane before, and begin it again afterwards";
     Some(fault(Code::BAD_COMPENSATION, element.origin.span, message, help).of_file(element.origin.file))
 }

@@ -8,7 +8,7 @@ pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault
     let pocket = Pocket::new(words, at)?;
     let widest = words.value(b'R') - at.tool_radius_mm;
     if widest < 0.0 {
-        return Err(fault("the tool is wider than the pocket", "take a smaller tool"));
+        return Err(fault("the tool is wider than the pocket", "use a smaller tool"));
     }
     let count = pocket.loops(widest)?;
     let center = pocket.place([0.0, 0.0]);

@@ -19,10 +19,10 @@ pub(in crate::exec::grundig) fn bolt_circle(
     count: f64,
 ) -> Result<impl Iterator<Item = Flat>, CycleFault> {
     if !(1.0..=MOST_HOLES).contains(&count) || count.fract() != 0.0 {
-        return Err(fault(format!("J={count} is no number of holes"), "write a whole number of holes"));
+        return Err(fault(format!("J={count} is not a valid number of holes"), "write a whole number of holes"));
     }
     if radius <= 0.0 || !radius.is_finite() {
-        return Err(fault(format!("R={radius} is no radius of a circle of holes"), "write the radius of the circle"));
+        return Err(fault(format!("R={radius} is not a valid bolt circle radius"), "write the radius of the circle"));
     }
     let step = match last {
         None => 360.0 / count,

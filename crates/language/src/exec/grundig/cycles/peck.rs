@@ -15,7 +15,7 @@ pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault
     if first <= 0.0 || less < 0.0 || lift < 0.0 {
         return Err(fault(
             "K must be above 0, I and J must not be negative",
-            "K is the first peck, I what each is shorter",
+            "K is the first peck, I the reduction of each further peck",
         ));
     }
     let until_retraction = words.get(b'K', 1).unwrap_or(0.0);

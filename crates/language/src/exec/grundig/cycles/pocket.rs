@@ -37,8 +37,8 @@ impl<'a> Pocket<'a> {
         }
         if infeed <= 0.0 || depth / infeed > MOST {
             return Err(fault(
-                format!("K={infeed} is no infeed for a depth of {depth} mm"),
-                "K is the infeed of a level",
+                format!("K={infeed} is not a valid infeed for a depth of {depth} mm"),
+                "K is the infeed per level",
             ));
         }
         if at.tool_radius_mm <= 0.0 {
@@ -46,7 +46,10 @@ impl<'a> Pocket<'a> {
         }
         let sense = words.get(b'J', 0).unwrap_or(1.0);
         if sense.abs() != 1.0 {
-            return Err(fault(format!("J={sense} is no sense of milling"), "J1 is climb milling, J-1 conventional"));
+            return Err(fault(
+                format!("J={sense} is not a valid milling direction"),
+                "J1 is climb milling, J-1 conventional milling",
+            ));
         }
         // A remainder of a billionth is zero.
         let count = (depth / infeed - 1e-9).ceil().max(1.0) as u32;
@@ -71,12 +74,15 @@ impl<'a> Pocket<'a> {
     pub(super) fn loops(&self, across: f64) -> Result<u32, CycleFault> {
         let percent = self.words.get(b'I', 0).unwrap_or(self.at.engagement_percent);
         if !(percent > 0.0 && percent <= 100.0) {
-            return Err(fault(format!("I={percent} is no cutting width in per cent"), "write a value up to 100"));
+            return Err(fault(
+                format!("I={percent} is not a valid cutting width in per cent"),
+                "write a value up to 100",
+            ));
         }
         let width = (percent / 100.0).min(WIDEST_SHARE) * 2.0 * self.at.tool_radius_mm;
         let count = (across / width - 1e-9).ceil().max(1.0);
         if count > MOST || count * self.levels.len() as f64 > MOST {
-            return Err(fault("the pocket needs too many loops", "correct I, or take a wider tool"));
+            return Err(fault("the pocket needs too many loops", "correct I, or use a larger tool"));
         }
         // Within the limit.
         Ok(count as u32)

@@ -11,10 +11,13 @@ pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault
     let corner = words.get(b'R', 0).unwrap_or(0.0);
     let across = [length / 2.0 - at.tool_radius_mm, width / 2.0 - at.tool_radius_mm];
     if across.iter().any(|&half| half < 0.0) {
-        return Err(fault("the tool is wider than the pocket", "take a smaller tool"));
+        return Err(fault("the tool is wider than the pocket", "use a smaller tool"));
     }
     if corner < 0.0 || corner > length.min(width) / 2.0 + 1e-9 {
-        return Err(fault(format!("R={corner} is no corner of this pocket"), "at most half the shorter side"));
+        return Err(fault(
+            format!("R={corner} is not a valid corner radius of this pocket"),
+            "at most half the shorter side",
+        ));
     }
     let shorter = across[0].min(across[1]);
     let beyond = [across[0] - shorter, across[1] - shorter];

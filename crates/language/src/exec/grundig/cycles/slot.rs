@@ -12,7 +12,7 @@ pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault
     let sign = length.signum();
     let out = width / 2.0 - at.tool_radius_mm;
     if out < 0.0 {
-        return Err(fault("the tool is wider than the slot", "take a smaller tool"));
+        return Err(fault("the tool is wider than the slot", "use a smaller tool"));
     }
     // From the center of one arc to that of the other.
     let ends = if at.slot_from_arc_center {

@@ -27,7 +27,7 @@ pub(in crate::exec::iso) fn steps(code: u16, hole: &Hole) -> Result<Vec<HoleStep
             // Pecks of rigid tapping (Q) have two modes, selected by a parameter of the control (5200 bit 5).
             if hole.q.is_some_and(|q| q != 0.0) {
                 let message = "tapping in pecks (Q) is not supported";
-                let help = "leave out Q, or program the pecks one by one";
+                let help = "omit Q, or program the pecks one by one";
                 return Err(HoleFault { is_unsupported: true, ..wrong(message, help) });
             }
             let sense = if matches!(code, 840 | 842) { Turn::Clockwise } else { Turn::CounterClockwise };
@@ -86,7 +86,7 @@ fn aside(hole: &Hole) -> Result<[f64; 2], HoleFault> {
         (Some(q), Some(direction)) if q > 0.0 => Ok(direction.map(|part| part * q)),
         (Some(q), Some(_)) => Err(wrong(format!("Q {q} is below 0"), "give Q without a sign")),
         (Some(_), None) => Err(wrong(
-            "in which direction the oriented tool steps aside by Q is not known",
+            "the direction in which the oriented tool shifts by Q is not known",
             "set control.orient_shift, for example \"+X\" (Fanuc parameter 5101 bits 4 and 5)",
         )),
     }

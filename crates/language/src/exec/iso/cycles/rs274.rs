@@ -28,7 +28,8 @@ pub(in crate::exec::iso) fn steps(code: u16, hole: &Hole, spindle: Turn) -> Resu
         740 | 840 => {
             let wanted = if code == 840 { Turn::Clockwise } else { Turn::CounterClockwise };
             if spindle != wanted {
-                let message = format!("it taps behind M{}, and the spindle does not turn this way", wanted.m_code(0));
+                let message =
+                    format!("it taps after M{}, but the spindle does not turn in this direction", wanted.m_code(0));
                 return Err(wrong(message, "start the spindle before the cycle"));
             }
             let back = HoleStep::Spindle(spindle.reversed());

@@ -49,7 +49,7 @@ pub(in crate::exec::iso) struct ThreadMove {
 pub(in crate::exec::iso) fn moves(thread: &Thread) -> Result<Vec<ThreadMove>, String> {
     let all = [thread.peak, thread.first, thread.depth, thread.pitch, thread.slide_rad, thread.taper];
     if !all.iter().all(|value| value.is_finite()) {
-        return Err("G76 has a value that is no number".into());
+        return Err("G76 has a value that is not a number".into());
     }
     if thread.peak == 0.0 {
         return Err("G76 needs I other than 0".into());

@@ -93,8 +93,8 @@ impl Reader<'_> {
             // Leadscrew tables belong to another format, with its own reader.
             let is_known = ["$MA_CEC", "$MN_MM_CEC", "$AA_ENC_COMP"].iter().any(|head| name.starts_with(head));
             if !is_known {
-                let message = format!("{} is not part of the sag compensation and is left out", shown(name));
-                self.report.unused(line, one.text, message, "see that nothing of the tables is lost");
+                let message = format!("{} is not part of the sag compensation and is ignored", shown(name));
+                self.report.unused(line, one.text, message, "check that no part of the tables is missing");
             }
             return;
         };
@@ -125,12 +125,12 @@ impl Reader<'_> {
     }
 
     fn unknown(&mut self, line: &ScannedLine<'_>, one: &IniAssignment<'_>) {
-        let message = format!("{} is not known and is left out", shown(&one.name));
-        self.report.unused(line, one.text, message, "look up what it does before the table is used");
+        let message = format!("{} is not known and is ignored", shown(&one.name));
+        self.report.unused(line, one.text, message, "look up its effect before the table is used");
     }
 
     fn twice(&mut self, line: &ScannedLine<'_>, t: usize, what: &str, text: &str) {
-        self.report.fault(line, text, format!("{} of table {t} is there twice, with different values", what), TWICE);
+        self.report.fault(line, text, format!("{} of table {t} is given twice, with different values", what), TWICE);
     }
 
     /// Reads the value of a point.
@@ -157,17 +157,17 @@ impl Reader<'_> {
             "STEP" | "MIN" | "MAX" | "WEIGHT" => None,
             "DIRECTION" => (!is_sense).then(|| {
                 let help = "write 0 for both senses, 1 for the positive or -1 for the negative one";
-                (format!("table {t} has the direction {number}"), help)
+                (format!("table {t} has the direction {number}, which is not valid"), help)
             }),
             "MULT_BY_TABLE" => {
                 let is_number = number.fract() == 0.0 && (0.0..=MOST_TABLES as f64).contains(&number);
                 (!is_number).then(|| {
-                    let help = "the number of a table is its index plus 1; 0 is none";
+                    let help = "the number of a table is its index plus 1; 0 means no table";
                     (format!("table {t} is multiplied by number {number}, which no table has"), help)
                 })
             }
             "IS_MODULO" | "ENABLE" => (!is_switch).then(|| {
-                let help = "write 0 or 1: what the control makes of another number is not known";
+                let help = "write 0 or 1: it is not known how the control reads another number";
                 (format!("{} is {number}", one.name), help)
             }),
             "TYPE" => (number != 0.0).then(|| {
@@ -190,7 +190,7 @@ impl Reader<'_> {
     fn finish(mut self, tables: &mut Tables) -> Vec<Diagnostic> {
         let raw = std::mem::take(&mut self.raw);
         if raw.is_empty() {
-            self.report.empty("no compensation table is in the file", "a table has lines such as $AN_CEC[0,0]=0.005");
+            self.report.empty("the file has no compensation table", "a table has lines such as $AN_CEC[0,0]=0.005");
         }
         let mut places = BTreeMap::new();
         for (&t, one) in &raw {
@@ -198,7 +198,7 @@ impl Reader<'_> {
             let [step, min, max] = ["STEP", "MIN", "MAX"].map(|name| one.field(name));
             if !one.is_own || one.fields.get("STEP") == Some(&0.0) {
                 let message = format!("table {t} is not in use: STEP {step}, MIN {min}, MAX {max}");
-                self.report.unused_at(span, message, "give it a step above 0 and MAX above MIN if it shall be used");
+                self.report.unused_at(span, message, "if it is to be used, give it a step above 0 and MAX above MIN");
                 continue;
             }
             if let Some(names) = missing("$AN_CEC_", &FIELDS, &one.fields) {
@@ -207,7 +207,7 @@ impl Reader<'_> {
             }
             if step < 0.0 || max <= min {
                 let message = format!("table {t} has STEP {step}, MIN {min}, MAX {max}");
-                let help = "give it a step above 0 and MAX above MIN, or STEP 0 if it shall not be used";
+                let help = "give it a step above 0 and MAX above MIN, or STEP 0 if it is not used";
                 self.report.fault_at(span, message, help);
                 continue;
             }
@@ -227,14 +227,13 @@ impl Reader<'_> {
             let span = one.span.unwrap_or_default();
             if one.unit_mm != 1.0 {
                 let message = format!("table {t} is multiplied by another one, in inches");
-                let help =
-                    "save the tables with the basic system METRIC: in which unit the control multiplies is not known";
+                let help = "save the tables with the basic system METRIC: it is not known in which unit the control multiplies";
                 self.report.fault_at(span, message, help);
             }
             match (places.get(&other), tables.lookups.get_mut(at)) {
                 (Some(&factor), Some(lookup)) => lookup.factor = Some(factor),
                 _ => {
-                    let message = format!("table {t} is multiplied by number {}, which is not there", other + 1);
+                    let message = format!("table {t} is multiplied by number {}, which does not exist", other + 1);
                     self.report.fault_at(span, message, "the number of a table is its index plus 1");
                 }
             }
@@ -249,7 +248,7 @@ impl Reader<'_> {
             self.report.fault_at(span, format!("table {t} has no {what} axis"), help);
         } else if axis.is_none() {
             let help = "give the machine, or name the axis with --axis-name X=AX1";
-            self.report.fault_at(span, format!("table {t}: no axis is known as {}", shown(name)), help);
+            self.report.fault_at(span, format!("table {t}: no axis has the name {}", shown(name)), help);
         }
         axis
     }
@@ -269,12 +268,12 @@ impl Reader<'_> {
         let modulo = raw.field("IS_MODULO") != 0.0;
         if modulo && !input.is_rotary() {
             let message = format!("table {t} repeats over {input}, which is a linear axis");
-            self.report.fault_at(span, message, "write $AN_CEC_IS_MODULO 0: only rotary axes begin again");
+            self.report.fault_at(span, message, "write $AN_CEC_IS_MODULO 0: only rotary axes can repeat");
         }
         let surplus = raw.values.range(count..).filter(|(_, value)| **value != 0.0).count();
         if surplus > 0 {
-            let message = format!("{surplus} values of table {t} lie behind MAX and are not used");
-            self.report.unused_at(span, message, "the control does not use them either");
+            let message = format!("{surplus} values of table {t} are beyond MAX and are not used");
+            self.report.unused_at(span, message, "the control ignores them too");
         }
         let missing = (0..count).filter(|n| !raw.values.contains_key(n)).count();
         if missing > 0 {

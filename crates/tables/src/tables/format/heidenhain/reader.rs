@@ -107,7 +107,7 @@ impl Reader<'_> {
         if position <= self.last {
             self.report.fault(line, text, "the positions do not increase", "sort the rows by AXISPOS");
         } else if self.rows >= MOST_POINTS {
-            self.report.fault(line, text, format!("more than {MOST_POINTS} rows"), "the control takes 256");
+            self.report.fault(line, text, format!("more than {MOST_POINTS} rows"), "the control allows 256");
         } else {
             self.rows += 1;
             self.last = position;
@@ -147,24 +147,22 @@ impl Reader<'_> {
             return self.report.findings;
         }
         if self.rows == 0 && !self.report.has_fault() {
-            self.report.empty(
-                "no compensation values are in the file",
-                "a .COM table has a column AXISPOS and rows of numbers",
-            );
+            self.report
+                .empty("the file has no compensation values", "a .COM table has a column AXISPOS and rows of numbers");
         } else if !self.has_ended {
-            self.report.empty("the table does not end with [END]", "see that nothing of it is lost");
+            self.report.empty("the table does not end with [END]", "check that no part of it is missing");
         }
         let input = naming::axis(wiring, &self.name).or_else(|| naming::axis(wiring, source.name()));
         let Some(input) = input else {
             self.report.empty(
                 "the basic axis of the table is not known",
-                "name the file after it as the .CMA assigns it: x.com",
+                "name the file after the axis as the .CMA assigns it: x.com",
             );
             return self.report.findings;
         };
         let added = self.tables(input, wiring);
         if tables.lookups.iter().any(|one| one.input == input) {
-            self.report.empty(&format!("a table over {input} was read before"), "only one is active");
+            self.report.empty(&format!("a table over {input} has already been read"), "only one can be active");
         }
         if !self.report.has_fault() {
             tables.lookups.extend(added);
@@ -181,12 +179,12 @@ impl Reader<'_> {
                 ("NR" | "AXISPOS", _) => {}
                 ("BACKLASH", _) => backlash = column.points,
                 (name, Some(axis)) if found.iter().any(|(other, _)| *other == axis) => {
-                    self.report.empty(&format!("the column {name} is there twice"), "an axis has one column");
+                    self.report.empty(&format!("the column {name} is given twice"), "an axis has one column");
                 }
                 (_, Some(axis)) if !column.points.is_empty() => found.push((axis, column.points)),
                 (_, Some(_)) => {}
                 (name, None) => {
-                    let message = format!("the column {} is no axis and is left out", shown(name));
+                    let message = format!("the column {} is not an axis and is ignored", shown(name));
                     let help = "columns C1 to C18 belong to a kinematics table, which is not read";
                     self.report.unused_at(ncfix_base::source::Span::new(0, 1), message, help);
                 }
@@ -194,7 +192,10 @@ impl Reader<'_> {
         }
         let place = found.iter().position(|(axis, _)| *axis == input).or((found.len() == 1).then_some(0));
         if place.is_none() && !backlash.is_empty() {
-            self.report.empty("BACKLASH belongs to no column", "a table with BACKLASH has a column of its basic axis");
+            self.report.empty(
+                "BACKLASH has no column to which it belongs",
+                "a table with BACKLASH has a column of its basic axis",
+            );
         }
         let mut tables = Vec::new();
         for (index, (output, points)) in found.into_iter().enumerate() {

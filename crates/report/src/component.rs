@@ -1,0 +1,14 @@
+//! The error component that a parameter belongs to, and its words.
+
+use ncfix_model::name::ErrorName;
+
+/// Returns the error component that a parameter belongs to: EXX for `EXX1`; `None` if its name begins with none.
+pub(crate) fn component_of(parameter: &str) -> Option<ErrorName> {
+    let begins = |count: usize| parameter.get(..count).and_then(|name| name.parse::<ErrorName>().ok());
+    begins(4).or_else(|| begins(3))
+}
+
+/// Returns what a parameter is, in words: `EC0X` is `squareness X–Y`, `EXX1` belongs to `positioning of X`; `None` if its name is no error component.
+pub(crate) fn spelled_out(parameter: &str) -> Option<String> {
+    component_of(parameter).map(|name| name.spelled_out())
+}
