@@ -67,7 +67,7 @@ fn one_of_several_programs_is_named_behind_the_archive() {
     let demo = machine("demo");
     shop.run(["check", "SAVE.arc", "--machine", &demo])
         .exits(2)
-        .says("SAVE.arc holds 2 such programs")
+        .says("SAVE.arc has 2 such programs")
         .says("MPF.DIR/OTHER.MPF, WKS.DIR/PART.WPD/PART.MPF");
     shop.run(["check", "SAVE.arc/OTHER.MPF", "--machine", &demo]).exits(0).says("understood and executed, 2 elements");
     shop.run(["check", "SAVE.arc/WKS.DIR/PART.WPD/part.mpf", "--machine", &demo]).exits(0);

@@ -442,7 +442,7 @@ fn parameters_must_be_those_of_the_machine() {
     let arguments = ["calibrate", "circles.csv", "--machine", "start.toml", "--model", "mayer", "-o", "m.toml"];
     shop.run(arguments).exits(2).says("the presets are");
     let arguments = ["calibrate", "circles.csv", "--machine", "start.toml", "--model", "mayer-13", "-o", "m.toml"];
-    shop.run(arguments).exits(2).says("does not suit");
+    shop.run(arguments).exits(2).says("is not applicable");
 }
 
 #[test]

@@ -251,7 +251,7 @@ fn lines_and_sensors_that_are_unknown_are_named() {
     std::fs::write(shop.path("b.txt"), "load\n").unwrap();
     calibrate("b.txt").says("E0609").says("b.txt:1:1").says("no [[load]]");
     std::fs::write(shop.path("c.txt"), "drift\ndrift.Z\n").unwrap();
-    calibrate("c.txt").says("c.txt:2:1").says("there twice");
+    calibrate("c.txt").says("c.txt:2:1").says("given twice");
     std::fs::write(shop.path("d.txt"), "drift\n").unwrap();
     calibrate("d.txt").says("E0501").says("T_head");
 }

@@ -58,7 +58,7 @@ fn the_terms_that_are_needed_are_chosen_told_and_written() {
         .exits(0)
         .says("held-out gain")
         .says("candidates")
-        .says("8 tried, 2 chosen");
+        .says("8 tested, 2 chosen");
 }
 
 fn names_of(list: &Value) -> Vec<&str> {

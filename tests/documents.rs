@@ -122,6 +122,17 @@ fn done(path: &str) -> usize {
     commands
 }
 
+/// The line that has most words of another one, and few of its own. With `NCFIX_WRITE_DOCS=1` it takes the place of the first shown line that is not printed any
+/// more; look at what it wrote, and run the test again until no line is missing.
+fn nearest(line: &str, printed: &str) -> String {
+    let words: BTreeSet<&str> = line.split_whitespace().collect();
+    let alike = |own: &&str| {
+        let all: BTreeSet<&str> = own.split_whitespace().collect();
+        2 * all.intersection(&words).count() as i64 - all.symmetric_difference(&words).count() as i64
+    };
+    printed.lines().max_by_key(alike).unwrap_or_default().trim_end().to_owned()
+}
+
 /// Demands that a command ends as its page says and prints the lines that are shown there.
 fn shows(path: &str, shop: &Shop, call: &Call) {
     let command = call.words.join(" ");
@@ -138,6 +149,10 @@ fn shows(path: &str, shop: &Shop, call: &Call) {
     };
     let swapped = format!("{}{}", run.stderr, run.stdout);
     if let (Some(line), Some(_)) = (missing(&printed), missing(&swapped)) {
+        if std::env::var_os("NCFIX_WRITE_DOCS").is_some() {
+            let page = text(path).replace(line, &nearest(line, &printed));
+            fs::write(repository(path), page).unwrap();
+        }
         panic!("{path}: {command}\n{line}\nis not there, or before the line above it:\n{printed}");
     }
 }

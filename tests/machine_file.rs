@@ -337,7 +337,7 @@ fn the_output_is_not_finer_than_the_words_that_a_control_reads() {
     shop.run(["part.nc", "-o", "out.nc", "--machine", "coarse.toml"]).exits(0);
     shop.run(["part.nc", "-o", "fine.nc", "--machine", "coarse.toml", "--increment", "0.1um"])
         .exits(2)
-        .says("finer than the 0.001 mm");
+        .says("finer than 0.001 mm");
     assert!(!shop.names().contains(&"fine.nc".to_owned()));
     // A Grundig reads what its file says.
     let mill = crate::support::machine("universal_mill");

@@ -372,7 +372,7 @@ pub(crate) fn corrected_before(source: &Source) -> Diagnostic {
     Diagnostic::at(
         Code::ALREADY_CORRECTED,
         Place { file: source.id(), span: Span::new(at, at + NAME.len()) },
-        "this program was corrected before",
+        "this program is already corrected",
         "correct the original program",
     )
 }

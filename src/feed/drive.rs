@@ -336,7 +336,7 @@ impl Drive<'_> {
             }
             Some(Ended::Fault(why)) => (
                 Some(FeedOutcome::Fault),
-                Some(format!("no further line was sent: {why}; all earlier lines were executed")),
+                Some(format!("no further line was sent: {why}; the control was not told to stop the lines sent before")),
             ),
         };
         Status {

@@ -18,7 +18,7 @@ pub struct NotWritable(pub String);
 /// # Errors
 /// [`NotWritable`] if the text does not contain what was read from it.
 pub fn write(text: &str, read: &ErrorModel, changed: &ErrorModel) -> Result<String, NotWritable> {
-    let mut edit = Edit::parse(text).ok_or_else(|| NotWritable("the machine file is no TOML".into()))?;
+    let mut edit = Edit::parse(text).ok_or_else(|| NotWritable("the machine file is not TOML".into()))?;
     for (index, error) in changed.location.iter().enumerate() {
         if read.location.get(index) != Some(error) && !edit.set("location", &error.name.to_string(), &value_of(error)) {
             return Err(NotWritable("location of the machine file is no section".into()));

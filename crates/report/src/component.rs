@@ -10,5 +10,9 @@ pub(crate) fn component_of(parameter: &str) -> Option<ErrorName> {
 
 /// Returns what a parameter is, in words: `EC0X` is `squareness X–Y`, `EXX1` belongs to `positioning of X`; `None` if its name is no error component.
 pub(crate) fn spelled_out(parameter: &str) -> Option<String> {
-    component_of(parameter).map(|name| name.spelled_out())
+    component_of(parameter).map(|name| {
+        // The parameters of a backlash end with a b: EXXb, EYXb.
+        let rest = parameter.strip_prefix(&name.to_string());
+        name.spelled_out() + if rest == Some("b") { ", backlash" } else { "" }
+    })
 }

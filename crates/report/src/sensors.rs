@@ -166,6 +166,6 @@ mod tests {
         assert_eq!(lines[6], "     94 %│       ●   ○");
         assert_eq!(lines[7], "     89 %│");
         assert!(lines[13].starts_with("         └────────────") && lines[14].contains("1   2   3"), "{page}");
-        assert!(lines[15].starts_with("  2 sensors, 2.50 µm (RMS) left"), "{page}");
+        assert!(lines[15].starts_with("  2 sensors, residual 2.50 µm (RMS)"), "{page}");
     }
 }

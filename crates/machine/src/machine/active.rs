@@ -61,7 +61,7 @@ pub(super) fn read(section: &mut Section<'_>) -> ActiveTables {
         Some(other) => {
             let place = section.place_of("table_multiplication");
             let help = "write \"instead\" where the control adds the product in place of the table's own value, else \"beside\"";
-            section.report(Code::BAD_VALUE, place, format!("'{other}' is neither of the two words for products"), help);
+            section.report(Code::BAD_VALUE, place, format!("'{other}' is not 'instead' or 'beside'"), help);
             None
         }
     };

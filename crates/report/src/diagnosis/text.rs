@@ -221,7 +221,10 @@ impl DiagnosisReport {
     }
 
     fn cause(&self, rank: usize, one: &CauseReport, out: &mut String) {
-        let words = spelled_out(&one.parameter).map_or(String::new(), |words| format!(" ({words})"));
+        // A component is spelled out; other effects have words of their own.
+        let is_component = matches!(one.effect.as_str(), "motion" | "location");
+        let words = spelled_out(&one.parameter).filter(|_| is_component);
+        let words = words.map_or(String::new(), |words| format!(" ({words})"));
         let _ = writeln!(out, "\n{rank}. {}{words}: {} (95 %)", one.name(), one.size());
         let _ = writeln!(
             out,

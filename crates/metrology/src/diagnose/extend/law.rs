@@ -285,6 +285,6 @@ mod tests {
         // From one side to the other it is 2 less −2.
         let Ok(Change::Shape { kind: "backlash", values, .. }) = of(0.0) else { panic!("{:?}", of(0.0)) };
         assert!(values[0].iter().all(|value| *value == 4.0), "{values:?}");
-        assert!(of(0.5).unwrap_err().contains("does not turn over"));
+        assert!(of(0.5).unwrap_err().contains("does not reverse with it"));
     }
 }

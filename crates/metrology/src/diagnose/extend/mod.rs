@@ -363,9 +363,9 @@ mod tests {
     fn no_machine_errs_by_more_than_a_millimetre() {
         let why = |um: f64, rms: f64| is_sound(&finding(um, rms), 10.0).err().unwrap_or_default();
         assert_eq!(why(900.0, 0.9), "");
-        assert!(why(1100.0, 0.5).contains("no machine errs so much"));
+        assert!(why(1100.0, 0.5).contains("not plausible for a machine"));
         // A small size may do much to the readings.
-        assert!(why(500.0, 1.1).contains("no machine errs so much"));
+        assert!(why(500.0, 1.1).contains("not plausible for a machine"));
     }
 
     #[test]
