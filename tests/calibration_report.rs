@@ -196,7 +196,7 @@ fn circles_are_drawn_by_plane_and_sense_and_labels_are_texts() {
     for (plane, both, sense) in [("XY", true, "ccw"), ("YZ", false, "ccw"), ("ZX", false, "cw")] {
         let title = format!("Ball-bar {plane}, set-up {HOSTILE}");
         let texts = pictures.iter().find(|texts| texts[0] == title).unwrap_or_else(|| panic!("{pictures:?}"));
-        for name in ["measured", "left"] {
+        for name in ["measured", "residual"] {
             assert!(texts.contains(&format!("{name} {sense}").as_str()), "{texts:?}");
             let other = if sense == "cw" { "ccw" } else { "cw" };
             assert_eq!(texts.contains(&format!("{name} {other}").as_str()), both, "{texts:?}");

@@ -336,7 +336,9 @@ impl Drive<'_> {
             }
             Some(Ended::Fault(why)) => (
                 Some(FeedOutcome::Fault),
-                Some(format!("no further line was sent: {why}; the control was not told to stop the lines sent before")),
+                Some(format!(
+                    "no further line was sent: {why}; the control was not told to stop the lines sent before"
+                )),
             ),
         };
         Status {

@@ -92,7 +92,7 @@ impl CalibrationReport {
             let _ = writeln!(
                 out,
                 "{:<width$}{:>9}{:>11}{:>9}{:>11}{:>9}{:>9}{:>11}",
-                "measurement", "readings", "measured", "max", "left", "max", "σ", "efficiency"
+                "measurement", "readings", "measured", "max", "residual", "max", "σ", "efficiency"
             );
         }
         for one in &found.data {
@@ -114,7 +114,7 @@ impl CalibrationReport {
         for row in found.weighted_down.iter().take(MOST_SHOWN) {
             let _ = writeln!(
                 out,
-                "{}:{}: {} {} left, counts {:.0} %",
+                "{}:{}: residual {} {}, weight {:.0} %",
                 row.file,
                 row.line,
                 significant(row.residual),

@@ -15,7 +15,8 @@ pub fn page(plan: &PlanResult, table: &str, description: &str) -> String {
     for note in &plan.notes {
         let _ = writeln!(out, "note: {note}");
     }
-    let _ = writeln!(out, "{table}: {} rows in {} set-ups; {description} beside it", plan.rows, plan.setups);
+    let set_ups = if plan.setups == 1 { "1 set-up".to_owned() } else { format!("{} set-ups", plan.setups) };
+    let _ = writeln!(out, "{table}: {} rows in {set_ups}; {description} beside it", plan.rows);
     out
 }
 

@@ -116,16 +116,16 @@ fn results(out: &mut Markup, data: &[Data]) {
         "#readings",
         "#measured, RMS",
         "#max",
-        "#left, RMS",
+        "#residual, RMS",
         "#max",
-        "#σ left",
+        "#σ residual",
         "#σ reading",
         "#efficiency",
         "unit",
     ]);
-    let caption = "Measured: what a machine without errors leaves. Left: what this model leaves, both with the unknowns of the set-ups as they \
-                   fit best. σ left: standard deviation about its mean. σ reading: standard uncertainty of a reading, described or \
-                   estimated. Efficiency: 1 − Σ|left| / Σ|measured|.";
+    let caption = "Measured: residual of a machine without errors. Residual: that of this model. Both with the unknowns of the set-ups \
+                   fitted. σ residual: standard deviation about its mean. σ reading: standard uncertainty of a reading, described or \
+                   estimated. Efficiency: 1 − Σ|residual| / Σ|measured|.";
     table(out, &heads, &rows, caption, MOST_ROWS);
 }
 

@@ -69,8 +69,8 @@ fn summary(out: &mut Markup, report: &DiagnosisReport) {
     let sized = |value: f64| format!("{} {unit}", significant(value));
     let mut entries = vec![
         ("noise", sized(report.found.noise_um)),
-        ("left by the model, RMS", sized(report.found.before.rms_um)),
-        ("left with all findings", sized(report.found.after.rms_um)),
+        ("residual of the model, RMS", sized(report.found.before.rms_um)),
+        ("residual with all findings", sized(report.found.after.rms_um)),
     ];
     if let (Some(before), Some(after)) = (report.found.before.holdout_rms_um, report.found.after.holdout_rms_um) {
         entries.push(("data held out", format!("{} → {}", significant(before), sized(after))));
@@ -120,7 +120,7 @@ fn levels(out: &mut Markup, report: &DiagnosisReport) {
         ("model", &report.found.before),
         ("with all findings", &report.found.after),
     ];
-    let heads = columns(["left", "#RMS", "#95 %", "#max", "#efficiency"]);
+    let heads = columns(["residual", "#RMS", "#95 %", "#max", "#efficiency"]);
     let more = columns(["#held out, RMS", "#95 %", "#max", "#efficiency"]);
     let heads: Vec<_> = heads.into_iter().chain(more.into_iter().filter(|_| is_held_out)).collect();
     let caption = format!(

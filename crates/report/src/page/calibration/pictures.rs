@@ -125,7 +125,7 @@ fn circles(out: &mut Markup, data: &Data) {
                 .filter_map(|&(number, angle)| Some((angle, of(data.shown.points.get(number)?))))
                 .collect(),
         };
-        picture.traces.extend([trace("measured", |point| point.measured), trace("left", |point| point.left)]);
+        picture.traces.extend([trace("measured", |point| point.measured), trace("residual", |point| point.left)]);
     }
     let more = planes.len().saturating_sub(MOST_POLAR);
     for picture in planes.values().take(MOST_POLAR) {
