@@ -248,7 +248,7 @@ pub(super) struct FixArguments {
     /// Radius compensation in the output
     #[arg(long, value_enum, default_value_t)]
     pub(super) compensation: CompensationChoice,
-    /// Largest wear to both sides that the control must be able to follow with --compensation wear, with unit
+    /// Largest wear, positive or negative, that the control must be able to follow with --compensation wear, with unit
     #[arg(long, value_name = "LENGTH", default_value = "0.2mm", value_parser = value::positive_length_mm)]
     pub(super) largest_wear: f64,
     /// Lower feeds to keep the tool within this distance of its path, with unit (servo model: docs/reference/servo.md)

@@ -301,16 +301,16 @@ impl Drive<'_> {
         let held = taken.saturating_sub(progress.executed.unwrap_or(0));
         let mut what = format!("the job is lost: {why}; {open} lines were sent and not acknowledged");
         if held > 0 {
-            what += &format!(", and {} of the {held} before them may still have waited", self.held());
+            what += &format!("; {} the {held} lines before them may still be in its buffer", self.held());
         }
-        what + ": each of these may or may not have been executed"
+        what + "; each of these may or may not have been executed"
     }
 
-    /// The message for blocks that the control has received and possibly not executed.
+    /// How many of the lines that the control has received it may not have executed.
     fn held(&self) -> String {
         match self.sender.progress().holds.max(self.bound) {
-            Some(most) => format!("up to {most} blocks that the control holds"),
-            None => "those that the control holds, whose number it does not report,".to_owned(),
+            Some(most) => format!("up to {most} of"),
+            None => "the control does not report how many it holds, so any of".to_owned(),
         }
     }
 

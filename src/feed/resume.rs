@@ -161,7 +161,7 @@ fn refusal(found: &SearchOutcome, clearance_mm: Option<f64>) -> Option<Diagnosti
                     format!("line {line} of the source machines at a height that the program does not state: the space above it is not known")
                 }
                 Why::BeginningCrosses => {
-                    "only a restart from the beginning is possible, but nothing can lift the tool to the given height before it: after a tool, its length or a word of unknown effect, Z has another meaning"
+                    "only a restart from the beginning is possible, and the tool cannot be lifted to the given height before it: the program changes the tool, its length or something unknown first, so this Z would mean another height"
                         .to_owned()
                 }
             };

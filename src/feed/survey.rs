@@ -157,8 +157,9 @@ pub(crate) fn walk(
 fn judge(allows_starvation: bool, before: &Before, findings: &mut Diagnostics) {
     let Some(worst) = before.late.first() else { return };
     let [first, last] = worst.source_lines;
+    let lines = if first == last { format!("line {first}") } else { format!("lines {first} to {last}") };
     let message = format!(
-        "the control will stand still for {:.1} s of {:.1} s; lines {first} to {last} of the source need {} lines/s, {} arrive{}",
+        "the control will stand still for {:.1} s of {:.1} s; {lines} of the source: {} lines/s needed, {} available{}",
         before.starved_s,
         before.total_s,
         rate(worst.needed_per_s),

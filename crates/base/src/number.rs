@@ -14,6 +14,12 @@ pub fn grouped(count: u64) -> String {
     out
 }
 
+/// Formats a count with its noun in the singular or plural: `1 block`, `1,234 blocks`.
+#[must_use]
+pub fn counted(count: u64, noun: &str) -> String {
+    format!("{} {noun}{}", grouped(count), if count == 1 { "" } else { "s" })
+}
+
 /// Formats a distance in µm with its significant decimals: `213 µm`, `21.4 µm`, `2.14 µm`, `0.021 µm`.
 #[must_use]
 pub fn micrometers(um: f64) -> String {

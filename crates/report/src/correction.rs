@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::json::{AtFeed, FeedLimit, Finding, RemainingReport, SpreadReport};
-use super::number::{duration, grouped, micrometers, significant};
+use super::number::{counted, duration, grouped, micrometers, significant};
 use super::verdict::Verdict;
 use ncfix_base::geometry::AxisKey;
 
@@ -83,7 +83,7 @@ impl CorrectionReport {
         }
         if self.rapids_as_programmed > 0 {
             let off = match self.off_at_rapids_um {
-                off_um if off_um > 0.0 => format!(", the tool up to {} off", micrometers(off_um)),
+                off_um if off_um > 0.0 => format!("; there the tool is up to {} off", micrometers(off_um)),
                 _ => String::new(),
             };
             row("rapids", &format!("{} as programmed{off}", grouped(self.rapids_as_programmed)));
@@ -92,13 +92,13 @@ impl CorrectionReport {
             let [before, after] = [limit.contouring_before.max_um, limit.contouring_after.max_um].map(micrometers);
             let exceeding = match limit.exceeding {
                 0 => String::new(),
-                count => format!(", {} of them too far all the same", grouped(count)),
+                count => format!(", {} of them still above the limit", grouped(count)),
             };
             row(
                 "contouring",
                 &format!("up to {before} before, {after} after; at most {} asked", micrometers(limit.limit_um)),
             );
-            row("slowed", &format!("{} blocks{exceeding}", grouped(limit.slowed)));
+            row("slowed", &format!("{}{exceeding}", counted(limit.slowed, "block")));
             row(
                 "on machine",
                 &format!("{} before, {} after", duration(limit.time_before_s), duration(limit.time_after_s)),
@@ -154,14 +154,14 @@ pub fn feed_rows(original: &AtFeed, corrected: &AtFeed) -> String {
     out
 }
 
-/// Lists residuals, such as `geometry 12.3 µrad, load 3.1 µrad`; `None` if none is large enough for a line.
+/// Lists residuals, such as `up to 12.3 µrad (geometry), 3.1 µrad (load) remaining`; `None` if none is large enough for a line.
 fn left_over(all: &[RemainingReport], size: fn(&RemainingReport) -> f64, least: f64, unit: &str) -> Option<String> {
     let parts: Vec<String> = all
         .iter()
         .filter(|&left| size(left) >= least)
-        .map(|left| format!("{} {} {unit}", left.source, significant(size(left))))
+        .map(|left| format!("{} {unit} ({})", significant(size(left)), left.source))
         .collect();
-    (!parts.is_empty()).then(|| format!("left up to {}", parts.join(", ")))
+    (!parts.is_empty()).then(|| format!("up to {} remaining", parts.join(", ")))
 }
 
 /// A file that was written, as people read it.
@@ -244,7 +244,7 @@ mod tests {
         written      out.mpf
         original     part.mpf.bak
         review       review.html
-        verdict      no reason found not to run it
+        verdict      nothing found against running it
         ");
     }
 

@@ -117,7 +117,8 @@ impl Before {
             grouped(self.bytes),
             duration(self.motion_s)
         );
-        let lowest = self.lowest.map_or(String::new(), |lowest| format!("; lowest fill of the control {lowest} lines"));
+        let lowest =
+            self.lowest.map_or(String::new(), |lowest| format!("; fewest lines waiting in the control: {lowest}"));
         if !self.late.is_empty() {
             let _ = writeln!(
                 out,
@@ -135,7 +136,7 @@ impl Before {
             let [first, last] = late.source_lines;
             let _ = writeln!(
                 out,
-                "             lines {first}–{last} of the source need {} lines/s, {} arrive: {} late",
+                "             lines {first}–{last} of the source: {} lines/s needed, {} available: {} late",
                 rate(late.needed_per_s),
                 rate(late.given_per_s),
                 duration(late.starved_s)
@@ -250,7 +251,7 @@ impl Status {
             let _ = writeln!(out, "executed     {}", grouped(executed));
         }
         if let Some(lowest) = self.lowest {
-            let _ = writeln!(out, "lowest fill  {lowest} lines");
+            let _ = writeln!(out, "fewest       {lowest} lines waiting in the control");
         }
         if let Some([median, most, longest]) = self.delay_us {
             let _ = writeln!(out, "delay        {median:.0} µs median, {most:.0} µs for 99 %, {longest:.0} µs at most");

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::correction::output_name;
-use super::number::{grouped, significant};
+use super::number::{counted, grouped, significant};
 use ncfix_metrology::results::corrected::{CorrectedReadings, CorrectionSize};
 
 /// Returns the table for people about readings that were written to `output`, with a line feed after every line.
@@ -25,8 +25,7 @@ pub fn table(found: &CorrectedReadings, output: &str) -> String {
     }
     row("rows", &grouped(found.rows));
     if found.without_sense > 0 {
-        let rows =
-            if found.without_sense == 1 { "1 row".into() } else { format!("{} rows", grouped(found.without_sense)) };
+        let rows = counted(found.without_sense, "row");
         row("sense", &format!("unknown in {rows}: the middle of the backlash is assumed; give X_dir …"));
     }
     row("machine", &found.machine);

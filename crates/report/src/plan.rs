@@ -1,5 +1,6 @@
 //! Output of `ncfix plan`.
 
+use super::number::counted;
 use std::fmt::Write as _;
 
 use ncfix_metrology::results::planned::{JudgedPlan, PlanJudgement, PlanResult};
@@ -15,8 +16,9 @@ pub fn page(plan: &PlanResult, table: &str, description: &str) -> String {
     for note in &plan.notes {
         let _ = writeln!(out, "note: {note}");
     }
-    let set_ups = if plan.setups == 1 { "1 set-up".to_owned() } else { format!("{} set-ups", plan.setups) };
-    let _ = writeln!(out, "{table}: {} rows in {set_ups}; {description} beside it", plan.rows);
+    let [rows, set_ups] =
+        [(plan.rows, "row"), (plan.setups, "set-up")].map(|(count, noun)| counted(count as u64, noun));
+    let _ = writeln!(out, "{table}: {rows} in {set_ups}; {description} beside it");
     out
 }
 
@@ -32,8 +34,12 @@ fn said(judgement: &PlanJudgement, model: &str) -> String {
         return format!("{who} has positions that are too large to evaluate it\n");
     };
     let mut out = format!(
-        "model {model}, {} parameters and {} unknowns of the set-up: {who} determines {} of {} (condition {:.0})\n",
-        told.parameters, told.unknowns, told.rank, told.columns, told.condition
+        "model {model}, {} and {} of the set-up: {who} determines {} of {} (condition {:.0})\n",
+        counted(told.parameters as u64, "parameter"),
+        counted(told.unknowns as u64, "unknown"),
+        told.rank,
+        told.columns,
+        told.condition
     );
     for one in told.not_identifiable.iter().take(MOST_SENTENCES) {
         let _ = writeln!(out, "  cannot determine: {}\n    {}", one.sentence, one.remedy);

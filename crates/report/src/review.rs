@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::correction::error_rows;
 use super::json::{Finding, SpreadReport};
-use super::number::{grouped, micrometers, significant};
+use super::number::{counted, grouped, micrometers, significant};
 use super::verdict::Verdict;
 use ncfix_base::units::UnitKey;
 
@@ -184,7 +184,7 @@ impl Review {
             let by = self.feed_share.map_or_else(String::new, |[least, most]| {
                 format!(", {:+.1} % to {:+.1} %", 100.0 * (least - 1.0), 100.0 * (most - 1.0))
             });
-            row("feed", &format!("{} pieces with another feed{by}", grouped(self.other_feeds)));
+            row("feed", &format!("{} with another feed{by}", counted(self.other_feeds, "piece")));
         }
         let [before, after] = self.bytes;
         let growth = 100.0 * (after as f64 - before as f64) / before.max(1) as f64;

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::json::Finding;
-use super::number::{duration, grouped, micrometers};
+use super::number::{counted, duration, grouped, micrometers};
 use super::scale::Log;
 use super::terminal::Colors;
 use ncfix_base::geometry::AxisKey;
@@ -151,7 +151,7 @@ impl StepReport {
             Some(moves) => {
                 let arcs = match self.arcs {
                     None | Some(0) => String::new(),
-                    Some(arcs) => format!("; {} arcs, cut by the tolerance, omitted", grouped(arcs)),
+                    Some(arcs) => format!("; {}, cut by the tolerance, omitted", counted(arcs, "arc")),
                 };
                 format!(
                     "{} of {} straight moves with feed, those with the largest curvature{arcs}",
@@ -162,7 +162,7 @@ impl StepReport {
         };
         row("lines", &looked_at);
         if self.failures > 0 {
-            row("left out", &format!("{} pieces without a correction", grouped(self.failures)));
+            row("left out", &format!("{} without a correction", counted(self.failures, "piece")));
         }
         entries
     }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::correction::push_row;
 use super::json::Finding;
-use super::number::{grouped, micrometers};
+use super::number::{counted, grouped, micrometers};
 use super::review::Review;
 use ncfix_base::diagnostic::Severity;
 
@@ -88,7 +88,7 @@ impl Verdict {
         }
         for (why, is_harmless) in LEFT {
             if let Some(count) = review.left.get(why).filter(|_| !is_harmless) {
-                say(Grade::Warn, format!("{} moves {why} are unchanged", grouped(*count)));
+                say(Grade::Warn, format!("unchanged: {} {why}", counted(*count, "move")));
             }
         }
         if review.other_feeds > 0 {
@@ -98,7 +98,7 @@ impl Verdict {
             });
             say(
                 Grade::Warn,
-                format!("{} pieces have a different feed{}", grouped(review.other_feeds), by.unwrap_or_default()),
+                format!("{} with a different feed{}", counted(review.other_feeds, "piece"), by.unwrap_or_default()),
             );
         }
         let of_finding = |finding: &Finding| {
@@ -131,7 +131,7 @@ impl Verdict {
     #[must_use]
     pub fn sentence(&self) -> &'static str {
         match self.grade {
-            Grade::Ok => "no reason found not to run it",
+            Grade::Ok => "nothing found against running it",
             Grade::Warn => "check it before it runs",
             Grade::Bad => "should not run",
         }

@@ -21,7 +21,7 @@ pub(in crate::cli) struct StateChoice {
     /// Time in the log at which the workpiece zero was set, s: drift is relative to it
     #[arg(long, value_name = "SECONDS", requires = "state", allow_hyphen_values = true)]
     pub(in crate::cli) zero_time: Option<f64>,
-    /// Axis positions at which the workpiece zero was set (mm, deg): only the drift at this pose is removed by it
+    /// Axis positions at which the workpiece zero was set (mm, deg): the drift at this pose counts as zero; elsewhere only the difference is corrected
     #[arg(long, value_name = "X..,Y..,Z..", allow_hyphen_values = true, requires = "state")]
     pub(in crate::cli) zero_at: Option<AxisVector>,
     /// Weight on the table, N, and its position from the center of the table, mm: 1700 or 1700@0,0,-280; overrides --state

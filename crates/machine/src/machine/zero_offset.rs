@@ -108,9 +108,9 @@ fn check_whole(section: &mut Section<'_>, name: &str, axes: AxisSet) {
     }
     let listed = |axes: &[Axis]| axes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ");
     let counts = if lacking.len() == 1 { "counts" } else { "count" };
-    let message = format!("{name} states {} and not {}, which {counts} as 0", listed(&there), listed(&lacking));
+    let message = format!("{name} gives {} but not {}, which {counts} as 0", listed(&there), listed(&lacking));
     let keys = lacking.iter().map(|axis| key(*axis)).collect::<Vec<_>>().join(" and ");
-    let help = format!("write {keys} as the control shows them, including 0");
+    let help = format!("write {keys} as shown on the control, even if it is 0");
     section.report(Code::PARTIAL_OFFSET, section.place(), message, help);
 }
 

@@ -96,7 +96,7 @@ impl UndeterminedCause {
             }
             UndeterminedCause::Scale => {
                 "give a calibrated length (remove length from free, or write [[length]] between two balls), \
-                             or leave out the gain of one axis"
+                             or leave out the scale of one axis"
                     .into()
             }
             UndeterminedCause::Stylus => format!(

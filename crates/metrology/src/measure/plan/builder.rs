@@ -173,7 +173,7 @@ impl Builder {
         let [low, high] = data.travel.unwrap_or_default();
         let place = format!("{axis} would go to {:.4} {unit}", show(position[axis]));
         let travel = format!("its travel of {} to {} {unit}", show(low), show(high));
-        let help = "move the centre, or make the plan smaller";
+        let help = "move the center, or make the plan smaller";
         Err(PlanRefused(if (low..=high).contains(&position[axis]) {
             let margin = self.margin_mm;
             format!("{place}, less than the margin of {margin} mm from an end of {travel}; {help}, or the --margin")

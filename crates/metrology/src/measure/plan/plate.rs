@@ -11,7 +11,7 @@ use ncfix_machine::snc::{Dwell, Kind};
 /// The plan.
 pub(super) const PLAN: PlanKind = PlanKind {
     name: "plate",
-    title: "grid of holes in a plane; several tools and centres give several set-ups",
+    title: "grid of holes in a plane; several tools and centers give several set-ups",
     wishes: &["plane", "centre", "points", "every", "clearance", "feed", "dwell", "line"],
     spacing: RowSpacing::Length,
     has_setups: true,
