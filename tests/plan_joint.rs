@@ -32,7 +32,9 @@ fn plates_of_several_planes_tell_together_what_one_does_not() {
     let both = plate(&shop, "YZ", "yz.csv", &["--with", "xy.csv"]).exits(0);
     let both = both.says("6 parameters and 6 unknowns of the set-up: the plan alone determines 6 of 12");
     // EYY1 is in both.
-    let both = both.says("6 parameters and 12 unknowns of the set-up: with 1 other it determines 11 of 18");
+    let both = both.says(
+        "6 parameters and 12 unknowns of the set-up: together with 1 other measurement the plan determines 11 of 18",
+    );
     assert!(both.stderr.contains("EB0Z"), "{}", both.stderr);
     let all = plate(&shop, "ZX", "zx.csv", &["--with", "xy.csv", "--with", "yz.csv"]).exits(0);
     all.says("6 parameters and 18 unknowns of the set-up: with 2 others it determines 15 of 24");
@@ -44,7 +46,9 @@ fn a_measurement_counts_by_what_was_read() {
     plate(&shop, "XY", "xy.csv", &[]).exits(0);
     let demo = machine("demo");
     shop.run(["simulate", "xy.csv", "-o", "made.csv", "--noise", "1um", "--machine", &demo]).exits(0);
-    plate(&shop, "YZ", "a.csv", &["--with", "made.csv"]).exits(0).says("with 1 other it determines 11 of 18");
+    plate(&shop, "YZ", "a.csv", &["--with", "made.csv"])
+        .exits(0)
+        .says("together with 1 other measurement the plan determines 11 of 18");
     // Without the readings of X neither its gain nor, beside the rotation of the plate, the squareness is told, and one shift less.
     let text = shop.text("made.csv");
     let column = text.lines().next().unwrap().split(',').position(|name| name == "dx_um").unwrap();
@@ -58,7 +62,9 @@ fn a_measurement_counts_by_what_was_read() {
     std::fs::write(shop.path("half.csv"), lines.collect::<String>()).unwrap();
     std::fs::copy(shop.path("made.toml"), shop.path("half.toml")).unwrap();
     // Y only: its gain, a shift, and the rotation or the squareness.
-    plate(&shop, "YZ", "b.csv", &["--with", "half.csv"]).exits(0).says("with 1 other it determines 8 of 18");
+    plate(&shop, "YZ", "b.csv", &["--with", "half.csv"])
+        .exits(0)
+        .says("together with 1 other measurement the plan determines 8 of 18");
     let wrong = plate(&shop, "YZ", "c.csv", &["--with", "model.txt"]);
     assert!(wrong.code != 0 && !shop.names().contains(&"c.csv".to_owned()), "{}", wrong.stderr);
     let alone = shop.run(["plan", "plate", "--machine", &demo, "-o", "d.csv", "--with", "xy.csv"]);

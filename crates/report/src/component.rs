@@ -13,6 +13,6 @@ pub(crate) fn spelled_out(parameter: &str) -> Option<String> {
     component_of(parameter).map(|name| {
         // The parameters of a backlash end with a b: EXXb, EYXb.
         let rest = parameter.strip_prefix(&name.to_string());
-        name.spelled_out() + if rest == Some("b") { ", backlash" } else { "" }
+        name.spelled_out() + if rest == Some("b") { ", half of the reversal value" } else { "" }
     })
 }

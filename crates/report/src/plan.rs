@@ -27,8 +27,10 @@ fn said(judgement: &PlanJudgement, model: &str) -> String {
     let who = match judgement.of {
         JudgedPlan::Plan => "the plan".to_owned(),
         JudgedPlan::Alone => "the plan alone".to_owned(),
-        JudgedPlan::WithOthers(count) => format!("with {count} other{} it", if count > 1 { "s" } else { "" }),
-        JudgedPlan::WithMorePoses(count) => format!("with {count} more poses it"),
+        JudgedPlan::WithOthers(count) => {
+            format!("together with {} the plan", counted(count as u64, "other measurement"))
+        }
+        JudgedPlan::WithMorePoses(count) => format!("with {} the plan", counted(count as u64, "more pose")),
     };
     let Some(told) = &judgement.determined else {
         return format!("{who} has positions that are too large to evaluate it\n");

@@ -32,7 +32,7 @@ pub fn table(found: &Selection) -> String {
         let _ = writeln!(
             out,
             "{:<17}{:<12}{:<12}{:>10}{:>10}{:>10}{:>12}",
-            "step", "parameter", "instead of", "t", "freedom", "p", "neighbours"
+            "step", "parameter", "instead of", "t", "freedom", "p", "autocorr."
         );
     }
     for step in &found.steps {
@@ -72,7 +72,7 @@ pub fn table(found: &Selection) -> String {
         push_row(&mut out, "held out", &format!("{before} σ without terms, {after} σ with them, gain {}", shown(gain)));
     }
     for one in &found.correlation {
-        push_row(&mut out, "neighbours", &format!("correlation {:.2} ({})", one.correlation, one.name));
+        push_row(&mut out, "residuals", &format!("autocorrelation {:.2} ({})", one.correlation, one.name));
     }
     if !found.is_settled {
         push_row(&mut out, "unsettled", &format!("the selection still changed in pass {}", found.passes));

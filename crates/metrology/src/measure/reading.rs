@@ -202,7 +202,9 @@ fn missing(table: &Table, axis: Axis) -> Diagnostic {
         ),
         None => (
             format!("there is no column {letter}"),
-            format!("every axis of the machine needs a column with its positions in {unit}"),
+            format!(
+                "every axis of the machine needs a column with its positions in {unit}; an axis that stood still may be given once under [position] of the description"
+            ),
         ),
     };
     Diagnostic::at(Code::DATA_COLUMN, table.header_place(alike), message, help)

@@ -322,7 +322,9 @@ pub(crate) fn differing(files: &[InFile]) -> Option<String> {
     match [with.as_slice(), without.as_slice()] {
         [[], []] => None,
         [all, []] | [[], all] => Some(format!("differs between files: {}", list(all))),
-        [with, without] => Some(format!("is in some files only: in {}; not in {}", list(with), list(without))),
+        [with, without] => {
+            Some(format!("is significant in some files only: in {}; not in {}", list(with), list(without)))
+        }
     }
 }
 

@@ -90,6 +90,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     let centre = plan.on_increments(&centre);
     let (which, sign) = along_spindle(machine);
     let mut is_first = true;
+    let is_one = planes.len() == 1;
     for plane in planes {
         let [abscissa, _, applicate] = plane.axes();
         let is_across = applicate.dimension() == which;
@@ -131,6 +132,8 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     }
     plan.stop("remove the ball-bar");
     plan.candidates = sphere::candidates(&plan, 0, radius_mm, &tool_mm);
-    plan.notes.push("the ball-bar must reach all planes of the plan in one mounting".into());
+    if !is_one {
+        plan.notes.push("the ball-bar must reach all planes of the plan in one mounting".into());
+    }
     Ok(plan)
 }
