@@ -35,6 +35,7 @@ const CRATES: &[(&str, &[Room])] = &[
             ("measure", &[]),
             ("calibrate", &["measure"]),
             ("diagnose", &["calibrate", "measure"]),
+            ("explain", &["diagnose"]),
             ("decompose", &["measure"]),
             ("results", &["calibrate", "decompose", "diagnose", "measure"]),
         ],

@@ -110,10 +110,7 @@ fn products_are_read_as_the_control_reads_them() {
     assert_eq!(x_of("NONE.INI", "table_multiplication = \"beside\"", ""), beside);
     assert_eq!(x_of("INSTEAD.INI", "table_multiplication = \"beside\"", "W0901"), beside);
     let wrong = shop_with(&shop, "m.toml", &with("table_multiplication = \"twice\""));
-    wrong
-        .run(["part.mpf", "-o", "no.mpf", "--machine", "m.toml"])
-        .exits(4)
-        .says("neither of the two words for products");
+    wrong.run(["part.mpf", "-o", "no.mpf", "--machine", "m.toml"]).exits(4).says("is not 'instead' or 'beside'");
     // What is read beside and what is read instead differ by the own value: 0 to 0.1 mm over Y.
     let both = ["tables", "--read", "INSTEAD.INI", "--compare", "BESIDE.INI", "--json"];
     let most = shop.run(both).exits(0).json()["difference"][0]["max"].as_f64().unwrap();

@@ -152,7 +152,7 @@ fn white_noise_far_above_what_is_stated_is_noise() {
     let left = report["after"]["rms_um"].as_f64().unwrap();
     assert!(report["unexplained"]["structure"] == false && noise > 0.9 * left, "{left} {noise}");
     let said = shop.run(["diagnose", "loud.csv", "--machine", "machine.toml"]).exits(0);
-    assert!(said.stdout.contains("times what is stated"), "{}", said.stdout);
+    assert!(said.stdout.contains("times the stated sigma"), "{}", said.stdout);
 }
 
 #[test]

@@ -302,7 +302,7 @@ fn angles_are_told_in_angles() {
     let body = texts(&document, "body").concat();
     assert!(verdict(&document).contains("µrad") && !body.contains("µm"), "{body}");
     let told = shop.run(LEVEL).exits(0).stdout;
-    assert!(told.contains("µrad of 124 readings") && !told.contains("µm"), "{told}");
+    assert!(told.contains("µrad RMS over 124 readings") && !told.contains("µm"), "{told}");
 }
 
 #[test]
@@ -321,7 +321,7 @@ fn a_page_takes_no_others_place_and_says_why_data_are_refused() {
     assert_eq!(shop.names(), ["level.csv", "level.toml", "start.toml"]);
     // The page to standard output, the text for people beside it.
     let out = run(&["--report", "-"]).exits(0);
-    assert!(out.stdout.starts_with("<!DOCTYPE html>") && out.stderr.contains("readings (RMS)"), "{out:?}");
+    assert!(out.stdout.starts_with("<!DOCTYPE html>") && out.stderr.contains("RMS over 124 readings"), "{out:?}");
     let shop = level().file("level.csv", "component,X,Y,Z,value_urad\nEAX,0,0,0,a<b>\n");
     shop.run(LEVEL.iter().chain(&["--report", "page.html"])).exits(4);
     let page = shop.text("page.html");

@@ -274,7 +274,7 @@ fn contradictions_of_a_description_are_found() {
     assert!(of("", "rod_temperature_C = 22").contains("has no effect without an expansion"));
     assert!(of("", "rod_expansion_per_K = 1e-5").contains("no temperature"));
     let warm = refusal("X,Y,Z,dr_um,T_rod_C", "0,0,0,1,22\n", &bar("", ""));
-    assert!(warm.contains("E0602: T_rod_C says nothing"), "{warm}");
+    assert!(warm.contains("E0602: T_rod_C has no effect without an expansion"), "{warm}");
     let hot = refusal("X,Y,Z,dr_um,T_rod_C", "0,0,0,1,2200\n", &bar("", "rod_expansion_per_K = 1e-5"));
     assert!(hot.contains("E0603: 2200 °C"), "{hot}");
 }

@@ -78,6 +78,7 @@ mod examples;
 mod exec;
 mod exec_details;
 mod executed_curves;
+mod explain;
 mod facade;
 mod faults;
 mod feed;

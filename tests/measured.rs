@@ -186,7 +186,7 @@ fn the_sense_of_motion_follows_from_the_rows_of_a_run_or_is_given() {
     // Runs a and b interleaved: forward in a, backward in b; the last row says itself.
     let data = "run,X,Y,Z,X_dir\na,10,0,0,\nb,50,0,0,\na,20,0,0,\nb,40,0,0,\na,20,0,0,\nb,45,0,0,-1\n";
     let shop = shop(&machine, data);
-    measured(&shop).exits(0).says("unknown in 2 rows: as in the middle of the backlash");
+    measured(&shop).exits(0).says("unknown in 2 rows: the middle of the backlash is assumed");
     let text = shop.text("out.csv");
     let x: Vec<f64> = text.lines().skip(1).map(|line| line.split(',').nth(1).unwrap().parse().unwrap()).collect();
     let wanted = [10.0, 50.0, 20.005, 39.995, 20.005, 44.995];
@@ -241,8 +241,8 @@ fn refused(data: impl AsRef<[u8]>, code: &str, place: &str, words: &str) {
 fn tables_that_are_none_are_refused_at_their_place() {
     refused("", "E0601", "1:1", "the table is empty");
     refused("1,2,3\n4,5,6\n", "E0601", "1:1", "the column names are missing");
-    refused("X,Y,Z\n1,2,3\n4,5\n", "E0601", "3:1", "this row has 2 cells, the header 3");
-    refused("X,Y,Z\n1,2,3\n4,5,6,7\n", "E0601", "3:1", "this row has 4 cells, the header 3");
+    refused("X,Y,Z\n1,2,3\n4,5\n", "E0601", "3:1", "this row has 2 cells, the header has 3");
+    refused("X,Y,Z\n1,2,3\n4,5,6,7\n", "E0601", "3:1", "this row has 4 cells, the header has 3");
     refused("X,Y,Z\n1,2,\"3\n", "E0601", "2:5", "not closed");
     refused("X,Y,Z\n1,\"2\"0,3\n", "E0601", "2:6", "between a closing quotation mark");
     refused(b"\xff\xfeX\0,\0Y\0", "E0601", "1:", "UTF-16");
@@ -264,7 +264,7 @@ fn cells_must_be_numbers() {
     for cell in ["nan", "inf", "1e999", "0x10", "1 000", "1.2.3", "--1", "1mm"] {
         refused(format!("X,Y,Z\n{cell},2,3\n"), "E0603", "2:1", "is not a number");
     }
-    refused("X;Y;Z\n1,5;2;3\n1;2.5;3\n", "E0603", "3:3", "has another decimal sign than '1,5' in line 2");
+    refused("X;Y;Z\n1,5;2;3\n1;2.5;3\n", "E0603", "3:3", "has a different decimal sign from '1,5' in line 2");
     refused("X;Y;Z\n1.234,5;2;3\n", "E0603", "2:1", "thousands separators");
     refused("X,Y,Z,X_dir\n1,2,3,0.5\n", "E0603", "2:7", "the sense of motion of X is 0.5");
     refused("X,Y,Z,tool_x_mm\n1,2,3,long\n", "E0603", "2:7", "'long'");

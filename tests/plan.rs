@@ -426,7 +426,7 @@ fn a_plan_outside_the_travel_names_the_axis_and_writes_nothing() {
 
 /// Rank before and behind `--improve`.
 fn ranks(text: &str) -> Vec<usize> {
-    let tells = text.split(" tells ").skip(1);
+    let tells = text.split(" determines ").skip(1);
     tells.map(|rest| rest.split(' ').next().unwrap().parse().unwrap()).collect()
 }
 

@@ -454,7 +454,7 @@ fn page(compared: &Compared, tools: &[Told<'_>]) -> String {
          pitch errors of 1.5 µm (X) and 1 µm (Z) every 12 mm, bows of the fourth order of 4 µm in EYX and EXZ, and the tilt of Y that depends on X.\n\
          The model is the same for all: cubic functions of the 18 components, squareness in the slopes of Y and Z, 51 parameters, less what the\n\
          measurements cannot tell, or only so badly that its uncertainty alone is more than 10 µm at the tip.\n\n\
-         | method | plans | instrument | not told |\n| --- | --- | --- | --- |\n",
+         | method | plans | instrument | not determined |\n| --- | --- | --- | --- |\n",
     );
     let rows = [
         ("direct", "`laser`, 6 components of each axis, 36 targets, 2 runs", "0.5 µm, 0.5 µrad, squares off by 2 µrad"),
@@ -498,7 +498,7 @@ fn page(compared: &Compared, tools: &[Told<'_>]) -> String {
          one place or two in each, all measured with every tool; all 51 parameters. A stylus to the side tells all\n\
          of it with the second place only, and only where it is as long as the other: between tools that differ by 40 mm in length as well the\n\
          difference is 120 ECZ + 40 EAZ.\n\n\
-         | places | tools | told of 51 | variance inflation of ECZ1, ECZ2, ECZ3 |\n| --- | --- | --- | --- |\n",
+         | places | tools | determined, of 51 | variance inflation of ECZ1, ECZ2, ECZ3 |\n| --- | --- | --- | --- |\n",
     );
     for (places, name, (rank, roll)) in tools {
         writeln!(out, "| {places} | {name} | {rank} | {} |", inflation(*roll)).unwrap();

@@ -3,5 +3,6 @@
 pub mod calibrate;
 pub mod decompose;
 pub mod diagnose;
+pub mod explain;
 pub mod measure;
 pub mod results;

@@ -124,10 +124,11 @@ impl From<&FeedArguments> for FeedOptions {
 
 /// End of `ncfix resume --help`.
 pub(in crate::cli) const RESUME_HELP: &str = "\
-A job is never resumed automatically. An answer of the control does not prove that a line was executed: lines that may still be in the planner, by the size that the \
-control reported, count as not executed; without such a report, only lines executed when the machine last stood still are certain. The plan moves up to the height of --clearance, \
-across, and down at a slow feed to the end of a retract of the program, or starts at the beginning. It is refused without that height, if nothing lifts the \
-tool to it, and if the program, the machine file, the state or ncfix has changed. No line is sent unless the control reports that it is idle.
+A job is never resumed automatically. An answer of the control does not prove that a line was executed: lines that may still be in the planner, by the \
+size that the control reported, count as not executed; without such a report, only lines executed when the machine last stood still are certain. The plan \
+moves up to the height of --clearance, across, and down at a slow feed to the end of a retract of the program, or starts at the beginning. It is refused \
+without that height, if nothing lifts the tool to it, and if the program, the machine file, the state or ncfix has changed. No line is \
+sent unless the control reports that it is idle.
 
 Examples:
   ncfix resume part.ngc.journal --clearance 25mm

@@ -4,7 +4,7 @@ use super::cause::{BUILT_IN, Candidate, EffectKind, Weight};
 use super::row::SceneRow;
 use super::scene::{Scene, Through};
 use super::search::Weights;
-pub(super) use crate::calibrate::bench::{machine, table, turning};
+pub(crate) use crate::calibrate::bench::{machine, table, turning};
 use crate::measure::data::DataSet;
 use ncfix_machine::machine::Machine;
 use ncfix_model::ErrorModel;
@@ -28,7 +28,7 @@ pub(super) fn reads_along_x(machine: &Machine, um: &[f64]) -> DataSet {
 }
 
 /// Held against a model without errors.
-pub(super) fn scene<'a>(machine: &'a Machine, sets: &'a [DataSet]) -> Scene<'a> {
+pub(crate) fn scene<'a>(machine: &'a Machine, sets: &'a [DataSet]) -> Scene<'a> {
     Scene::new(machine, &ErrorModel::default(), sets).unwrap()
 }
 

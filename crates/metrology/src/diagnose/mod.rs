@@ -16,7 +16,7 @@
 
 mod account;
 #[cfg(test)]
-mod bench;
+pub(crate) mod bench;
 mod cancel;
 pub mod cause;
 mod circles;

@@ -1,0 +1,128 @@
+//! Explanations: sets of terms with their probabilities.
+//!
+//! The score of a set is its marginal likelihood times the odds of its terms. From two starts (nothing; all simple terms at once) the search adds, drops and exchanges terms
+//! until no step improves the score. Every set that it meets within [`WITHIN`] of the best is an explanation: alternatives are part of the answer.
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::likelihood::{Likelihood, Posterior};
+
+/// Sets whose logarithm of the score is within this of the best are kept: the others have a probability below 5·10⁻⁵.
+pub const WITHIN: f64 = 10.0;
+/// Additions and exchanges that are computed exactly in a step: those with the largest gain at the scale of the present set.
+const CLOSEST: usize = 12;
+/// Terms at most, so that the search ends.
+const MOST: usize = 60;
+
+/// A set of terms.
+#[derive(Clone, Debug)]
+pub struct Explanation {
+    /// Numbers of its columns among those of the likelihood, ascending.
+    pub set: Vec<usize>,
+    /// Its probability among all explanations.
+    pub probability: f64,
+    /// Amounts.
+    pub posterior: Posterior,
+}
+
+/// Scores that were computed.
+struct Scores<'a> {
+    likelihood: &'a Likelihood,
+    log_odds: &'a [f64],
+    known: HashMap<Vec<usize>, (f64, f64)>,
+}
+
+impl Scores<'_> {
+    /// Scale of the noise and score.
+    fn of(&mut self, set: &[usize]) -> (f64, f64) {
+        if let Some(known) = self.known.get(set) {
+            return *known;
+        }
+        let (scale, evidence) = self.likelihood.evidence(set);
+        let score = (scale, evidence + set.iter().map(|&k| self.log_odds[k]).sum::<f64>());
+        self.known.insert(set.to_vec(), score);
+        score
+    }
+
+    /// The best single additions to a set, by score at its scale.
+    fn closest(&self, set: &[usize], scale: f64) -> Vec<usize> {
+        let gains = self.likelihood.gains(set, scale);
+        let mut order: Vec<(f64, usize)> = gains
+            .iter()
+            .enumerate()
+            .map(|(k, gain)| (gain + self.log_odds[k], k))
+            .filter(|(gain, _)| gain.is_finite())
+            .collect();
+        order.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        order.into_iter().take(CLOSEST).map(|(_, k)| k).collect()
+    }
+
+    /// Steps from a set to the next best one until none improves.
+    fn climb(&mut self, start: &[usize]) {
+        let mut set = start.to_vec();
+        let (mut scale, mut score) = self.of(&set);
+        loop {
+            let mut best: Option<(f64, f64, Vec<usize>)> = None;
+            let mut tried = |scores: &mut Self, next: Vec<usize>| {
+                let (scale, score) = scores.of(&next);
+                if best.as_ref().is_none_or(|(_, known, _)| score > *known) {
+                    best = Some((scale, score, next));
+                }
+            };
+            if set.len() < MOST {
+                for column in self.closest(&set, scale) {
+                    tried(self, with(&set, column));
+                }
+            }
+            for place in 0..set.len() {
+                let without = without(&set, place);
+                tried(self, without.clone());
+                let dropped = set[place];
+                for column in self.closest(&without, scale).into_iter().filter(|&column| column != dropped) {
+                    tried(self, with(&without, column));
+                }
+            }
+            match best {
+                Some((next_scale, next_score, next)) if next_score > score + 1e-9 => {
+                    (scale, score, set) = (next_scale, next_score, next);
+                }
+                _ => return,
+            }
+        }
+    }
+}
+
+fn with(set: &[usize], column: usize) -> Vec<usize> {
+    let mut out = set.to_vec();
+    let place = out.partition_point(|&known| known < column);
+    out.insert(place, column);
+    out
+}
+
+fn without(set: &[usize], place: usize) -> Vec<usize> {
+    let mut out = set.to_vec();
+    out.remove(place);
+    out
+}
+
+/// Finds the explanations of a likelihood, the most probable first. `log_odds` belong to its columns; `simple` are the columns of the second start.
+#[must_use]
+pub fn explanations(likelihood: &Likelihood, log_odds: &[f64], simple: &[usize]) -> Vec<Explanation> {
+    let mut scores = Scores { likelihood, log_odds, known: HashMap::new() };
+    scores.climb(&[]);
+    scores.climb(simple);
+    let best = scores.known.values().map(|(_, score)| *score).fold(f64::NEG_INFINITY, f64::max);
+    let mut kept: BTreeMap<Vec<usize>, f64> = BTreeMap::new();
+    for (set, (_, score)) in scores.known {
+        if score > best - WITHIN {
+            kept.insert(set, (score - best).exp());
+        }
+    }
+    let total: f64 = kept.values().sum();
+    let mut out: Vec<Explanation> = kept
+        .into_iter()
+        .map(|(set, weight)| Explanation { posterior: likelihood.posterior(&set), set, probability: weight / total })
+        .collect();
+    out.sort_by(|a, b| b.probability.total_cmp(&a.probability).then_with(|| a.set.cmp(&b.set)));
+    out
+}

@@ -1,0 +1,216 @@
+//! Terms: the effect of one more error of the machine on the readings, in a form in which each error has one name.
+//!
+//! Over the travel of its axis a straightness has no line, an angular error no mean, and a positioning error no constant: those are squareness, orientation, scale and
+//! zero (ISO 230-1). Shapes are therefore Legendre polynomials over the travel. Where two location errors act alike on everything that was measured, only the one
+//! that ISO 230-1 names is kept.
+
+use super::assumptions::Family;
+use crate::diagnose::Scene;
+use crate::diagnose::cause::{Weight, axes, linear, own};
+use crate::diagnose::row::SceneRow;
+use crate::diagnose::scene::Through;
+use ncfix_base::geometry::Axis;
+use ncfix_model::name::{DIRECTIONS, ErrorName};
+
+/// Highest order of a shape over the travel.
+const ORDERS: u8 = 4;
+/// Harmonics of a turn of a rotary axis.
+const HARMONICS: u8 = 2;
+
+/// A term.
+#[derive(Clone, Debug)]
+pub struct Term {
+    /// Its family.
+    pub family: Family,
+    /// The component.
+    pub component: ErrorName,
+    /// Its drivers: `X_dir`, another axis, `order 2`.
+    pub shape: String,
+    /// Standard deviation of the prior of its amount, mm or rad.
+    pub size: f64,
+    /// Effect of one unit on the component at each row; 1 at the ends of the travel.
+    pub weight: Weight,
+}
+
+impl Term {
+    fn new(family: Family, component: ErrorName, shape: impl Into<String>, travel_mm: f64, weight: Weight) -> Term {
+        Term { family, component, shape: shape.into(), size: family.size(travel_mm), weight }
+    }
+
+    /// Returns the effect of one unit on every reading of a scene.
+    #[must_use]
+    pub fn column(&self, scene: &Scene<'_>, factors: &[f64]) -> Vec<f64> {
+        let of =
+            |item: &crate::diagnose::scene::SceneReading| scene.row_of(item).map_or(0.0, |row| self.weight.of(row));
+        scene
+            .items
+            .iter()
+            .zip(factors)
+            .map(|(item, factor)| if *factor == 0.0 { 0.0 } else { factor * of(item) })
+            .collect()
+    }
+
+    /// Returns where it comes in.
+    #[must_use]
+    pub fn through(&self) -> Through {
+        Through::Component(self.component)
+    }
+}
+
+/// The travel of an axis, mm or rad; what was measured where the machine file states none.
+fn travel(scene: &Scene<'_>, axis: Axis) -> Option<[f64; 2]> {
+    let stated = scene.machine.axis(axis).and_then(|data| data.travel);
+    stated.or_else(|| crate::diagnose::cause::range(scene, axis))
+}
+
+/// Legendre polynomial of an order at −1 to 1.
+fn legendre(order: u8, u: f64) -> f64 {
+    let (mut before, mut now) = (1.0, u);
+    if order == 0 {
+        return 1.0;
+    }
+    for k in 1..order {
+        let k = f64::from(k);
+        (before, now) = (now, ((2.0 * k + 1.0) * u * now - k * before) / (k + 1.0));
+    }
+    now
+}
+
+/// The share of the travel at which an axis stands, −1 to 1.
+fn share(axis: Axis, [low, high]: [f64; 2]) -> impl Fn(&SceneRow) -> f64 + Send + Sync + Copy + 'static {
+    move |row: &SceneRow| (2.0 * row.position[axis] - low - high) / (high - low)
+}
+
+/// Returns all terms that the axes of a scene can have; those that show nothing are dropped later.
+#[must_use]
+pub fn terms(scene: &Scene<'_>) -> Vec<Term> {
+    let mut out = Vec::new();
+    locations(scene, &mut out);
+    for axis in linear(scene) {
+        shapes(scene, axis, &mut out);
+    }
+    for axis in axes(scene).filter(|axis| axis.is_rotary()) {
+        turns(axis, &mut out);
+    }
+    for axis in axes(scene) {
+        plays(axis, &mut out);
+    }
+    crosses(scene, &mut out);
+    out
+}
+
+fn locations(scene: &Scene<'_>, out: &mut Vec<Term>) {
+    let always = Weight::new(|_| 1.0);
+    let mut push = |name: ErrorName, family: Family| out.push(Term::new(family, name, "", 0.0, always.clone()));
+    // The axis that is farther from the foundation has the squareness; of one on each side, that of the tool.
+    let topology = &scene.machine.topology;
+    let mut order: Vec<Axis> = topology.tool.iter().rev().copied().collect();
+    order.extend(topology.workpiece.iter().rev().copied());
+    for axis in order {
+        for direction in DIRECTIONS {
+            let name = ErrorName::location(direction, axis);
+            let family = match (axis.is_rotary(), direction.is_rotation()) {
+                (false, true) => Family::Squareness,
+                // An offset of a linear axis is the zero of its scale.
+                (false, false) => continue,
+                (true, true) => Family::Tilt,
+                (true, false) => Family::Offset,
+            };
+            push(name, family);
+        }
+    }
+    for direction in DIRECTIONS {
+        push(ErrorName::spindle(direction), if direction.is_rotation() { Family::Tilt } else { Family::Offset });
+    }
+}
+
+fn shapes(scene: &Scene<'_>, axis: Axis, out: &mut Vec<Term>) {
+    let Some(range) = travel(scene, axis) else { return };
+    let at = share(axis, range);
+    for component in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
+        let first = match (component.direction.is_rotation(), component == own(axis)) {
+            // The mean of an angle is orientation, the line of a straightness is squareness, the constant of a positioning error is the zero.
+            (true, _) | (false, true) => 1,
+            (false, false) => 2,
+        };
+        for order in first..=ORDERS {
+            let family = match (component.direction.is_rotation(), component == own(axis), order) {
+                (true, ..) => Family::Angle,
+                (false, true, 1) => Family::Scale,
+                (false, true, _) => Family::Positioning,
+                (false, false, _) => Family::Straightness,
+            };
+            let weight = Weight::new(move |row| legendre(order, at(row)));
+            out.push(Term::new(family, component, format!("{axis} order {order}"), range[1] - range[0], weight));
+        }
+    }
+}
+
+fn turns(axis: Axis, out: &mut Vec<Term>) {
+    for component in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
+        let family = if component.direction.is_rotation() { Family::Angle } else { Family::Rotary };
+        for harmonic in 1..=HARMONICS {
+            let turn = f64::from(harmonic);
+            let [sine, cosine] = [
+                Weight::new(move |row: &SceneRow| (turn * row.position[axis]).sin()),
+                Weight::new(move |row: &SceneRow| (turn * row.position[axis]).cos()),
+            ];
+            out.push(Term::new(family, component, format!("sin {harmonic}{axis}"), 0.0, sine));
+            out.push(Term::new(family, component, format!("cos {harmonic}{axis}"), 0.0, cosine));
+        }
+    }
+}
+
+fn plays(axis: Axis, out: &mut Vec<Term>) {
+    // Half of a reversal value on either side.
+    let side = Weight::new(move |row: &SceneRow| 0.5 * row.sense_of(axis));
+    for component in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
+        let family = match (component == own(axis), component.direction.is_rotation()) {
+            (true, _) => Family::Backlash,
+            (false, true) => Family::AngularPlay,
+            (false, false) => Family::LateralPlay,
+        };
+        let mut one = Term::new(family, component, format!("{axis}_dir"), 0.0, side.clone());
+        if axis.is_rotary() && family == Family::Backlash {
+            one.size = Family::Angle.size(0.0);
+        }
+        out.push(one);
+    }
+}
+
+fn crosses(scene: &Scene<'_>, out: &mut Vec<Term>) {
+    let all: Vec<Axis> = linear(scene).collect();
+    for &axis in &all {
+        for &other in all.iter().filter(|&&other| other != axis) {
+            let (Some(own), Some(across)) = (travel(scene, axis), travel(scene, other)) else { continue };
+            let (own, across) = (share(axis, own), share(other, across));
+            let product = Weight::new(move |row| own(row) * across(row));
+            for component in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
+                let family = if component.direction.is_rotation() { Family::CrossAngle } else { Family::Cross };
+                out.push(Term::new(family, component, format!("{axis} and {other}"), 0.0, product.clone()));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shapes_are_those_of_legendre() {
+        // P2 = (3u² − 1)/2, P3 = (5u³ − 3u)/2, P4 = (35u⁴ − 30u² + 3)/8 (Abramowitz and Stegun 1964, 22.3.8).
+        let at = |u: f64| [0, 1, 2, 3, 4].map(|order| legendre(order, u));
+        for u in [-1.0, -0.3, 0.0, 0.5, 1.0] {
+            let (square, cube) = (u * u, u * u * u);
+            let expected = [
+                1.0,
+                u,
+                1.5 * square - 0.5,
+                2.5 * cube - 1.5 * u,
+                (35.0 * square * square - 30.0 * square + 3.0) / 8.0,
+            ];
+            assert!(at(u).iter().zip(expected).all(|(own, expected)| (own - expected).abs() < 1e-12), "{u}");
+        }
+    }
+}
