@@ -374,11 +374,12 @@ impl Diagnostics {
         self.kept.iter().map(|(diagnostic, source)| json::Finding::new(diagnostic, source.as_ref())).collect()
     }
 
-    /// The drawing of the first findings, errors before warnings (or alone), each group in order of occurrence.
+    /// The drawing of the first findings: a program that was corrected for another machine, errors, warnings (or errors alone), each group in order of occurrence.
     pub(crate) fn drawing(&self, colors: terminal::Colors, with_warnings: bool) -> String {
         let mut shown: Vec<&(Diagnostic, Option<Source>)> = self.kept.iter().collect();
         shown.retain(|(diagnostic, _)| with_warnings || diagnostic.is_error());
-        shown.sort_by_key(|(diagnostic, _)| !diagnostic.is_error());
+        // Another machine than that of the correction is the cause of all that follows.
+        shown.sort_by_key(|(diagnostic, _)| (diagnostic.code != Code::OTHER_STAMP, !diagnostic.is_error()));
         let mut total = self.errors + if with_warnings { self.warnings } else { 0 };
         let mut out = String::new();
         for (name, hint) in &self.misread {
@@ -445,6 +446,16 @@ mod tests {
         assert!(findings.has_errors() && !findings.has_language_errors());
         let lines: Vec<_> = findings.json().iter().map(|finding| finding.line).collect();
         assert_eq!(lines, [Some(1), Some(2)]);
+    }
+
+    #[test]
+    fn another_machine_is_named_before_the_errors_that_it_makes() {
+        let source = Source::new(FileId(0), "a", vec![b'X'; 200]).unwrap();
+        let mut findings = Diagnostics::default();
+        findings.extend((0..100).map(|start| at(Code::OFF_PROMISE, start)), &[source]);
+        findings.add(Diagnostic::nowhere(Code::OTHER_STAMP, "m", "h"), &[]);
+        assert!(findings.drawing(terminal::Colors::Plain, true).starts_with("warning[W0306]"));
+        assert!(findings.drawing(terminal::Colors::Plain, false).starts_with("error["));
     }
 
     #[test]

@@ -19,7 +19,7 @@ pub(super) fn along_x(machine: &Machine, more: &str, rows: &[(f64, &str)]) -> Da
 }
 
 /// Readings along X at every tenth of a millimetre, µm.
-pub(super) fn reads_along_x(machine: &Machine, um: &[f64]) -> DataSet {
+pub(crate) fn reads_along_x(machine: &Machine, um: &[f64]) -> DataSet {
     let mut text = "X,Y,Z,dx_um\n".to_owned();
     for (place, um) in um.iter().enumerate() {
         text += &format!("{}.{},0,0,{um}\n", place / 10, place % 10);

@@ -1,7 +1,7 @@
 //! The likelihood of readings under a set of terms, in closed form.
 //!
 //! Readings are `y = U u + Φ θ + ε` with unknowns `u` of the set-ups, of which nothing is assumed, amounts `θ ~ N(0, S)` of the terms, and noise
-//! `ε ~ N(0, s² Σ)`, where Σ is what is stated of the readings and s its scale. What the set-ups can take is taken from the readings and from all columns once;
+//! `ε ~ N(0, s² Σ)`, where Σ is the stated uncertainty of the readings with the memory of the noise, and s its scale. What the set-ups can take is taken from the readings and from all columns once;
 //! after that everything about a set of terms follows from `G = Φᵀ Σ⁻¹ Φ`, `b = Φᵀ Σ⁻¹ y` and `yᵀ Σ⁻¹ y` (marginal likelihood: Rasmussen and Williams 2006,
 //! Gaussian Processes for Machine Learning, eq. 2.43).
 
@@ -10,6 +10,7 @@ use std::collections::HashMap;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::assumptions::READINGS_OF_SIGMA;
+use super::noise::{Memory, Noise};
 use crate::diagnose::Scene;
 use ncfix_base::numeric::in_parts;
 use ncfix_base::numeric::sums::dot;
@@ -38,6 +39,8 @@ pub struct Likelihood {
     with_readings: DVector<f64>,
     /// Standard deviation of the prior of each column, mm or rad.
     sizes: Vec<f64>,
+    /// Half the logarithm of the determinant of the noise at the scale 1.
+    half_log_noise: f64,
     /// Which of the columns that were given each one is.
     pub kept: Vec<usize>,
     /// Columns that act like a kept one: theirs and its number among those that were given.
@@ -60,38 +63,49 @@ pub struct Posterior {
 impl Likelihood {
     /// Prepares columns (one unit of each on every reading of the scene) with the sizes of their priors.
     #[must_use]
-    pub fn new(scene: &Scene<'_>, columns: &[Vec<f64>], sizes: &[f64]) -> Likelihood {
-        let setups = Setups::new(scene);
+    pub fn new(
+        scene: &Scene<'_>,
+        columns: &[Vec<f64>],
+        sizes: &[f64],
+        (noise, memory): (&Noise, Memory),
+    ) -> Likelihood {
+        let setups = Setups::new(scene, (noise, memory));
         let whiten = |values: &[f64], factor: f64| {
             let values = values.iter().zip(&scene.items);
             let mut out: Vec<f64> = values.map(|(value, item)| factor * value / item.sigma).collect();
+            let half_log = noise.whiten(memory, &mut out);
             setups.take(&mut out);
-            out
+            (out, half_log)
         };
         let left: Vec<f64> = scene.items.iter().map(|item| item.left).collect();
-        let readings = whiten(&left, 1.0);
+        let (readings, half_log_noise) = whiten(&left, 1.0);
         let numbered: Vec<(&Vec<f64>, f64)> = columns.iter().zip(sizes.iter().copied()).collect();
-        let white: Vec<Vec<f64>> = in_parts(&numbered, &|&(column, size): &(&Vec<f64>, f64)| whiten(column, size));
+        let white: Vec<Vec<f64>> = in_parts(&numbered, &|&(column, size): &(&Vec<f64>, f64)| whiten(column, size).0);
         let norms: Vec<f64> = white.iter().map(|column| dot(column, column).sqrt()).collect();
-        let (mut kept, mut alike): (Vec<usize>, Vec<(usize, usize)>) = (Vec::new(), Vec::new());
-        for (number, column) in white.iter().enumerate() {
-            if norms[number] < FAINT {
-                continue;
-            }
-            let same = |&&other: &&usize| {
-                let cosine = dot(column, &white[other]) / (norms[number] * norms[other]);
+        let visible: Vec<usize> = (0..white.len()).filter(|&number| norms[number] >= FAINT).collect();
+        // Lower triangle of the products of all visible columns.
+        let rows: Vec<Vec<f64>> = in_parts(&visible, &|&number: &usize| {
+            let earlier = visible.iter().take_while(|&&other| other <= number);
+            earlier.map(|&other| dot(&white[number], &white[other])).collect()
+        });
+        // Places among the visible ones.
+        let (mut places, mut alike): (Vec<usize>, Vec<(usize, usize)>) = (Vec::new(), Vec::new());
+        for place in 0..visible.len() {
+            let is_same = |&&other: &&usize| {
+                let cosine = rows[place][other] / (rows[place][place] * rows[other][other]).sqrt();
                 1.0 - cosine.abs() < ALIKE
             };
-            match kept.iter().find(same) {
-                Some(&other) => alike.push((number, other)),
-                None => kept.push(number),
+            match places.iter().find(is_same) {
+                Some(&other) => alike.push((visible[place], visible[other])),
+                None => places.push(place),
             }
         }
-        let rows: Vec<Vec<f64>> = in_parts(&kept, &|&number: &usize| {
-            kept.iter().map(|&other| if other <= number { dot(&white[number], &white[other]) } else { 0.0 }).collect()
-        });
+        let kept: Vec<usize> = places.iter().map(|&place| visible[place]).collect();
         let count = kept.len();
-        let products = DMatrix::from_fn(count, count, |row, column| rows[row.max(column)][row.min(column)]);
+        let products = DMatrix::from_fn(count, count, |row, column| {
+            let [row, column] = [row.max(column), row.min(column)].map(|k| places[k]);
+            rows[row][column]
+        });
         let with_readings = DVector::from_iterator(count, kept.iter().map(|&number| dot(&white[number], &readings)));
         Likelihood {
             freedom: scene.items.len() as f64 - setups.rank as f64,
@@ -99,6 +113,7 @@ impl Likelihood {
             products,
             with_readings,
             sizes: kept.iter().map(|&number| sizes[number]).collect(),
+            half_log_noise: half_log_noise + setups.half_log,
             kept,
             alike,
         }
@@ -129,11 +144,15 @@ impl Likelihood {
         let explained = right.dot(&root.solve(&right));
         // Inverse gamma for s², as if READINGS_OF_SIGMA readings had shown the stated uncertainty.
         let prior = -0.5 * READINGS_OF_SIGMA * (2.0 * scale.ln() + weight);
-        prior - self.freedom * scale.ln() - 0.5 * (log_determinant + weight * self.square - explained)
+        prior
+            - self.half_log_noise
+            - self.freedom * scale.ln()
+            - 0.5 * (log_determinant + weight * self.square - explained)
     }
 
-    /// Returns the scale at which a set is most likely, and its logarithm of the likelihood: golden section, as one maximum is there.
-    fn best_scale(&self, set: &[usize]) -> (f64, f64) {
+    /// Returns the scale of the noise at which a set is most likely, and the logarithm of its likelihood there. Golden section: there is one maximum.
+    #[must_use]
+    pub fn evidence(&self, set: &[usize]) -> (f64, f64) {
         let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
         let [mut low, mut high] = SCALES;
         let mut inner = [high - ratio * (high - low), low + ratio * (high - low)];
@@ -151,12 +170,6 @@ impl Likelihood {
         }
         let scale = (0.5 * (low + high)).exp();
         (scale, self.at(set, scale))
-    }
-
-    /// Returns the scale of the noise and the logarithm of the evidence of a set.
-    #[must_use]
-    pub fn evidence(&self, set: &[usize]) -> (f64, f64) {
-        self.best_scale(set)
     }
 
     /// Returns by how much the logarithm of the likelihood grows with each column beside a set at a scale of the noise; minus infinity for its own columns.
@@ -182,8 +195,8 @@ impl Likelihood {
     /// Returns the posterior of a set.
     #[must_use]
     pub fn posterior(&self, set: &[usize]) -> Posterior {
-        let (scale, log_likelihood) = self.best_scale(set);
-        let log_evidence = log_likelihood - self.best_scale(&[]).1;
+        let (scale, log_likelihood) = self.evidence(set);
+        let log_evidence = log_likelihood - self.evidence(&[]).1;
         let nothing = Posterior { log_evidence, scale, mean: Vec::new(), sigma: Vec::new() };
         let Some((root, right)) = self.decomposed(set, scale) else { return nothing };
         let amounts = root.solve(&right);
@@ -202,6 +215,8 @@ struct Setups {
     groups: Vec<Group>,
     /// Unknowns that readings show.
     rank: usize,
+    /// Half the logarithm of the determinant of their matrices: what the noise leaves of them counts when memories are compared.
+    half_log: f64,
 }
 
 /// Unknowns that occur in the same readings.
@@ -213,7 +228,7 @@ struct Group {
 }
 
 impl Setups {
-    fn new(scene: &Scene<'_>) -> Setups {
+    fn new(scene: &Scene<'_>, (noise, memory): (&Noise, Memory)) -> Setups {
         // Union of unknowns that occur in one reading.
         let mut parent: Vec<usize> = (0..scene.unknowns).collect();
         fn top(parent: &mut [usize], mut k: usize) -> usize {
@@ -226,6 +241,15 @@ impl Setups {
         for item in &scene.items {
             for pair in item.by_unknown.windows(2) {
                 let [a, b] = [pair[0].0, pair[1].0].map(|k| top(&mut parent, k));
+                parent[a.max(b)] = a.min(b);
+            }
+        }
+        // Noise with memory mixes the readings of a series.
+        let is_mixed = memory.ratio > 0.0;
+        for series in noise.series().filter(|_| is_mixed) {
+            let mut first = None;
+            for unknown in series.flat_map(|place| &scene.items[place].by_unknown).map(|&(unknown, _)| unknown) {
+                let [a, b] = [*first.get_or_insert(unknown), unknown].map(|k| top(&mut parent, k));
                 parent[a.max(b)] = a.min(b);
             }
         }
@@ -243,14 +267,42 @@ impl Setups {
                 members[head].iter().enumerate().map(move |(place, &unknown)| (unknown, (group, place)))
             })
             .collect();
-        let mut rows: Vec<Vec<(usize, Vec<(usize, f64)>)>> = vec![Vec::new(); first.len()];
+        let mut touched: Vec<Vec<usize>> = vec![Vec::new(); first.len()];
+        let mut dense: Vec<Vec<(usize, f64)>> = vec![Vec::new(); scene.unknowns];
         for (place, item) in scene.items.iter().enumerate() {
-            let Some(&(unknown, _)) = item.by_unknown.first() else { continue };
-            let group = number[&unknown].0;
-            let own = item.by_unknown.iter().map(|&(k, factor)| (number[&k].1, factor / item.sigma)).collect();
-            rows[group].push((place, own));
+            for &(unknown, factor) in &item.by_unknown {
+                dense[unknown].push((place, factor / item.sigma));
+            }
+            if let Some(&(unknown, _)) = item.by_unknown.first() {
+                touched[number[&unknown].0].push(place);
+            }
         }
-        let mut rank = 0;
+        for series in noise.series().filter(|_| is_mixed) {
+            let places: Vec<usize> = series.collect();
+            let of = places.iter().find_map(|&place| scene.items[place].by_unknown.first());
+            if let Some((unknown, _)) = of {
+                touched[number[unknown].0].extend(places);
+            }
+        }
+        for places in &mut touched {
+            places.sort_unstable();
+            places.dedup();
+        }
+        let mut rows: Vec<Vec<(usize, Vec<(usize, f64)>)>> =
+            touched.iter().map(|places| places.iter().map(|&place| (place, Vec::new())).collect()).collect();
+        let mut values = vec![0.0; scene.items.len()];
+        for (unknown, own) in dense.iter().enumerate() {
+            let (group, number) = number[&unknown];
+            own.iter().for_each(|&(place, factor)| values[place] = factor);
+            noise.whiten(memory, &mut values);
+            for (place, row) in &mut rows[group] {
+                if values[*place] != 0.0 {
+                    row.push((number, values[*place]));
+                }
+                values[*place] = 0.0;
+            }
+        }
+        let (mut rank, mut half_log) = (0, 0.0);
         let groups = rows.into_iter().zip(&first).filter_map(|(rows, head)| {
             let count = members[head].len();
             let mut matrix = DMatrix::zeros(count, count);
@@ -265,10 +317,12 @@ impl Setups {
             for k in 0..count {
                 matrix[(k, k)] = if matrix[(k, k)] > 0.0 { matrix[(k, k)] * (1.0 + RIDGE) } else { 1.0 };
             }
-            Some(Group { rows, count, root: Cholesky::new(matrix)? })
+            let root = Cholesky::new(matrix)?;
+            half_log += root.l_dirty().diagonal().iter().map(|value| value.ln()).sum::<f64>();
+            Some(Group { rows, count, root })
         });
         let groups = groups.collect();
-        Setups { groups, rank }
+        Setups { groups, rank, half_log }
     }
 
     /// Takes what the set-ups can take from whitened values.
@@ -312,7 +366,9 @@ mod tests {
         let [line, bow] = [|x: f64| x - 2.0, |x: f64| (x - 2.0).powi(2)]
             .map(|shape: fn(f64) -> f64| (0..count).map(|k| shape(k as f64)).collect::<Vec<f64>>());
         let sizes = [6e-3, 2e-3];
-        let likelihood = Likelihood::new(&scene, &[line.clone(), bow.clone()], &sizes);
+        let noise = Noise::new(&scene);
+        let white = (&noise, Memory::default());
+        let likelihood = Likelihood::new(&scene, &[line.clone(), bow.clone()], &sizes, white);
         assert_eq!((likelihood.kept.as_slice(), likelihood.freedom), ([0, 1].as_slice(), 4.0));
         let readings = DVector::from_iterator(count, scene.items.iter().map(|item| item.left));
         let covariance = |columns: &[(&[f64], f64)], scale: f64| {
@@ -348,7 +404,8 @@ mod tests {
         let sets = [bench::table(&machine, rows, toml)];
         let scene = bench::scene(&machine, &sets);
         let columns = [vec![1.0; 3], vec![0.0, 1.0, 2.0], vec![5.0, 3.0, 1.0]];
-        let likelihood = Likelihood::new(&scene, &columns, &[10e-3; 3]);
+        let noise = Noise::new(&scene);
+        let likelihood = Likelihood::new(&scene, &columns, &[10e-3; 3], (&noise, Memory::default()));
         // The third one is the second one times −2 and a constant.
         assert_eq!((likelihood.kept.as_slice(), likelihood.alike.as_slice()), ([1].as_slice(), [(2, 1)].as_slice()));
     }

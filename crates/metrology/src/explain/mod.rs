@@ -3,16 +3,19 @@
 //! ```text
 //! Scene::new(machine, errors, sets)   the residual of every reading, and its sensitivity to a deviation anywhere
 //! term::terms                         what readings would have in addition, each error in one form
+//! Noise::new                          readings in series; noise with memory, filtered
 //! Likelihood::new                     set-ups eliminated; everything about a set of terms from products of columns
 //! search::explanations                sets of terms with probabilities
 //! findings                            terms with the probability that they are there, sizes averaged over all explanations
 //! ```
 //!
 //! This is the core of the next diagnosis; it stands beside [`crate::diagnose`] until it does all that that one does. It knows position-dependent and
-//! position-independent errors, backlash and play of all axes; it has no thermal, dynamic or instrument terms yet, and noise without memory only.
+//! position-independent errors, backlash and play of all axes, lags, and noise with memory; it has no
+//! thermal or instrument terms and no deflection yet.
 
 pub mod assumptions;
 pub mod likelihood;
+pub mod noise;
 pub mod search;
 pub mod term;
 
@@ -21,13 +24,17 @@ use std::sync::Arc;
 
 use crate::diagnose::Scene;
 use crate::diagnose::scene::Through;
-use assumptions::Family;
 use likelihood::Likelihood;
+use ncfix_base::numeric::in_parts;
+use noise::{Memory, Noise};
 use search::Explanation;
 use term::Term;
 
+/// Memories of the noise that are searched with at most.
+const MOST_MEMORIES: usize = 5;
+
 /// Explanations of the readings of a scene.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Explained {
     /// The terms that readings can show.
     pub terms: Vec<Term>,
@@ -37,6 +44,10 @@ pub struct Explained {
     pub explanations: Vec<Explanation>,
     /// Standard deviation of the readings beside what is stated, with the first explanation.
     pub scale: f64,
+    /// Memory of the noise; its length is in seconds if the readings have a clock, else in rows.
+    pub memory: Memory,
+    /// Readings have a clock.
+    pub has_clock: bool,
 }
 
 /// A term that may be there.
@@ -74,19 +85,54 @@ pub fn explain(scene: &Scene<'_>) -> Explained {
         })
         .collect();
     let sizes: Vec<f64> = all.iter().map(|term| term.size).collect();
-    let likelihood = Likelihood::new(scene, &columns, &sizes);
-    let terms: Vec<Term> = likelihood.kept.iter().map(|&number| all[number].clone()).collect();
-    let log_odds: Vec<f64> = terms.iter().map(|term| term.family.assumption().odds.ln()).collect();
-    let is_simple = |term: &Term| {
-        matches!(term.family, Family::Squareness | Family::Scale | Family::Backlash | Family::Offset | Family::Tilt)
+    let log_odds: Vec<f64> = all.iter().map(|term| term.family.assumption().odds.ln()).collect();
+    let noise = Noise::new(scene);
+    let readings = (scene.items.len() as f64).max(2.0);
+    // Two numbers more than white noise has, by the information criterion of Schwarz (1978).
+    let price = |memory: Memory| if memory.ratio > 0.0 { readings.ln() } else { 0.0 };
+    let choose = |set: &[usize]| {
+        let some: Vec<Vec<f64>> = set.iter().map(|&number| columns[number].clone()).collect();
+        let some_sizes: Vec<f64> = set.iter().map(|&number| sizes[number]).collect();
+        let worth = |&memory: &Memory| {
+            let likelihood = Likelihood::new(scene, &some, &some_sizes, (&noise, memory));
+            let own: Vec<usize> = (0..likelihood.count()).collect();
+            likelihood.evidence(&own).1 - price(memory)
+        };
+        let memories = noise.memories();
+        let worths = in_parts(&memories, &worth);
+        let best = memories.into_iter().zip(worths).max_by(|a, b| a.1.total_cmp(&b.1));
+        best.map_or_else(Memory::default, |(memory, _)| memory)
     };
-    let simple: Vec<usize> = (0..terms.len()).filter(|&k| is_simple(&terms[k])).collect();
-    let explanations = search::explanations(&likelihood, &log_odds, &simple);
+    let mut best: Option<(f64, Memory, Likelihood, Vec<Explanation>)> = None;
+    let mut tried: Vec<Memory> = Vec::new();
+    // What terms leave is noise, and what noise leaves are terms: from white noise, and from all that is left as noise.
+    for start in [Memory::default(), choose(&[])] {
+        let mut memory = start;
+        while !tried.contains(&memory) && tried.len() < MOST_MEMORIES {
+            tried.push(memory);
+            let likelihood = Likelihood::new(scene, &columns, &sizes, (&noise, memory));
+            let own_odds: Vec<f64> = likelihood.kept.iter().map(|&number| log_odds[number]).collect();
+            let is_simple = |&k: &usize| all[likelihood.kept[k]].family.is_simple();
+            let simple: Vec<usize> = (0..likelihood.count()).filter(is_simple).collect();
+            let explanations = search::explanations(&likelihood, &own_odds, &simple);
+            let Some(first) = explanations.first() else { break };
+            let odds: f64 = first.set.iter().map(|&k| own_odds[k]).sum();
+            let worth = likelihood.evidence(&first.set).1 + odds - price(memory);
+            let set: Vec<usize> = first.set.iter().map(|&k| likelihood.kept[k]).collect();
+            if best.as_ref().is_none_or(|(known, ..)| worth > *known) {
+                best = Some((worth, memory, likelihood, explanations));
+            }
+            memory = choose(&set);
+        }
+    }
+    let Some((_, memory, likelihood, explanations)) = best else { return Explained::default() };
     let number = |given: usize| likelihood.kept.iter().position(|&kept| kept == given).unwrap_or(0);
     Explained {
+        terms: likelihood.kept.iter().map(|&number| all[number].clone()).collect(),
         alike: likelihood.alike.iter().map(|&(given, same)| (all[given].name(), number(same))).collect(),
         scale: explanations.first().map_or(1.0, |first| first.posterior.scale),
-        terms,
+        memory,
+        has_clock: noise.has_clock,
         explanations,
     }
 }

@@ -26,7 +26,7 @@ pub struct Term {
     pub component: ErrorName,
     /// Its drivers: `X_dir`, another axis, `order 2`.
     pub shape: String,
-    /// Standard deviation of the prior of its amount, mm or rad.
+    /// Standard deviation of the prior of its amount, mm, rad or s.
     pub size: f64,
     /// Effect of one unit on the component at each row; 1 at the ends of the travel.
     pub weight: Weight,
@@ -95,8 +95,22 @@ pub fn terms(scene: &Scene<'_>) -> Vec<Term> {
     for axis in axes(scene) {
         plays(axis, &mut out);
     }
+    lags(scene, &mut out);
     crosses(scene, &mut out);
     out
+}
+
+/// A lag of an axis is an error of its own against the way that it goes; a table goes the other way round.
+fn lags(scene: &Scene<'_>, out: &mut Vec<Term>) {
+    for axis in linear(scene) {
+        let Some(along) = scene.machine.axis(axis).and_then(|data| data.direction.get(axis.dimension()).copied())
+        else {
+            continue;
+        };
+        let by = if along < 0.0 { 1.0 } else { -1.0 };
+        let weight = Weight::new(move |row: &SceneRow| by * row.velocity.map_or(0.0, |velocity| velocity[axis]));
+        out.push(Term::new(Family::Lag, own(axis), format!("{axis} lag"), 0.0, weight));
+    }
 }
 
 fn locations(scene: &Scene<'_>, out: &mut Vec<Term>) {
