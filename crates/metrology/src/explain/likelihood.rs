@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::assumptions::READINGS_OF_SIGMA;
-use super::noise::{Memory, Noise};
+use super::noise::{Memory, NoiseSeries};
 use crate::diagnose::Scene;
 use ncfix_base::numeric::in_parts;
 use ncfix_base::numeric::sums::dot;
@@ -67,7 +67,7 @@ impl Likelihood {
         scene: &Scene<'_>,
         columns: &[Vec<f64>],
         sizes: &[f64],
-        (noise, memory): (&Noise, Memory),
+        (noise, memory): (&NoiseSeries, Memory),
     ) -> Likelihood {
         let setups = Setups::new(scene, (noise, memory));
         let whiten = |values: &[f64], factor: f64| {
@@ -210,6 +210,9 @@ impl Likelihood {
     }
 }
 
+/// A reading with its derivatives by the unknowns of its group.
+type SetupRow = (usize, Vec<(usize, f64)>);
+
 /// Unknowns of the set-ups by groups that share readings: each group touches its own readings only.
 struct Setups {
     groups: Vec<Group>,
@@ -222,13 +225,13 @@ struct Setups {
 /// Unknowns that occur in the same readings.
 struct Group {
     /// Readings with the derivatives by its unknowns, divided by their uncertainty.
-    rows: Vec<(usize, Vec<(usize, f64)>)>,
+    rows: Vec<SetupRow>,
     count: usize,
     root: Cholesky<f64, Dyn>,
 }
 
 impl Setups {
-    fn new(scene: &Scene<'_>, (noise, memory): (&Noise, Memory)) -> Setups {
+    fn new(scene: &Scene<'_>, (noise, memory): (&NoiseSeries, Memory)) -> Setups {
         // Union of unknowns that occur in one reading.
         let mut parent: Vec<usize> = (0..scene.unknowns).collect();
         fn top(parent: &mut [usize], mut k: usize) -> usize {
@@ -288,7 +291,7 @@ impl Setups {
             places.sort_unstable();
             places.dedup();
         }
-        let mut rows: Vec<Vec<(usize, Vec<(usize, f64)>)>> =
+        let mut rows: Vec<Vec<SetupRow>> =
             touched.iter().map(|places| places.iter().map(|&place| (place, Vec::new())).collect()).collect();
         let mut values = vec![0.0; scene.items.len()];
         for (unknown, own) in dense.iter().enumerate() {
@@ -366,7 +369,7 @@ mod tests {
         let [line, bow] = [|x: f64| x - 2.0, |x: f64| (x - 2.0).powi(2)]
             .map(|shape: fn(f64) -> f64| (0..count).map(|k| shape(k as f64)).collect::<Vec<f64>>());
         let sizes = [6e-3, 2e-3];
-        let noise = Noise::new(&scene);
+        let noise = NoiseSeries::new(&scene);
         let white = (&noise, Memory::default());
         let likelihood = Likelihood::new(&scene, &[line.clone(), bow.clone()], &sizes, white);
         assert_eq!((likelihood.kept.as_slice(), likelihood.freedom), ([0, 1].as_slice(), 4.0));
@@ -404,7 +407,7 @@ mod tests {
         let sets = [bench::table(&machine, rows, toml)];
         let scene = bench::scene(&machine, &sets);
         let columns = [vec![1.0; 3], vec![0.0, 1.0, 2.0], vec![5.0, 3.0, 1.0]];
-        let noise = Noise::new(&scene);
+        let noise = NoiseSeries::new(&scene);
         let likelihood = Likelihood::new(&scene, &columns, &[10e-3; 3], (&noise, Memory::default()));
         // The third one is the second one times −2 and a constant.
         assert_eq!((likelihood.kept.as_slice(), likelihood.alike.as_slice()), ([1].as_slice(), [(2, 1)].as_slice()));

@@ -3,7 +3,7 @@
 //! ```text
 //! Scene::new(machine, errors, sets)   the residual of every reading, and its sensitivity to a deviation anywhere
 //! term::terms                         what readings would have in addition, each error in one form
-//! Noise::new                          readings in series; noise with memory, filtered
+//! NoiseSeries::new                    readings in series; noise with memory, filtered
 //! Likelihood::new                     set-ups eliminated; everything about a set of terms from products of columns
 //! search::explanations                sets of terms with probabilities
 //! findings                            terms with the probability that they are there, sizes averaged over all explanations
@@ -26,7 +26,7 @@ use crate::diagnose::Scene;
 use crate::diagnose::scene::Through;
 use likelihood::Likelihood;
 use ncfix_base::numeric::in_parts;
-use noise::{Memory, Noise};
+use noise::{Memory, NoiseSeries};
 use search::Explanation;
 use term::Term;
 
@@ -86,7 +86,7 @@ pub fn explain(scene: &Scene<'_>) -> Explained {
         .collect();
     let sizes: Vec<f64> = all.iter().map(|term| term.size).collect();
     let log_odds: Vec<f64> = all.iter().map(|term| term.family.assumption().odds.ln()).collect();
-    let noise = Noise::new(scene);
+    let noise = NoiseSeries::new(scene);
     let readings = (scene.items.len() as f64).max(2.0);
     // Two numbers more than white noise has, by the information criterion of Schwarz (1978).
     let price = |memory: Memory| if memory.ratio > 0.0 { readings.ln() } else { 0.0 };

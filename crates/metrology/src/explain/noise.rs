@@ -20,7 +20,7 @@ pub struct Memory {
 
 /// Readings in series, with the steps between them.
 #[derive(Clone, Debug)]
-pub struct Noise {
+pub struct NoiseSeries {
     series: Vec<Vec<(usize, f64)>>,
     /// Whether steps are seconds.
     pub has_clock: bool,
@@ -30,10 +30,10 @@ pub struct Noise {
     pub step: f64,
 }
 
-impl Noise {
+impl NoiseSeries {
     /// Sorts the readings of a scene into series.
     #[must_use]
-    pub fn new(scene: &Scene<'_>) -> Noise {
+    pub fn new(scene: &Scene<'_>) -> NoiseSeries {
         let mut places: BTreeMap<(usize, usize, bool), Vec<usize>> = BTreeMap::new();
         for (place, item) in scene.items.iter().enumerate() {
             if item.row != NO_ROW
@@ -69,7 +69,7 @@ impl Noise {
             .collect();
         steps.sort_by(f64::total_cmp);
         let step = steps.get(steps.len() / 2).copied().unwrap_or(1.0);
-        Noise { series, has_clock, longest, step }
+        NoiseSeries { series, has_clock, longest, step }
     }
 
     /// Readings of each series, in their order.
@@ -126,7 +126,7 @@ mod tests {
         let um = [0.3, 0.9, -0.4, 1.3, 2.2, 1.8];
         let sets = [bench::reads_along_x(&machine, &um)];
         let scene = bench::scene(&machine, &sets);
-        let noise = Noise::new(&scene);
+        let noise = NoiseSeries::new(&scene);
         assert_eq!((noise.has_clock, noise.longest, noise.step), (false, 5.0, 1.0));
         let memory = Memory { ratio: 2.5, length: 3.0 };
         let mut white: Vec<f64> = um.to_vec();
