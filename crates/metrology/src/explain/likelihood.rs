@@ -1,7 +1,7 @@
 //! The likelihood of readings under a set of terms, in closed form.
 //!
 //! Readings are `y = U u + Φ θ + ε` with unknowns `u` of the set-ups, of which nothing is assumed, amounts `θ ~ N(0, S)` of the terms, and noise
-//! `ε ~ N(0, s² Σ)`, where Σ is the stated uncertainty of the readings with the memory of the noise, and s its scale. What the set-ups can take is taken from the readings and from all columns once;
+//! `ε ~ N(0, s² Σ)`, where Σ is the stated uncertainty of the readings with the memory of the noise, and s its scale. The part that the set-ups can explain is taken from the readings and from all columns once;
 //! after that everything about a set of terms follows from `G = Φᵀ Σ⁻¹ Φ`, `b = Φᵀ Σ⁻¹ y` and `yᵀ Σ⁻¹ y` (marginal likelihood: Rasmussen and Williams 2006,
 //! Gaussian Processes for Machine Learning, eq. 2.43).
 

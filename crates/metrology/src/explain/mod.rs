@@ -105,7 +105,7 @@ pub fn explain(scene: &Scene<'_>) -> Explained {
     };
     let mut best: Option<(f64, Memory, Likelihood, Vec<Explanation>)> = None;
     let mut tried: Vec<Memory> = Vec::new();
-    // What terms leave is noise, and what noise leaves are terms: from white noise, and from all that is left as noise.
+    // Terms and noise explain the same readings: the search starts from white noise, and from all readings as noise with memory.
     for start in [Memory::default(), choose(&[])] {
         let mut memory = start;
         while !tried.contains(&memory) && tried.len() < MOST_MEMORIES {

@@ -22,7 +22,7 @@ pub struct Memory {
 #[derive(Clone, Debug)]
 pub struct NoiseSeries {
     series: Vec<Vec<(usize, f64)>>,
-    /// Whether steps are seconds.
+    /// Steps are seconds.
     pub has_clock: bool,
     /// Longest series, s or rows.
     pub longest: f64,
