@@ -39,7 +39,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let report = correction.write_to(&mut text)?;
     print!("{}", report.table());
 
-    // What was written is executed again and held against the original.
+    // The corrected program is executed again and compared with the original.
     let corrected = Program::parse("part_corrected.mpf", text, DialectChoice::Sinumerik)?;
     let verified = program.verify(&corrected, &machine)?;
     let (before, after) = (verified.before.unwrap_or_default(), verified.after.unwrap_or_default());

@@ -21,7 +21,7 @@ use ncfix_metrology::results::readings::ShownReadings;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct DiagnosisOptions {
-    /// The text of the machine file: it is extended by what was found, and what it cannot hold is not called correctable.
+    /// The text of the machine file. The causes found are added to it. A cause that it cannot express is not reported as correctable.
     pub machine_text: Option<String>,
 }
 
@@ -48,8 +48,8 @@ pub struct Diagnosis {
 }
 
 impl Diagnosis {
-    /// Looks for faults of the data and for causes of what the machine's error model leaves of them, those of its [registry](crate::Registry) too; data that are [held out](DataSet::held_out) judge what
-    /// was found.
+    /// Checks the data for defects and searches for causes of the residual errors, including causes from the [registry](crate::Registry) of the machine.
+    /// Data that are [held out](DataSet::held_out) only evaluate the result.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -61,7 +61,7 @@ impl Diagnosis {
     /// ```
     ///
     /// # Errors
-    /// If data are wrong, or say nothing: the diagnostics say why, and what to measure.
+    /// If data are invalid or not informative: the diagnostics state the reason, and what to measure.
     pub fn run(machine: &Machine, data: &[DataSet], options: &DiagnosisOptions) -> Result<Diagnosis, Error> {
         let mut diagnostics = Diagnostics::default();
         let how = (Purpose::Diagnosis(&machine.errors), &machine.registry.instruments);
@@ -93,9 +93,8 @@ impl Diagnosis {
             .ok_or_else(|| Error::found(diagnostics))
     }
 
-    /// The causes that stand, the largest first: each with the value and its expanded uncertainty (95 %), its share of what the model leaves, the gain on
-    /// readings that were not seen, the chance of it where there is nothing, explanations that the data cannot tell from it, and whether a corrected program
-    /// takes it away.
+    /// The accepted causes, the largest first: each with its value and expanded uncertainty (95 %), its share of the residual, its gain on validation readings,
+    /// its p-value, equivalent explanations, and whether a corrected program removes it.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -111,8 +110,8 @@ impl Diagnosis {
         &self.found.findings
     }
 
-    /// Everything that was found: noise, sizes before and after, causes, faults of the data, candidates that were rejected, what has no name. It is what
-    /// `--json` prints.
+    /// Everything that was found: noise, sizes before and after, causes, defects of the data, rejected candidates, the unexplained residual.
+    /// `--json` prints it.
     ///
     /// ```
     /// use ncfix::prelude::*;

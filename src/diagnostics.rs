@@ -199,7 +199,7 @@ impl<'a> Located<'a> {
 }
 
 impl fmt::Display for Located<'_> {
-    /// `part.mpf:1:4: error[E0401]: X leaves its travel …`
+    /// `part.mpf:1:4: error[E0302]: X leaves its travel …`
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let json::Finding { file, line, column, .. } = self.as_data();
         if let (Some(file), Some(line), Some(column)) = (file, line, column) {

@@ -65,7 +65,7 @@ pub mod table {
     };
 }
 
-/// Dialogues of links.
+/// Protocol dialogues of links.
 pub mod link {
     pub use ncfix_dnc::feed::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire};
 }
@@ -77,7 +77,7 @@ pub mod sensor {
     pub use ncfix_machine::machine::file::Section;
 }
 
-/// Marks of dialects.
+/// Detection of dialects.
 pub mod dialect {
     pub use ncfix_dialect::{Detector, Dialect, find};
 }

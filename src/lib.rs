@@ -14,11 +14,14 @@
 //! # Ok::<(), ncfix::Error>(())
 //! ```
 //!
-//! [`prelude`] has the names of the library. Lengths are mm and angles rad where no name says otherwise. Nothing reads a file but what has *file* in its name, and
-//! what runs a program that was read from one; why a file was read is logged with [`log`]. Everything that holds data is `Send` and `Sync`.
+//! [`prelude`] has the names of the library. Lengths are mm, angles rad and times s unless a name states another unit. Everything that holds data is `Send` and
+//! `Sync`.
 //!
-//! Everything streams: no stage holds the path, so an endless program can be fed and memory is bounded by the program text. Inside are mm, rad and s; at the
-//! edges every name carries its unit. `ARCHITECTURE.md` of the project is the map of its crates, `docs/explanation/theory.md` has the formulas with their sources.
+//! Only functions with *file* in their name, [`DataSet::read`] and [`Tables::read`] read files. Subprograms of a program from a file are read when it runs; the
+//! reason is logged with [`log`].
+//!
+//! Everything streams: no stage holds the path, so an endless program can be fed and memory is bounded by the program text. `ARCHITECTURE.md` of the project is
+//! the map of its crates, `docs/explanation/theory.md` has the formulas with their sources.
 
 pub mod extend;
 pub mod prelude;

@@ -15,7 +15,7 @@ use ncfix_machine::machine::{AxisData, Condition, State};
 use ncfix_model::shares::{Deviation, ErrorShares};
 use ncfix_model::{ErrorModel, Model};
 
-/// One machine: its axes, control, tools and zero offsets, its measured errors, and the condition in which it is.
+/// One machine: its axes, control, tools and zero offsets, its measured errors, and its current condition.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -32,7 +32,7 @@ pub struct Machine {
     pub(crate) machine: ncfix_machine::machine::Machine,
     /// Its errors.
     pub(crate) errors: ErrorModel,
-    /// The registry: the keys that the machine file may use, and the causes that are searched in its measurements.
+    /// The registry: the keys that the machine file may use, and the causes that are searched for in its measurements.
     pub(crate) registry: Arc<Registry>,
     /// Its condition.
     pub(crate) condition: Condition,
@@ -85,8 +85,8 @@ impl Machine {
         Machine::read(path.as_ref(), setups, &Registry::default())
     }
 
-    /// The machine of a machine file that may have what a registry knows beside what is built in; see [`Registry`]. The machine keeps the registry: it
-    /// holds for all that is done with the machine.
+    /// The machine of a machine file, which may also use entries of the given registry; see [`Registry`]. The machine keeps the registry for all later
+    /// functions.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -123,7 +123,7 @@ impl Machine {
         Machine::from_text_with(name, text, &Registry::default())
     }
 
-    /// The machine of the text of a machine file, which may have what a registry knows beside what is built in. No file is read.
+    /// The machine of the text of a machine file, which may also use entries of the given registry. No file is read.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -169,7 +169,7 @@ impl Machine {
         &self.machine.name
     }
 
-    /// The registry: the keys that the machine file may use, and the causes that are searched in its measurements.
+    /// The registry: the keys that the machine file may use, and the causes that are searched for in its measurements.
     ///
     /// ```
     /// # use ncfix::prelude::*;
@@ -201,7 +201,8 @@ impl Machine {
         self
     }
 
-    /// The errors at a pose: deviation of the tool tip and of the tool relative to the workpiece, along and about the directions of the foundation.
+    /// The errors at a pose: position error of the tip and orientation error of the tool, relative to the workpiece, along and about the directions of the
+    /// foundation.
     /// `pose` has the axis commands, mm and rad (`"X100,C30".parse()` takes mm and degrees); `state` says how the axes moved last.
     ///
     /// ```

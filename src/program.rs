@@ -103,7 +103,7 @@ impl Program {
         self
     }
 
-    /// Skips `/` blocks of these levels, 0 to 9, as the switches of the control do; others do not exist.
+    /// Skips `/` blocks of these levels, 0 to 9, as the switches of the control do; other levels are ignored.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -120,7 +120,7 @@ impl Program {
         self
     }
 
-    /// Stops a program that executes more blocks than this, instead of after ten million, or twenty times its blocks if that is more.
+    /// Stops a program that executes more blocks than this. The default limit is the larger of ten million and twenty times the number of blocks.
     ///
     /// ```
     /// use ncfix::prelude::*;

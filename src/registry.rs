@@ -1,4 +1,4 @@
-//! The registers of the library, which a program extends: error sources, causes, instruments, table formats, links, sensors.
+//! The registries of the library, which a program extends: error sources, causes, instruments, table formats, links, sensors.
 
 use ncfix_dialect::{Detector, Detectors};
 use ncfix_dnc::feed::{LinkFile, Links, Protocol, Protocols};
@@ -10,7 +10,7 @@ use ncfix_model::preset::Preset;
 use ncfix_model::{ErrorSource, ModelRegisters, MotionKind};
 use ncfix_tables::tables::{Format, Formats, Scheme, Schemes};
 
-/// One register for each kind of thing that can be extended. [`Registry::default`] has the built-in entries. Each `with_…` adds an entry of another
+/// One registry for each kind of thing that can be extended. [`Registry::default`] has the built-in entries. Each `with_…` adds an entry of another
 /// crate; built-in entries use the same types. `docs/how-to/extending.md` says what an entry must provide.
 ///
 /// ```
@@ -258,7 +258,7 @@ impl Registry {
         Registry { protocols: self.protocols.with(protocol), ..self }
     }
 
-    /// Adds a kind of source of live readings: `kind = "…"` of a sensor file. [`sensors::from_text`](crate::sensors::from_text) takes the register;
+    /// Adds a kind of source of live readings: `kind = "…"` of a sensor file. [`sensors::from_text`](crate::sensors::from_text) takes the registry;
     /// `examples/feed_with_own_sensor.rs` is a complete program.
     ///
     /// ```

@@ -67,10 +67,12 @@ pub(crate) fn open(
     if let Some(other) = ncfix_dialect::guess(source.name(), source.bytes()).filter(|other| other.name != dialect.name)
     {
         // Nothing is reported if the program can be parsed nevertheless.
-        let help =
-            format!("the file reads like {}: try --dialect {} and a machine file of it", other.title, other.name);
+        let help = format!(
+            "the file reads like {}: try --dialect {} and a machine file with this controller",
+            other.title, other.name
+        );
         let sentence = format!(
-            "{} reads like {} and was read as {} ({why}): try --dialect {} and a machine file of it",
+            "{} reads like {} and was read as {} ({why}): try --dialect {} and a machine file with this controller",
             source.name(),
             other.title,
             dialect.title,

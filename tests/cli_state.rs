@@ -138,7 +138,7 @@ fn play_that_is_less_than_an_increment_is_left_and_said() {
     let tilt = row("geometry")["tilt_urad"].as_f64().unwrap();
     assert!((tilt - 40.0).abs() < 1e-3, "{json}");
     let table = shop.run(["p.mpf", "-o", "out.mpf", "--machine", "m.toml"]).exits(0).stderr;
-    assert!(table.contains("uncorrected") && table.contains("reversal 0.4"), "{table}");
+    assert!(table.contains("uncorrected") && table.contains("up to 0.4") && table.contains("(reversal)"), "{table}");
 }
 
 #[test]

@@ -43,7 +43,7 @@ fn a_format_without_senses_is_not_told_to_reach_what_it_leaves() {
         };
         let shop = shop(MILL, &play("EXX"));
         let run = shop.run(make(format, scheme, "out.txt", &["--tolerance", "1um"])).exits(4);
-        run.says("E0902").says("all values would be 0").says("3.00 um rms").says("backlash parameter");
+        run.says("E0902").says("all values would be 0").says("3.00 µm RMS").says("backlash parameter");
         let run = shop.run(make(format, "auto", "out.txt", &["--tolerance", "1um"])).exits(4);
         run.says("E0902")
             .says("no scheme reaches 0.95 um, 5 % below the tolerance")

@@ -139,3 +139,27 @@ fn a_rotary_reading_is_judged_by_its_arc() {
     with("0.29mm").exits(4).says("error[E0303]");
     with("0.32mm").exits(0);
 }
+
+/// A table that moves an axis by micrometers meets a slightly different angular error there: that is no reason to refuse it.
+#[test]
+fn a_grid_for_a_machine_whose_angles_no_table_changes_is_written() {
+    let shop = Shop::new();
+    let vmc = machine("vmc");
+    let arguments = [
+        "tables",
+        "--machine",
+        &vmc,
+        "--format",
+        "fanuc",
+        "--scheme",
+        "grid",
+        "--tolerance",
+        "3um",
+        "--tool",
+        "110",
+        "-o",
+        "GRID.csv",
+    ];
+    shop.run(arguments).exits(0);
+    assert!(shop.text("GRID.csv").lines().count() > 10);
+}

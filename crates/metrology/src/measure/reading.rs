@@ -203,7 +203,7 @@ fn missing(table: &Table, axis: Axis) -> Diagnostic {
         None => (
             format!("there is no column {letter}"),
             format!(
-                "every axis of the machine needs a column with its positions in {unit}; an axis that stood still may be given once under [position] of the description"
+                "every axis of the machine needs a column with its positions in {unit}; the description of a measurement can give an axis that stood still once, under [position]"
             ),
         ),
     };

@@ -104,22 +104,26 @@ pub fn misfits(format: &Format, tables: &Tables, wiring: &Wiring) -> Vec<Diagnos
 /// The diagnostic for tables that increase the error over `where_`, at the tip or in the tool direction.
 #[must_use]
 pub fn worse(checked: &TablesCheck, where_: &str) -> Option<Diagnostic> {
-    /// Rounding difference between two summation orders, µm and µrad.
-    const NOISE: f64 = 1e-3;
+    /// Rounding difference between two summation orders, µm.
+    const ROUNDED_UM: f64 = 1e-3;
+    /// Change of the direction that does not count, µrad: axes that are corrected by some µm meet a slightly different angular error. It moves the tip of a tool of 500 mm
+    /// by 0.05 µm, less than the finest increment of a control that writes micrometers with one decimal.
+    const TURNED_URAD: f64 = 0.1;
     let (before, with) = (checked.before, checked.tables);
     let kinds = [
-        ("tip", "um rms", before.rms_um, with.rms_um),
-        ("direction of the tool", "urad rms", before.tilt_rms_urad, with.tilt_rms_urad),
+        ("tip", "µm RMS", before.rms_um, with.rms_um, ROUNDED_UM),
+        ("direction of the tool", "µrad RMS", before.tilt_rms_urad, with.tilt_rms_urad, TURNED_URAD),
     ];
-    let (what, unit, without, left) = kinds.into_iter().find(|(.., without, left)| *left > without + NOISE)?;
+    let (what, unit, without, left, _) =
+        kinds.into_iter().find(|(.., without, left, least)| *left > without + least)?;
     let message = format!(
         "the tables would increase the error: the {what} is off by {} {unit} without them and by {} {unit} with them over {where_}, most at {}",
         significant(without),
         significant(left),
         checked.worst
     );
-    let help = "nothing was written; take another --scheme (auto tries them all; own takes no axis that depends on another one), --orientation off \
-                where the direction gets worse, the --tool that is used, a --range as large as the use; a constant part is one of the zero offset";
+    let help = "nothing was written; take another --scheme (auto tries them all; own cannot correct an axis as a function of another one), --orientation off \
+                where the direction gets worse, the --tool that is used, a --range as large as the use; a constant error belongs in the zero offset";
     Some(Diagnostic::nowhere(Code::TABLES_MAKE_WORSE, message, help))
 }
 
@@ -153,7 +157,7 @@ fn idle(checked: &TablesCheck, task: &Task<'_>) -> (String, String) {
     if is_nothing(before.max_um, before.tilt_max_urad) {
         return ("the model has no errors that tables correct".into(), "calibrate the machine first".into());
     }
-    let left = format!("{} um rms", significant(before.rms_um));
+    let left = format!("{} µm RMS", significant(before.rms_um));
     let plays = plays(task).join(" ");
     if !plays.is_empty() {
         let why = format!("all values would be 0: the {left} depend only on the direction of motion of {plays}");
