@@ -37,7 +37,9 @@ fn plates_of_several_planes_tell_together_what_one_does_not() {
     );
     assert!(both.stderr.contains("EB0Z"), "{}", both.stderr);
     let all = plate(&shop, "ZX", "zx.csv", &["--with", "xy.csv", "--with", "yz.csv"]).exits(0);
-    all.says("6 parameters and 18 unknowns of the set-up: with 2 others it determines 15 of 24");
+    all.says(
+        "6 parameters and 18 unknowns of the set-up: together with 2 other measurements the plan determines 15 of 24",
+    );
 }
 
 #[test]

@@ -23,7 +23,7 @@ pub enum Family {
     Angle,
     /// Backlash along the axis.
     Backlash,
-    /// Lag of an axis behind the others.
+    /// Lag of an axis relative to the others.
     Lag,
     /// Play across the axis.
     LateralPlay,

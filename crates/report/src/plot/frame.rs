@@ -108,7 +108,9 @@ pub(super) fn legend(out: &mut Markup, labels: &[&str], sample: impl Fn(&mut Mar
     let mut x = 10.0;
     for (shown, (number, label)) in named.iter().enumerate() {
         let width = 34.0 + label.chars().count() as f64 * LETTER;
-        if shown >= MOST_ENTRIES || x + width > WIDTH - 80.0 {
+        // Room for the note on further entries, unless this is the last one.
+        let room = if shown + 1 == named.len() { WIDTH } else { WIDTH - 80.0 };
+        if shown >= MOST_ENTRIES || x + width > room {
             text(out, [x, 36.0 + HALF_LETTER], "start", &format!("… {} more", named.len() - shown));
             return;
         }
