@@ -306,7 +306,7 @@ impl Drive<'_> {
         what + "; each of these may or may not have been executed"
     }
 
-    /// How many of the lines that the control has received it may not have executed.
+    /// The number of received lines that the control may not have executed, in words.
     fn held(&self) -> String {
         match self.sender.progress().holds.max(self.bound) {
             Some(most) => format!("up to {most} of"),

@@ -237,7 +237,7 @@ mod tests {
         error after      0.250 µm    0.310 µm    0.980 µm   largest at part.mpf:17
         improvement  99.0 % of the mean
         correction   up to X 41.3 µm, C 3.00 µrad
-        rapids       12 as programmed, the tool up to 35.2 µm off
+        rapids       12 as programmed; there the tool is up to 35.2 µm off
         blocks       1,234 in, 2,345 out
         time         0.12 s
         machine      demo
