@@ -269,10 +269,14 @@ impl Drive<'_> {
             }
             _ => halt,
         };
-        let (open, held) = (self.sender.progress().in_flight.0, self.held());
+        let open = self.sender.progress().in_flight.0;
+        let held = match self.most_held() {
+            Some(most) => format!("up to {most} blocks that the control already holds"),
+            None => "the blocks that the control already holds, whose number it does not report".to_owned(),
+        };
         let what = said.unwrap_or_else(|| {
             format!(
-                "this link has no command to hold the axes: use feed hold of the control; ncfix ends, and the {open} lines sent may still be executed, and {held}"
+                "this link has no command to hold the axes: use feed hold of the control; ncfix ends; the {open} lines sent may still be executed, and {held}"
             )
         });
         let message = format!("{why}: {what}");
@@ -301,17 +305,19 @@ impl Drive<'_> {
         let held = taken.saturating_sub(progress.executed.unwrap_or(0));
         let mut what = format!("the job is lost: {why}; {open} lines were sent and not acknowledged");
         if held > 0 {
-            what += &format!("; {} the {held} lines before them may still be in its buffer", self.held());
+            what += &match self.most_held() {
+                Some(most) => format!("; up to {most} of the {held} lines before them may still be in its buffer"),
+                None => format!(
+                    "; any of the {held} lines before them may still be in its buffer, because the control does not report how many it holds"
+                ),
+            };
         }
         what + "; each of these may or may not have been executed"
     }
 
-    /// The number of received lines that the control may not have executed, in words.
-    fn held(&self) -> String {
-        match self.sender.progress().holds.max(self.bound) {
-            Some(most) => format!("up to {most} of"),
-            None => "the control does not report how many it holds, so any of".to_owned(),
-        }
+    /// Maximum number of received lines that the control may not have executed yet; `None` if it does not report it.
+    fn most_held(&self) -> Option<u64> {
+        self.sender.progress().holds.max(self.bound)
     }
 
     fn status(&self, supply: &LineSource, thermal: &Thermal, ended: Option<&Ended>) -> Status {
@@ -337,7 +343,8 @@ impl Drive<'_> {
             Some(Ended::Fault(why)) => (
                 Some(FeedOutcome::Fault),
                 Some(format!(
-                    "no further line was sent: {why}; the control was not told to stop the lines sent before"
+                    "no further line was sent: {why}; the lines before it were {}",
+                    if progress.left > 0 { "transmitted" } else { "answered" }
                 )),
             ),
         };

@@ -48,7 +48,7 @@ pub(super) fn not_idle(state: &str) -> Option<String> {
     let what = match state.split(':').next().unwrap_or_default() {
         "Idle" => return None,
         "Run" => "it is executing something else: let it end, or stop it there",
-        "Hold" => "its axes are in hold: finish with cycle start, or reset it there",
+        "Hold" => "its axes are in hold within another job: end that job with cycle start, or reset it there",
         "Door" => "its door is open, or was while it moved: close it, and let the job end or reset it there",
         "Alarm" => "it is in alarm: find the cause, then home it or clear it there",
         "Home" => "it is homing: wait until it has finished",
