@@ -118,10 +118,10 @@ grep -q "emergency stop" <<<"$said" || fail "$said"
 at_linuxcnc "$port" ready
 echo "== $lines lines"
 said=$(feed "$folder/good.ngc" 2>&1) || fail "$said"
-grep -E "^(lines|carried out)" <<<"$said"
-# Every line that was sent was carried out.
+grep -E "^(lines|executed)" <<<"$said"
+# Every line that was sent was executed.
 read -r done all < <(sed -nE 's/^lines +([0-9,]+) of ([0-9,]+) acknowledged.*/\1 \2/p' <<<"$said" | tr -d ,)
-[ "$done" = "$all" ] && grep -q "^carried out  *$(sed -nE 's/^lines +([0-9,]+) of.*/\1/p' <<<"$said")$" <<<"$said" || fail "$said"
+[ "$done" = "$all" ] && grep -q "^executed  *$(sed -nE 's/^lines +([0-9,]+) of.*/\1/p' <<<"$said")$" <<<"$said" || fail "$said"
 position=$(at_linuxcnc "$port" position)
 echo "planned $end, read back $position"
 python3 - "$end" "$position" <<'PY' || fail "the axes are not where the program ends"

@@ -41,7 +41,7 @@ done
 printf 'secret\n' >"$folder/right"
 printf 'wrong\n' >"$folder/wrong"
 
-# Kept: without a time, with an old one, with a young one that ncfix hears only once.
+# Retained: without a time, with an old one, with a young one that ncfix hears only once.
 say -r -t kept/plain -m 21.5
 say -r -t kept/old -m "{\"value\": 22.5, \"time\": \"2020-01-01T00:00:00Z\"}"
 say -r -t kept/young -m "{\"value\": 23.5, \"time\": \"$(date -u +%Y-%m-%dT%H:%M:%SZ)\"}"
@@ -69,5 +69,5 @@ source_of() { printf '[source.%s]\nkind = "mqtt"\naddress = "127.0.0.1:%s"\nuser
     channel refused w live/number
 } >"$folder/S.toml"
 "$ncfix" sensors "$folder/S.toml" --watch --for 10 --json >"$folder/lines.json" || [ $? = 4 ]
-python3 tests/real/sensors.py "$folder/lines.json" 'plain=!kept it' 'old=! s old' young=23.5 number=24.5 object=25.5 'refused=!NotAuthorized' \
+python3 tests/real/sensors.py "$folder/lines.json" 'plain=!retained message of unknown age' 'old=! s old' young=23.5 number=24.5 object=25.5 'refused=!NotAuthorized' \
     || { cat "$folder/broker.log"; exit 1; }
