@@ -15,6 +15,9 @@ const KEPT: f64 = 0.2;
 const ALIKE: f64 = 0.9;
 /// Each of them this much at least.
 const PARTLY: f64 = 0.05;
+/// Kinds of parts (four, and one for each axis), and parts of a kind, at most.
+const PART_KINDS: usize = 16;
+const PARTS_OF_KIND: usize = 8;
 /// Parts that are looked at side by side.
 const AT_ONCE: usize = 2;
 
@@ -28,6 +31,12 @@ pub(super) struct HeldOutSelection {
 
 /// What was selected, by the kind of parts and the number of the part: it depends on the weights only.
 pub(super) type Selections = HashMap<(usize, usize), HeldOutSelection>;
+
+/// A selection that is the same without any part: terms that were chosen by all readings. For so many kinds of parts and parts of each.
+pub(super) fn settled(all: &[usize]) -> Selections {
+    let parts = (0..PART_KINDS).flat_map(|kind| (0..PARTS_OF_KIND).map(move |part| (kind, part)));
+    parts.map(|key| (key, HeldOutSelection { all: all.to_vec(), is_whole: true })).collect()
+}
 
 /// What was gained on a part: squares without a term, and with it.
 struct Part {

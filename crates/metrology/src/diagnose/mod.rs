@@ -10,6 +10,7 @@
 //! slow                                   which of these stand beside noise that wanders
 //! gates, fold                            which of these also help where they were not found
 //! verdict                                sizes, rivals, shares, noise, what is left; before and after, also on data held out
+//! contest                                whether another set of terms is surely more probable
 //! mimic, doubt, volume                    which of them other errors explain as well that would do something else where was not measured
 //! extend                                 what goes into the machine file
 //! ```
@@ -20,6 +21,7 @@ pub(crate) mod bench;
 mod cancel;
 pub mod cause;
 mod circles;
+mod contest;
 mod doubt;
 mod empirical;
 mod event;
@@ -60,6 +62,7 @@ mod volume;
 
 pub use account::Account;
 pub use cause::Causes;
+pub use contest::ExplanationSummary;
 pub use doubt::ExtrapolationRisk;
 pub use held::{Compared, Sizes};
 pub use noise::{Left, NoiseSource};

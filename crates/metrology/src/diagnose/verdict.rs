@@ -2,17 +2,18 @@
 
 use super::account::{Account, swing};
 use super::cause::{Candidate, Cause, Causes, EffectKind, periodic, thermal};
+use super::contest::{Chosen, ExplanationSummary};
 use super::doubt::ExtrapolationRisk;
-use super::fold::counts;
+use super::fold::{confirmed, counts};
 use super::gates::{confirm, hold};
 use super::held::{Compared, compare};
-use super::held_out::Selections;
+use super::held_out::{self, Selections};
 use super::jackknife::{u95, without_parts};
 use super::mimic::RIVAL;
 use super::noise::{self, is_angle};
 use super::parts::{FileShare, differing};
 use super::readings::{doing, drop_far, even_out, left_of, projected, rms, weights};
-use super::rejected::{Rejected, Rejections, TriedCause, tried};
+use super::rejected::{Gate, Rejected, Rejections, TriedCause, tried};
 use super::sample::{self, Sample};
 use super::scene::Scene;
 use super::search::{Field, Taken, Weights};
@@ -50,6 +51,8 @@ pub struct AcceptedCause {
     /// Share of the root of the mean square of readings that were not used which it takes away: of the data held out, or with the
     /// selection repeated without them.
     pub gain_unseen: f64,
+    /// Probability that it is there: the sum over all explanations that have it; `None` where this was not compared.
+    pub probability: Option<f64>,
     /// Which part of all it explains.
     pub share: VarianceShare,
     /// Candidates that explain it nearly as well: cause and parameter, the best first, itself first.
@@ -86,6 +89,8 @@ pub struct DiagnosedCauses {
     pub outliers: Vec<(usize, usize)>,
     /// What is left behind all findings.
     pub left: noise::Left,
+    /// The most probable explanations.
+    pub explanations: Vec<ExplanationSummary>,
     /// Candidates that were tried.
     pub tried: usize,
     /// Correlation of neighbouring residuals.
@@ -150,13 +155,50 @@ pub fn diagnose_with(
         }
     }
     let numbers: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
+    note("explanations", 0.0);
+    let outcome = field.contest(&weights, &numbers);
+    let mut probabilities: Vec<(usize, f64)> = numbers.iter().copied().zip(outcome.of_taken.iter().copied()).collect();
+    if let Some(chosen) = outcome.instead {
+        let (again, of_again) = stand(&mut field, &weights, &chosen, &mut rejections, note);
+        (kept, probabilities) = (again, of_again);
+    }
+    let numbers: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
     let far = field.left_with(&weights, &numbers);
     let far = projected(&field, &held_out, &far);
     even_out(scene, &mut held_out, &far);
     drop_far(scene, &mut held_out, &far);
     let not_confirmed = hold(&field, &weights, &held_out, &mut kept, &mut rejections);
     note("verdict", 1.0);
-    verdict((&field, causes), bare, [&weights, &held_out], &kept, (used, not_confirmed, &rejections))
+    let mut found = verdict((&field, causes), bare, [&weights, &held_out], &kept, (used, not_confirmed, &rejections));
+    for one in &mut found.findings {
+        let is_one = |(number, _): &&(usize, f64)| {
+            field.candidates.get(*number).is_some_and(|own| {
+                own.cause.name == one.candidate.cause.name
+                    && own.parameter == one.candidate.parameter
+                    && own.columns.len() == one.candidate.columns.len()
+            })
+        };
+        one.probability = probabilities.iter().find(is_one).map(|(_, probability)| *probability);
+    }
+    found.explanations = outcome.explanations;
+    found
+}
+
+/// Terms of the contest that also gain on readings that were not used, and the probability of each term.
+fn stand(
+    field: &mut Field<'_, '_>,
+    weights: &Weights,
+    chosen: &[Chosen],
+    rejections: &mut Rejections,
+    note: &mut dyn FnMut(&str, f64),
+) -> (Vec<(Taken, f64)>, Vec<(usize, f64)>) {
+    let numbers: Vec<usize> = chosen.iter().map(|one| one.candidate).collect();
+    let judged: Vec<Taken> =
+        chosen.iter().map(|one| Taken { candidate: one.candidate, chance: 1.0 - one.probability }).collect();
+    let mut out = |term: &Taken, gain| rejections.add(term, Gate::Unseen, gain);
+    let mut selections = held_out::settled(&numbers);
+    let kept = confirmed(field, weights, judged, &mut selections, &mut out, &mut |share| note("held-out parts", share));
+    (kept, chosen.iter().map(|one| (one.candidate, one.probability)).collect())
 }
 
 /// What all causes may be in a scene.
@@ -240,6 +282,7 @@ fn verdict(
             doing: does,
             amounts,
             chance: term.chance,
+            probability: None,
             gain_unseen: *gain,
             share,
             separate_by,
@@ -276,6 +319,7 @@ fn verdict(
         account: Account::new(scene, parts, &values, &explained),
         outliers,
         left: noise::look(field, weights, &left[0]),
+        explanations: Vec::new(),
         tried: field.tried,
         memory,
     }

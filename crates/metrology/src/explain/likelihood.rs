@@ -6,6 +6,7 @@
 //! Gaussian Processes for Machine Learning, eq. 2.43).
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -26,126 +27,183 @@ const SCALES: [f64; 2] = [-4.0, 6.0];
 /// Steps of the search for the scale.
 const STEPS: usize = 40;
 
+/// Columns that come in together: a term.
+#[derive(Clone, Debug, Default)]
+pub struct Group {
+    /// Effect of one unit of each on every reading of the scene.
+    pub columns: Vec<Vec<f64>>,
+    /// Standard deviation of the prior of each, mm or rad per unit.
+    pub sizes: Vec<f64>,
+}
+
+impl Group {
+    /// One column.
+    #[must_use]
+    pub fn one(column: Vec<f64>, size: f64) -> Group {
+        Group { columns: vec![column], sizes: vec![size] }
+    }
+}
+
+/// Readings without what the set-ups can take, divided by their uncertainty and without the memory of the noise.
+struct White<'w> {
+    noise: &'w NoiseSeries,
+    memory: Memory,
+    weights: &'w [f64],
+    setups: Setups,
+    /// Half the logarithm of the determinant of the noise.
+    half_log: f64,
+    readings: Vec<f64>,
+}
+
+impl<'w> White<'w> {
+    fn new(scene: &Scene<'_>, weights: &'w [f64], (noise, memory): (&'w NoiseSeries, Memory)) -> White<'w> {
+        let setups = Setups::new(scene, weights, (noise, memory));
+        let left: Vec<f64> = scene.items.iter().map(|item| item.left).collect();
+        let mut white = White { noise, memory, weights, setups, half_log: 0.0, readings: Vec::new() };
+        let (readings, half_log) = white.of(&left, 1.0);
+        (white.readings, white.half_log) = (readings, half_log + white.setups.half_log);
+        white
+    }
+
+    fn of(&self, values: &[f64], factor: f64) -> (Vec<f64>, f64) {
+        let mut out: Vec<f64> =
+            values.iter().zip(self.weights).map(|(value, weight)| factor * value * weight).collect();
+        let half_log = self.noise.whiten(self.memory, &mut out);
+        self.setups.take(&mut out);
+        (out, half_log)
+    }
+
+    fn group(&self, group: &Group) -> Vec<Vec<f64>> {
+        group.columns.iter().zip(&group.sizes).map(|(column, &size)| self.of(column, size).0).collect()
+    }
+}
+
 /// Readings, columns and their products, without what the set-ups can take.
-#[derive(Clone, Debug)]
-pub struct Likelihood {
+pub struct Likelihood<'w> {
+    white: White<'w>,
     /// Number of readings less the unknowns of the set-ups.
     pub freedom: f64,
     /// `yᵀ Σ⁻¹ y`.
     square: f64,
-    /// Products of the columns with each other, in units of their priors.
+    /// White columns in units of their priors.
+    columns: Vec<Vec<f64>>,
+    /// Products of the columns with each other.
     products: DMatrix<f64>,
     /// Products of the columns with the readings.
     with_readings: DVector<f64>,
     /// Standard deviation of the prior of each column, mm or rad.
     sizes: Vec<f64>,
-    /// Half the logarithm of the determinant of the noise at the scale 1.
-    half_log_noise: f64,
-    /// Which of the columns that were given each one is.
+    /// Columns of each term.
+    members: Vec<Range<usize>>,
+    /// Which of the groups that were given each term is.
     pub kept: Vec<usize>,
-    /// Columns that act like a kept one: theirs and its number among those that were given.
+    /// Groups of one column that act like that of a kept one: theirs and its number among those that were given.
     pub alike: Vec<(usize, usize)>,
 }
 
 /// The posterior of a set of terms.
 #[derive(Clone, Debug)]
 pub struct Posterior {
-    /// Natural logarithm of the marginal likelihood, less that of no term at the stated noise.
+    /// Natural logarithm of the marginal likelihood, less that of no term at the same noise.
     pub log_evidence: f64,
     /// Scale of the noise beside what is stated.
     pub scale: f64,
-    /// Amounts, mm or rad.
+    /// Amounts of all columns, mm or rad, in the order of the terms.
     pub mean: Vec<f64>,
     /// Their standard deviations.
     pub sigma: Vec<f64>,
 }
 
-impl Likelihood {
-    /// Prepares columns (one unit of each on every reading of the scene) with the sizes of their priors.
+impl<'w> Likelihood<'w> {
+    /// Prepares groups of columns. `weights` are 1/σ of each reading, 0 for those that do not count.
     #[must_use]
     pub fn new(
         scene: &Scene<'_>,
-        columns: &[Vec<f64>],
-        sizes: &[f64],
-        (noise, memory): (&NoiseSeries, Memory),
-    ) -> Likelihood {
-        let setups = Setups::new(scene, (noise, memory));
-        let whiten = |values: &[f64], factor: f64| {
-            let values = values.iter().zip(&scene.items);
-            let mut out: Vec<f64> = values.map(|(value, item)| factor * value / item.sigma).collect();
-            let half_log = noise.whiten(memory, &mut out);
-            setups.take(&mut out);
-            (out, half_log)
-        };
-        let left: Vec<f64> = scene.items.iter().map(|item| item.left).collect();
-        let (readings, half_log_noise) = whiten(&left, 1.0);
-        let numbered: Vec<(&Vec<f64>, f64)> = columns.iter().zip(sizes.iter().copied()).collect();
-        let white: Vec<Vec<f64>> = in_parts(&numbered, &|&(column, size): &(&Vec<f64>, f64)| whiten(column, size).0);
-        let norms: Vec<f64> = white.iter().map(|column| dot(column, column).sqrt()).collect();
-        let visible: Vec<usize> = (0..white.len()).filter(|&number| norms[number] >= FAINT).collect();
-        // Lower triangle of the products of all visible columns.
-        let rows: Vec<Vec<f64>> = in_parts(&visible, &|&number: &usize| {
-            let earlier = visible.iter().take_while(|&&other| other <= number);
-            earlier.map(|&other| dot(&white[number], &white[other])).collect()
-        });
-        // Places among the visible ones.
-        let (mut places, mut alike): (Vec<usize>, Vec<(usize, usize)>) = (Vec::new(), Vec::new());
-        for place in 0..visible.len() {
-            let is_same = |&&other: &&usize| {
-                let cosine = rows[place][other] / (rows[place][place] * rows[other][other]).sqrt();
-                1.0 - cosine.abs() < ALIKE
+        weights: &'w [f64],
+        groups: &[Group],
+        (noise, memory): (&'w NoiseSeries, Memory),
+    ) -> Likelihood<'w> {
+        let white = White::new(scene, weights, (noise, memory));
+        let all: Vec<Vec<Vec<f64>>> = in_parts(groups, &|group: &Group| white.group(group));
+        let is_visible = |columns: &[Vec<f64>]| columns.iter().any(|column| dot(column, column).sqrt() >= FAINT);
+        let (mut kept, mut alike): (Vec<usize>, Vec<(usize, usize)>) = (Vec::new(), Vec::new());
+        for (number, columns) in all.iter().enumerate().filter(|(_, columns)| is_visible(columns)) {
+            let is_same = |&&other: &&usize| match (columns.as_slice(), all[other].as_slice()) {
+                ([one], [other]) => {
+                    let cosine = dot(one, other) / (dot(one, one) * dot(other, other)).sqrt();
+                    1.0 - cosine.abs() < ALIKE
+                }
+                _ => false,
             };
-            match places.iter().find(is_same) {
-                Some(&other) => alike.push((visible[place], visible[other])),
-                None => places.push(place),
+            match kept.iter().find(is_same) {
+                Some(&other) => alike.push((number, other)),
+                None => kept.push(number),
             }
         }
-        let kept: Vec<usize> = places.iter().map(|&place| visible[place]).collect();
-        let count = kept.len();
-        let products = DMatrix::from_fn(count, count, |row, column| {
-            let [row, column] = [row.max(column), row.min(column)].map(|k| places[k]);
-            rows[row][column]
-        });
-        let with_readings = DVector::from_iterator(count, kept.iter().map(|&number| dot(&white[number], &readings)));
+        let mut members = Vec::new();
+        let (mut columns, mut sizes) = (Vec::new(), Vec::new());
+        let mut all = all;
+        for &number in &kept {
+            let from = columns.len();
+            columns.append(&mut all[number]);
+            sizes.extend(&groups[number].sizes);
+            members.push(from..columns.len());
+        }
+        // Lower triangle of the products.
+        let numbers: Vec<usize> = (0..columns.len()).collect();
+        let rows: Vec<Vec<f64>> =
+            in_parts(&numbers, &|&row: &usize| columns[..=row].iter().map(|other| dot(&columns[row], other)).collect());
+        let products =
+            DMatrix::from_fn(columns.len(), columns.len(), |row, column| rows[row.max(column)][row.min(column)]);
+        let with_readings =
+            DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, &white.readings)));
         Likelihood {
-            freedom: scene.items.len() as f64 - setups.rank as f64,
-            square: dot(&readings, &readings),
+            freedom: weights.iter().filter(|weight| **weight > 0.0).count() as f64 - white.setups.rank as f64,
+            square: dot(&white.readings, &white.readings),
+            columns,
             products,
             with_readings,
-            sizes: kept.iter().map(|&number| sizes[number]).collect(),
-            half_log_noise: half_log_noise + setups.half_log,
+            sizes,
+            members,
             kept,
             alike,
+            white,
         }
     }
 
-    /// Number of columns that show something.
+    /// Number of terms that show something.
     #[must_use]
     pub fn count(&self) -> usize {
         self.kept.len()
     }
 
-    /// Returns the matrix of a set at a scale of the noise, decomposed, and the products with the readings.
-    fn decomposed(&self, set: &[usize], scale: f64) -> Option<(Cholesky<f64, Dyn>, DVector<f64>)> {
+    /// Columns of the terms of a set.
+    fn columns_of(&self, set: &[usize]) -> Vec<usize> {
+        set.iter().flat_map(|&term| self.members[term].clone()).collect()
+    }
+
+    /// Returns the columns of a set, its matrix at a scale of the noise, decomposed, and the products with the readings.
+    fn decomposed(&self, set: &[usize], scale: f64) -> Option<(Vec<usize>, Cholesky<f64, Dyn>, DVector<f64>)> {
         let weight = 1.0 / (scale * scale);
+        let own = self.columns_of(set);
         let of = |row: usize, column: usize| {
-            weight * self.products[(set[row], set[column])] + if row == column { 1.0 } else { 0.0 }
+            weight * self.products[(own[row], own[column])] + if row == column { 1.0 } else { 0.0 }
         };
-        let matrix = DMatrix::from_fn(set.len(), set.len(), of);
-        let right = DVector::from_iterator(set.len(), set.iter().map(|&k| weight * self.with_readings[k]));
-        Some((Cholesky::new(matrix)?, right))
+        let matrix = DMatrix::from_fn(own.len(), own.len(), of);
+        let right = DVector::from_iterator(own.len(), own.iter().map(|&k| weight * self.with_readings[k]));
+        Some((own, Cholesky::new(matrix)?, right))
     }
 
     /// Logarithm of the likelihood of a set at a scale of the noise, with the prior of the scale.
     fn at(&self, set: &[usize], scale: f64) -> f64 {
-        let Some((root, right)) = self.decomposed(set, scale) else { return f64::NEG_INFINITY };
+        let Some((_, root, right)) = self.decomposed(set, scale) else { return f64::NEG_INFINITY };
         let weight = 1.0 / (scale * scale);
         let log_determinant: f64 = root.l_dirty().diagonal().iter().map(|value| 2.0 * value.ln()).sum();
         let explained = right.dot(&root.solve(&right));
         // Inverse gamma for s², as if READINGS_OF_SIGMA readings had shown the stated uncertainty.
         let prior = -0.5 * READINGS_OF_SIGMA * (2.0 * scale.ln() + weight);
         prior
-            - self.half_log_noise
+            - self.white.half_log
             - self.freedom * scale.ln()
             - 0.5 * (log_determinant + weight * self.square - explained)
     }
@@ -172,24 +230,56 @@ impl Likelihood {
         (scale, self.at(set, scale))
     }
 
-    /// Returns by how much the logarithm of the likelihood grows with each column beside a set at a scale of the noise; minus infinity for its own columns.
+    /// Returns by how much the logarithm of the likelihood grows with each term beside a set at a scale of the noise; minus infinity for its own terms.
     #[must_use]
     pub fn gains(&self, set: &[usize], scale: f64) -> Vec<f64> {
         let count = self.count();
-        let Some((root, right)) = self.decomposed(set, scale) else { return vec![f64::NEG_INFINITY; count] };
+        let Some((own, root, right)) = self.decomposed(set, scale) else { return vec![f64::NEG_INFINITY; count] };
         let weight = 1.0 / (scale * scale);
         let amounts = root.solve(&right);
-        let gain = |column: usize| {
-            if set.contains(&column) {
+        let gain = |term: usize| {
+            if set.contains(&term) {
                 return f64::NEG_INFINITY;
             }
-            let with = DVector::from_iterator(set.len(), set.iter().map(|&k| weight * self.products[(k, column)]));
-            let own = 1.0 + weight * self.products[(column, column)] - with.dot(&root.solve(&with));
-            let rest = weight * self.with_readings[column] - with.dot(&amounts);
-            0.5 * (rest * rest / own - own.ln())
+            let new: Vec<usize> = self.members[term].clone().collect();
+            let with =
+                DMatrix::from_fn(own.len(), new.len(), |row, column| weight * self.products[(own[row], new[column])]);
+            let among =
+                DMatrix::from_fn(new.len(), new.len(), |row, column| weight * self.products[(new[row], new[column])]);
+            let with_readings = DVector::from_iterator(new.len(), new.iter().map(|&k| weight * self.with_readings[k]));
+            gain_of(&root, &amounts, &with, among, with_readings)
         };
         let all: Vec<usize> = (0..count).collect();
-        in_parts(&all, &|&column: &usize| gain(column))
+        in_parts(&all, &|&term: &usize| gain(term))
+    }
+
+    /// Returns the same for groups that are not among the terms.
+    #[must_use]
+    pub fn gains_of_others(
+        &self,
+        set: &[usize],
+        scale: f64,
+        groups: &[usize],
+        of: &(dyn Fn(usize) -> Group + Sync),
+    ) -> Vec<f64> {
+        let Some((own, root, right)) = self.decomposed(set, scale) else {
+            return vec![f64::NEG_INFINITY; groups.len()];
+        };
+        let weight = 1.0 / (scale * scale);
+        let amounts = root.solve(&right);
+        in_parts(groups, &|&number: &usize| {
+            let new = self.white.group(&of(number));
+            if new.iter().all(|column| dot(column, column).sqrt() < FAINT) {
+                return f64::NEG_INFINITY;
+            }
+            let with = DMatrix::from_fn(own.len(), new.len(), |row, column| {
+                weight * dot(&self.columns[own[row]], &new[column])
+            });
+            let among = DMatrix::from_fn(new.len(), new.len(), |row, column| weight * dot(&new[row], &new[column]));
+            let with_readings =
+                DVector::from_iterator(new.len(), new.iter().map(|column| weight * dot(column, &self.white.readings)));
+            gain_of(&root, &amounts, &with, among, with_readings)
+        })
     }
 
     /// Returns the posterior of a set.
@@ -198,16 +288,38 @@ impl Likelihood {
         let (scale, log_likelihood) = self.evidence(set);
         let log_evidence = log_likelihood - self.evidence(&[]).1;
         let nothing = Posterior { log_evidence, scale, mean: Vec::new(), sigma: Vec::new() };
-        let Some((root, right)) = self.decomposed(set, scale) else { return nothing };
+        let Some((own, root, right)) = self.decomposed(set, scale) else { return nothing };
         let amounts = root.solve(&right);
         let covariance = root.inverse();
-        let sizes = set.iter().map(|&k| self.sizes[k]);
+        let sizes = own.iter().map(|&k| self.sizes[k]);
         Posterior {
             mean: sizes.clone().zip(amounts.iter()).map(|(size, amount)| size * amount).collect(),
             sigma: sizes.enumerate().map(|(k, size)| size * covariance[(k, k)].sqrt()).collect(),
             ..nothing
         }
     }
+
+    /// Returns how many columns a term has.
+    #[must_use]
+    pub fn width(&self, term: usize) -> usize {
+        self.members.get(term).map_or(0, Range::len)
+    }
+}
+
+/// By how much the logarithm of the likelihood grows with columns beside a set: `with` are their products with its columns, `among` with each other.
+fn gain_of(
+    root: &Cholesky<f64, Dyn>,
+    amounts: &DVector<f64>,
+    with: &DMatrix<f64>,
+    among: DMatrix<f64>,
+    with_readings: DVector<f64>,
+) -> f64 {
+    let mut own = among - with.transpose() * root.solve(with);
+    (0..own.nrows()).for_each(|k| own[(k, k)] += 1.0);
+    let rest = with_readings - with.transpose() * amounts;
+    let Some(own) = Cholesky::new(own) else { return f64::NEG_INFINITY };
+    let half_log: f64 = own.l_dirty().diagonal().iter().map(|value| value.ln()).sum();
+    0.5 * rest.dot(&own.solve(&rest)) - half_log
 }
 
 /// A reading with its derivatives by the unknowns of its group.
@@ -215,7 +327,7 @@ type SetupRow = (usize, Vec<(usize, f64)>);
 
 /// Unknowns of the set-ups by groups that share readings: each group touches its own readings only.
 struct Setups {
-    groups: Vec<Group>,
+    groups: Vec<Together>,
     /// Unknowns that readings show.
     rank: usize,
     /// Half the logarithm of the determinant of their matrices: what the noise leaves of them counts when memories are compared.
@@ -223,7 +335,7 @@ struct Setups {
 }
 
 /// Unknowns that occur in the same readings.
-struct Group {
+struct Together {
     /// Readings with the derivatives by its unknowns, divided by their uncertainty.
     rows: Vec<SetupRow>,
     count: usize,
@@ -231,7 +343,7 @@ struct Group {
 }
 
 impl Setups {
-    fn new(scene: &Scene<'_>, (noise, memory): (&NoiseSeries, Memory)) -> Setups {
+    fn new(scene: &Scene<'_>, weights: &[f64], (noise, memory): (&NoiseSeries, Memory)) -> Setups {
         // Union of unknowns that occur in one reading.
         let mut parent: Vec<usize> = (0..scene.unknowns).collect();
         fn top(parent: &mut [usize], mut k: usize) -> usize {
@@ -272,9 +384,11 @@ impl Setups {
             .collect();
         let mut touched: Vec<Vec<usize>> = vec![Vec::new(); first.len()];
         let mut dense: Vec<Vec<(usize, f64)>> = vec![Vec::new(); scene.unknowns];
-        for (place, item) in scene.items.iter().enumerate() {
+        for (place, (item, weight)) in
+            scene.items.iter().zip(weights).enumerate().filter(|(_, (_, weight))| **weight > 0.0)
+        {
             for &(unknown, factor) in &item.by_unknown {
-                dense[unknown].push((place, factor / item.sigma));
+                dense[unknown].push((place, factor * weight));
             }
             if let Some(&(unknown, _)) = item.by_unknown.first() {
                 touched[number[&unknown].0].push(place);
@@ -322,7 +436,7 @@ impl Setups {
             }
             let root = Cholesky::new(matrix)?;
             half_log += root.l_dirty().diagonal().iter().map(|value| value.ln()).sum::<f64>();
-            Some(Group { rows, count, root })
+            Some(Together { rows, count, root })
         });
         let groups = groups.collect();
         Setups { groups, rank, half_log }
@@ -369,9 +483,11 @@ mod tests {
         let [line, bow] = [|x: f64| x - 2.0, |x: f64| (x - 2.0).powi(2)]
             .map(|shape: fn(f64) -> f64| (0..count).map(|k| shape(k as f64)).collect::<Vec<f64>>());
         let sizes = [6e-3, 2e-3];
-        let noise = NoiseSeries::new(&scene);
+        let weights = vec![1.0 / 0.8e-3; count];
+        let noise = NoiseSeries::new(&scene, &weights);
         let white = (&noise, Memory::default());
-        let likelihood = Likelihood::new(&scene, &[line.clone(), bow.clone()], &sizes, white);
+        let groups = [Group::one(line.clone(), sizes[0]), Group::one(bow.clone(), sizes[1])];
+        let likelihood = Likelihood::new(&scene, &weights, &groups, white);
         assert_eq!((likelihood.kept.as_slice(), likelihood.freedom), ([0, 1].as_slice(), 4.0));
         let readings = DVector::from_iterator(count, scene.items.iter().map(|item| item.left));
         let covariance = |columns: &[(&[f64], f64)], scale: f64| {
@@ -396,6 +512,15 @@ mod tests {
             let gain = likelihood.gains(&[0], scale)[1];
             let both = likelihood.at(&[0, 1], scale) - likelihood.at(&[0], scale);
             assert!((gain - both).abs() < 1e-9 * both.abs().max(1.0), "{gain} {both}");
+            let outside = likelihood.gains_of_others(&[0], scale, &[1], &|number| groups[number].clone())[0];
+            assert!((outside - gain).abs() < 1e-9 * gain.abs().max(1.0), "{outside} {gain}");
+            // Both as one term.
+            let together = Group { columns: vec![line.clone(), bow.clone()], sizes: sizes.to_vec() };
+            let one = Likelihood::new(&scene, &weights, &[together.clone()], white);
+            let (at_once, own) =
+                (one.at(&[0], scale) - one.at(&[], scale), likelihood.at(&[0, 1], scale) - likelihood.at(&[], scale));
+            assert!((at_once - own).abs() < 1e-9 * own.abs().max(1.0), "{at_once} {own}");
+            assert!((one.gains(&[], scale)[0] - own).abs() < 1e-9 * own.abs().max(1.0));
         }
     }
 
@@ -407,8 +532,10 @@ mod tests {
         let sets = [bench::table(&machine, rows, toml)];
         let scene = bench::scene(&machine, &sets);
         let columns = [vec![1.0; 3], vec![0.0, 1.0, 2.0], vec![5.0, 3.0, 1.0]];
-        let noise = NoiseSeries::new(&scene);
-        let likelihood = Likelihood::new(&scene, &columns, &[10e-3; 3], (&noise, Memory::default()));
+        let weights = [1e3; 3];
+        let noise = NoiseSeries::new(&scene, &weights);
+        let groups = columns.map(|column| Group::one(column, 10e-3));
+        let likelihood = Likelihood::new(&scene, &weights, &groups, (&noise, Memory::default()));
         // The third one is the second one times −2 and a constant.
         assert_eq!((likelihood.kept.as_slice(), likelihood.alike.as_slice()), ([1].as_slice(), [(2, 1)].as_slice()));
     }

@@ -6,6 +6,7 @@
 //! NoiseSeries::new                    readings in series; noise with memory, filtered
 //! Likelihood::new                     set-ups eliminated; everything about a set of terms from products of columns
 //! search::explanations                sets of terms with probabilities
+//! contest::contest                    the search over a pool that terms join where they gain something, with the memory of the noise
 //! findings                            terms with the probability that they are there, sizes averaged over all explanations
 //! ```
 //!
@@ -14,6 +15,7 @@
 //! thermal or instrument terms and no deflection yet.
 
 pub mod assumptions;
+pub mod contest;
 pub mod likelihood;
 pub mod noise;
 pub mod search;
@@ -24,14 +26,11 @@ use std::sync::Arc;
 
 use crate::diagnose::Scene;
 use crate::diagnose::scene::Through;
-use likelihood::Likelihood;
-use ncfix_base::numeric::in_parts;
-use noise::{Memory, NoiseSeries};
+use contest::{Entrant, Outside};
+use likelihood::Group;
+use noise::Memory;
 use search::Explanation;
 use term::Term;
-
-/// Memories of the noise that are searched with at most.
-const MOST_MEMORIES: usize = 5;
 
 /// Explanations of the readings of a scene.
 #[derive(Clone, Debug, Default)]
@@ -76,64 +75,32 @@ impl Term {
 pub fn explain(scene: &Scene<'_>) -> Explained {
     let all = term::terms(scene);
     let mut factors: HashMap<Through, Arc<Vec<f64>>> = HashMap::new();
-    let columns: Vec<Vec<f64>> = all
+    let groups: Vec<Group> = all
         .iter()
         .map(|term| {
             let through = term.through();
             let factors = factors.entry(through).or_insert_with(|| Arc::new(scene.factors(through)));
-            term.column(scene, factors)
+            Group::one(term.column(scene, factors), term.size)
         })
         .collect();
-    let sizes: Vec<f64> = all.iter().map(|term| term.size).collect();
+    let weights: Vec<f64> = scene.items.iter().map(|item| 1.0 / item.sigma).collect();
     let log_odds: Vec<f64> = all.iter().map(|term| term.family.assumption().odds.ln()).collect();
-    let noise = NoiseSeries::new(scene);
-    let readings = (scene.items.len() as f64).max(2.0);
-    // Two numbers more than white noise has, by the information criterion of Schwarz (1978).
-    let price = |memory: Memory| if memory.ratio > 0.0 { readings.ln() } else { 0.0 };
-    let choose = |set: &[usize]| {
-        let some: Vec<Vec<f64>> = set.iter().map(|&number| columns[number].clone()).collect();
-        let some_sizes: Vec<f64> = set.iter().map(|&number| sizes[number]).collect();
-        let worth = |&memory: &Memory| {
-            let likelihood = Likelihood::new(scene, &some, &some_sizes, (&noise, memory));
-            let own: Vec<usize> = (0..likelihood.count()).collect();
-            likelihood.evidence(&own).1 - price(memory)
-        };
-        let memories = noise.memories();
-        let worths = in_parts(&memories, &worth);
-        let best = memories.into_iter().zip(worths).max_by(|a, b| a.1.total_cmp(&b.1));
-        best.map_or_else(Memory::default, |(memory, _)| memory)
-    };
-    let mut best: Option<(f64, Memory, Likelihood, Vec<Explanation>)> = None;
-    let mut tried: Vec<Memory> = Vec::new();
-    // Terms and noise explain the same readings: the search starts from white noise, and from all readings as noise with memory.
-    for start in [Memory::default(), choose(&[])] {
-        let mut memory = start;
-        while !tried.contains(&memory) && tried.len() < MOST_MEMORIES {
-            tried.push(memory);
-            let likelihood = Likelihood::new(scene, &columns, &sizes, (&noise, memory));
-            let own_odds: Vec<f64> = likelihood.kept.iter().map(|&number| log_odds[number]).collect();
-            let is_simple = |&k: &usize| all[likelihood.kept[k]].family.is_simple();
-            let simple: Vec<usize> = (0..likelihood.count()).filter(is_simple).collect();
-            let explanations = search::explanations(&likelihood, &own_odds, &simple);
-            let Some(first) = explanations.first() else { break };
-            let odds: f64 = first.set.iter().map(|&k| own_odds[k]).sum();
-            let worth = likelihood.evidence(&first.set).1 + odds - price(memory);
-            let set: Vec<usize> = first.set.iter().map(|&k| likelihood.kept[k]).collect();
-            if best.as_ref().is_none_or(|(known, ..)| worth > *known) {
-                best = Some((worth, memory, likelihood, explanations));
-            }
-            memory = choose(&set);
-        }
-    }
-    let Some((_, memory, likelihood, explanations)) = best else { return Explained::default() };
-    let number = |given: usize| likelihood.kept.iter().position(|&kept| kept == given).unwrap_or(0);
+    let entrants = groups.into_iter().zip(&all).zip(&log_odds).map(|((group, term), log_odds)| Entrant {
+        group,
+        log_odds: *log_odds,
+        is_simple: term.family.is_simple(),
+    });
+    let nobody = Outside { count: 0, log_odds: &|_| 0.0, group: &|_| Group::default() };
+    let found = contest::contest(scene, &weights, entrants.collect(), &nobody, &[]);
+    let place = |given: usize| found.visible.iter().position(|&kept| kept == given).unwrap_or(0);
+    let inner = |one: &Explanation| Explanation { set: one.set.iter().map(|&k| place(k)).collect(), ..one.clone() };
     Explained {
-        terms: likelihood.kept.iter().map(|&number| all[number].clone()).collect(),
-        alike: likelihood.alike.iter().map(|&(given, same)| (all[given].name(), number(same))).collect(),
-        scale: explanations.first().map_or(1.0, |first| first.posterior.scale),
-        memory,
-        has_clock: noise.has_clock,
-        explanations,
+        terms: found.visible.iter().map(|&number| all[number].clone()).collect(),
+        alike: found.alike.iter().map(|&(given, same)| (all[given].name(), place(same))).collect(),
+        scale: found.explanations.first().map_or(1.0, |first| first.posterior.scale),
+        memory: found.memory,
+        has_clock: found.has_clock,
+        explanations: found.explanations.iter().map(inner).collect(),
     }
 }
 

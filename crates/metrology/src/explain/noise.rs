@@ -31,12 +31,13 @@ pub struct NoiseSeries {
 }
 
 impl NoiseSeries {
-    /// Sorts the readings of a scene into series.
+    /// Sorts the readings of a scene that count into series; `weights` are 1/σ of each reading, 0 for those that do not count.
     #[must_use]
-    pub fn new(scene: &Scene<'_>) -> NoiseSeries {
+    pub fn new(scene: &Scene<'_>, weights: &[f64]) -> NoiseSeries {
         let mut places: BTreeMap<(usize, usize, bool), Vec<usize>> = BTreeMap::new();
-        for (place, item) in scene.items.iter().enumerate() {
+        for (place, (item, weight)) in scene.items.iter().zip(weights).enumerate() {
             if item.row != NO_ROW
+                && *weight > 0.0
                 && let Some(row) = scene.row_of(item)
             {
                 places.entry((row.sequence, item.value, item.is_angle)).or_default().push(place);
@@ -126,7 +127,7 @@ mod tests {
         let um = [0.3, 0.9, -0.4, 1.3, 2.2, 1.8];
         let sets = [bench::reads_along_x(&machine, &um)];
         let scene = bench::scene(&machine, &sets);
-        let noise = NoiseSeries::new(&scene);
+        let noise = NoiseSeries::new(&scene, &[1e3; 6]);
         assert_eq!((noise.has_clock, noise.longest, noise.step), (false, 5.0, 1.0));
         let memory = Memory { ratio: 2.5, length: 3.0 };
         let mut white: Vec<f64> = um.to_vec();

@@ -27,7 +27,7 @@ pub struct Explanation {
 
 /// Scores that were computed.
 struct Scores<'a> {
-    likelihood: &'a Likelihood,
+    likelihood: &'a Likelihood<'a>,
     log_odds: &'a [f64],
     known: HashMap<Vec<usize>, (f64, f64)>,
 }
@@ -105,12 +105,11 @@ fn without(set: &[usize], place: usize) -> Vec<usize> {
     out
 }
 
-/// Finds the explanations of a likelihood, the most probable first. `log_odds` belong to its columns; `simple` are the columns of the second start.
+/// Finds the explanations of a likelihood, the most probable first. `log_odds` belong to its terms; the search starts from each of the `starts`, sets of terms in ascending order.
 #[must_use]
-pub fn explanations(likelihood: &Likelihood, log_odds: &[f64], simple: &[usize]) -> Vec<Explanation> {
+pub fn explanations(likelihood: &Likelihood<'_>, log_odds: &[f64], starts: &[Vec<usize>]) -> Vec<Explanation> {
     let mut scores = Scores { likelihood, log_odds, known: HashMap::new() };
-    scores.climb(&[]);
-    scores.climb(simple);
+    starts.iter().for_each(|start| scores.climb(start));
     let best = scores.known.values().map(|(_, score)| *score).fold(f64::NEG_INFINITY, f64::max);
     let mut kept: BTreeMap<Vec<usize>, f64> = BTreeMap::new();
     for (set, (_, score)) in scores.known {

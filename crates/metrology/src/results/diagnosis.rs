@@ -13,8 +13,8 @@ use crate::diagnose::cause::Correctable;
 use crate::diagnose::extend::extension;
 use crate::diagnose::fault::{Checks, DefectKind};
 use crate::diagnose::{
-    self, Causes, Compared, DiagnosedCauses, FAR_OUT, Gate, NoiseSource, Scene, diagnose, diagnose_with, fault,
-    freedom_of, reads_angles, shape,
+    self, Causes, Compared, DiagnosedCauses, ExplanationSummary, FAR_OUT, Gate, NoiseSource, Scene, diagnose,
+    diagnose_with, fault, freedom_of, reads_angles, shape,
 };
 use crate::measure::data::DataSet;
 use ncfix_base::diagnostic::{Code, Diagnostic};
@@ -70,6 +70,8 @@ pub struct DiagnosisResult {
     pub not_confirmed: Vec<String>,
     /// Candidates that failed an acceptance test.
     pub rejected: Vec<RejectedReport>,
+    /// The most probable explanations, each a set of causes; empty if none was compared.
+    pub explanations: Vec<ExplanationSummary>,
     /// Number of candidates tried.
     pub tried: usize,
     /// Number of readings used.
@@ -256,6 +258,8 @@ pub struct CauseReport {
     pub share_alone: f64,
     /// p-value, corrected for all candidates.
     pub p: f64,
+    /// Probability: sum over all explanations that contain it; `null` if explanations were not compared.
+    pub probability: Option<f64>,
     /// Its value in each file, if files differ significantly; otherwise empty.
     pub by_file: Vec<InFile>,
     /// Equivalent explanations, itself first.
@@ -431,6 +435,7 @@ fn tell_all(
             .collect(),
     };
     report.tried = found.tried;
+    report.explanations.clone_from(&found.explanations);
     let alone: f64 = found.findings.iter().map(|one| one.alone).sum();
     report.findings = found.findings.iter().map(|one| cause(one, scene, used, (micro, alone))).collect();
     report.rejected = found.rejected.iter().map(|one| rejected(one, scene)).collect();
@@ -485,6 +490,7 @@ fn cause(found: &diagnose::AcceptedCause, scene: &Scene<'_>, used: usize, (micro
         share: found.share.fair,
         share_alone: found.share.alone,
         p: found.chance,
+        probability: found.probability,
         by_file: by_file(&found.by_file, &found.size, scene),
         separate_by: found.separate_by.clone().filter(|_| class.len() > 1),
         class,

@@ -6,7 +6,7 @@ use ncfix_model::ParameterName;
 use ncfix_model::name::{DIRECTIONS, ErrorName};
 use ncfix_model::parameter::ComponentTerm;
 
-pub(super) const CAUSE: Cause = Cause {
+pub(in crate::diagnose) const CAUSE: Cause = Cause {
     name: "motion of an axis",
     effect: EffectKind::Motion,
     made_by: "guideways, ball screw, scale",

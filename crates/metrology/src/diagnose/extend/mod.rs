@@ -349,6 +349,7 @@ mod tests {
             doing: Vec::new(),
             alone: 0.0,
             chance: 0.0,
+            probability: None,
             gain_unseen: 0.0,
             share: VarianceShare::default(),
             class: Vec::new(),

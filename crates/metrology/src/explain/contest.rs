@@ -1,0 +1,190 @@
+//! The contest of all terms: those that are always tried, and those of which there are many, which come in where they gain something.
+//!
+//! The search runs over a pool. With its best set, every term outside is looked at once; what would gain more than its odds cost joins the pool, and the search runs again.
+//! The memory of the noise is chosen anew with each best set.
+
+use super::likelihood::{Group, Likelihood};
+use super::noise::{Memory, NoiseSeries};
+use super::search::{self, Explanation};
+use crate::diagnose::Scene;
+use ncfix_base::numeric::in_parts;
+
+/// Memories of the noise that are searched with at most.
+const MOST_MEMORIES: usize = 5;
+/// Rounds in which terms from outside join.
+const ROUNDS: usize = 4;
+/// Terms from outside that join in a round, those with the largest gain.
+const JOIN: usize = 40;
+
+/// A term in the contest.
+#[derive(Clone, Debug, Default)]
+pub struct Entrant {
+    /// Its columns.
+    pub group: Group,
+    /// Logarithm of its odds.
+    pub log_odds: f64,
+    /// Most machines have it: all such together are a start of the search.
+    pub is_simple: bool,
+}
+
+/// Terms of which there are many, by number.
+pub struct Outside<'o> {
+    /// How many.
+    pub count: usize,
+    /// Logarithm of the odds of one.
+    pub log_odds: &'o (dyn Fn(usize) -> f64 + Sync),
+    /// Its columns.
+    pub group: &'o (dyn Fn(usize) -> Group + Sync),
+}
+
+/// The outcome.
+#[derive(Clone, Debug, Default)]
+pub struct Contest {
+    /// Entrants at the end: those that were given, then those that joined.
+    pub entrants: usize,
+    /// Which of those outside joined, in the order of the numbers that follow those that were given.
+    pub joined: Vec<usize>,
+    /// Explanations, the most probable first. Their sets have numbers of entrants.
+    pub explanations: Vec<Explanation>,
+    /// By how much the score of the first explanation falls without each of its terms, in the order of its set.
+    pub losses: Vec<f64>,
+    /// Entrants that act like another one on everything that was measured, with the number of that one.
+    pub alike: Vec<(usize, usize)>,
+    /// Entrants that readings can show, without those that act like another one.
+    pub visible: Vec<usize>,
+    /// Score of each start that was given, less that of the best set; minus infinity if one of its terms shows nothing.
+    pub behind: Vec<f64>,
+    /// Memory of the noise; its length is in seconds if the readings have a clock, else in rows.
+    pub memory: Memory,
+    /// Readings have a clock.
+    pub has_clock: bool,
+}
+
+/// Runs the contest. `weights` are 1/σ of each reading, 0 for those that do not count; `starts` are sets of entrants that the search starts from, beside nothing and all simple ones.
+#[must_use]
+pub fn contest(
+    scene: &Scene<'_>,
+    weights: &[f64],
+    mut entrants: Vec<Entrant>,
+    outside: &Outside<'_>,
+    starts: &[Vec<usize>],
+) -> Contest {
+    let noise = NoiseSeries::new(scene, weights);
+    let readings = (weights.iter().filter(|weight| **weight > 0.0).count() as f64).max(2.0);
+    // Two numbers more than white noise has, by the information criterion of Schwarz (1978).
+    let price = |memory: Memory| if memory.ratio > 0.0 { readings.ln() } else { 0.0 };
+    let choose = |entrants: &[Entrant], set: &[usize]| {
+        let some: Vec<Group> = set.iter().map(|&number| entrants[number].group.clone()).collect();
+        let worth = |&memory: &Memory| {
+            let likelihood = Likelihood::new(scene, weights, &some, (&noise, memory));
+            let own: Vec<usize> = (0..likelihood.count()).collect();
+            likelihood.evidence(&own).1 - price(memory)
+        };
+        let memories = noise.memories();
+        let worths = in_parts(&memories, &worth);
+        let best = memories.into_iter().zip(worths).max_by(|a, b| a.1.total_cmp(&b.1));
+        best.map_or_else(Memory::default, |(memory, _)| memory)
+    };
+    let mut joined: Vec<usize> = Vec::new();
+    let mut best: Option<(f64, Contest)> = None;
+    let mut tried: Vec<Memory> = Vec::new();
+    // Terms and noise explain the same readings: the search starts from white noise, and from all readings as noise with memory.
+    for start in [Memory::default(), choose(&entrants, &[])] {
+        let mut memory = start;
+        while !tried.contains(&memory) && tried.len() < MOST_MEMORIES {
+            tried.push(memory);
+            let mut known: Vec<Vec<usize>> = starts.to_vec();
+            for round in 0..ROUNDS {
+                let groups: Vec<Group> = entrants.iter().map(|one| one.group.clone()).collect();
+                let likelihood = Likelihood::new(scene, weights, &groups, (&noise, memory));
+                let place = |number: usize| likelihood.kept.iter().position(|&kept| kept == number);
+                let same =
+                    |number: usize| likelihood.alike.iter().find(|(one, _)| *one == number).map(|(_, other)| *other);
+                let inner = |set: &[usize]| -> Option<Vec<usize>> {
+                    let mut out: Vec<usize> =
+                        set.iter().map(|&number| place(same(number).unwrap_or(number))).collect::<Option<_>>()?;
+                    out.sort_unstable();
+                    out.dedup();
+                    Some(out)
+                };
+                let log_odds: Vec<f64> = likelihood.kept.iter().map(|&number| entrants[number].log_odds).collect();
+                let simple = (0..likelihood.count()).filter(|&k| entrants[likelihood.kept[k]].is_simple).collect();
+                let mut from = vec![Vec::new(), simple];
+                from.extend(known.iter().filter_map(|set| inner(set)));
+                let found = search::explanations(&likelihood, &log_odds, &from);
+                let Some(first) = found.first() else { break };
+                let score = |set: &[usize]| likelihood.evidence(set).1 + set.iter().map(|&k| log_odds[k]).sum::<f64>();
+                let worth = score(&first.set);
+                let behind =
+                    starts.iter().map(|set| inner(set).map_or(f64::NEG_INFINITY, |set| score(&set) - worth)).collect();
+                let (set, scale) = (first.set.clone(), first.posterior.scale);
+                let without = |place: usize| {
+                    let rest: Vec<usize> =
+                        set.iter().enumerate().filter(|(k, _)| *k != place).map(|(_, &k)| k).collect();
+                    worth - score(&rest)
+                };
+                let losses: Vec<f64> = (0..set.len()).map(without).collect();
+                let outer: Vec<usize> = set.iter().map(|&k| likelihood.kept[k]).collect();
+                known.push(outer);
+                // What would gain more than its odds cost.
+                let open: Vec<usize> = (0..outside.count).filter(|number| !joined.contains(number)).collect();
+                let gains = likelihood.gains_of_others(&set, scale, &open, outside.group);
+                let mut gaining: Vec<(f64, usize)> = open
+                    .iter()
+                    .zip(gains)
+                    .map(|(&number, gain)| (gain + (outside.log_odds)(number), number))
+                    .filter(|(gain, _)| *gain > 0.0)
+                    .collect();
+                gaining.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+                gaining.truncate(JOIN);
+                let explanations = found
+                    .into_iter()
+                    .map(|one| Explanation { set: one.set.iter().map(|&k| likelihood.kept[k]).collect(), ..one })
+                    .collect();
+                let outcome = Contest {
+                    entrants: entrants.len(),
+                    joined: Vec::new(),
+                    explanations,
+                    losses,
+                    alike: likelihood.alike.clone(),
+                    visible: likelihood.kept.clone(),
+                    behind,
+                    memory,
+                    has_clock: noise.has_clock,
+                };
+                let worth = worth - price(memory);
+                // A larger pool at the same memory replaces the smaller one.
+                if best
+                    .as_ref()
+                    .is_none_or(|(known, before)| worth > *known || (worth >= *known - 1e-9 && before.memory == memory))
+                {
+                    best = Some((worth, outcome));
+                }
+                if gaining.is_empty() || round + 1 == ROUNDS {
+                    break;
+                }
+                for (_, number) in gaining {
+                    entrants.push(Entrant {
+                        group: (outside.group)(number),
+                        log_odds: (outside.log_odds)(number),
+                        is_simple: false,
+                    });
+                    joined.push(number);
+                }
+            }
+            let Some(set) = known.last() else { break };
+            memory = choose(&entrants, set);
+        }
+    }
+    let mut out = best.map_or_else(Contest::default, |(_, outcome)| outcome);
+    out.joined = joined;
+    out
+}
+
+impl Contest {
+    /// Returns the probability of an entrant: the sum over the explanations that have it.
+    #[must_use]
+    pub fn probability(&self, entrant: usize) -> f64 {
+        self.explanations.iter().filter(|one| one.set.contains(&entrant)).map(|one| one.probability).sum()
+    }
+}
