@@ -12,6 +12,8 @@ use ncfix_model::{ErrorModel, Model};
 /// Places along the travel of a linear axis, and along what was measured of a rotary one.
 const LINEAR: usize = 7;
 const ROTARY: usize = 3;
+/// Tool lengths that differ by less than this share are one.
+const OTHER_LENGTH: f64 = 0.1;
 /// Of a direction of which less than this share is left the others have all.
 const OWN: f64 = 1e-6;
 
@@ -21,14 +23,25 @@ pub(super) struct Volume {
     /// Between where and where was measured.
     low: AxisVector,
     high: AxisVector,
-    tool: Vector,
     model: Model,
     /// Directions of fields that move the workpiece as a whole, of unit length.
     rigid: Vec<Vec<f64>>,
 }
 
+/// Tools with which a program will be cut: the shortest and the longest that was measured with, and, if only one length was, half of it and one and a half.
+fn tools(scene: &Scene<'_>, counts: &impl Fn(&SceneRow) -> bool) -> Vec<[f64; 3]> {
+    let length = |tool: &[f64; 3]| Vector::from(*tool).norm();
+    let mut all: Vec<[f64; 3]> = scene.rows.iter().filter(|row| counts(row)).map(|row| row.tool_mm).collect();
+    all.sort_by(|a, b| length(a).total_cmp(&length(b)));
+    let (Some(&short), Some(&long)) = (all.first(), all.last()) else { return Vec::new() };
+    if length(&long) - length(&short) > OTHER_LENGTH * length(&long) {
+        return vec![short, long];
+    }
+    vec![long.map(|value| 0.5 * value), long, long.map(|value| 1.5 * value)]
+}
+
 impl Volume {
-    /// Of the machine of a scene, with the tool of the first of the rows that count; `None` where there is none.
+    /// Of the machine of a scene, with the tools of the rows that count and others; `None` where there is no row.
     pub(super) fn new(scene: &Scene<'_>, counts: impl Fn(&SceneRow) -> bool) -> Option<Volume> {
         let mut rows = scene.rows.iter().filter(|row| counts(row));
         let first = rows.next()?;
@@ -52,11 +65,15 @@ impl Volume {
             let at = |k: usize| from + (until - from) * k as f64 / (count - 1) as f64;
             places = (0..count).flat_map(|k| places.iter().map(move |row| moved(row, axis, at(k)))).collect();
         }
-        let tool = Vector::from(first.tool_mm);
+        let tools = tools(scene, &counts);
+        places = tools
+            .iter()
+            .flat_map(|&tool_mm| places.iter().map(move |row| SceneRow { tool_mm, ..row.clone() }))
+            .collect();
         let model = Model::new(scene.machine, &ErrorModel::default());
-        let mut volume = Volume { places, low, high, tool, model, rigid: Vec::new() };
-        let tips: Vec<Vector> =
-            volume.places.iter().map(|row| volume.model.nominal(&row.position, &tool).translation).collect();
+        let mut volume = Volume { places, low, high, model, rigid: Vec::new() };
+        let tip = |row: &SceneRow| volume.model.nominal(&row.position, &Vector::from(row.tool_mm)).translation;
+        let tips: Vec<Vector> = volume.places.iter().map(tip).collect();
         for direction in 0..6 {
             let unit = Vector::ith(direction % 3, 1.0);
             let of = |tip: &Vector| if direction < 3 { unit } else { unit.cross(tip) };
@@ -102,10 +119,11 @@ impl Volume {
 
     fn units(&self, through: Through) -> Vec<Vector> {
         let unit = |row: &SceneRow| {
-            let nominal = self.model.nominal(&row.position, &self.tool);
+            let tool = Vector::from(row.tool_mm);
+            let nominal = self.model.nominal(&row.position, &tool);
             match through {
                 Through::Component(name) => {
-                    nominal.rotation * self.model.sensitivity(name, &row.position, &self.tool).translation
+                    nominal.rotation * self.model.sensitivity(name, &row.position, &tool).translation
                 }
                 Through::Tip(direction) => {
                     let to_f = self.model.tool_orientation(&row.position) * nominal.rotation.transpose();

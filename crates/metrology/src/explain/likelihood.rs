@@ -22,6 +22,8 @@ const RIDGE: f64 = 1e-10;
 const FAINT: f64 = 0.3;
 /// Columns whose correlation differs from 1 by less act alike on everything that was measured.
 const ALIKE: f64 = 1e-6;
+/// Sizes of priors, by what they do to the readings, that differ by less are one, in natural logarithms.
+const AS_USUAL: f64 = 0.02;
 /// Largest and smallest scale of the stated noise, in natural logarithms: 1/55 to 400.
 const SCALES: [f64; 2] = [-4.0, 6.0];
 /// Steps of the search for the scale.
@@ -130,8 +132,10 @@ impl<'w> Likelihood<'w> {
         for (number, columns) in all.iter().enumerate().filter(|(_, columns)| is_visible(columns)) {
             let is_same = |&&other: &&usize| match (columns.as_slice(), all[other].as_slice()) {
                 ([one], [other]) => {
-                    let cosine = dot(one, other) / (dot(one, one) * dot(other, other)).sqrt();
-                    1.0 - cosine.abs() < ALIKE
+                    // Where priors say as much of both: else the one whose amount is more usual is the better explanation.
+                    let [own, others] = [one, other].map(|column| dot(column, column).sqrt());
+                    let cosine = dot(one, other) / (own * others);
+                    1.0 - cosine.abs() < ALIKE && (own / others).ln().abs() < AS_USUAL
                 }
                 _ => false,
             };

@@ -39,6 +39,8 @@ const LOOKS: u32 = 64;
 /// A finding that does so many times what the model leaves is cancelled by others.
 const CANCELS: f64 = 1.5;
 
+/// A finding is surely there beyond this probability.
+const SURELY: f64 = 0.95;
 /// Findings whose doings have less than this correlation, negative, are parts of one.
 const AGAINST: f64 = 0.3;
 
@@ -78,9 +80,19 @@ fn leaning(found: &DiagnosedCauses, scene: &Scene<'_>, written: &[Result<Vec<Cha
         let [own, with, others] = [(one, one), (one, other), (other, other)].map(|(a, b)| dot(doing(a), doing(b)));
         with < -AGAINST * (own * others).sqrt()
     };
-    let is_against = |one: &usize| (0..found.findings.len()).any(|other| !is_written(&other) && cancels(*one, other));
+    // Two that are surely both there are no parts of one.
+    let is_sure = |number: usize| {
+        found.findings.get(number).and_then(|one| one.probability).is_some_and(|probability| probability >= SURELY)
+    };
+    let is_against = |one: &usize| {
+        (0..found.findings.len())
+            .any(|other| !is_written(&other) && cancels(*one, other) && !(is_sure(*one) && is_sure(other)))
+    };
     if let Some(&one) = numbers.iter().find(|one| is_against(one)) {
         return Some(one);
+    }
+    if (0..found.findings.len()).all(is_sure) {
+        return None;
     }
     let whole = squares(&numbers);
     let without = |number: usize| {
