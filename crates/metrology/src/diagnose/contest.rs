@@ -8,10 +8,13 @@ use std::collections::HashMap;
 use super::cause::{Candidate, EffectKind, Term, Weight, motion};
 use super::scene::Through;
 use super::search::{Field, Weights};
+use super::volume::Volume;
 use crate::explain::assumptions::Family;
 use crate::explain::contest::{Contest, Entrant, Outside, contest};
 use crate::explain::likelihood::Group;
+use crate::explain::search::Explanation;
 use crate::explain::term;
+use ncfix_base::numeric::sums::dot;
 use ncfix_model::name::ErrorName;
 use ncfix_model::parameter::ComponentTerm;
 
@@ -21,6 +24,16 @@ const SURELY: f64 = 3.0;
 const NAMED: f64 = 0.5;
 /// Readings show a term surely if the score falls by this without it and with nothing in its place, as a natural logarithm: 1000 times.
 const SHOWN: f64 = 6.9;
+/// The same of a term with a number that was searched, as a period: others may stand beside it that nobody tried.
+const NAMED_SEARCHED: f64 = 0.9;
+/// A correction is refused if it would do harm with more than this probability.
+const HARMFUL: f64 = 0.1;
+/// The same with explanations that the readings do not tell from the first one, so that nothing but usual sizes speaks against them.
+const HARMFUL_ALIKE: f64 = 0.01;
+/// A correction helps where it leaves less than this share of an error.
+const LEAVES: f64 = 0.8;
+/// Readings do not tell two explanations whose squares of what is left differ by less, in variances.
+const ALIKE: f64 = 1.0;
 /// What the search found by its readings is one of about so many that it would have found as well.
 const SOUGHT: f64 = 100.0;
 
@@ -31,6 +44,15 @@ pub(super) struct Chosen {
     pub(super) candidate: usize,
     /// The sum of the probabilities of all explanations that have it.
     pub(super) probability: f64,
+    /// Names of what may stand in its place, if correcting it would then do harm.
+    pub(super) harmful: Option<Vec<String>>,
+}
+
+impl Chosen {
+    /// It is more probable than all that may stand in its place.
+    pub(super) fn is_likely(&self) -> bool {
+        self.probability >= NAMED
+    }
 }
 
 /// One explanation in words.
@@ -48,10 +70,125 @@ pub struct ExplanationSummary {
 pub(super) struct Outcome {
     /// Terms of the most probable explanation, where it takes the place of what the search took.
     pub(super) instead: Option<Vec<Chosen>>,
-    /// The probability of each term that the search took.
-    pub(super) of_taken: Vec<f64>,
+    /// What the search took.
+    pub(super) of_taken: Vec<Chosen>,
     /// The most probable explanations.
     pub(super) explanations: Vec<ExplanationSummary>,
+}
+
+impl Source {
+    /// Effect and parameter: variants of one cause have one name.
+    fn key<'s>(&'s self, field: &'s Field<'_, '_>) -> (EffectKind, &'s str) {
+        let one = match self {
+            Source::Known(number) => &field.candidates[*number],
+            Source::Shape(one) => one,
+        };
+        (one.cause.effect, one.parameter.as_str())
+    }
+}
+
+/// What each explanation does over the volume that is used.
+struct Harm<'f> {
+    found: &'f Contest,
+    /// By explanation: the field, mm.
+    fields: Vec<Vec<f64>>,
+    /// By entrant of the first explanation: its field.
+    own: HashMap<usize, Vec<f64>>,
+    /// Places of a tool.
+    part: usize,
+    /// Effect and parameter of each entrant.
+    keys: Vec<(EffectKind, &'f str)>,
+}
+
+impl<'f> Harm<'f> {
+    fn new(field: &'f Field<'_, '_>, found: &'f Contest, sources: &'f [Source], volume: Option<&Volume>) -> Harm<'f> {
+        let mut units: HashMap<usize, Vec<Vec<f64>>> = HashMap::new();
+        let mut of = |entrant: usize| -> Vec<Vec<f64>> {
+            let make = || match (volume, sources.get(entrant)) {
+                (Some(volume), Some(Source::Known(number))) => {
+                    let one = &field.candidates[*number];
+                    let moves = matches!(
+                        one.cause.effect,
+                        EffectKind::Location | EffectKind::Motion | EffectKind::Cross | EffectKind::Periodic
+                    );
+                    if moves { volume.fields(one, false) } else { Vec::new() }
+                }
+                (Some(volume), Some(Source::Shape(one))) => volume.fields(one, false),
+                _ => Vec::new(),
+            };
+            units.entry(entrant).or_insert_with(make).clone()
+        };
+        let mut own = HashMap::new();
+        let mut fields = Vec::new();
+        for (rank, one) in found.explanations.iter().enumerate() {
+            let mut all: Vec<f64> = Vec::new();
+            let mut amounts = one.posterior.mean.iter();
+            for &entrant in &one.set {
+                let columns = of(entrant);
+                let width = found.widths.get(entrant).copied().unwrap_or(1);
+                let mut mine: Vec<f64> = Vec::new();
+                for (k, amount) in amounts.by_ref().take(width).enumerate() {
+                    if let Some(column) = columns.get(k) {
+                        mine.resize(column.len(), 0.0);
+                        mine.iter_mut().zip(column).for_each(|(sum, value)| *sum += amount * value);
+                    }
+                }
+                if !mine.is_empty() {
+                    all.resize(mine.len(), 0.0);
+                    all.iter_mut().zip(&mine).for_each(|(sum, value)| *sum += value);
+                }
+                if rank == 0 {
+                    own.insert(entrant, mine);
+                }
+            }
+            fields.push(all);
+        }
+        let part = volume.map_or(1, Volume::numbers_of_a_tool).max(1);
+        let keys = sources.iter().map(|source| source.key(field)).collect();
+        Harm { found, fields, own, part, keys }
+    }
+
+    /// Whether correcting by one of the first explanation also helps, with each tool, where another explanation is true.
+    fn helps(&self, first: &[f64], own: &[f64], field: &[f64]) -> bool {
+        let at = |values: &[f64], k: usize| values.get(k).copied().unwrap_or(0.0);
+        // What stands in its place: the difference of both explanations and its own part.
+        let instead: Vec<f64> = (0..own.len()).map(|k| at(field, k) - at(first, k) + own[k]).collect();
+        instead.chunks(self.part).zip(own.chunks(self.part)).all(|(instead, own)| {
+            let left: f64 = instead.iter().zip(own).map(|(other, own)| (other - own).powi(2)).sum();
+            left <= LEAVES * LEAVES * dot(instead, instead)
+        })
+    }
+
+    /// Entrants that stand in the place of one of the first explanation, if correcting by that one would do harm with them too probably.
+    fn of(&self, entrant: usize) -> Option<Vec<usize>> {
+        let none = Vec::new();
+        let (first, own) = (self.fields.first()?, self.own.get(&entrant).unwrap_or(&none));
+        let square = dot(own, own);
+        let best = self.found.explanations.first()?;
+        let (mut harmful, mut harmful_alike) = (0.0, 0.0);
+        let mut others: Vec<usize> = Vec::new();
+        let all = self.found.explanations.iter().zip(&self.fields);
+        for (one, field) in all.filter(|(one, _)| !one.set.contains(&entrant)) {
+            let is_variant = |other: &usize| {
+                !best.set.contains(other)
+                    && self.keys.get(*other).zip(self.keys.get(entrant)).is_some_and(|(a, b)| a == b)
+            };
+            // What moves no tool where it stands, as backlash, has no field: a variant of it does as much.
+            let helps = if square > 0.0 { self.helps(first, own, field) } else { one.set.iter().any(is_variant) };
+            if helps {
+                continue;
+            }
+            harmful += one.probability;
+            let scale = best.posterior.scale;
+            if (one.posterior.misfit - best.posterior.misfit) / (scale * scale) < ALIKE {
+                harmful_alike += one.probability;
+            }
+            if others.is_empty() {
+                others = one.set.iter().copied().filter(|other| !best.set.contains(other)).collect();
+            }
+        }
+        (harmful > HARMFUL || harmful_alike > HARMFUL_ALIKE).then_some(others)
+    }
 }
 
 /// An entrant with what it is.
@@ -99,6 +236,7 @@ fn family(one: &Candidate) -> Family {
         EffectKind::Cross if is_angle => Family::CrossAngle,
         EffectKind::Cross => Family::Cross,
         EffectKind::ServoMismatch | EffectKind::Following | EffectKind::Delay => Family::Lag,
+        EffectKind::Dynamic if is_by_acceleration(one) => Family::Deflection,
         EffectKind::Dynamic => Family::Dynamic,
         EffectKind::ThermalDrift => Family::Drift,
         EffectKind::ThermalExpansion => Family::Expansion,
@@ -112,6 +250,11 @@ fn family(one: &Candidate) -> Family {
     }
 }
 
+/// A deflection that is proportional to the acceleration of an axis.
+fn is_by_acceleration(one: &Candidate) -> bool {
+    !one.parameter.is_empty() && one.constant.is_none() && one.drivers.iter().any(|driver| driver == "feed_mm_min")
+}
+
 /// Columns of a candidate; each is of the usual size of its family where it acts most.
 fn group(field: &Field<'_, '_>, one: &Candidate) -> Group {
     let columns = field.columns(one);
@@ -119,7 +262,7 @@ fn group(field: &Field<'_, '_>, one: &Candidate) -> Group {
         // Travel does not count: the effect where it is largest is what is usual.
         let of = match family(one) {
             Family::Squareness | Family::Tilt | Family::Offset => return family(one).size(0.0),
-            Family::Lag => return Family::Lag.size(0.0),
+            own @ (Family::Lag | Family::Deflection) => return own.size(0.0),
             other => other.size(1e3),
         };
         let largest = |(_, weight): &(Through, Weight)| {
@@ -143,12 +286,26 @@ impl Field<'_, '_> {
         }
     }
 
+    /// The probability from which a term is named.
+    fn named_from(&self, source: &Source) -> f64 {
+        match source {
+            Source::Known(number) if self.candidates[*number].constant.is_some() => NAMED_SEARCHED,
+            _ => NAMED,
+        }
+    }
+
     /// Holds the contest. The candidates of the outcome are among those of the field afterwards.
-    pub(super) fn contest(&mut self, weights: &Weights, taken: &[usize]) -> Outcome {
+    pub(super) fn contest(&mut self, weights: &Weights, taken: &[usize], volume: Option<&Volume>) -> Outcome {
         let mut named: Vec<Named> = Vec::new();
         let mut is_in: Vec<bool> = vec![false; self.candidates.len()];
+        let mut place_of: Vec<Option<usize>> = Vec::new();
         for one in term::terms(self.scene) {
+            let (before, parent) = (named.len(), one.parent);
             self.enter(one, &mut named, &mut is_in);
+            place_of.push((named.len() > before).then_some(before));
+            if let Some(last) = named.get_mut(before) {
+                last.entrant.parent = parent.and_then(|parent| place_of.get(parent).copied().flatten());
+            }
         }
         let mut outside: Vec<usize> = Vec::new();
         let mut counts: HashMap<(EffectKind, &str), f64> = HashMap::new();
@@ -171,6 +328,7 @@ impl Field<'_, '_> {
             let entrant = Entrant {
                 group: group(self, &self.candidates[number]),
                 log_odds: log_odds(number) - if is_sought { SOUGHT.ln() } else { 0.0 },
+                parent: None,
                 is_simple: false,
             };
             named.push(Named { candidate: Source::Known(number), entrant });
@@ -193,14 +351,14 @@ impl Field<'_, '_> {
         );
         let joined = found.joined.iter().map(|&k| Source::Known(outside[k]));
         let sources: Vec<Source> = named.into_iter().map(|one| one.candidate).chain(joined).collect();
-        self.outcome(&found, &sources, &start)
+        self.outcome(&found, &sources, (&start, taken, volume))
     }
 
     /// Adds a term: by its candidate where there is one, else as a shape.
     fn enter(&mut self, one: term::Term, named: &mut Vec<Named>, is_in: &mut [bool]) {
         let name = one.component.to_string();
         let is_simple = one.family.is_simple();
-        let log_odds = one.family.assumption().odds.ln();
+        let log_odds = (one.share * one.family.assumption().odds).ln();
         let known = |effect: EffectKind, is_one: &dyn Fn(&Candidate) -> bool| {
             let fits = |own: &Candidate| {
                 own.cause.effect == effect && own.parameter == name && own.columns.len() == 1 && is_one(own)
@@ -219,11 +377,11 @@ impl Field<'_, '_> {
         let Some(number) = number else {
             if matches!(one.family, Family::Positioning | Family::Straightness | Family::Angle | Family::Rotary) {
                 let axis = one.component.axis().map_or_else(String::new, |axis| axis.to_string());
-                let shape = Candidate::one(&motion::CAUSE, one.component, one.through(), one.weight.clone());
+                let shape = Candidate::one(&motion::CAUSE, one.component, one.through(), self.from_its_mean(&one));
                 let shape = shape.driven_by(&[&axis]);
                 self.know(&shape);
                 let group = Group::one(self.columns(&shape).remove(0), one.size);
-                let entrant = Entrant { group, log_odds, is_simple };
+                let entrant = Entrant { group, log_odds, parent: None, is_simple };
                 named.push(Named { candidate: Source::Shape(Box::new(shape)), entrant });
             }
             return;
@@ -237,21 +395,48 @@ impl Field<'_, '_> {
             _ => one.size,
         };
         is_in[number] = true;
-        let entrant = Entrant { group: Group::one(column, size), log_odds, is_simple };
+        let entrant = Entrant { group: Group::one(column, size), log_odds, parent: None, is_simple };
         named.push(Named { candidate: Source::Known(number), entrant });
     }
 
-    fn outcome(&mut self, found: &Contest, sources: &[Source], start: &[usize]) -> Outcome {
+    /// The weight of a shape. Of a displacement, the mean over the places that were measured is taken out where set-ups have it: it belongs to the zero.
+    fn from_its_mean(&self, one: &term::Term) -> Weight {
+        let weight = one.weight.clone();
+        if one.component.direction.is_rotation() || self.scene.unknowns == 0 {
+            return weight;
+        }
+        let count = self.scene.rows.len().max(1) as f64;
+        let mean = self.scene.rows.iter().map(|row| weight.of(row)).sum::<f64>() / count;
+        Weight::new(move |row| weight.of(row) - mean)
+    }
+
+    fn outcome(
+        &mut self,
+        found: &Contest,
+        sources: &[Source],
+        (start, taken, volume): (&[usize], &[usize], Option<&Volume>),
+    ) -> Outcome {
         let Some(first) = found.explanations.first() else { return Outcome::default() };
         let same =
             |number: usize| found.alike.iter().find(|(one, _)| *one == number).map_or(number, |(_, other)| *other);
-        let of_taken = start.iter().map(|&number| found.probability(same(number))).collect();
         let in_words = |source: &Source| match source {
             Source::Known(number) => {
                 let one = &self.candidates[*number];
                 format!("{} {}", one.cause.name, one.parameter).trim_end().to_owned()
             }
             Source::Shape(one) => format!("{} {}", one.cause.name, one.parameter),
+        };
+        // Variants of one cause, as shapes of what has no name, stand for each other; numbers that were searched do not.
+        let probability = |k: usize| -> f64 {
+            let Some(source) = sources.get(k) else { return 0.0 };
+            if matches!(source, Source::Known(number) if self.candidates[*number].constant.is_some()) {
+                return found.probability(k);
+            }
+            let key = source.key(self);
+            let has = |one: &&Explanation| {
+                one.set.iter().any(|&other| sources.get(other).is_some_and(|other| other.key(self) == key))
+            };
+            found.explanations.iter().filter(has).map(|one| one.probability).sum()
         };
         let explanations = found.explanations.iter().take(20).map(|one| {
             let mut terms: Vec<String> = one.set.iter().filter_map(|&k| sources.get(k)).map(in_words).collect();
@@ -274,27 +459,48 @@ impl Field<'_, '_> {
             }
             eprintln!("  mean {:?} scale {}", first.posterior.mean, first.posterior.scale);
         }
-        let is_better = found.behind.first().is_some_and(|behind| *behind < -SURELY);
-        let instead = is_better.then(|| {
+        let harm = Harm::new(self, found, sources, volume);
+        let said = |k: usize| -> Option<Vec<String>> {
+            Some(harm.of(k)?.iter().filter_map(|&k| sources.get(k)).map(in_words).collect())
+        };
+        let of_taken: Vec<Chosen> = start
+            .iter()
+            .zip(taken)
+            .map(|(&k, &candidate)| Chosen { candidate, probability: probability(same(k)), harmful: said(same(k)) })
+            .collect();
+        // Nor is a term named beside which another one is more probable.
+        let is_better = found.behind.first().is_some_and(|behind| *behind < -SURELY)
+            || of_taken.iter().any(|one: &Chosen| one.probability < NAMED);
+        let decided = is_better.then(|| {
             let mut chosen: Vec<Chosen> = Vec::new();
             // Shapes of one component are one candidate.
-            let mut shapes: Vec<(Candidate, f64)> = Vec::new();
+            let mut shapes: Vec<(Candidate, f64, Option<Vec<String>>)> = Vec::new();
             for (&k, loss) in first.set.iter().zip(&found.losses) {
-                let probability = found.probability(k);
-                let Some(source) = sources.get(k).filter(|_| probability >= NAMED && *loss >= SHOWN) else { continue };
+                let probability = probability(k);
+                let Some(source) =
+                    sources.get(k).filter(|source| probability >= self.named_from(source) && *loss >= SHOWN)
+                else {
+                    continue;
+                };
+                let harmful =
+                    harm.of(k).map(|others| others.iter().filter_map(|&k| sources.get(k)).map(in_words).collect());
                 match source {
-                    Source::Known(number) => chosen.push(Chosen { candidate: *number, probability }),
-                    Source::Shape(one) => match shapes.iter_mut().find(|(own, _)| own.parameter == one.parameter) {
-                        Some((own, least)) => {
+                    Source::Known(number) => chosen.push(Chosen { candidate: *number, probability, harmful }),
+                    Source::Shape(one) => match shapes.iter_mut().find(|(own, ..)| own.parameter == one.parameter) {
+                        Some((own, least, known)) => {
                             own.columns.extend(one.columns.iter().cloned());
                             *least = least.min(probability);
+                            *known = known.take().or(harmful);
                         }
-                        None => shapes.push(((**one).clone(), probability)),
+                        None => shapes.push(((**one).clone(), probability, harmful)),
                     },
                 }
             }
-            for (one, probability) in shapes {
-                chosen.push(Chosen { candidate: self.candidates.len(), probability });
+            (chosen, shapes)
+        });
+        let instead = decided.map(|(mut chosen, shapes)| {
+            for (one, probability, harmful) in shapes {
+                chosen.push(Chosen { candidate: self.candidates.len(), probability, harmful });
                 self.candidates.push(one);
             }
             chosen

@@ -156,11 +156,19 @@ pub fn diagnose_with(
     }
     let numbers: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
     note("explanations", 0.0);
-    let outcome = field.contest(&weights, &numbers);
-    let mut probabilities: Vec<(usize, f64)> = numbers.iter().copied().zip(outcome.of_taken.iter().copied()).collect();
-    if let Some(chosen) = outcome.instead {
-        let (again, of_again) = stand(&mut field, &weights, &chosen, &mut rejections, note);
-        (kept, probabilities) = (again, of_again);
+    let volume = Volume::new(scene, |row| row.set < used);
+    let outcome = field.contest(&weights, &numbers, volume.as_ref());
+    let mut chosen = outcome.of_taken;
+    let mut is_other = false;
+    if let Some(all) = outcome.instead {
+        let again = stand(&mut field, &weights, &all, &mut rejections, note);
+        let of_again: Vec<usize> = again.iter().map(|(term, _)| term.candidate).collect();
+        let squares = |taken: &[usize]| field.series(&weights, taken, 0.0).squares();
+        // What did not gain on readings that were left out is no explanation: then what the search took may be better after all, if it is likely.
+        let is_likely = chosen.iter().all(Chosen::is_likely);
+        if again.len() == all.len() || !is_likely || squares(&of_again) <= squares(&numbers) {
+            (kept, chosen, is_other) = (again, all, true);
+        }
     }
     let numbers: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
     let far = field.left_with(&weights, &numbers);
@@ -169,36 +177,41 @@ pub fn diagnose_with(
     drop_far(scene, &mut held_out, &far);
     let not_confirmed = hold(&field, &weights, &held_out, &mut kept, &mut rejections);
     note("verdict", 1.0);
-    let mut found = verdict((&field, causes), bare, [&weights, &held_out], &kept, (used, not_confirmed, &rejections));
+    let mut found = verdict(
+        (&field, causes),
+        bare,
+        [&weights, &held_out],
+        (&kept, &chosen, is_other),
+        (used, not_confirmed, &rejections),
+    );
     for one in &mut found.findings {
-        let is_one = |(number, _): &&(usize, f64)| {
-            field.candidates.get(*number).is_some_and(|own| {
+        let is_one = |chosen: &&Chosen| {
+            field.candidates.get(chosen.candidate).is_some_and(|own| {
                 own.cause.name == one.candidate.cause.name
                     && own.parameter == one.candidate.parameter
                     && own.columns.len() == one.candidate.columns.len()
             })
         };
-        one.probability = probabilities.iter().find(is_one).map(|(_, probability)| *probability);
+        one.probability = chosen.iter().find(is_one).map(|chosen| chosen.probability);
     }
     found.explanations = outcome.explanations;
     found
 }
 
-/// Terms of the contest that also gain on readings that were not used, and the probability of each term.
+/// Terms of the contest that also gain on readings that were not used.
 fn stand(
     field: &mut Field<'_, '_>,
     weights: &Weights,
     chosen: &[Chosen],
     rejections: &mut Rejections,
     note: &mut dyn FnMut(&str, f64),
-) -> (Vec<(Taken, f64)>, Vec<(usize, f64)>) {
+) -> Vec<(Taken, f64)> {
     let numbers: Vec<usize> = chosen.iter().map(|one| one.candidate).collect();
     let judged: Vec<Taken> =
         chosen.iter().map(|one| Taken { candidate: one.candidate, chance: 1.0 - one.probability }).collect();
     let mut out = |term: &Taken, gain| rejections.add(term, Gate::Unseen, gain);
     let mut selections = held_out::settled(&numbers);
-    let kept = confirmed(field, weights, judged, &mut selections, &mut out, &mut |share| note("held-out parts", share));
-    (kept, chosen.iter().map(|one| (one.candidate, one.probability)).collect())
+    confirmed(field, weights, judged, &mut selections, &mut out, &mut |share| note("held-out parts", share))
 }
 
 /// What all causes may be in a scene.
@@ -212,7 +225,7 @@ fn verdict(
     (field, causes): (&Field<'_, '_>, &Causes),
     bare: &Scene<'_>,
     [weights, held_out]: [&Weights; 2],
-    kept: &[(Taken, f64)],
+    (kept, chosen, is_other): (&[(Taken, f64)], &[Chosen], bool),
     (used, not_confirmed, rejections): (usize, Vec<Candidate>, &Rejections),
 ) -> DiagnosedCauses {
     let scene = field.scene;
@@ -261,10 +274,25 @@ fn verdict(
             Some(shortest) => Some(separate::steps(scene, candidate, *shortest)),
             None => rival.map(|rival| separating(scene, candidate, rival)),
         };
-        let doubt = volume
-            .as_ref()
-            .and_then(|volume| field.doubt(weights, volume, (term.candidate, &others), (&amounts, &class), scatter))
-            .or_else(|| field.wave_doubt(weights, &taken, term.candidate));
+        // What was chosen among all explanations is held against all of them.
+        let of_chosen = chosen.iter().find(|one| one.candidate == term.candidate).map(|one| {
+            let rivals = one.harmful.clone()?;
+            let separate_by = match rival {
+                Some(rival) => separating(scene, candidate, rival),
+                None => candidate.cause.separate_by.to_owned(),
+            };
+            Some(ExtrapolationRisk { rivals, separate_by })
+        });
+        let by_class = || {
+            volume
+                .as_ref()
+                .and_then(|volume| field.doubt(weights, volume, (term.candidate, &others), (&amounts, &class), scatter))
+                .or_else(|| field.wave_doubt(weights, &taken, term.candidate))
+        };
+        // What the search took is held against its class, too, and what has no name: its field is not among those that are compared.
+        let effect = candidate.cause.effect;
+        let is_compared = matches!(effect, EffectKind::Location | EffectKind::Motion | EffectKind::Backlash);
+        let doubt = of_chosen.filter(|doubt| (is_other && is_compared) || doubt.is_some()).unwrap_or_else(by_class);
         // Itself, with other periods, others.
         let mut names: Vec<(&'static Cause, String)> = class
             .iter()

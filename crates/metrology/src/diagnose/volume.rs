@@ -109,6 +109,12 @@ impl Volume {
         out
     }
 
+    /// Numbers of a field that belong to one tool; those of the others follow.
+    pub(super) fn numbers_of_a_tool(&self) -> usize {
+        let first = self.places.first().map(|row| row.tool_mm);
+        3 * self.places.iter().take_while(|row| Some(row.tool_mm) == first).count()
+    }
+
     /// The nearest place that was measured.
     fn within(&self, row: &SceneRow) -> SceneRow {
         let mut out = row.clone();

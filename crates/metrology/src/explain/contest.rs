@@ -5,7 +5,7 @@
 
 use super::likelihood::{Group, Likelihood};
 use super::noise::{Memory, NoiseSeries};
-use super::search::{self, Explanation};
+use super::search::{self, Explanation, Odds};
 use crate::diagnose::Scene;
 use ncfix_base::numeric::in_parts;
 
@@ -13,6 +13,8 @@ use ncfix_base::numeric::in_parts;
 const MOST_MEMORIES: usize = 5;
 /// Rounds in which terms from outside join.
 const ROUNDS: usize = 4;
+/// What explains less in the place of a term by no more than this is an alternative: 150 times, as a natural logarithm.
+const NEARLY: f64 = 5.0;
 /// Terms from outside that join in a round, those with the largest gain.
 const JOIN: usize = 40;
 
@@ -23,6 +25,8 @@ pub struct Entrant {
     pub group: Group,
     /// Logarithm of its odds.
     pub log_odds: f64,
+    /// Number of the entrant that is usual beside it.
+    pub parent: Option<usize>,
     /// Most machines have it: all such together are a start of the search.
     pub is_simple: bool,
 }
@@ -42,6 +46,8 @@ pub struct Outside<'o> {
 pub struct Contest {
     /// Entrants at the end: those that were given, then those that joined.
     pub entrants: usize,
+    /// Columns of each entrant.
+    pub widths: Vec<usize>,
     /// Which of those outside joined, in the order of the numbers that follow those that were given.
     pub joined: Vec<usize>,
     /// Explanations, the most probable first. Their sets have numbers of entrants.
@@ -107,13 +113,16 @@ pub fn contest(
                     out.dedup();
                     Some(out)
                 };
-                let log_odds: Vec<f64> = likelihood.kept.iter().map(|&number| entrants[number].log_odds).collect();
+                let odds = Odds {
+                    log: likelihood.kept.iter().map(|&number| entrants[number].log_odds).collect(),
+                    parents: likelihood.kept.iter().map(|&number| place(entrants[number].parent?)).collect(),
+                };
                 let simple = (0..likelihood.count()).filter(|&k| entrants[likelihood.kept[k]].is_simple).collect();
                 let mut from = vec![Vec::new(), simple];
                 from.extend(known.iter().filter_map(|set| inner(set)));
-                let found = search::explanations(&likelihood, &log_odds, &from);
+                let found = search::explanations(&likelihood, &odds, &from);
                 let Some(first) = found.first() else { break };
-                let score = |set: &[usize]| likelihood.evidence(set).1 + set.iter().map(|&k| log_odds[k]).sum::<f64>();
+                let score = |set: &[usize]| likelihood.evidence(set).1 + odds.of(set);
                 let worth = score(&first.set);
                 let behind =
                     starts.iter().map(|set| inner(set).map_or(f64::NEG_INFINITY, |set| score(&set) - worth)).collect();
@@ -126,9 +135,14 @@ pub fn contest(
                 let losses: Vec<f64> = (0..set.len()).map(without).collect();
                 let outer: Vec<usize> = set.iter().map(|&k| likelihood.kept[k]).collect();
                 known.push(outer);
-                // What would gain more than its odds cost.
+                // What would gain more than its odds cost, or nearly as much in the place of a term.
                 let open: Vec<usize> = (0..outside.count).filter(|number| !joined.contains(number)).collect();
-                let gains = likelihood.gains_of_others(&set, scale, &open, outside.group);
+                let mut sets = vec![(set.clone(), 0.0)];
+                for (place, loss) in losses.iter().enumerate() {
+                    let rest = set.iter().enumerate().filter(|(k, _)| *k != place).map(|(_, &k)| k).collect();
+                    sets.push((rest, NEARLY - loss));
+                }
+                let gains = likelihood.best_with_others(&sets, scale, &open, outside.group);
                 let mut gaining: Vec<(f64, usize)> = open
                     .iter()
                     .zip(gains)
@@ -143,6 +157,7 @@ pub fn contest(
                     .collect();
                 let outcome = Contest {
                     entrants: entrants.len(),
+                    widths: entrants.iter().map(|one| one.group.columns.len()).collect(),
                     joined: Vec::new(),
                     explanations,
                     losses,
@@ -167,6 +182,7 @@ pub fn contest(
                     entrants.push(Entrant {
                         group: (outside.group)(number),
                         log_odds: (outside.log_odds)(number),
+                        parent: None,
                         is_simple: false,
                     });
                     joined.push(number);

@@ -110,6 +110,8 @@ pub struct Posterior {
     pub log_evidence: f64,
     /// Scale of the noise beside what is stated.
     pub scale: f64,
+    /// Squares of what the amounts leave of the readings, in standard deviations as they are stated.
+    pub misfit: f64,
     /// Amounts of all columns, mm or rad, in the order of the terms.
     pub mean: Vec<f64>,
     /// Their standard deviations.
@@ -257,32 +259,44 @@ impl<'w> Likelihood<'w> {
         in_parts(&all, &|&term: &usize| gain(term))
     }
 
-    /// Returns the same for groups that are not among the terms.
+    /// Returns for groups that are not among the terms the best that each makes of some sets: the score of the set, as given, and by how much the logarithm of the likelihood grows with
+    /// the group beside it. All sets are parts of the first one.
     #[must_use]
-    pub fn gains_of_others(
+    pub fn best_with_others(
         &self,
-        set: &[usize],
+        sets: &[(Vec<usize>, f64)],
         scale: f64,
         groups: &[usize],
         of: &(dyn Fn(usize) -> Group + Sync),
     ) -> Vec<f64> {
-        let Some((own, root, right)) = self.decomposed(set, scale) else {
-            return vec![f64::NEG_INFINITY; groups.len()];
-        };
         let weight = 1.0 / (scale * scale);
-        let amounts = root.solve(&right);
+        let whole = sets.first().map_or_else(Vec::new, |(set, _)| self.columns_of(set));
+        let prepared: Vec<_> = sets
+            .iter()
+            .filter_map(|(set, score)| {
+                let (own, root, right) = self.decomposed(set, scale)?;
+                let amounts = root.solve(&right);
+                let places: Vec<usize> =
+                    own.iter().filter_map(|column| whole.iter().position(|other| other == column)).collect();
+                Some((places, root, amounts, *score))
+            })
+            .collect();
         in_parts(groups, &|&number: &usize| {
             let new = self.white.group(&of(number));
             if new.iter().all(|column| dot(column, column).sqrt() < FAINT) {
                 return f64::NEG_INFINITY;
             }
-            let with = DMatrix::from_fn(own.len(), new.len(), |row, column| {
-                weight * dot(&self.columns[own[row]], &new[column])
+            let with = DMatrix::from_fn(whole.len(), new.len(), |row, column| {
+                weight * dot(&self.columns[whole[row]], &new[column])
             });
             let among = DMatrix::from_fn(new.len(), new.len(), |row, column| weight * dot(&new[row], &new[column]));
             let with_readings =
                 DVector::from_iterator(new.len(), new.iter().map(|column| weight * dot(column, &self.white.readings)));
-            gain_of(&root, &amounts, &with, among, with_readings)
+            let one = |(places, root, amounts, score): &(Vec<usize>, Cholesky<f64, Dyn>, DVector<f64>, f64)| {
+                let with = with.select_rows(places);
+                score + gain_of(root, amounts, &with, among.clone(), with_readings.clone())
+            };
+            prepared.iter().map(one).fold(f64::NEG_INFINITY, f64::max)
         })
     }
 
@@ -291,12 +305,20 @@ impl<'w> Likelihood<'w> {
     pub fn posterior(&self, set: &[usize]) -> Posterior {
         let (scale, log_likelihood) = self.evidence(set);
         let log_evidence = log_likelihood - self.evidence(&[]).1;
-        let nothing = Posterior { log_evidence, scale, mean: Vec::new(), sigma: Vec::new() };
+        let nothing = Posterior { log_evidence, scale, misfit: self.square, mean: Vec::new(), sigma: Vec::new() };
         let Some((own, root, right)) = self.decomposed(set, scale) else { return nothing };
         let amounts = root.solve(&right);
         let covariance = root.inverse();
+        let with: f64 = own.iter().zip(amounts.iter()).map(|(&k, amount)| amount * self.with_readings[k]).sum();
+        let among: f64 = own
+            .iter()
+            .zip(amounts.iter())
+            .flat_map(|(&k, one)| own.iter().zip(amounts.iter()).map(move |(&l, other)| (k, l, one * other)))
+            .map(|(k, l, product)| product * self.products[(k, l)])
+            .sum();
         let sizes = own.iter().map(|&k| self.sizes[k]);
         Posterior {
+            misfit: self.square - 2.0 * with + among,
             mean: sizes.clone().zip(amounts.iter()).map(|(size, amount)| size * amount).collect(),
             sigma: sizes.enumerate().map(|(k, size)| size * covariance[(k, k)].sqrt()).collect(),
             ..nothing
@@ -516,7 +538,8 @@ mod tests {
             let gain = likelihood.gains(&[0], scale)[1];
             let both = likelihood.at(&[0, 1], scale) - likelihood.at(&[0], scale);
             assert!((gain - both).abs() < 1e-9 * both.abs().max(1.0), "{gain} {both}");
-            let outside = likelihood.gains_of_others(&[0], scale, &[1], &|number| groups[number].clone())[0];
+            let outside = likelihood
+                .best_with_others(&[(vec![0], 0.0), (vec![], -1e9)], scale, &[1], &|number| groups[number].clone())[0];
             assert!((outside - gain).abs() < 1e-9 * gain.abs().max(1.0), "{outside} {gain}");
             // Both as one term.
             let together = Group { columns: vec![line.clone(), bow.clone()], sizes: sizes.to_vec() };

@@ -84,10 +84,11 @@ pub fn explain(scene: &Scene<'_>) -> Explained {
         })
         .collect();
     let weights: Vec<f64> = scene.items.iter().map(|item| 1.0 / item.sigma).collect();
-    let log_odds: Vec<f64> = all.iter().map(|term| term.family.assumption().odds.ln()).collect();
+    let log_odds: Vec<f64> = all.iter().map(|term| (term.share * term.family.assumption().odds).ln()).collect();
     let entrants = groups.into_iter().zip(&all).zip(&log_odds).map(|((group, term), log_odds)| Entrant {
         group,
         log_odds: *log_odds,
+        parent: term.parent,
         is_simple: term.family.is_simple(),
     });
     let nobody = Outside { count: 0, log_odds: &|_| 0.0, group: &|_| Group::default() };

@@ -14,6 +14,8 @@ use ncfix_model::name::{DIRECTIONS, ErrorName};
 
 /// Highest order of a shape over the travel.
 const ORDERS: u8 = 4;
+/// An order or a harmonic is this much rarer than the one below it, and an order this much smaller: guideways are smooth, most of them bow before they wave.
+const RARER: f64 = 1.0 / 3.0;
 /// Harmonics of a turn of a rotary axis.
 const HARMONICS: u8 = 2;
 
@@ -28,13 +30,17 @@ pub struct Term {
     pub shape: String,
     /// Standard deviation of the prior of its amount, mm, rad or s.
     pub size: f64,
+    /// Its share of the odds of its family: orders and harmonics of one error share them.
+    pub share: f64,
+    /// Number of the term that is usual beside it: of an order the one below.
+    pub parent: Option<usize>,
     /// Effect of one unit on the component at each row; 1 at the ends of the travel.
     pub weight: Weight,
 }
 
 impl Term {
     fn new(family: Family, component: ErrorName, shape: impl Into<String>, travel_mm: f64, weight: Weight) -> Term {
-        Term { family, component, shape: shape.into(), size: family.size(travel_mm), weight }
+        Term { family, component, shape: shape.into(), size: family.size(travel_mm), share: 1.0, parent: None, weight }
     }
 
     /// Returns the effect of one unit on every reading of a scene.
@@ -155,9 +161,22 @@ fn shapes(scene: &Scene<'_>, axis: Axis, out: &mut Vec<Term>) {
                 (false, false, _) => Family::Straightness,
             };
             let weight = Weight::new(move |row| legendre(order, at(row)));
-            out.push(Term::new(family, component, format!("{axis} order {order}"), range[1] - range[0], weight));
+            let mut one = Term::new(family, component, format!("{axis} order {order}"), range[1] - range[0], weight);
+            // A scale is a family of its own.
+            let lowest = if family == Family::Positioning { 2 } else { first };
+            let above = order - lowest.min(order);
+            one.share = share_of(above, ORDERS - lowest + 1);
+            one.parent = (order > first).then(|| out.len() - 1);
+            one.size *= RARER.powi(i32::from(above));
+            out.push(one);
         }
     }
+}
+
+/// The share of the odds that the one of a number of orders has that is so far above the lowest.
+fn share_of(above: u8, count: u8) -> f64 {
+    let all: f64 = (0..count).map(|k| RARER.powi(i32::from(k))).sum();
+    RARER.powi(i32::from(above)) / all
 }
 
 fn turns(axis: Axis, out: &mut Vec<Term>) {
@@ -169,8 +188,11 @@ fn turns(axis: Axis, out: &mut Vec<Term>) {
                 Weight::new(move |row: &SceneRow| (turn * row.position[axis]).sin()),
                 Weight::new(move |row: &SceneRow| (turn * row.position[axis]).cos()),
             ];
-            out.push(Term::new(family, component, format!("sin {harmonic}{axis}"), 0.0, sine));
-            out.push(Term::new(family, component, format!("cos {harmonic}{axis}"), 0.0, cosine));
+            for (name, weight) in [("sin", sine), ("cos", cosine)] {
+                let mut one = Term::new(family, component, format!("{name} {harmonic}{axis}"), 0.0, weight);
+                one.share = share_of(harmonic - 1, HARMONICS);
+                out.push(one);
+            }
         }
     }
 }
@@ -210,6 +232,13 @@ fn crosses(scene: &Scene<'_>, out: &mut Vec<Term>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn orders_share_the_odds_of_their_family() {
+        // 9 : 3 : 1 of 13.
+        let all = [0, 1, 2].map(|above| share_of(above, 3));
+        assert!(all.iter().zip([9.0, 3.0, 1.0]).all(|(own, of)| (own - of / 13.0).abs() < 1e-12), "{all:?}");
+    }
 
     #[test]
     fn shapes_are_those_of_legendre() {

@@ -2,7 +2,7 @@
 
 use super::not_identified;
 use crate::calibrate::{Fit, FitOptions, Parameter, fit};
-use crate::diagnose::extend::{Anchor, Change, again, cleaned, note};
+use crate::diagnose::extend::{Anchor, Change, again, cleaned, effect_of_others, note};
 use crate::diagnose::{DiagnosedCauses, Scene, levels};
 use crate::measure::data::DataSet;
 use ncfix_base::diagnostic::{Code, Diagnostic};
@@ -131,7 +131,7 @@ impl ExtensionJob<'_> {
                 return Err((format!("{parameter} would read {read:e} in place of {found:e}"), SECTIONS));
             }
         }
-        self.helps(&written).map(|()| out)
+        self.helps(&written, grown).map(|()| out)
     }
 
     /// All parameters fitted together; `None` if they keep the values of the search.
@@ -210,7 +210,13 @@ impl ExtensionJob<'_> {
     }
 
     fn level(&self, errors: &ErrorModel) -> [f64; 2] {
+        self.level_without(errors, &[])
+    }
+
+    /// The same with what is taken from each reading, mm or rad.
+    fn level_without(&self, errors: &ErrorModel, away: &[f64]) -> [f64; 2] {
         let scene = Scene::new(self.machine, errors, self.scene.sets).map(|mut scene| {
+            scene.items.iter_mut().zip(away).for_each(|(item, away)| item.left -= away);
             // Data excluded as defective do not count here either.
             scene.items.iter_mut().zip(&self.scene.items).for_each(|(item, known)| item.sigma = known.sigma);
             levels(&scene, self.used)
@@ -218,10 +224,13 @@ impl ExtensionJob<'_> {
         scene.unwrap_or([f64::INFINITY; 2])
     }
 
-    /// Checks that the model fits the data better with the change, on the holdout data if any.
-    fn helps(&self, errors: &ErrorModel) -> Result<(), NotWritten> {
-        let before = levels(self.scene, self.used);
-        let after = self.level(errors);
+    /// Checks that the model fits the data better with the change, on the holdout data if any; effects of findings that the file does not hold are taken out of the readings on both sides:
+    /// they stay as they are, and may have had a part of what is corrected.
+    fn helps(&self, errors: &ErrorModel, grown: &Grown) -> Result<(), NotWritten> {
+        let holds: Vec<bool> = grown.anchors.iter().map(Result::is_ok).collect();
+        let away = effect_of_others(self.found, self.scene, &holds);
+        let before = self.level_without(&self.scene.errors, &away);
+        let after = self.level_without(errors, &away);
         let which = if after[0].is_infinite() {
             "the data"
         } else if after[0] > before[0] {

@@ -115,12 +115,6 @@ fn is_sound(one: &AcceptedCause, left: f64) -> Result<(), String> {
                 .into(),
         );
     }
-    if one.rms > CANCELS * left {
-        let times = one.rms / left;
-        return Err(format!(
-            "alone its effect is {times:.1} times the residual of the model: other findings cancel it only at the measured positions; measure at more positions"
-        ));
-    }
     if !one.aliases.is_empty() {
         let what = if one.candidate.cause.effect == EffectKind::Periodic {
             "it may as well have other periods"
@@ -129,6 +123,12 @@ fn is_sound(one: &AcceptedCause, left: f64) -> Result<(), String> {
         };
         return Err(format!(
             "{what}: between these positions its effect is not known; measure at unevenly spaced points or in small steps"
+        ));
+    }
+    if one.rms > CANCELS * left {
+        let times = one.rms / left;
+        return Err(format!(
+            "alone its effect is {times:.1} times the residual of the model: other findings cancel it only at the measured positions; measure at more positions"
         ));
     }
     if let Some(doubt) = &one.doubt {
@@ -276,17 +276,23 @@ fn doing(one: &AcceptedCause, scene: &Scene<'_>) -> Vec<f64> {
     out
 }
 
+/// The effect on every reading of a scene of the findings that the file does not hold, mm or rad.
+#[must_use]
+pub fn effect_of_others(found: &DiagnosedCauses, scene: &Scene<'_>, holds: &[bool]) -> Vec<f64> {
+    let mut away = vec![0.0; scene.items.len()];
+    for (one, _) in found.findings.iter().zip(holds).filter(|(_, holds)| !**holds) {
+        away.iter_mut().zip(doing(one, scene)).for_each(|(away, own)| *away += own);
+    }
+    away
+}
+
 /// The measurements that were used, without readings that did not count and without what findings do that the file does not hold: what the
 /// terms that it holds are fitted to again. `None` where these findings cannot be taken out of the readings.
 #[must_use]
 pub fn cleaned(found: &DiagnosedCauses, scene: &Scene<'_>, used: usize, holds: &[bool]) -> Option<Vec<DataSet>> {
     let mut sets: Vec<DataSet> = scene.sets.iter().take(used).cloned().collect();
-    let mut away = vec![0.0; scene.items.len()];
-    let mut is_less = false;
-    for (one, _) in found.findings.iter().zip(holds).filter(|(_, holds)| !**holds) {
-        is_less = true;
-        away.iter_mut().zip(doing(one, scene)).for_each(|(away, own)| *away += own);
-    }
+    let is_less = found.findings.iter().zip(holds).any(|(_, holds)| !*holds);
+    let away = effect_of_others(found, scene, holds);
     let mut out: Vec<(usize, usize)> = Vec::new();
     for (item, away) in scene.items.iter().zip(away).filter(|(item, _)| item.row != NO_ROW) {
         let Some(row) = scene.rows.get(item.row).filter(|row| row.set < used) else { continue };
