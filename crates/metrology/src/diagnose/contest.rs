@@ -24,16 +24,16 @@ const SURELY: f64 = 3.0;
 const NAMED: f64 = 0.5;
 /// Readings show a term surely if the score falls by this without it and with nothing in its place, as a natural logarithm: 1000 times.
 const SHOWN: f64 = 6.9;
-/// The same of a term with a number that was searched, as a period: others may stand beside it that nobody tried.
-const NAMED_SEARCHED: f64 = 0.9;
+/// The same of a wave of one period: others may stand beside it that nobody tried.
+const NAMED_WAVE: f64 = 0.9;
 /// A correction is refused if it would do harm with more than this probability.
 const HARMFUL: f64 = 0.1;
 /// The same with explanations that the readings do not tell from the first one, so that nothing but usual sizes speaks against them.
 const HARMFUL_ALIKE: f64 = 0.01;
 /// A correction helps where it leaves less than this share of an error.
 const LEAVES: f64 = 0.8;
-/// Readings do not tell two explanations whose squares of what is left differ by less, in variances.
-const ALIKE: f64 = 1.0;
+/// Two explanations are the same on everything that was measured if the squares of what they leave differ by less, in variances.
+const ALIKE: f64 = 0.02;
 /// What the search found by its readings is one of about so many that it would have found as well.
 const SOUGHT: f64 = 100.0;
 
@@ -180,7 +180,8 @@ impl<'f> Harm<'f> {
             }
             harmful += one.probability;
             let scale = best.posterior.scale;
-            if (one.posterior.misfit - best.posterior.misfit) / (scale * scale) < ALIKE {
+            let apart = (one.posterior.misfit - best.posterior.misfit).abs() / (scale * scale);
+            if one.set.len() == best.set.len() && apart < ALIKE {
                 harmful_alike += one.probability;
             }
             if others.is_empty() {
@@ -286,11 +287,13 @@ impl Field<'_, '_> {
         }
     }
 
-    /// The probability from which a term is named.
-    fn named_from(&self, source: &Source) -> f64 {
+    /// Whether a term is named: by the probability of all its variants, a wave by that of its own period.
+    fn is_named(&self, source: &Source, of_all: f64, of_own: f64) -> bool {
         match source {
-            Source::Known(number) if self.candidates[*number].constant.is_some() => NAMED_SEARCHED,
-            _ => NAMED,
+            Source::Known(number) if self.candidates[*number].cause.effect == EffectKind::Periodic => {
+                of_own >= NAMED_WAVE
+            }
+            _ => of_all >= NAMED,
         }
     }
 
@@ -426,12 +429,9 @@ impl Field<'_, '_> {
             }
             Source::Shape(one) => format!("{} {}", one.cause.name, one.parameter),
         };
-        // Variants of one cause, as shapes of what has no name, stand for each other; numbers that were searched do not.
+        // Variants of one cause, as shapes of what has no name or lags of a drift, stand for each other.
         let probability = |k: usize| -> f64 {
             let Some(source) = sources.get(k) else { return 0.0 };
-            if matches!(source, Source::Known(number) if self.candidates[*number].constant.is_some()) {
-                return found.probability(k);
-            }
             let key = source.key(self);
             let has = |one: &&Explanation| {
                 one.set.iter().any(|&other| sources.get(other).is_some_and(|other| other.key(self) == key))
@@ -477,8 +477,9 @@ impl Field<'_, '_> {
             let mut shapes: Vec<(Candidate, f64, Option<Vec<String>>)> = Vec::new();
             for (&k, loss) in first.set.iter().zip(&found.losses) {
                 let probability = probability(k);
-                let Some(source) =
-                    sources.get(k).filter(|source| probability >= self.named_from(source) && *loss >= SHOWN)
+                let Some(source) = sources
+                    .get(k)
+                    .filter(|source| self.is_named(source, probability, found.probability(k)) && *loss >= SHOWN)
                 else {
                     continue;
                 };

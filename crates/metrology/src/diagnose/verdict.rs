@@ -289,10 +289,10 @@ fn verdict(
                 .and_then(|volume| field.doubt(weights, volume, (term.candidate, &others), (&amounts, &class), scatter))
                 .or_else(|| field.wave_doubt(weights, &taken, term.candidate))
         };
-        // What the search took is held against its class, too, and what has no name: its field is not among those that are compared.
+        // What the search took is held against its class, too, and what has another field than those that are compared against its class alone.
         let effect = candidate.cause.effect;
         let is_compared = matches!(effect, EffectKind::Location | EffectKind::Motion | EffectKind::Backlash);
-        let doubt = of_chosen.filter(|doubt| (is_other && is_compared) || doubt.is_some()).unwrap_or_else(by_class);
+        let doubt = of_chosen.filter(|doubt| is_compared && (is_other || doubt.is_some())).unwrap_or_else(by_class);
         // Itself, with other periods, others.
         let mut names: Vec<(&'static Cause, String)> = class
             .iter()
