@@ -70,6 +70,8 @@ pub struct ExplanationSummary {
 pub(super) struct Outcome {
     /// Terms of the most probable explanation, where it takes the place of what the search took.
     pub(super) instead: Option<Vec<Chosen>>,
+    /// All of its terms are named.
+    pub(super) is_whole: bool,
     /// What the search took.
     pub(super) of_taken: Vec<Chosen>,
     /// The most probable explanations.
@@ -179,9 +181,10 @@ impl<'f> Harm<'f> {
                 continue;
             }
             harmful += one.probability;
+            // Plays are no places of a tool.
             let scale = best.posterior.scale;
             let apart = (one.posterior.misfit - best.posterior.misfit).abs() / (scale * scale);
-            if one.set.len() == best.set.len() && apart < ALIKE {
+            if square > 0.0 && one.set.len() == best.set.len() && apart < ALIKE {
                 harmful_alike += one.probability;
             }
             if others.is_empty() {
@@ -288,10 +291,15 @@ impl Field<'_, '_> {
     }
 
     /// Whether a term is named: by the probability of all its variants, a wave by that of its own period.
-    fn is_named(&self, source: &Source, of_all: f64, of_own: f64) -> bool {
+    fn is_named(&self, source: &Source, of_all: f64, of_own: f64, taken: &[usize]) -> bool {
         match source {
+            // The search also asks whether a wave says places that were left out: what a few places have of their own fits some wave.
             Source::Known(number) if self.candidates[*number].cause.effect == EffectKind::Periodic => {
-                of_own >= NAMED_WAVE
+                let is_same = |&other: &usize| {
+                    let [one, other] = [*number, other].map(|number| &self.candidates[number]);
+                    other.cause.effect == EffectKind::Periodic && other.parameter == one.parameter
+                };
+                of_own >= NAMED_WAVE && taken.iter().any(is_same)
             }
             _ => of_all >= NAMED,
         }
@@ -479,7 +487,7 @@ impl Field<'_, '_> {
                 let probability = probability(k);
                 let Some(source) = sources
                     .get(k)
-                    .filter(|source| self.is_named(source, probability, found.probability(k)) && *loss >= SHOWN)
+                    .filter(|source| self.is_named(source, probability, found.probability(k), taken) && *loss >= SHOWN)
                 else {
                     continue;
                 };
@@ -499,6 +507,11 @@ impl Field<'_, '_> {
             }
             (chosen, shapes)
         });
+        let is_whole = first.set.iter().zip(&found.losses).all(|(&k, loss)| {
+            sources
+                .get(k)
+                .is_some_and(|one| self.is_named(one, probability(k), found.probability(k), taken) && *loss >= SHOWN)
+        });
         let instead = decided.map(|(mut chosen, shapes)| {
             for (one, probability, harmful) in shapes {
                 chosen.push(Chosen { candidate: self.candidates.len(), probability, harmful });
@@ -506,7 +519,7 @@ impl Field<'_, '_> {
             }
             chosen
         });
-        Outcome { instead, of_taken, explanations }
+        Outcome { instead, is_whole, of_taken, explanations }
     }
 }
 

@@ -159,15 +159,14 @@ pub fn diagnose_with(
     let volume = Volume::new(scene, |row| row.set < used);
     let outcome = field.contest(&weights, &numbers, volume.as_ref());
     let mut chosen = outcome.of_taken;
-    let mut is_other = false;
     if let Some(all) = outcome.instead {
         let again = stand(&mut field, &weights, &all, &mut rejections, note);
         let of_again: Vec<usize> = again.iter().map(|(term, _)| term.candidate).collect();
         let squares = |taken: &[usize]| field.series(&weights, taken, 0.0).squares();
         // What did not gain on readings that were left out is no explanation: then what the search took may be better after all, if it is likely.
         let is_likely = chosen.iter().all(Chosen::is_likely);
-        if again.len() == all.len() || !is_likely || squares(&of_again) <= squares(&numbers) {
-            (kept, chosen, is_other) = (again, all, true);
+        if (outcome.is_whole && again.len() == all.len()) || !is_likely || squares(&of_again) <= squares(&numbers) {
+            (kept, chosen) = (again, all);
         }
     }
     let numbers: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
@@ -177,13 +176,8 @@ pub fn diagnose_with(
     drop_far(scene, &mut held_out, &far);
     let not_confirmed = hold(&field, &weights, &held_out, &mut kept, &mut rejections);
     note("verdict", 1.0);
-    let mut found = verdict(
-        (&field, causes),
-        bare,
-        [&weights, &held_out],
-        (&kept, &chosen, is_other),
-        (used, not_confirmed, &rejections),
-    );
+    let mut found =
+        verdict((&field, causes), bare, [&weights, &held_out], (&kept, &chosen), (used, not_confirmed, &rejections));
     for one in &mut found.findings {
         let is_one = |chosen: &&Chosen| {
             field.candidates.get(chosen.candidate).is_some_and(|own| {
@@ -225,7 +219,7 @@ fn verdict(
     (field, causes): (&Field<'_, '_>, &Causes),
     bare: &Scene<'_>,
     [weights, held_out]: [&Weights; 2],
-    (kept, chosen, is_other): (&[(Taken, f64)], &[Chosen], bool),
+    (kept, chosen): (&[(Taken, f64)], &[Chosen]),
     (used, not_confirmed, rejections): (usize, Vec<Candidate>, &Rejections),
 ) -> DiagnosedCauses {
     let scene = field.scene;
@@ -289,10 +283,10 @@ fn verdict(
                 .and_then(|volume| field.doubt(weights, volume, (term.candidate, &others), (&amounts, &class), scatter))
                 .or_else(|| field.wave_doubt(weights, &taken, term.candidate))
         };
-        // What the search took is held against its class, too, and what has another field than those that are compared against its class alone.
+        // Held against all explanations, and against its class; what has another field than those that are compared against its class alone.
         let effect = candidate.cause.effect;
         let is_compared = matches!(effect, EffectKind::Location | EffectKind::Motion | EffectKind::Backlash);
-        let doubt = of_chosen.filter(|doubt| is_compared && (is_other || doubt.is_some())).unwrap_or_else(by_class);
+        let doubt = of_chosen.flatten().filter(|_| is_compared).or_else(by_class);
         // Itself, with other periods, others.
         let mut names: Vec<(&'static Cause, String)> = class
             .iter()

@@ -10,7 +10,11 @@ use crate::diagnose::Scene;
 use ncfix_base::numeric::in_parts;
 
 /// Memories of the noise that are searched with at most.
-const MOST_MEMORIES: usize = 5;
+const MOST_MEMORIES: usize = 6;
+/// Factors of all sizes of priors: a new machine of the highest class and a worn one are as far apart.
+const FACTORS: [f64; 5] = [0.1, 0.2, 0.4, 1.0, 2.5];
+/// Standard deviation of the natural logarithm of that factor: two of three machines are within a factor of 2.7.
+const FACTOR_SPREAD: f64 = 1.0;
 /// Rounds in which terms from outside join.
 const ROUNDS: usize = 4;
 /// What explains less in the place of a term by no more than this is an alternative: 150 times, as a natural logarithm.
@@ -93,16 +97,19 @@ pub fn contest(
     };
     let mut joined: Vec<usize> = Vec::new();
     let mut best: Option<(f64, Contest)> = None;
-    let mut tried: Vec<Memory> = Vec::new();
+    let mut tried: Vec<(Memory, f64)> = Vec::new();
+    let rarity = |factor: f64| 0.5 * (factor.ln() / FACTOR_SPREAD).powi(2);
     // Terms and noise explain the same readings: the search starts from white noise, and from all readings as noise with memory.
     for start in [Memory::default(), choose(&entrants, &[])] {
-        let mut memory = start;
-        while !tried.contains(&memory) && tried.len() < MOST_MEMORIES {
-            tried.push(memory);
+        let (mut memory, mut factor) = (start, 1.0);
+        while !tried.contains(&(memory, factor)) && tried.len() < MOST_MEMORIES {
+            tried.push((memory, factor));
+            let mut next = factor;
             let mut known: Vec<Vec<usize>> = starts.to_vec();
             for round in 0..ROUNDS {
                 let groups: Vec<Group> = entrants.iter().map(|one| one.group.clone()).collect();
-                let likelihood = Likelihood::new(scene, weights, &groups, (&noise, memory));
+                let mut likelihood = Likelihood::new(scene, weights, &groups, (&noise, memory));
+                likelihood.factor = factor;
                 let place = |number: usize| likelihood.kept.iter().position(|&kept| kept == number);
                 let same =
                     |number: usize| likelihood.alike.iter().find(|(one, _)| *one == number).map(|(_, other)| *other);
@@ -167,7 +174,19 @@ pub fn contest(
                     memory,
                     has_clock: noise.has_clock,
                 };
-                let worth = worth - price(memory);
+                let worth = worth - price(memory) - rarity(factor);
+                // With which factor this set or one that was given would be best.
+                let mut most = f64::NEG_INFINITY;
+                let also = starts.iter().filter_map(|set| inner(set)).chain([set.clone()]);
+                for set in also {
+                    for other in FACTORS {
+                        likelihood.factor = other;
+                        let own = likelihood.evidence(&set).1 + odds.of(&set) - rarity(other);
+                        if own > most {
+                            (most, next) = (own, other);
+                        }
+                    }
+                }
                 // A larger pool at the same memory replaces the smaller one.
                 if best
                     .as_ref()
@@ -190,6 +209,7 @@ pub fn contest(
             }
             let Some(set) = known.last() else { break };
             memory = choose(&entrants, set);
+            factor = next;
         }
     }
     let mut out = best.map_or_else(Contest::default, |(_, outcome)| outcome);

@@ -83,6 +83,8 @@ impl<'w> White<'w> {
 /// Readings, columns and their products, without what the set-ups can take.
 pub struct Likelihood<'w> {
     white: White<'w>,
+    /// Factor of all sizes of priors: how exact the machine is.
+    pub factor: f64,
     /// Number of readings less the unknowns of the set-ups.
     pub freedom: f64,
     /// `yᵀ Σ⁻¹ y`.
@@ -164,6 +166,7 @@ impl<'w> Likelihood<'w> {
         let with_readings =
             DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, &white.readings)));
         Likelihood {
+            factor: 1.0,
             freedom: weights.iter().filter(|weight| **weight > 0.0).count() as f64 - white.setups.rank as f64,
             square: dot(&white.readings, &white.readings),
             columns,
@@ -192,11 +195,13 @@ impl<'w> Likelihood<'w> {
     fn decomposed(&self, set: &[usize], scale: f64) -> Option<(Vec<usize>, Cholesky<f64, Dyn>, DVector<f64>)> {
         let weight = 1.0 / (scale * scale);
         let own = self.columns_of(set);
+        let square = weight * self.factor * self.factor;
         let of = |row: usize, column: usize| {
-            weight * self.products[(own[row], own[column])] + if row == column { 1.0 } else { 0.0 }
+            square * self.products[(own[row], own[column])] + if row == column { 1.0 } else { 0.0 }
         };
         let matrix = DMatrix::from_fn(own.len(), own.len(), of);
-        let right = DVector::from_iterator(own.len(), own.iter().map(|&k| weight * self.with_readings[k]));
+        let right =
+            DVector::from_iterator(own.len(), own.iter().map(|&k| weight * self.factor * self.with_readings[k]));
         Some((own, Cholesky::new(matrix)?, right))
     }
 
@@ -242,6 +247,7 @@ impl<'w> Likelihood<'w> {
         let count = self.count();
         let Some((own, root, right)) = self.decomposed(set, scale) else { return vec![f64::NEG_INFINITY; count] };
         let weight = 1.0 / (scale * scale);
+        let square = weight * self.factor * self.factor;
         let amounts = root.solve(&right);
         let gain = |term: usize| {
             if set.contains(&term) {
@@ -251,8 +257,9 @@ impl<'w> Likelihood<'w> {
             let with =
                 DMatrix::from_fn(own.len(), new.len(), |row, column| weight * self.products[(own[row], new[column])]);
             let among =
-                DMatrix::from_fn(new.len(), new.len(), |row, column| weight * self.products[(new[row], new[column])]);
-            let with_readings = DVector::from_iterator(new.len(), new.iter().map(|&k| weight * self.with_readings[k]));
+                DMatrix::from_fn(new.len(), new.len(), |row, column| square * self.products[(new[row], new[column])]);
+            let with_readings =
+                DVector::from_iterator(new.len(), new.iter().map(|&k| weight * self.factor * self.with_readings[k]));
             gain_of(&root, &amounts, &with, among, with_readings)
         };
         let all: Vec<usize> = (0..count).collect();
@@ -270,6 +277,7 @@ impl<'w> Likelihood<'w> {
         of: &(dyn Fn(usize) -> Group + Sync),
     ) -> Vec<f64> {
         let weight = 1.0 / (scale * scale);
+        let square = weight * self.factor * self.factor;
         let whole = sets.first().map_or_else(Vec::new, |(set, _)| self.columns_of(set));
         let prepared: Vec<_> = sets
             .iter()
@@ -287,11 +295,13 @@ impl<'w> Likelihood<'w> {
                 return f64::NEG_INFINITY;
             }
             let with = DMatrix::from_fn(whole.len(), new.len(), |row, column| {
-                weight * dot(&self.columns[whole[row]], &new[column])
+                square * dot(&self.columns[whole[row]], &new[column])
             });
-            let among = DMatrix::from_fn(new.len(), new.len(), |row, column| weight * dot(&new[row], &new[column]));
-            let with_readings =
-                DVector::from_iterator(new.len(), new.iter().map(|column| weight * dot(column, &self.white.readings)));
+            let among = DMatrix::from_fn(new.len(), new.len(), |row, column| square * dot(&new[row], &new[column]));
+            let with_readings = DVector::from_iterator(
+                new.len(),
+                new.iter().map(|column| weight * self.factor * dot(column, &self.white.readings)),
+            );
             let one = |(places, root, amounts, score): &(Vec<usize>, Cholesky<f64, Dyn>, DVector<f64>, f64)| {
                 let with = with.select_rows(places);
                 score + gain_of(root, amounts, &with, among.clone(), with_readings.clone())
@@ -307,8 +317,9 @@ impl<'w> Likelihood<'w> {
         let log_evidence = log_likelihood - self.evidence(&[]).1;
         let nothing = Posterior { log_evidence, scale, misfit: self.square, mean: Vec::new(), sigma: Vec::new() };
         let Some((own, root, right)) = self.decomposed(set, scale) else { return nothing };
-        let amounts = root.solve(&right);
-        let covariance = root.inverse();
+        // In units of the priors as they were given.
+        let amounts = root.solve(&right) * self.factor;
+        let covariance = root.inverse() * (self.factor * self.factor);
         let with: f64 = own.iter().zip(amounts.iter()).map(|(&k, amount)| amount * self.with_readings[k]).sum();
         let among: f64 = own
             .iter()
