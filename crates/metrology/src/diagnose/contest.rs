@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use super::cause::{Candidate, EffectKind, Term, Weight, motion};
+use super::cause::{Candidate, EffectKind, Term, Weight, motion, setup};
 use super::scene::Through;
 use super::search::{Field, Weights};
 use super::volume::Volume;
@@ -183,8 +183,15 @@ impl<'f> Harm<'f> {
             harmful += one.probability;
             // Plays are no places of a tool.
             let scale = best.posterior.scale;
-            let apart = (one.posterior.misfit - best.posterior.misfit).abs() / (scale * scale);
-            if square > 0.0 && one.set.len() == best.set.len() && apart < ALIKE {
+            let is_same = |with: &&Explanation| {
+                let apart = (one.posterior.misfit - with.posterior.misfit).abs() / (scale * scale);
+                let others = with.set.iter().filter(|other| **other != entrant);
+                apart < ALIKE
+                    && one.set.len() == with.set.len()
+                    && others.into_iter().all(|other| one.set.contains(other))
+            };
+            let mut with = self.found.explanations.iter().filter(|with| with.set.contains(&entrant));
+            if square > 0.0 && with.any(|with| is_same(&with)) {
                 harmful_alike += one.probability;
             }
             if others.is_empty() {
@@ -247,6 +254,7 @@ fn family(one: &Candidate) -> Family {
         EffectKind::ThermalSquareness => Family::ThermalSquareness,
         EffectKind::Drift => Family::Creep,
         EffectKind::Load => Family::Load,
+        EffectKind::Setup if one.cause.name == setup::TOOL.name => Family::Probe,
         EffectKind::Setup => Family::Setup,
         EffectKind::Probe => Family::Probe,
         EffectKind::Sensor | EffectKind::Outlier | EffectKind::Program | EffectKind::Unknown => Family::Unnamed,

@@ -96,14 +96,6 @@ impl Field<'_, '_> {
             Some(ExtrapolationRisk { rivals: names, separate_by: separating(self.scene, one, rivals.first()?) })
         };
         for &rival in class.iter().skip(1) {
-            // What the instrument does moves no tool: a correction by it would be an error of its own size.
-            let is_of_instrument = |other: &&Candidate| {
-                matches!(other.cause.effect, EffectKind::Setup | EffectKind::Probe)
-                    && other.columns.len() <= one.columns.len()
-            };
-            if self.candidates.get(rival).as_ref().is_some_and(is_of_instrument) {
-                return said(&[rival]);
-            }
             let Some(other) = self.candidates.get(rival).filter(|other| is_of_place(other)) else { continue };
             // Cross-couplings with and without what each axis does alone are one kind.
             let are_cross = [one, other].iter().all(|one| one.cause.effect == EffectKind::Cross);

@@ -55,7 +55,7 @@ pub enum Family {
     Load,
     /// The set-up of the instrument.
     Setup,
-    /// The probe.
+    /// The probe, its length too.
     Probe,
     /// A cause that a caller brings.
     Own,
@@ -212,7 +212,12 @@ pub const ASSUMPTIONS: &[Assumption] = &[
         odds: 0.01,
         source: "lengths that are stated come with a certificate; artefacts at another temperature",
     },
-    Assumption { family: Family::Probe, size: Size::Um(8.0), odds: 0.1, source: "ISO 230-10: lobing and pre-travel" },
+    Assumption {
+        family: Family::Probe,
+        size: Size::Um(20.0),
+        odds: 0.1,
+        source: "ISO 230-10: pre-travel and lobing of touch probes, and lengths that were set with another instrument",
+    },
     Assumption {
         family: Family::Own,
         size: Size::Um(20.0),

@@ -17,7 +17,7 @@ mod location;
 pub(in crate::diagnose) mod motion;
 pub(in crate::diagnose) mod periodic;
 mod servo;
-mod setup;
+pub(in crate::diagnose) mod setup;
 mod spike;
 pub(in crate::diagnose) mod thermal;
 mod unnamed;

@@ -18,7 +18,7 @@ pub(super) const PLACE: Cause = Cause {
     propose: place,
 };
 
-pub(super) const TOOL: Cause = Cause {
+pub(in crate::diagnose) const TOOL: Cause = Cause {
     name: "length and offset of the tool",
     effect: EffectKind::Setup,
     made_by: "a tool or a stylus that was measured wrongly",
