@@ -80,12 +80,12 @@ pub(super) struct Outcome {
 
 impl Source {
     /// Effect and parameter: variants of one cause have one name.
-    fn key<'s>(&'s self, field: &'s Field<'_, '_>) -> (EffectKind, &'s str) {
+    fn key(&self, field: &Field<'_, '_>) -> (EffectKind, String) {
         let one = match self {
             Source::Known(number) => &field.candidates[*number],
             Source::Shape(one) => one,
         };
-        (one.cause.effect, one.parameter.as_str())
+        (one.cause.effect, one.parameter.clone())
     }
 }
 
@@ -99,11 +99,11 @@ struct Harm<'f> {
     /// Places of a tool.
     part: usize,
     /// Effect and parameter of each entrant.
-    keys: Vec<(EffectKind, &'f str)>,
+    keys: Vec<(EffectKind, String)>,
 }
 
 impl<'f> Harm<'f> {
-    fn new(field: &'f Field<'_, '_>, found: &'f Contest, sources: &'f [Source], volume: Option<&Volume>) -> Harm<'f> {
+    fn new(field: &'f Field<'_, '_>, found: &'f Contest, sources: &[Source], volume: Option<&Volume>) -> Harm<'f> {
         let mut units: HashMap<usize, Vec<Vec<f64>>> = HashMap::new();
         let mut of = |entrant: usize| -> Vec<Vec<f64>> {
             let make = || match (volume, sources.get(entrant)) {
@@ -115,7 +115,8 @@ impl<'f> Harm<'f> {
                     );
                     if moves { volume.fields(one, false) } else { Vec::new() }
                 }
-                (Some(volume), Some(Source::Shape(one))) => volume.fields(one, false),
+                // The file has it as a table, which ends where was measured.
+                (Some(volume), Some(Source::Shape(one))) => volume.fields(one, true),
                 _ => Vec::new(),
             };
             units.entry(entrant).or_insert_with(make).clone()
@@ -300,17 +301,28 @@ impl Field<'_, '_> {
 
     /// Whether a term is named: by the probability of all its variants, a wave by that of its own period.
     fn is_named(&self, source: &Source, of_all: f64, of_own: f64, taken: &[usize]) -> bool {
-        match source {
-            // The search also asks whether a wave says places that were left out: what a few places have of their own fits some wave.
-            Source::Known(number) if self.candidates[*number].cause.effect == EffectKind::Periodic => {
-                let is_same = |&other: &usize| {
-                    let [one, other] = [*number, other].map(|number| &self.candidates[number]);
-                    other.cause.effect == EffectKind::Periodic && other.parameter == one.parameter
-                };
-                of_own >= NAMED_WAVE && taken.iter().any(is_same)
-            }
-            _ => of_all >= NAMED,
-        }
+        let Source::Known(number) = source else { return of_all >= NAMED };
+        let one = &self.candidates[*number];
+        // The likelihood knows neither what single places have of their own nor sensors that lag: of waves, temperatures and time it only judges what the search took.
+        let is_of_places = matches!(
+            one.cause.effect,
+            EffectKind::Location
+                | EffectKind::Motion
+                | EffectKind::Backlash
+                | EffectKind::LateralPlay
+                | EffectKind::Cross
+                | EffectKind::ServoMismatch
+                | EffectKind::Following
+                | EffectKind::Setup
+                | EffectKind::Probe
+                | EffectKind::Unknown
+                | EffectKind::Own(_)
+        );
+        let key = source.key(self);
+        let is_same = |&other: &usize| Source::Known(other).key(self) == key;
+        let from = if one.cause.effect == EffectKind::Periodic { NAMED_WAVE } else { NAMED };
+        let probability = if one.cause.effect == EffectKind::Periodic { of_own } else { of_all };
+        probability >= from && (is_of_places || taken.iter().any(is_same))
     }
 
     /// Holds the contest. The candidates of the outcome are among those of the field afterwards.
@@ -461,20 +473,6 @@ impl Field<'_, '_> {
             ExplanationSummary { terms, probability: one.probability }
         });
         let explanations = explanations.collect();
-        if std::env::var_os("NCFIX_DEBUG_CONTEST").is_some() {
-            eprintln!(
-                "entrants {} joined {} memory {:?} behind {:?} start {:?}",
-                found.entrants,
-                found.joined.len(),
-                found.memory,
-                found.behind,
-                start
-            );
-            for (&k, loss) in first.set.iter().zip(&found.losses) {
-                eprintln!("  {:.3} {:.2} {}", found.probability(k), loss, in_words(&sources[k]));
-            }
-            eprintln!("  mean {:?} scale {}", first.posterior.mean, first.posterior.scale);
-        }
         let harm = Harm::new(self, found, sources, volume);
         let said = |k: usize| -> Option<Vec<String>> {
             Some(harm.of(k)?.iter().filter_map(|&k| sources.get(k)).map(in_words).collect())
@@ -485,8 +483,18 @@ impl Field<'_, '_> {
             .map(|(&k, &candidate)| Chosen { candidate, probability: probability(same(k)), harmful: said(same(k)) })
             .collect();
         // Nor is a term named beside which another one is more probable.
+        let keys = |sources: &mut dyn Iterator<Item = Source>| {
+            let mut keys: Vec<String> =
+                sources.map(|one| one.key(self)).map(|(effect, name)| format!("{effect} {name}")).collect();
+            keys.sort();
+            keys
+        };
+        let is_variant = keys(&mut first.set.iter().filter_map(|&k| sources.get(k).cloned()))
+            == keys(&mut taken.iter().map(|&number| Source::Known(number)));
         let is_better = found.behind.first().is_some_and(|behind| *behind < -SURELY)
             || of_taken.iter().any(|one: &Chosen| one.probability < NAMED);
+        // The search knows variants of one cause better: it refines their numbers.
+        let is_better = is_better && !is_variant;
         let decided = is_better.then(|| {
             let mut chosen: Vec<Chosen> = Vec::new();
             // Shapes of one component are one candidate.
