@@ -18,8 +18,10 @@ use ncfix_base::numeric::sums::dot;
 use ncfix_model::name::ErrorName;
 use ncfix_model::parameter::ComponentTerm;
 
-/// Another set takes the place of what the search took if its probability is so many times as large, as a natural logarithm: 20 times.
-const SURELY: f64 = 3.0;
+/// Another set takes the place of what the search took if its probability is so many times as large, as a natural logarithm: 100 times.
+const SURELY: f64 = 4.6;
+/// Nor does what the search took stand if a term of it is less probable than this.
+const UNLIKELY: f64 = 0.02;
 /// A term is named if its probability is at least this: more than all that may stand in its place together.
 const NAMED: f64 = 0.5;
 /// Readings show a term surely if the score falls by this without it and with nothing in its place, as a natural logarithm: 1000 times.
@@ -46,12 +48,14 @@ pub(super) struct Chosen {
     pub(super) probability: f64,
     /// Names of what may stand in its place, if correcting it would then do harm.
     pub(super) harmful: Option<Vec<String>>,
+    /// Chance that the readings show this much of it where there is nothing.
+    pub(super) chance: f64,
 }
 
 impl Chosen {
-    /// It is more probable than all that may stand in its place.
+    /// It is not refuted by all that may stand in its place.
     pub(super) fn is_likely(&self) -> bool {
-        self.probability >= NAMED
+        self.probability >= UNLIKELY
     }
 }
 
@@ -98,6 +102,9 @@ struct Harm<'f> {
     own: HashMap<usize, Vec<f64>>,
     /// Places of a tool.
     part: usize,
+    /// Which entrants are offsets and tilts of rotary axes and of the spindle, and which are shapes, which are written as tables.
+    is_offset: Vec<bool>,
+    is_shape: Vec<bool>,
     /// Effect and parameter of each entrant.
     keys: Vec<(EffectKind, String)>,
 }
@@ -148,7 +155,14 @@ impl<'f> Harm<'f> {
         }
         let part = volume.map_or(1, Volume::numbers_of_a_tool).max(1);
         let keys = sources.iter().map(|source| source.key(field)).collect();
-        Harm { found, fields, own, part, keys }
+        let is_offset = |source: &Source| match source {
+            Source::Known(number) => matches!(family(&field.candidates[*number]), Family::Offset | Family::Tilt),
+            Source::Shape(_) => false,
+        };
+        let is_shape = |source: &Source| matches!(source, Source::Shape(_));
+        let [is_offset, is_shape] =
+            [sources.iter().map(is_offset).collect(), sources.iter().map(is_shape).collect::<Vec<bool>>()];
+        Harm { found, fields, own, part, is_offset, is_shape, keys }
     }
 
     /// Whether correcting by one of the first explanation also helps, with each tool, where another explanation is true.
@@ -162,8 +176,9 @@ impl<'f> Harm<'f> {
         })
     }
 
-    /// Entrants that stand in the place of one of the first explanation, if correcting by that one would do harm with them too probably.
-    fn of(&self, entrant: usize) -> Option<Vec<usize>> {
+    /// Entrants that stand in the place of one of the first explanation, if correcting by that one would do harm with them too probably. A term that the search took has passed gates of its own:
+    /// unless it `is_new`, only what readings do not tell at all counts.
+    fn of(&self, entrant: usize, is_new: bool) -> Option<Vec<usize>> {
         let none = Vec::new();
         let (first, own) = (self.fields.first()?, self.own.get(&entrant).unwrap_or(&none));
         let square = dot(own, own);
@@ -176,13 +191,15 @@ impl<'f> Harm<'f> {
                 !best.set.contains(other)
                     && self.keys.get(*other).zip(self.keys.get(entrant)).is_some_and(|(a, b)| a == b)
             };
-            // What moves no tool where it stands, as backlash, has no field: a variant of it does as much.
-            let helps = if square > 0.0 { self.helps(first, own, field) } else { one.set.iter().any(is_variant) };
+            // What moves no tool where it stands, as backlash, has no field, and a shape is written as far as was measured: a variant does as much.
+            let by_variant = square <= 0.0 || self.is_shape.get(entrant).copied().unwrap_or(false);
+            let helps =
+                (by_variant && one.set.iter().any(is_variant)) || (square > 0.0 && self.helps(first, own, field));
             if helps {
                 continue;
             }
             harmful += one.probability;
-            // Plays are no places of a tool.
+            // Which offset or tilt of a rotary axis or of the spindle it is shows only with tools of several lengths.
             let scale = best.posterior.scale;
             let is_same = |with: &&Explanation| {
                 let apart = (one.posterior.misfit - with.posterior.misfit).abs() / (scale * scale);
@@ -192,14 +209,14 @@ impl<'f> Harm<'f> {
                     && others.into_iter().all(|other| one.set.contains(other))
             };
             let mut with = self.found.explanations.iter().filter(|with| with.set.contains(&entrant));
-            if square > 0.0 && with.any(|with| is_same(&with)) {
+            if self.is_offset.get(entrant).copied().unwrap_or(false) && with.any(|with| is_same(&with)) {
                 harmful_alike += one.probability;
             }
             if others.is_empty() {
                 others = one.set.iter().copied().filter(|other| !best.set.contains(other)).collect();
             }
         }
-        (harmful > HARMFUL || harmful_alike > HARMFUL_ALIKE).then_some(others)
+        ((is_new && harmful > HARMFUL) || harmful_alike > HARMFUL_ALIKE).then_some(others)
     }
 }
 
@@ -474,31 +491,40 @@ impl Field<'_, '_> {
         });
         let explanations = explanations.collect();
         let harm = Harm::new(self, found, sources, volume);
-        let said = |k: usize| -> Option<Vec<String>> {
-            Some(harm.of(k)?.iter().filter_map(|&k| sources.get(k)).map(in_words).collect())
+        let said = |k: usize, is_new: bool| -> Option<Vec<String>> {
+            Some(harm.of(k, is_new)?.iter().filter_map(|&k| sources.get(k)).map(in_words).collect())
         };
         let of_taken: Vec<Chosen> = start
             .iter()
             .zip(taken)
-            .map(|(&k, &candidate)| Chosen { candidate, probability: probability(same(k)), harmful: said(same(k)) })
+            .map(|(&k, &candidate)| Chosen {
+                candidate,
+                probability: probability(same(k)),
+                harmful: said(same(k), false),
+                chance: 0.0,
+            })
             .collect();
-        // Nor is a term named beside which another one is more probable.
         let keys = |sources: &mut dyn Iterator<Item = Source>| {
             let mut keys: Vec<String> =
                 sources.map(|one| one.key(self)).map(|(effect, name)| format!("{effect} {name}")).collect();
             keys.sort();
             keys
         };
-        let is_variant = keys(&mut first.set.iter().filter_map(|&k| sources.get(k).cloned()))
-            == keys(&mut taken.iter().map(|&number| Source::Known(number)));
+        let is_of_places = |&number: &usize| {
+            let effect = self.candidates[number].cause.effect;
+            matches!(effect, EffectKind::Location | EffectKind::Motion | EffectKind::Backlash | EffectKind::LateralPlay)
+        };
+        let is_variant = !taken.iter().all(is_of_places)
+            && keys(&mut first.set.iter().filter_map(|&k| sources.get(k).cloned()))
+                == keys(&mut taken.iter().map(|&number| Source::Known(number)));
         let is_better = found.behind.first().is_some_and(|behind| *behind < -SURELY)
-            || of_taken.iter().any(|one: &Chosen| one.probability < NAMED);
+            || of_taken.iter().any(|one: &Chosen| !one.is_likely());
         // The search knows variants of one cause better: it refines their numbers.
         let is_better = is_better && !is_variant;
         let decided = is_better.then(|| {
             let mut chosen: Vec<Chosen> = Vec::new();
             // Shapes of one component are one candidate.
-            let mut shapes: Vec<(Candidate, f64, Option<Vec<String>>)> = Vec::new();
+            let mut shapes: Vec<(Candidate, f64, Option<Vec<String>>, f64)> = Vec::new();
             for (&k, loss) in first.set.iter().zip(&found.losses) {
                 let probability = probability(k);
                 let Some(source) = sources
@@ -507,17 +533,17 @@ impl Field<'_, '_> {
                 else {
                     continue;
                 };
-                let harmful =
-                    harm.of(k).map(|others| others.iter().filter_map(|&k| sources.get(k)).map(in_words).collect());
+                let (harmful, chance) = (said(k, true), (-loss).exp());
                 match source {
-                    Source::Known(number) => chosen.push(Chosen { candidate: *number, probability, harmful }),
+                    Source::Known(number) => chosen.push(Chosen { candidate: *number, probability, harmful, chance }),
                     Source::Shape(one) => match shapes.iter_mut().find(|(own, ..)| own.parameter == one.parameter) {
-                        Some((own, least, known)) => {
+                        Some((own, least, known, most)) => {
+                            *most = most.max(chance);
                             own.columns.extend(one.columns.iter().cloned());
                             *least = least.min(probability);
                             *known = known.take().or(harmful);
                         }
-                        None => shapes.push(((**one).clone(), probability, harmful)),
+                        None => shapes.push(((**one).clone(), probability, harmful, chance)),
                     },
                 }
             }
@@ -529,8 +555,8 @@ impl Field<'_, '_> {
                 .is_some_and(|one| self.is_named(one, probability(k), found.probability(k), taken) && *loss >= SHOWN)
         });
         let instead = decided.map(|(mut chosen, shapes)| {
-            for (one, probability, harmful) in shapes {
-                chosen.push(Chosen { candidate: self.candidates.len(), probability, harmful });
+            for (one, probability, harmful, chance) in shapes {
+                chosen.push(Chosen { candidate: self.candidates.len(), probability, harmful, chance });
                 self.candidates.push(one);
             }
             chosen

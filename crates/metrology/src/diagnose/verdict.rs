@@ -201,8 +201,7 @@ fn stand(
     note: &mut dyn FnMut(&str, f64),
 ) -> Vec<(Taken, f64)> {
     let numbers: Vec<usize> = chosen.iter().map(|one| one.candidate).collect();
-    let judged: Vec<Taken> =
-        chosen.iter().map(|one| Taken { candidate: one.candidate, chance: 1.0 - one.probability }).collect();
+    let judged: Vec<Taken> = chosen.iter().map(|one| Taken { candidate: one.candidate, chance: one.chance }).collect();
     let mut out = |term: &Taken, gain| rejections.add(term, Gate::Unseen, gain);
     let mut selections = held_out::settled(&numbers);
     confirmed(field, weights, judged, &mut selections, &mut out, &mut |share| note("held-out parts", share))

@@ -96,15 +96,15 @@ pub enum Size {
 pub const ASSUMPTIONS: &[Assumption] = &[
     Assumption {
         family: Family::Squareness,
-        size: Size::Urad(25.0),
+        size: Size::Urad(50.0),
         odds: 0.3,
-        source: "half of the limit of ISO 10791-2, 20 µm in 500 mm, and some more for machines that are not new",
+        source: "ISO 10791-2: 20 µm in 500 mm",
     },
     Assumption {
         family: Family::Scale,
-        size: Size::UmPerM(25.0),
+        size: Size::UmPerM(50.0),
         odds: 0.3,
-        source: "growth of a screw by 2 K at 11.5 µm/(m K)",
+        source: "growth of a screw by 4 K at 11.5 µm/(m K)",
     },
     Assumption {
         family: Family::Backlash,
@@ -269,10 +269,10 @@ mod tests {
         families.sort_unstable();
         families.dedup();
         assert_eq!((families.len(), ASSUMPTIONS.len(), families.last()), (27, 27, Some(&Family::Unnamed)));
-        // 25 µm/m over half of 700 mm; 10 µm; 25 µrad.
+        // 50 µm/m over half of 700 mm; 10 µm; 50 µrad.
         let sizes = [Family::Scale, Family::Backlash, Family::Squareness].map(|family| family.size(700.0));
         assert!(
-            sizes.iter().zip([8.75e-3, 10e-3, 25e-6]).all(|(own, expected)| (own - expected).abs() < 1e-12),
+            sizes.iter().zip([17.5e-3, 10e-3, 50e-6]).all(|(own, expected)| (own - expected).abs() < 1e-12),
             "{sizes:?}"
         );
     }

@@ -13,8 +13,8 @@ use ncfix_base::numeric::in_parts;
 const MOST_MEMORIES: usize = 6;
 /// Factors of all sizes of priors: a new machine of the highest class and a worn one are as far apart.
 const FACTORS: [f64; 5] = [0.1, 0.2, 0.4, 1.0, 2.5];
-/// Standard deviation of the natural logarithm of that factor: two of three machines are within a factor of 2.
-const FACTOR_SPREAD: f64 = 0.7;
+/// Standard deviation of the natural logarithm of that factor: two of three machines are within a factor of 2.7.
+const FACTOR_SPREAD: f64 = 1.0;
 /// Rounds in which terms from outside join.
 const ROUNDS: usize = 4;
 /// What explains less in the place of a term by no more than this is an alternative: 150 times, as a natural logarithm.

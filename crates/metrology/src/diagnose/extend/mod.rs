@@ -82,7 +82,11 @@ fn leaning(found: &DiagnosedCauses, scene: &Scene<'_>, written: &[Result<Vec<Cha
     };
     // Two that are surely both there are no parts of one.
     let is_sure = |number: usize| {
-        found.findings.get(number).and_then(|one| one.probability).is_some_and(|probability| probability >= SURELY)
+        let Some(one) = found.findings.get(number) else { return false };
+        let name = |one: &AcceptedCause| (one.candidate.cause.effect, one.candidate.parameter.clone());
+        // Two variants of one cause share its probability.
+        let is_single = found.findings.iter().filter(|other| name(other) == name(one)).count() == 1;
+        is_single && one.probability.is_some_and(|probability| probability >= SURELY)
     };
     let is_against = |one: &usize| {
         (0..found.findings.len())
