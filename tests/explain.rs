@@ -158,7 +158,9 @@ fn no_term_cancels_another_one() {
             for (&term, amount) in explanation.set.iter().zip(&explanation.posterior.mean) {
                 let term = &found.terms[term];
                 let most = if term.component.direction.is_rotation() { 3.0 * 28e-6 } else { 2.0 * 28e-6 * 200.0 };
-                assert!(amount.abs() < most, "seed {seed}: {} {amount}", term.name());
+                // The amount of a product is that at the ends of both travels, 250 mm from the middle of each or more: the circles reach 100 mm.
+                let reached = if term.name().contains(" and ") { 0.4 * 0.4 } else { 1.0 };
+                assert!(reached * amount.abs() < most, "seed {seed}: {} {amount}", term.name());
             }
         }
     }

@@ -122,8 +122,11 @@ impl<'f> Harm<'f> {
                     );
                     if moves { volume.fields(one, false) } else { Vec::new() }
                 }
-                // The file has it as a table, which ends where was measured.
-                (Some(volume), Some(Source::Shape(one))) => volume.fields(one, true),
+                // The file has it as a table, which ends where was measured; an angle acts beyond it by its arm.
+                (Some(volume), Some(Source::Shape(one))) => {
+                    let is_angle = one.parameter.parse::<ErrorName>().is_ok_and(|name| name.direction.is_rotation());
+                    volume.fields(one, !is_angle)
+                }
                 _ => Vec::new(),
             };
             units.entry(entrant).or_insert_with(make).clone()
@@ -510,6 +513,8 @@ impl Field<'_, '_> {
             keys.sort();
             keys
         };
+        // Which one of those that act alike shows by what is usual alone.
+        let is_offset = |one: &Chosen| matches!(family(&self.candidates[one.candidate]), Family::Offset | Family::Tilt);
         let is_of_places = |&number: &usize| {
             let effect = self.candidates[number].cause.effect;
             matches!(effect, EffectKind::Location | EffectKind::Motion | EffectKind::Backlash | EffectKind::LateralPlay)
@@ -518,7 +523,7 @@ impl Field<'_, '_> {
             && keys(&mut first.set.iter().filter_map(|&k| sources.get(k).cloned()))
                 == keys(&mut taken.iter().map(|&number| Source::Known(number)));
         let is_better = found.behind.first().is_some_and(|behind| *behind < -SURELY)
-            || of_taken.iter().any(|one: &Chosen| !one.is_likely());
+            || of_taken.iter().any(|one: &Chosen| !one.is_likely() || (is_offset(one) && one.probability < NAMED));
         // The search knows variants of one cause better: it refines their numbers.
         let is_better = is_better && !is_variant;
         let decided = is_better.then(|| {
