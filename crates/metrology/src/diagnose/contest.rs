@@ -105,6 +105,8 @@ struct Harm<'f> {
     /// Which entrants are offsets and tilts of rotary axes and of the spindle, and which are shapes, which are written as tables.
     is_offset: Vec<bool>,
     is_shape: Vec<bool>,
+    /// Which shapes are angles.
+    is_angle: Vec<bool>,
     /// Effect and parameter of each entrant.
     keys: Vec<(EffectKind, String)>,
 }
@@ -165,7 +167,12 @@ impl<'f> Harm<'f> {
         let is_shape = |source: &Source| matches!(source, Source::Shape(_));
         let [is_offset, is_shape] =
             [sources.iter().map(is_offset).collect(), sources.iter().map(is_shape).collect::<Vec<bool>>()];
-        Harm { found, fields, own, part, is_offset, is_shape, keys }
+        let is_angle = |source: &Source| {
+            let Source::Shape(one) = source else { return false };
+            one.parameter.parse::<ErrorName>().is_ok_and(|name| name.direction.is_rotation())
+        };
+        let is_angle = sources.iter().map(is_angle).collect();
+        Harm { found, fields, own, part, is_offset, is_shape, is_angle, keys }
     }
 
     /// Whether correcting by one of the first explanation also helps, with each tool, where another explanation is true.
@@ -219,7 +226,9 @@ impl<'f> Harm<'f> {
                 others = one.set.iter().copied().filter(|other| !best.set.contains(other)).collect();
             }
         }
-        ((is_new && harmful > HARMFUL) || harmful_alike > HARMFUL_ALIKE).then_some(others)
+        // An angle acts far from where it was seen by its arm.
+        let most = if self.is_angle.get(entrant).copied().unwrap_or(false) { HARMFUL_ALIKE } else { HARMFUL };
+        ((is_new && harmful > most) || harmful_alike > HARMFUL_ALIKE).then_some(others)
     }
 }
 
