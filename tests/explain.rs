@@ -7,7 +7,7 @@ use crate::cli_calibrate::bare;
 use crate::plant::Random;
 use ncfix_base::source::{FileId, Source};
 use ncfix_metrology::diagnose::Scene;
-use ncfix_metrology::explain::{Explained, explain};
+use ncfix_metrology::diagnose::explain::{Explained, explain};
 use ncfix_metrology::measure::data::load;
 
 /// Errors of a machine whose table moves in X and Y and whose spindle moves in Z: the displacement of the tool from the workpiece, mm.

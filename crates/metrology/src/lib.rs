@@ -3,6 +3,5 @@
 pub mod calibrate;
 pub mod decompose;
 pub mod diagnose;
-pub mod explain;
 pub mod measure;
 pub mod results;

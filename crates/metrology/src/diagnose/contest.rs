@@ -1,19 +1,19 @@
 //! Which explanation of the readings is the most probable: what the search took, or another set of terms.
 //!
-//! All terms stand in one contest ([`crate::explain`]): errors of axes in the form in which each has one name, and every candidate of the register. What the search took is one of
+//! All terms stand in one contest ([`super::explain`]): errors of axes in the form in which each has one name, and every candidate of the register. What the search took is one of
 //! its starts. Where another set is surely more probable it takes the place.
 
 use std::collections::HashMap;
 
-use super::cause::{Candidate, EffectKind, Term, Weight, motion, setup};
+use super::cause::{Candidate, EffectKind, Term, Weight, motion, servo, setup};
 use super::scene::Through;
 use super::search::{Field, Weights};
 use super::volume::Volume;
-use crate::explain::assumptions::Family;
-use crate::explain::contest::{Contest, Entrant, Outside, contest};
-use crate::explain::likelihood::Group;
-use crate::explain::search::Explanation;
-use crate::explain::term;
+use crate::diagnose::explain::assumptions::Family;
+use crate::diagnose::explain::contest::{Contest, Entrant, Outside, contest};
+use crate::diagnose::explain::likelihood::ColumnGroup;
+use crate::diagnose::explain::search::Explanation;
+use crate::diagnose::explain::term;
 use ncfix_base::numeric::sums::dot;
 use ncfix_model::name::ErrorName;
 use ncfix_model::parameter::ComponentTerm;
@@ -36,7 +36,7 @@ const HARMFUL_ALIKE: f64 = 0.01;
 const LEAVES: f64 = 0.8;
 /// Two explanations are the same on everything that was measured if the squares of what they leave differ by less, in variances.
 const ALIKE: f64 = 0.02;
-/// What the search found by its readings is one of about so many that it would have found as well.
+/// The search by readings would have found about this number of candidates as well.
 const SOUGHT: f64 = 100.0;
 
 /// A term with its probability.
@@ -76,7 +76,7 @@ pub(super) struct Outcome {
     pub(super) instead: Option<Vec<Chosen>>,
     /// All of its terms are named.
     pub(super) is_whole: bool,
-    /// What the search took.
+    /// Terms of the search.
     pub(super) of_taken: Vec<Chosen>,
     /// The most probable explanations.
     pub(super) explanations: Vec<ExplanationSummary>,
@@ -93,7 +93,7 @@ impl Source {
     }
 }
 
-/// What each explanation does over the volume that is used.
+/// Displacements by each explanation over the volume that is used.
 struct Harm<'f> {
     found: &'f Contest,
     /// By explanation: the field, mm.
@@ -175,10 +175,10 @@ impl<'f> Harm<'f> {
         Harm { found, fields, own, part, is_offset, is_shape, is_angle, keys }
     }
 
-    /// Whether correcting by one of the first explanation also helps, with each tool, where another explanation is true.
+    /// True if a correction by one of the first explanation also helps, with each tool, where another explanation is true.
     fn helps(&self, first: &[f64], own: &[f64], field: &[f64]) -> bool {
         let at = |values: &[f64], k: usize| values.get(k).copied().unwrap_or(0.0);
-        // What stands in its place: the difference of both explanations and its own part.
+        // In its place stands the difference of both explanations and its own part.
         let instead: Vec<f64> = (0..own.len()).map(|k| at(field, k) - at(first, k) + own[k]).collect();
         instead.chunks(self.part).zip(own.chunks(self.part)).all(|(instead, own)| {
             let left: f64 = instead.iter().zip(own).map(|(other, own)| (other - own).powi(2)).sum();
@@ -201,7 +201,7 @@ impl<'f> Harm<'f> {
                 !best.set.contains(other)
                     && self.keys.get(*other).zip(self.keys.get(entrant)).is_some_and(|(a, b)| a == b)
             };
-            // What moves no tool where it stands, as backlash, has no field, and a shape is written as far as was measured: a variant does as much.
+            // Backlash has no field, and a shape is written as far as was measured: a variant does as much.
             let by_variant = square <= 0.0 || self.is_shape.get(entrant).copied().unwrap_or(false);
             let helps =
                 (by_variant && one.set.iter().any(is_variant)) || (square > 0.0 && self.helps(first, own, field));
@@ -294,11 +294,11 @@ fn family(one: &Candidate) -> Family {
 
 /// A deflection that is proportional to the acceleration of an axis.
 fn is_by_acceleration(one: &Candidate) -> bool {
-    !one.parameter.is_empty() && one.constant.is_none() && one.drivers.iter().any(|driver| driver == "feed_mm_min")
+    one.cause.name == servo::DYNAMIC.name
 }
 
 /// Columns of a candidate; each is of the usual size of its family where it acts most.
-fn group(field: &Field<'_, '_>, one: &Candidate) -> Group {
+fn group(field: &Field<'_, '_>, one: &Candidate) -> ColumnGroup {
     let columns = field.columns(one);
     let size = |parts: &Vec<(Through, Weight)>| {
         // Travel does not count: the effect where it is largest is what is usual.
@@ -316,7 +316,7 @@ fn group(field: &Field<'_, '_>, one: &Candidate) -> Group {
         if most > 0.0 { share * of / most } else { 0.0 }
     };
     let sizes = one.columns.iter().map(size).collect();
-    Group { columns, sizes }
+    ColumnGroup { columns, sizes }
 }
 
 impl Field<'_, '_> {
@@ -328,7 +328,7 @@ impl Field<'_, '_> {
         }
     }
 
-    /// Whether a term is named: by the probability of all its variants, a wave by that of its own period.
+    /// True if a term is named: by the probability of all its variants, a wave by that of its own period.
     fn is_named(&self, source: &Source, of_all: f64, of_own: f64, taken: &[usize]) -> bool {
         let Source::Known(number) = source else { return of_all >= NAMED };
         let one = &self.candidates[*number];
@@ -440,7 +440,7 @@ impl Field<'_, '_> {
                 let shape = Candidate::one(&motion::CAUSE, one.component, one.through(), self.from_its_mean(&one));
                 let shape = shape.driven_by(&[&axis]);
                 self.know(&shape);
-                let group = Group::one(self.columns(&shape).remove(0), one.size);
+                let group = ColumnGroup::one(self.columns(&shape).remove(0), one.size);
                 let entrant = Entrant { group, log_odds, parent: None, is_simple };
                 named.push(Named { candidate: Source::Shape(Box::new(shape)), entrant });
             }
@@ -455,7 +455,7 @@ impl Field<'_, '_> {
             _ => one.size,
         };
         is_in[number] = true;
-        let entrant = Entrant { group: Group::one(column, size), log_odds, parent: None, is_simple };
+        let entrant = Entrant { group: ColumnGroup::one(column, size), log_odds, parent: None, is_simple };
         named.push(Named { candidate: Source::Known(number), entrant });
     }
 

@@ -25,6 +25,7 @@ mod contest;
 mod doubt;
 mod empirical;
 mod event;
+pub mod explain;
 pub mod extend;
 pub mod fault;
 mod fold;

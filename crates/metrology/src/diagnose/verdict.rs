@@ -163,7 +163,7 @@ pub fn diagnose_with(
         let again = stand(&mut field, &weights, &all, &mut rejections, note);
         let of_again: Vec<usize> = again.iter().map(|(term, _)| term.candidate).collect();
         let squares = |taken: &[usize]| field.series(&weights, taken, 0.0).squares();
-        // What did not gain on readings that were left out is no explanation: then what the search took may be better after all, if it is likely.
+        // A term without a gain on readings that were left out is no explanation: then the terms of the search may be better after all, if they are likely.
         let is_likely = chosen.iter().all(Chosen::is_likely);
         if (outcome.is_whole && again.len() == all.len()) || !is_likely || squares(&of_again) <= squares(&numbers) {
             (kept, chosen) = (again, all);
@@ -267,7 +267,7 @@ fn verdict(
             Some(shortest) => Some(separate::steps(scene, candidate, *shortest)),
             None => rival.map(|rival| separating(scene, candidate, rival)),
         };
-        // What was chosen among all explanations is held against all of them.
+        // A term of the contest is held against all explanations.
         let of_chosen = chosen.iter().find(|one| one.candidate == term.candidate).map(|one| {
             let rivals = one.harmful.clone()?;
             let separate_by = match rival {

@@ -16,7 +16,7 @@ mod load;
 mod location;
 pub(in crate::diagnose) mod motion;
 pub(in crate::diagnose) mod periodic;
-mod servo;
+pub(in crate::diagnose) mod servo;
 pub(in crate::diagnose) mod setup;
 mod spike;
 pub(in crate::diagnose) mod thermal;

@@ -26,7 +26,7 @@ pub(super) const FOLLOWING: Cause = Cause {
     propose: following,
 };
 
-pub(super) const DYNAMIC: Cause = Cause {
+pub(in crate::diagnose) const DYNAMIC: Cause = Cause {
     name: "deflection by acceleration",
     effect: EffectKind::Dynamic,
     made_by: "inertia and compliance of the frame",

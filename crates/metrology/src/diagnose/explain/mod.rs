@@ -1,4 +1,4 @@
-//! Explanations of what a model leaves of readings: one likelihood, sets of terms with probabilities.
+//! Explanations of the residual of a model: one likelihood, sets of terms with probabilities.
 //!
 //! ```text
 //! Scene::new(machine, errors, sets)   the residual of every reading, and its sensitivity to a deviation anywhere
@@ -10,9 +10,8 @@
 //! findings                            terms with the probability that they are there, sizes averaged over all explanations
 //! ```
 //!
-//! This is the core of the next diagnosis; it stands beside [`crate::diagnose`] until it does all that that one does. It knows position-dependent and
-//! position-independent errors, backlash and play of all axes, lags, and noise with memory; it has no
-//! thermal or instrument terms and no deflection yet.
+//! A diagnosis holds the result of its search against all sets of these terms and of the candidates of the register. [`explain`] has errors of axes alone: position-dependent and
+//! position-independent ones, backlash and play, lags.
 
 pub mod assumptions;
 pub mod contest;
@@ -24,10 +23,10 @@ pub mod term;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use crate::diagnose::Scene;
+use crate::diagnose::scene::Scene;
 use crate::diagnose::scene::Through;
 use contest::{Entrant, Outside};
-use likelihood::Group;
+use likelihood::ColumnGroup;
 use noise::Memory;
 use search::Explanation;
 use term::Term;
@@ -75,12 +74,12 @@ impl Term {
 pub fn explain(scene: &Scene<'_>) -> Explained {
     let all = term::terms(scene);
     let mut factors: HashMap<Through, Arc<Vec<f64>>> = HashMap::new();
-    let groups: Vec<Group> = all
+    let groups: Vec<ColumnGroup> = all
         .iter()
         .map(|term| {
             let through = term.through();
             let factors = factors.entry(through).or_insert_with(|| Arc::new(scene.factors(through)));
-            Group::one(term.column(scene, factors), term.size)
+            ColumnGroup::one(term.column(scene, factors), term.size)
         })
         .collect();
     let weights: Vec<f64> = scene.items.iter().map(|item| 1.0 / item.sigma).collect();
@@ -91,7 +90,7 @@ pub fn explain(scene: &Scene<'_>) -> Explained {
         parent: term.parent,
         is_simple: term.family.is_simple(),
     });
-    let nobody = Outside { count: 0, log_odds: &|_| 0.0, group: &|_| Group::default() };
+    let nobody = Outside { count: 0, log_odds: &|_| 0.0, group: &|_| ColumnGroup::default() };
     let found = contest::contest(scene, &weights, entrants.collect(), &nobody, &[]);
     let place = |given: usize| found.visible.iter().position(|&kept| kept == given).unwrap_or(0);
     let inner = |one: &Explanation| Explanation { set: one.set.iter().map(|&k| place(k)).collect(), ..one.clone() };

@@ -3,10 +3,10 @@
 //! The search runs over a pool. With its best set, every term outside is looked at once; what would gain more than its odds cost joins the pool, and the search runs again.
 //! The memory of the noise is chosen anew with each best set.
 
-use super::likelihood::{Group, Likelihood};
+use super::likelihood::{ColumnGroup, Likelihood};
 use super::noise::{Memory, NoiseSeries};
 use super::search::{self, Explanation, Odds};
-use crate::diagnose::Scene;
+use crate::diagnose::scene::Scene;
 use ncfix_base::numeric::in_parts;
 
 /// Memories of the noise that are searched with at most.
@@ -17,7 +17,7 @@ const FACTORS: [f64; 5] = [0.1, 0.2, 0.4, 1.0, 2.5];
 const FACTOR_SPREAD: f64 = 1.0;
 /// Rounds in which terms from outside join.
 const ROUNDS: usize = 4;
-/// What explains less in the place of a term by no more than this is an alternative: 150 times, as a natural logarithm.
+/// A term that explains less in the place of another one by no more than this is an alternative: 150 times, as a natural logarithm.
 const NEARLY: f64 = 5.0;
 /// Terms from outside that join in a round, those with the largest gain.
 const JOIN: usize = 40;
@@ -26,7 +26,7 @@ const JOIN: usize = 40;
 #[derive(Clone, Debug, Default)]
 pub struct Entrant {
     /// Its columns.
-    pub group: Group,
+    pub group: ColumnGroup,
     /// Logarithm of its odds.
     pub log_odds: f64,
     /// Number of the entrant that is usual beside it.
@@ -37,12 +37,12 @@ pub struct Entrant {
 
 /// Terms of which there are many, by number.
 pub struct Outside<'o> {
-    /// How many.
+    /// Their number.
     pub count: usize,
     /// Logarithm of the odds of one.
     pub log_odds: &'o (dyn Fn(usize) -> f64 + Sync),
     /// Its columns.
-    pub group: &'o (dyn Fn(usize) -> Group + Sync),
+    pub group: &'o (dyn Fn(usize) -> ColumnGroup + Sync),
 }
 
 /// The outcome.
@@ -84,7 +84,7 @@ pub fn contest(
     // Two numbers more than white noise has, by the information criterion of Schwarz (1978).
     let price = |memory: Memory| if memory.ratio > 0.0 { readings.ln() } else { 0.0 };
     let choose = |entrants: &[Entrant], set: &[usize]| {
-        let some: Vec<Group> = set.iter().map(|&number| entrants[number].group.clone()).collect();
+        let some: Vec<ColumnGroup> = set.iter().map(|&number| entrants[number].group.clone()).collect();
         let worth = |&memory: &Memory| {
             let likelihood = Likelihood::new(scene, weights, &some, (&noise, memory));
             let own: Vec<usize> = (0..likelihood.count()).collect();
@@ -107,7 +107,7 @@ pub fn contest(
             let mut next = factor;
             let mut known: Vec<Vec<usize>> = starts.to_vec();
             for round in 0..ROUNDS {
-                let groups: Vec<Group> = entrants.iter().map(|one| one.group.clone()).collect();
+                let groups: Vec<ColumnGroup> = entrants.iter().map(|one| one.group.clone()).collect();
                 let mut likelihood = Likelihood::new(scene, weights, &groups, (&noise, memory));
                 likelihood.factor = factor;
                 let place = |number: usize| likelihood.kept.iter().position(|&kept| kept == number);
@@ -142,7 +142,7 @@ pub fn contest(
                 let losses: Vec<f64> = (0..set.len()).map(without).collect();
                 let outer: Vec<usize> = set.iter().map(|&k| likelihood.kept[k]).collect();
                 known.push(outer);
-                // What would gain more than its odds cost, or nearly as much in the place of a term.
+                // Terms that would gain more than their odds cost, or nearly as much in the place of another one.
                 let open: Vec<usize> = (0..outside.count).filter(|number| !joined.contains(number)).collect();
                 let mut sets = vec![(set.clone(), 0.0)];
                 for (place, loss) in losses.iter().enumerate() {

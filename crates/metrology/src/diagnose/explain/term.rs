@@ -5,9 +5,9 @@
 //! that ISO 230-1 names is kept.
 
 use super::assumptions::Family;
-use crate::diagnose::Scene;
 use crate::diagnose::cause::{Weight, axes, linear, own};
 use crate::diagnose::row::SceneRow;
+use crate::diagnose::scene::Scene;
 use crate::diagnose::scene::Through;
 use ncfix_base::geometry::Axis;
 use ncfix_model::name::{DIRECTIONS, ErrorName};

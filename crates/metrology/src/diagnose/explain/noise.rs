@@ -6,8 +6,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::diagnose::Scene;
 use crate::diagnose::scene::NO_ROW;
+use crate::diagnose::scene::Scene;
 
 /// Variance and memory of the process beside white noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

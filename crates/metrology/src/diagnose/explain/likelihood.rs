@@ -12,7 +12,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::assumptions::READINGS_OF_SIGMA;
 use super::noise::{Memory, NoiseSeries};
-use crate::diagnose::Scene;
+use crate::diagnose::scene::Scene;
 use ncfix_base::numeric::in_parts;
 use ncfix_base::numeric::sums::dot;
 
@@ -31,18 +31,18 @@ const STEPS: usize = 40;
 
 /// Columns that come in together: a term.
 #[derive(Clone, Debug, Default)]
-pub struct Group {
+pub struct ColumnGroup {
     /// Effect of one unit of each on every reading of the scene.
     pub columns: Vec<Vec<f64>>,
     /// Standard deviation of the prior of each, mm or rad per unit.
     pub sizes: Vec<f64>,
 }
 
-impl Group {
+impl ColumnGroup {
     /// One column.
     #[must_use]
-    pub fn one(column: Vec<f64>, size: f64) -> Group {
-        Group { columns: vec![column], sizes: vec![size] }
+    pub fn one(column: Vec<f64>, size: f64) -> ColumnGroup {
+        ColumnGroup { columns: vec![column], sizes: vec![size] }
     }
 }
 
@@ -75,7 +75,7 @@ impl<'w> White<'w> {
         (out, half_log)
     }
 
-    fn group(&self, group: &Group) -> Vec<Vec<f64>> {
+    fn group(&self, group: &ColumnGroup) -> Vec<Vec<f64>> {
         group.columns.iter().zip(&group.sizes).map(|(column, &size)| self.of(column, size).0).collect()
     }
 }
@@ -126,11 +126,11 @@ impl<'w> Likelihood<'w> {
     pub fn new(
         scene: &Scene<'_>,
         weights: &'w [f64],
-        groups: &[Group],
+        groups: &[ColumnGroup],
         (noise, memory): (&'w NoiseSeries, Memory),
     ) -> Likelihood<'w> {
         let white = White::new(scene, weights, (noise, memory));
-        let all: Vec<Vec<Vec<f64>>> = in_parts(groups, &|group: &Group| white.group(group));
+        let all: Vec<Vec<Vec<f64>>> = in_parts(groups, &|group: &ColumnGroup| white.group(group));
         let is_visible = |columns: &[Vec<f64>]| columns.iter().any(|column| dot(column, column).sqrt() >= FAINT);
         let (mut kept, mut alike): (Vec<usize>, Vec<(usize, usize)>) = (Vec::new(), Vec::new());
         for (number, columns) in all.iter().enumerate().filter(|(_, columns)| is_visible(columns)) {
@@ -274,7 +274,7 @@ impl<'w> Likelihood<'w> {
         sets: &[(Vec<usize>, f64)],
         scale: f64,
         groups: &[usize],
-        of: &(dyn Fn(usize) -> Group + Sync),
+        of: &(dyn Fn(usize) -> ColumnGroup + Sync),
     ) -> Vec<f64> {
         let weight = 1.0 / (scale * scale);
         let square = weight * self.factor * self.factor;
@@ -523,7 +523,7 @@ mod tests {
         let weights = vec![1.0 / 0.8e-3; count];
         let noise = NoiseSeries::new(&scene, &weights);
         let white = (&noise, Memory::default());
-        let groups = [Group::one(line.clone(), sizes[0]), Group::one(bow.clone(), sizes[1])];
+        let groups = [ColumnGroup::one(line.clone(), sizes[0]), ColumnGroup::one(bow.clone(), sizes[1])];
         let likelihood = Likelihood::new(&scene, &weights, &groups, white);
         assert_eq!((likelihood.kept.as_slice(), likelihood.freedom), ([0, 1].as_slice(), 4.0));
         let readings = DVector::from_iterator(count, scene.items.iter().map(|item| item.left));
@@ -553,7 +553,7 @@ mod tests {
                 .best_with_others(&[(vec![0], 0.0), (vec![], -1e9)], scale, &[1], &|number| groups[number].clone())[0];
             assert!((outside - gain).abs() < 1e-9 * gain.abs().max(1.0), "{outside} {gain}");
             // Both as one term.
-            let together = Group { columns: vec![line.clone(), bow.clone()], sizes: sizes.to_vec() };
+            let together = ColumnGroup { columns: vec![line.clone(), bow.clone()], sizes: sizes.to_vec() };
             let one = Likelihood::new(&scene, &weights, &[together.clone()], white);
             let (at_once, own) =
                 (one.at(&[0], scale) - one.at(&[], scale), likelihood.at(&[0, 1], scale) - likelihood.at(&[], scale));
@@ -572,7 +572,7 @@ mod tests {
         let columns = [vec![1.0; 3], vec![0.0, 1.0, 2.0], vec![5.0, 3.0, 1.0]];
         let weights = [1e3; 3];
         let noise = NoiseSeries::new(&scene, &weights);
-        let groups = columns.map(|column| Group::one(column, 10e-3));
+        let groups = columns.map(|column| ColumnGroup::one(column, 10e-3));
         let likelihood = Likelihood::new(&scene, &weights, &groups, (&noise, Memory::default()));
         // The third one is the second one times −2 and a constant.
         assert_eq!((likelihood.kept.as_slice(), likelihood.alike.as_slice()), ([1].as_slice(), [(2, 1)].as_slice()));
