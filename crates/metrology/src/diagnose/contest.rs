@@ -18,7 +18,7 @@ use ncfix_base::numeric::sums::dot;
 use ncfix_model::name::ErrorName;
 use ncfix_model::parameter::ComponentTerm;
 
-/// Another set takes the place of what the search took if its probability is so many times as large, as a natural logarithm: 100 times.
+/// Another set takes the place of what the search took if it is 100 times as probable, as a natural logarithm.
 const SURELY: f64 = 4.6;
 /// Nor does what the search took stand if a term of it is less probable than this.
 const UNLIKELY: f64 = 0.02;
@@ -26,11 +26,11 @@ const UNLIKELY: f64 = 0.02;
 const NAMED: f64 = 0.5;
 /// Readings show a term surely if the score falls by this without it and with nothing in its place, as a natural logarithm: 1000 times.
 const SHOWN: f64 = 6.9;
-/// The same of a wave of one period: others may stand beside it that nobody tried.
+/// A wave of one period is named from this probability: others may stand beside it that nobody tried.
 const NAMED_WAVE: f64 = 0.9;
 /// A correction is refused if it would do harm with more than this probability.
 const HARMFUL: f64 = 0.1;
-/// The same with explanations that the readings do not tell from the first one, so that nothing but usual sizes speaks against them.
+/// The limit for explanations that no reading separates from the first one: nothing but usual sizes speaks against them.
 const HARMFUL_ALIKE: f64 = 0.01;
 /// A correction helps where it leaves less than this share of an error.
 const LEAVES: f64 = 0.8;
@@ -71,7 +71,7 @@ pub struct ExplanationSummary {
 
 /// The outcome.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Outcome {
+pub(super) struct ContestOutcome {
     /// Terms of the most probable explanation, where it takes the place of what the search took.
     pub(super) instead: Option<Vec<Chosen>>,
     /// All of its terms are named.
@@ -187,7 +187,7 @@ impl<'f> Harm<'f> {
     }
 
     /// Entrants that stand in the place of one of the first explanation, if correcting by that one would do harm with them too probably. A term that the search took has passed gates of its own:
-    /// unless it `is_new`, only what readings do not tell at all counts.
+    /// unless it `is_new`, only explanations count that no reading separates.
     fn of(&self, entrant: usize, is_new: bool) -> Option<Vec<usize>> {
         let none = Vec::new();
         let (first, own) = (self.fields.first()?, self.own.get(&entrant).unwrap_or(&none));
@@ -355,7 +355,7 @@ impl Field<'_, '_> {
     }
 
     /// Holds the contest. The candidates of the outcome are among those of the field afterwards.
-    pub(super) fn contest(&mut self, weights: &Weights, taken: &[usize], volume: Option<&Volume>) -> Outcome {
+    pub(super) fn contest(&mut self, weights: &Weights, taken: &[usize], volume: Option<&Volume>) -> ContestOutcome {
         let mut named: Vec<Named> = Vec::new();
         let mut is_in: Vec<bool> = vec![false; self.candidates.len()];
         let mut place_of: Vec<Option<usize>> = Vec::new();
@@ -475,8 +475,8 @@ impl Field<'_, '_> {
         found: &Contest,
         sources: &[Source],
         (start, taken, volume): (&[usize], &[usize], Option<&Volume>),
-    ) -> Outcome {
-        let Some(first) = found.explanations.first() else { return Outcome::default() };
+    ) -> ContestOutcome {
+        let Some(first) = found.explanations.first() else { return ContestOutcome::default() };
         let same =
             |number: usize| found.alike.iter().find(|(one, _)| *one == number).map_or(number, |(_, other)| *other);
         let in_words = |source: &Source| match source {
@@ -575,7 +575,7 @@ impl Field<'_, '_> {
             }
             chosen
         });
-        Outcome { instead, is_whole, of_taken, explanations }
+        ContestOutcome { instead, is_whole, of_taken, explanations }
     }
 }
 

@@ -32,7 +32,7 @@ pub(super) struct HeldOutSelection {
 /// What was selected, by the kind of parts and the number of the part: it depends on the weights only.
 pub(super) type Selections = HashMap<(usize, usize), HeldOutSelection>;
 
-/// A selection that is the same without any part: terms that were chosen by all readings. For so many kinds of parts and parts of each.
+/// Selections of terms that were chosen by all readings, equal without any part.
 pub(super) fn settled(all: &[usize]) -> Selections {
     let parts = (0..PART_KINDS).flat_map(|kind| (0..PARTS_OF_KIND).map(move |part| (kind, part)));
     parts.map(|key| (key, HeldOutSelection { all: all.to_vec(), is_whole: true })).collect()

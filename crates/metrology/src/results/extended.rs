@@ -213,7 +213,7 @@ impl ExtensionJob<'_> {
         self.level_without(errors, &[])
     }
 
-    /// The same with what is taken from each reading, mm or rad.
+    /// The level of readings less an amount for each, mm or rad.
     fn level_without(&self, errors: &ErrorModel, away: &[f64]) -> [f64; 2] {
         let scene = Scene::new(self.machine, errors, self.scene.sets).map(|mut scene| {
             scene.items.iter_mut().zip(away).for_each(|(item, away)| item.left -= away);

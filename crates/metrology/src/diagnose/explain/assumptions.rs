@@ -197,7 +197,7 @@ pub const ASSUMPTIONS: &[Assumption] = &[
         family: Family::Deflection,
         size: Size::UmPerMs2(10.0),
         odds: 0.02,
-        source: "a frame with a first natural frequency of 50 Hz gives way by a/(2π f)²",
+        source: "compliance of a frame with a first natural frequency of 50 Hz: a/(2π f)²",
     },
     Assumption {
         family: Family::Dynamic,

@@ -572,7 +572,9 @@ mod tests {
         let columns = [vec![1.0; 3], vec![0.0, 1.0, 2.0], vec![5.0, 3.0, 1.0]];
         let weights = [1e3; 3];
         let noise = NoiseSeries::new(&scene, &weights);
-        let groups = columns.map(|column| ColumnGroup::one(column, 10e-3));
+        let [a, b, c] = columns;
+        // Half of the usual size for twice the column.
+        let groups = [ColumnGroup::one(a, 10e-3), ColumnGroup::one(b, 10e-3), ColumnGroup::one(c, 5e-3)];
         let likelihood = Likelihood::new(&scene, &weights, &groups, (&noise, Memory::default()));
         // The third one is the second one times −2 and a constant.
         assert_eq!((likelihood.kept.as_slice(), likelihood.alike.as_slice()), ([1].as_slice(), [(2, 1)].as_slice()));

@@ -34,7 +34,7 @@ pub struct Odds {
     pub parents: Vec<Option<usize>>,
 }
 
-/// A term without the one that is usual beside it is so many times rarer (principle of heredity: Chipman 1996, Bayesian variable selection with related predictors, Canadian Journal of Statistics 24).
+/// A term without the one that is usual beside it is this factor rarer (principle of heredity: Chipman 1996, Bayesian variable selection with related predictors, Canadian Journal of Statistics 24).
 const ORPHAN: f64 = 10.0;
 
 impl Odds {
