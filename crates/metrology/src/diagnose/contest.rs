@@ -437,7 +437,8 @@ impl Field<'_, '_> {
         let Some(number) = number else {
             if matches!(one.family, Family::Positioning | Family::Straightness | Family::Angle | Family::Rotary) {
                 let axis = one.component.axis().map_or_else(String::new, |axis| axis.to_string());
-                let shape = Candidate::one(&motion::CAUSE, one.component, one.through(), self.from_its_mean(&one));
+                let shape =
+                    Candidate::one(&motion::CAUSE, one.component, one.through(), self.weight_without_mean(&one));
                 let shape = shape.driven_by(&[&axis]);
                 self.know(&shape);
                 let group = ColumnGroup::one(self.columns(&shape).remove(0), one.size);
@@ -460,7 +461,7 @@ impl Field<'_, '_> {
     }
 
     /// The weight of a shape. Of a displacement, the mean over the places that were measured is taken out where set-ups have it: it belongs to the zero.
-    fn from_its_mean(&self, one: &term::Term) -> Weight {
+    fn weight_without_mean(&self, one: &term::Term) -> Weight {
         let weight = one.weight.clone();
         if one.component.direction.is_rotation() || self.scene.unknowns == 0 {
             return weight;

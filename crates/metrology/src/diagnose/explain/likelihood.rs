@@ -105,6 +105,9 @@ pub struct Likelihood<'w> {
     pub alike: Vec<(usize, usize)>,
 }
 
+/// Columns of a set, their matrix decomposed, and their products with the readings.
+type Decomposed = (Vec<usize>, Cholesky<f64, Dyn>, DVector<f64>);
+
 /// The posterior of a set of terms.
 #[derive(Clone, Debug)]
 pub struct Posterior {
@@ -192,7 +195,7 @@ impl<'w> Likelihood<'w> {
     }
 
     /// Returns the columns of a set, its matrix at a scale of the noise, decomposed, and the products with the readings.
-    fn decomposed(&self, set: &[usize], scale: f64) -> Option<(Vec<usize>, Cholesky<f64, Dyn>, DVector<f64>)> {
+    fn decomposed(&self, set: &[usize], scale: f64) -> Option<Decomposed> {
         let weight = 1.0 / (scale * scale);
         let own = self.columns_of(set);
         let square = weight * self.factor * self.factor;
@@ -554,7 +557,7 @@ mod tests {
             assert!((outside - gain).abs() < 1e-9 * gain.abs().max(1.0), "{outside} {gain}");
             // Both as one term.
             let together = ColumnGroup { columns: vec![line.clone(), bow.clone()], sizes: sizes.to_vec() };
-            let one = Likelihood::new(&scene, &weights, &[together.clone()], white);
+            let one = Likelihood::new(&scene, &weights, std::slice::from_ref(&together), white);
             let (at_once, own) =
                 (one.at(&[0], scale) - one.at(&[], scale), likelihood.at(&[0, 1], scale) - likelihood.at(&[], scale));
             assert!((at_once - own).abs() < 1e-9 * own.abs().max(1.0), "{at_once} {own}");
