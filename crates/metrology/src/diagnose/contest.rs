@@ -63,7 +63,7 @@ impl Chosen {
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ExplanationSummary {
-    /// Its terms: cause and parameter.
+    /// Its terms: effect and parameter, as `location EC0X`.
     pub terms: Vec<String>,
     /// Its probability among all explanations.
     pub probability: f64,
@@ -372,7 +372,7 @@ impl Field<'_, '_> {
         for (number, one) in self.candidates.iter().enumerate() {
             *counts.entry((one.cause.effect, one.parameter.as_str())).or_insert(0.0) += 1.0;
             // Shapes over the travel stand for these.
-            let is_shape = one.cause.effect == EffectKind::Motion && !is_of_rotary(one) && !one.cause.name.is_empty();
+            let is_shape = one.cause.effect == EffectKind::Motion && !is_of_rotary(one);
             let is_location = one.cause.effect == EffectKind::Location;
             if !is_in[number] && !is_shape && !is_location && !self.bows.contains(&number) && !taken.contains(&number) {
                 outside.push(number);
@@ -480,12 +480,10 @@ impl Field<'_, '_> {
         let Some(first) = found.explanations.first() else { return ContestOutcome::default() };
         let same =
             |number: usize| found.alike.iter().find(|(one, _)| *one == number).map_or(number, |(_, other)| *other);
-        let in_words = |source: &Source| match source {
-            Source::Known(number) => {
-                let one = &self.candidates[*number];
-                format!("{} {}", one.cause.name, one.parameter).trim_end().to_owned()
-            }
-            Source::Shape(one) => format!("{} {}", one.cause.name, one.parameter),
+        // As findings and their classes are named.
+        let in_words = |source: &Source| {
+            let (effect, parameter) = source.key(self);
+            format!("{effect} {parameter}").trim_end().to_owned()
         };
         // Variants of one cause, as shapes of what has no name or lags of a drift, stand for each other.
         let probability = |k: usize| -> f64 {
@@ -494,7 +492,8 @@ impl Field<'_, '_> {
             let has = |one: &&Explanation| {
                 one.set.iter().any(|&other| sources.get(other).is_some_and(|other| other.key(self) == key))
             };
-            found.explanations.iter().filter(has).map(|one| one.probability).sum()
+            // Sums of rounded shares stay probabilities.
+            found.explanations.iter().filter(has).map(|one| one.probability).fold(0.0, |sum, one| sum + one).min(1.0)
         };
         let explanations = found.explanations.iter().take(20).map(|one| {
             let mut terms: Vec<String> = one.set.iter().filter_map(|&k| sources.get(k)).map(in_words).collect();

@@ -155,9 +155,10 @@ fn doubtful(doubt: &ExtrapolationRisk) -> String {
     if doubt.rivals.is_empty() {
         return format!("over the whole travel its uncertainty exceeds its size; measure {}", doubt.separate_by);
     }
-    let (verb, does) = if doubt.rivals.len() > 1 { ("do", "together ") } else { ("does", "") };
+    let (verb, does, differ) =
+        if doubt.rivals.len() > 1 { ("do", "together ", "differ") } else { ("does", "", "differs") };
     format!(
-        "{} {does}{verb} the same to the readings and differ where nothing was measured, so a correction could increase the error; to separate them: {}",
+        "{} {does}{verb} the same to the readings and {differ} where nothing was measured, so a correction could increase the error; to separate them: {}",
         doubt.rivals.join(" and "),
         doubt.separate_by
     )
