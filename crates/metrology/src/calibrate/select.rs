@@ -9,6 +9,7 @@ use std::collections::HashMap;
 use nalgebra::DMatrix;
 
 use crate::measure::data::DataSet;
+use ncfix_base::geometry::{AXES, AXIS_COUNT};
 use ncfix_base::numeric::Normal;
 use ncfix_base::numeric::stepwise::{Choice, Rows, Rule, choose};
 use ncfix_machine::machine::Machine;
@@ -32,6 +33,8 @@ const WEIGHT_ROUNDS: usize = 3;
 const MUCH: f64 = 5e8;
 /// Weight below which a row is left out.
 const REJECTED: f64 = 0.01;
+/// Positions closer than this are one place, mm or rad.
+const SAME_PLACE: f64 = 1e-5;
 /// Ridge for an unidentifiable coefficient, relative to the length of its column.
 const RIDGE: f64 = 1e-4;
 /// Minimum spread relative to the initial uncertainty, for data without noise.
@@ -205,9 +208,11 @@ impl Job<'_> {
             noise: Vec::new(),
             cluster: Vec::new(),
             run: Vec::new(),
+            place: Vec::new(),
             handicaps: self.candidates.iter().map(handicap).collect(),
         };
         let mut clusters = HashMap::new();
+        let mut places = HashMap::new();
         let mut series = 0;
         for (place, (key, _, k)) in keys.iter().enumerate() {
             let line = &equations.lines[*k];
@@ -228,6 +233,11 @@ impl Job<'_> {
             rows.noise.push(noise);
             rows.cluster.push(cluster);
             rows.run.push(key.run);
+            let next = places.len();
+            let place = self
+                .place(line)
+                .map(|own| *places.entry((key.set, key.setup, key.component, key.place, own)).or_insert(next));
+            rows.place.push(place);
         }
         Ok(rows)
     }
@@ -250,6 +260,14 @@ impl Job<'_> {
         let component = if observation.component.is_some() { observation.target.unwrap_or(0) } else { 0 };
         let key = Key { set: line.set, setup: observation.setup, component, run: observation.run, place };
         (key, observation.t_s.unwrap_or(0.0))
+    }
+
+    /// Position and senses of a reading: repeated readings have the same; `None` for a known distance.
+    fn place(&self, line: &ReadingEquation) -> Option<(Vec<i64>, [i8; AXIS_COUNT])> {
+        let reading = &self.data.get(line.set)?.observations.get(line.row()?)?.reading;
+        let place = AXES.map(|axis| (reading.position[axis] / SAME_PLACE).round() as i64);
+        let tool = [0, 1, 2].map(|k| (reading.tool_mm[k] / SAME_PLACE).round() as i64);
+        Some((place.into_iter().chain(tool).collect(), reading.state.direction))
     }
 
     /// Weights of the equations, and the uncertainty of each group of readings, from all candidates together. With too few rows, from the fixed

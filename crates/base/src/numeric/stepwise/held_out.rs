@@ -198,6 +198,7 @@ mod tests {
             noise: vec![0; count],
             cluster: vec![Some(0); count],
             run: (0..count).map(|row| row / length).collect(),
+            place: Vec::new(),
             handicaps: Vec::new(),
         }
     }

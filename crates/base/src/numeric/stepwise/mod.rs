@@ -45,6 +45,8 @@ pub struct Rows {
     pub cluster: Vec<Option<usize>>,
     /// Run.
     pub run: Vec<usize>,
+    /// Place and condition: rows of one number are repeated readings, which differ by noise alone; `None` for a row that nothing repeats.
+    pub place: Vec<Option<usize>>,
     /// Additional gain that a candidate needs beyond its limit, in −2 ln of the likelihood: the simpler of two equivalent candidates comes first.
     pub handicaps: Vec<f64>,
 }

@@ -29,13 +29,27 @@ pub(super) struct PreparedRows {
     pub(super) noise: Vec<usize>,
     /// Original index of each row.
     pub(super) order: Vec<usize>,
+    /// Differences of each row from the mean of its repeats, in a matrix of one row; zero without repeats.
+    pub(super) repeats: DMatrix<f64>,
+    /// For each noise group, the mean number of repeats of a row; `None` if too few rows are repeated.
+    pub(super) repeated: Vec<Option<f64>>,
 }
+
+/// Repeats are the yardstick of the noise of a group if this share of its rows is repeated.
+const REPEATED: f64 = 0.8;
 
 impl PreparedRows {
     /// Prepares the rows; `None` if numbers are not finite or counts disagree.
     pub(super) fn new(rows: &Rows) -> Option<PreparedRows> {
         let (count, width) = rows.factors.shape();
-        let agree = [rows.values.len(), rows.series.len(), rows.noise.len(), rows.cluster.len(), rows.run.len()];
+        let agree = [
+            rows.values.len(),
+            rows.series.len(),
+            rows.noise.len(),
+            rows.cluster.len(),
+            rows.run.len(),
+            rows.place.len(),
+        ];
         let candidates = width.checked_sub(rows.always)?;
         if agree.iter().any(|&length| length != count) || rows.handicaps.len() != candidates {
             return None;
@@ -77,6 +91,7 @@ impl PreparedRows {
         }
         let (groups, begins) = grouped(rows, &order);
         let noise = order.iter().map(|&row| rows.noise[row]).collect();
+        let (repeats, repeated) = repeats(rows, &order, &groups);
         Some(PreparedRows {
             rows: all,
             always: base.ncols(),
@@ -87,6 +102,8 @@ impl PreparedRows {
             begins,
             noise,
             order,
+            repeats,
+            repeated,
         })
     }
 
@@ -151,6 +168,28 @@ fn grouped(rows: &Rows, order: &[usize]) -> (Vec<NoiseGroup>, Vec<bool>) {
         last = Some(own);
     }
     (groups, begins)
+}
+
+/// Returns the differences of rows from the mean of their repeats, and for each noise group the mean number of repeats, if enough rows have some.
+fn repeats(rows: &Rows, order: &[usize], groups: &[NoiseGroup]) -> (DMatrix<f64>, Vec<Option<f64>>) {
+    let mut places: HashMap<(usize, usize), (f64, usize)> = HashMap::new();
+    let key = |row: usize| Some((rows.noise[row], rows.place[row]?));
+    for row in 0..rows.values.len() {
+        if let Some(key) = key(row) {
+            let sum = places.entry(key).or_insert((0.0, 0));
+            *sum = (sum.0 + rows.values[row], sum.1 + 1);
+        }
+    }
+    let of = |row: usize| key(row).and_then(|key| places.get(&key)).copied().filter(|(_, count)| *count > 1);
+    let difference = |&row: &usize| of(row).map_or(0.0, |(sum, count)| rows.values[row] - sum / count as f64);
+    let differences = DMatrix::from_iterator(1, order.len(), order.iter().map(difference));
+    let repeated = groups.iter().map(|group| {
+        let own = order.get(group.from..group.until).unwrap_or_default();
+        let counts: Vec<f64> = own.iter().filter_map(|&row| of(row)).map(|(_, count)| count as f64).collect();
+        let is_enough = !counts.is_empty() && counts.len() as f64 >= REPEATED * own.len() as f64;
+        is_enough.then(|| counts.iter().sum::<f64>() / counts.len() as f64)
+    });
+    (differences, repeated.collect())
 }
 
 /// Returns consecutive numbers for labels, in order of occurrence.

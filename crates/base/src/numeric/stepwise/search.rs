@@ -44,6 +44,8 @@ impl CorrelatedNoise {
 pub(super) struct StepwiseSearch<'a> {
     prepared: &'a PreparedRows,
     lagged: Lagged,
+    /// Autocorrelation and its variance of each noise group from repeats, which no missing term can feign; `None` without repeats.
+    of_repeats: Vec<Option<(f64, f64)>>,
     rule: Rule,
     /// Handicaps of the identifiable candidates.
     handicaps: Vec<f64>,
@@ -53,7 +55,13 @@ impl<'a> StepwiseSearch<'a> {
     pub(super) fn new(prepared: &'a PreparedRows, rows: &Rows, rule: Rule) -> StepwiseSearch<'a> {
         let lagged = Lagged::new(&prepared.rows, &prepared.groups);
         let handicaps = prepared.told.iter().map(|&candidate| rows.handicaps[candidate]).collect();
-        StepwiseSearch { prepared, lagged, rule, handicaps }
+        let (found, variances) = Lagged::new(&prepared.repeats, &prepared.groups).correlations();
+        let of_repeats =
+            prepared.repeated.iter().zip(found.into_iter().zip(variances)).map(|(count, (rho, variance))| {
+                // The mean of n repeats takes 1/n of the information.
+                count.map(|count| (rho, variance * count / (count - 1.0)))
+            });
+        StepwiseSearch { prepared, lagged, of_repeats: of_repeats.collect(), rule, handicaps }
     }
 
     /// Returns the columns that are always in, then these columns.
@@ -72,7 +80,12 @@ impl<'a> StepwiseSearch<'a> {
             return CorrelatedNoise { correlation: vec![0.0; count], variance: vec![0.0; count] };
         }
         let columns: Vec<usize> = self.inside(chosen).chain([self.prepared.width() - 1]).collect();
-        let (correlation, variance) = self.lagged.only(&columns).correlations();
+        let (mut correlation, mut variance) = self.lagged.only(&columns).correlations();
+        for ((rho, variance), known) in correlation.iter_mut().zip(&mut variance).zip(&self.of_repeats) {
+            if let Some(known) = known {
+                (*rho, *variance) = *known;
+            }
+        }
         CorrelatedNoise { correlation, variance }
     }
 

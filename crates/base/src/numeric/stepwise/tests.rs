@@ -63,6 +63,7 @@ fn drift(runs: usize, length: usize, random: &mut Random) -> Rows {
         noise: vec![0; count],
         cluster: vec![Some(0); count],
         run: (0..count).map(|row| row / length).collect(),
+        place: vec![None; count],
         handicaps: vec![0.0; sensors * lags],
     }
 }
@@ -231,4 +232,40 @@ fn values_without_noise_are_found_exactly() {
     let found: Vec<usize> = choice.terms.iter().map(|term| term.candidate).collect();
     assert_eq!(found, [5, 30], "{:?}", choice.steps);
     assert!((choice.terms[0].value - 3.0).abs() < 1e-6 && (choice.terms[1].value + 0.25).abs() < 1e-6);
+}
+
+/// A curve over 60 places in five runs of white noise, of which the candidates have the half: what they lack must not count as autocorrelated noise.
+#[test]
+fn repeats_show_the_noise_where_terms_are_missing() {
+    let (runs, length) = (5, 60);
+    let count = runs * length;
+    let mut random = Random(11);
+    let at = |row: usize| (row % length) as f64 / length as f64;
+    let shapes: [fn(f64) -> f64; 4] =
+        [|x| x, |x| x * x, |x| (x - 0.5).max(0.0).powi(2), |x| (x - 0.75).max(0.0).powi(2)];
+    let mut factors = DMatrix::zeros(count, 1 + shapes.len());
+    let mut values = Vec::new();
+    for row in 0..count {
+        factors[(row, 0)] = 1.0;
+        shapes.iter().enumerate().for_each(|(k, shape)| factors[(row, 1 + k)] = shape(at(row)));
+        values.push(30.0 * at(row).powi(2) - 40.0 * shapes[2](at(row)) + 60.0 * shapes[3](at(row)) + random.normal());
+    }
+    let mut rows = Rows {
+        always: 1,
+        factors,
+        values,
+        series: (0..count).map(|row| row / length).collect(),
+        noise: vec![0; count],
+        cluster: vec![Some(0); count],
+        run: (0..count).map(|row| row / length).collect(),
+        place: (0..count).map(|row| Some(row % length)).collect(),
+        handicaps: vec![0.0; shapes.len()],
+    };
+    let rule = Rule { significance: 1e-4, ..Rule::default() };
+    let with = choose(&rows, rule).unwrap();
+    assert!(with.steps.iter().all(|step| step.correlation < 0.15), "{with:#?}");
+    assert_eq!(with.terms.iter().map(|term| term.candidate).collect::<Vec<_>>(), [1, 2, 3]);
+    rows.place = vec![None; count];
+    let without = choose(&rows, rule).unwrap();
+    assert!(without.steps[0].correlation > 0.5, "{without:#?}");
 }
