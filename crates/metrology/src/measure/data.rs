@@ -5,6 +5,7 @@ mod condition;
 pub mod cycles;
 mod description;
 mod drivers;
+mod repeats;
 mod rows;
 
 pub use drivers::{DataColumn, TIME};
@@ -220,6 +221,9 @@ pub fn load_plan(
     load_with(&Instruments::default(), [table, description], name, machine, ReadAs::Plan)
 }
 
+/// Diagnostics of a table that differ in numbers alone, at most: a wrong unit is wrong in every row.
+const ALIKE: usize = 5;
+
 /// Mode of reading a pair of files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReadAs {
@@ -267,6 +271,7 @@ pub fn load_with(
         (data.kind.check)(&data, &rows, &mut findings);
     }
     let sound = !findings.iter().any(Diagnostic::is_error);
+    repeats::without_repeats(&mut findings, ALIKE);
     (sound.then_some(data), findings)
 }
 
