@@ -39,7 +39,7 @@ pub struct SceneRow {
     pub sense: [i8; AXIS_COUNT],
     /// Path of each axis since it turned last, mm or rad; infinite before it has turned.
     pub since_turn: AxisVector,
-    /// Path of the tool since each axis turned last, mm; infinite before it has turned.
+    /// Path of the tool since each axis turned last or started from rest with its run, mm; infinite before that.
     pub way_since_turn: AxisVector,
     /// Velocity of each axis, mm/s or rad/s; `None` where neither times nor feed say.
     pub velocity: Option<AxisVector>,
@@ -130,13 +130,25 @@ fn turns(rows: &mut [SceneRow], places: &[usize]) {
         let pair = [k.saturating_sub(1), (k + 1).min(places.len() - 1)];
         (rows[places[pair[1]]].position[axis] - rows[places[pair[0]]].position[axis]).abs()
     };
+    // The sense in which each axis went last: a row at its turning point itself has none.
+    let mut last = AxisVector::ZERO;
     for (k, pair) in places.windows(2).enumerate() {
         let [before, now] = [pair[0], pair[1]];
         let step = difference(rows, [before, now]);
         let length = linear_length(&step);
         for axis in AXES {
             let [old, new] = [rows[before].sense_of(axis), rows[now].sense_of(axis)];
-            if old * new < 0.0 {
+            if old != 0.0 {
+                last[axis] = old;
+            }
+            // It starts from rest: from its turning point, or with its run, where friction holds it as well.
+            let starts = old == 0.0 && new != 0.0;
+            if starts && (k == 0 || last[axis] * new < 0.0) {
+                way[axis] = length;
+                if k > 0 {
+                    path[axis] = step[axis].abs();
+                }
+            } else if old * new < 0.0 {
                 // It turned where it stood still: between the two as their speeds have it.
                 let [from, to] = [speed(rows, k, axis), speed(rows, k + 1, axis)];
                 let share = if from + to > STILL { to / (from + to) } else { 1.0 };
@@ -210,6 +222,20 @@ fn acceleration(
 mod tests {
     use super::*;
     use crate::diagnose::bench;
+
+    #[test]
+    fn an_axis_turns_in_a_row_that_has_no_sense_and_starts_with_its_run() {
+        let machine = bench::machine();
+        // From rest at 0 by 10 mm each to its turning point at 30, and back.
+        let cells = [(0.0, ",0"), (10.0, ",1"), (20.0, ",1"), (30.0, ",0"), (20.0, ",-1"), (10.0, ",-1"), (20.0, ",1")];
+        let found = rows(&[bench::along_x(&machine, ",X_dir", &cells)]);
+        let of = |at: fn(&SceneRow) -> AxisVector| found.iter().map(|row| at(row)[Axis::X]).collect::<Vec<f64>>();
+        let far = f64::INFINITY;
+        // The last one turned between two rows: in the middle, as far as their speeds say.
+        assert_eq!(of(|row| row.way_since_turn)[..6], [far, 10.0, 20.0, 30.0, 10.0, 20.0]);
+        assert_eq!(of(|row| row.since_turn)[..6], [far, far, far, far, 10.0, 20.0]);
+        assert!(of(|row| row.way_since_turn)[6] <= 10.0);
+    }
 
     #[test]
     fn speeds_and_accelerations_of_a_line_are_differences_to_its_ends() {

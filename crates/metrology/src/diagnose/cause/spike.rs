@@ -1,4 +1,4 @@
-//! A peak behind the turn of an axis: it sticks until the controller has built up the force, and follows late.
+//! A peak after the turn of an axis: it sticks until the controller has built up the force, and follows late.
 
 use super::{Candidate, Cause, Correctable, EffectKind, Weight, own};
 use crate::diagnose::scene::{Scene, Through};
@@ -13,19 +13,30 @@ pub(super) const CAUSE: Cause = Cause {
     propose,
 };
 
-/// Ways of the tool over which it fades, mm.
-const FADES: [f64; 7] = [0.5, 1.0, 2.0, 3.0, 4.2, 5.8, 8.0];
+/// Ways of the tool that make the scale of a spike, mm: from one reading of a dense ball-bar trace to a quarter of a small circle. Many readings show a wide
+/// spike, so wide ones are closer to each other: a tenth.
+const SCALES: [f64; 19] =
+    [0.5, 1.0, 2.0, 3.0, 4.2, 5.8, 8.0, 8.8, 9.7, 10.6, 11.7, 12.9, 14.2, 15.6, 17.1, 18.9, 20.7, 22.8, 25.1];
+
+/// Forms of a spike by the way since the turn, in its scales; each is 1 at its top. A controller that integrates lets the error fade, one with a limited
+/// force holds it and lets it go, and where the guide springs before it slides the error first grows; ball-bar traces show all three.
+const FORMS: [fn(f64) -> f64; 3] = [|way| (-way).exp(), |way| (-0.5 * way * way).exp(), |way| way * (1.0 - way).exp()];
 
 fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     for axis in super::linear(scene) {
         if !scene.rows.iter().any(|row| row.way_since_turn[axis].is_finite()) {
             continue;
         }
-        for fade in FADES {
-            let weight = Weight::new(move |row| -row.sense_of(axis) * (-row.way_since_turn[axis] / fade).exp());
-            let mut one = Candidate::one(&CAUSE, axis, Through::Component(own(axis)), weight);
-            one.constant = Some((fade, "mm"));
-            out.push(one.driven_by(&[&axis, &format!("{axis}_dir")]));
+        for scale in SCALES {
+            for form in FORMS {
+                let weight = Weight::new(move |row| {
+                    let way = row.way_since_turn[axis] / scale;
+                    if way.is_finite() { -row.sense_of(axis) * form(way) } else { 0.0 }
+                });
+                let mut one = Candidate::one(&CAUSE, axis, Through::Component(own(axis)), weight);
+                one.constant = Some((scale, "mm"));
+                out.push(one.driven_by(&[&axis, &format!("{axis}_dir")]));
+            }
         }
     }
 }
