@@ -1,6 +1,6 @@
 //! The size of a finding as people name it: a reversal value, an amplitude, a slope or the range over the travel that was measured.
 
-use super::cause::{Candidate, EffectKind, Term};
+use super::cause::{Candidate, EffectKind, Term, setup};
 use super::row::SceneRow;
 use super::scene::{Scene, Through};
 use ncfix_base::geometry::{AXES, Axis};
@@ -102,7 +102,7 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
         EffectKind::Dynamic if candidate.drivers.iter().any(|driver| driver == "feed_mm_min") => {
             plain(MILLION, "um/(m/s2)")
         }
-        EffectKind::Location => plain(micro, unit),
+        EffectKind::Location | EffectKind::Earlier => plain(micro, unit),
         EffectKind::Backlash | EffectKind::LateralPlay => {
             // The full reversal value, where it is largest.
             let at = peak(candidate, amounts, &mut rows().filter(|row| sense_of(candidate, row) > 0.0));
@@ -130,7 +130,7 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
         // What grows with the axis: errors are those of the moving body, which a table goes the other way round.
         EffectKind::ThermalExpansion => plain(MILLION * sense_along(candidate, scene), "um/(m K)"),
         EffectKind::ThermalSquareness => plain(MILLION, "urad/K"),
-        EffectKind::Setup if candidate.parameter == "scale" => {
+        EffectKind::Setup if candidate.cause.name == setup::SCALE.name => {
             plain(MILLION, if candidate.sensor.is_some() { "um/(m K)" } else { "um/m" })
         }
         // The largest of all set-ups.

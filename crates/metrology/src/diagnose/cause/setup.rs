@@ -28,7 +28,7 @@ pub(in crate::diagnose) const TOOL: Cause = Cause {
     propose: tool,
 };
 
-pub(super) const SCALE: Cause = Cause {
+pub(in crate::diagnose) const SCALE: Cause = Cause {
     name: "scale of the instrument",
     effect: EffectKind::Setup,
     made_by: "a beam that is not along the axis, air or artefact at another temperature than assumed",
@@ -58,12 +58,15 @@ fn part(through: Through, of: impl Fn(&SceneRow) -> f64 + Send + Sync + 'static)
     (through, Weight::new(of))
 }
 
+/// A coordinate of the point of the tool as the description has it.
+fn along(row: &SceneRow, scene: &Scene<'_>, k: usize) -> f64 {
+    let axis = super::linear(scene).find(|axis| axis.dimension() == k);
+    axis.map_or(0.0, |axis| row.position[axis]) + row.tool_mm[k]
+}
+
 /// The point of the tool as the description has it.
 fn point(row: &SceneRow, scene: &Scene<'_>) -> [f64; 3] {
-    [0, 1, 2].map(|k| {
-        let axis = super::linear(scene).find(|axis| axis.dimension() == k);
-        axis.map_or(0.0, |axis| row.position[axis]) + row.tool_mm[k]
-    })
+    [0, 1, 2].map(|k| along(row, scene, k))
 }
 
 /// Set-ups of measurements of which something is not free.
@@ -145,6 +148,15 @@ fn tool(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         let columns = all.iter().map(|&own| vec![part(Through::Tip(2), of(own))]).collect();
         push(out, &TOOL, "tool_z", columns, &["setup"]);
     }
+    // One probe with one stylus is off in all set-ups alike: its pre-travel, or its length.
+    let mut lengths: Vec<i64> = scene.rows.iter().map(|row| (row.tool_mm[2] * 1e3).round() as i64).collect();
+    lengths.sort_unstable();
+    lengths.dedup();
+    if lengths.len() == 1 {
+        let common = all.clone();
+        let always = move |row: &SceneRow| f64::from(u8::from(common.contains(&(row.set, row.setup))));
+        push(out, &TOOL, "tool_z", vec![vec![part(Through::Tip(2), always)]], &[]);
+    }
     if scene.rows.iter().any(|row| row.spindle_rad != 0.0) {
         let turned = |sine: f64, cosine: f64| {
             let all = all.clone();
@@ -185,6 +197,7 @@ fn scale(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
             push(out, &SCALE, "scale", vec![vec![part(Through::Reading(false), of)]], &["setup"]);
         }
     }
+    artefacts(scene, out);
     for name in OWN {
         let Some(values) = column(scene.sets, name) else { continue };
         let warm = move |values: &Values, row: &SceneRow| {
@@ -217,6 +230,32 @@ fn scale(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     }
     for one in out.iter_mut().filter(|one| one.cause.name == SCALE.name) {
         one.sensor = one.drivers.iter().find(|name| name.starts_with("T_")).cloned();
+    }
+}
+
+/// One artefact of several, or one mounting of it, has another length than its certificate says: about its middle, in all directions.
+fn artefacts(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
+    let is_plate = |set: usize| scene.sets.get(set).is_some_and(|set| set.kind.measurand == Measurand::Displacement);
+    let mut all: Vec<(usize, usize)> =
+        scene.rows.iter().filter(|row| is_plate(row.set)).map(|row| (row.set, row.setup)).collect();
+    all.sort_unstable();
+    all.dedup();
+    if !(2..=MOST).contains(&all.len()) {
+        return;
+    }
+    for own in all {
+        let label = scene.sets.get(own.0).and_then(|set| set.setups.get(own.1)).map_or("", |setup| &setup.label);
+        let points: Vec<[f64; 3]> =
+            scene.rows.iter().filter(|row| (row.set, row.setup) == own).map(|row| point(row, scene)).collect();
+        let parts = [0, 1, 2].into_iter().filter_map(|k| {
+            let axis = super::linear(scene).find(|axis| axis.dimension() == k)?;
+            let middle = points.iter().map(|at| at[k]).sum::<f64>() / points.len().max(1) as f64;
+            Some(part(Through::Value(k), move |row| {
+                if (row.set, row.setup) == own { row.position[axis] + row.tool_mm[k] - middle } else { 0.0 }
+            }))
+        });
+        let name = format!("scale {label}");
+        push(out, &SCALE, name.trim_end(), vec![parts.collect()], &["setup"]);
     }
 }
 
