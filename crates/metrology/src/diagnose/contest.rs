@@ -39,6 +39,9 @@ const ALIKE: f64 = 0.02;
 /// The search by readings would have found about this number of candidates as well.
 const SOUGHT: f64 = 100.0;
 
+/// Explanations that are shown.
+const MOST_SHOWN: usize = 20;
+
 /// A term with its probability.
 #[derive(Clone, Debug)]
 pub(super) struct Chosen {
@@ -286,10 +289,17 @@ fn family(one: &Candidate) -> Family {
         EffectKind::Load => Family::Load,
         EffectKind::Setup if one.cause.name == setup::TOOL.name => Family::Probe,
         EffectKind::Setup => Family::Setup,
+        EffectKind::Earlier => Family::Earlier,
         EffectKind::Probe => Family::Probe,
         EffectKind::Sensor | EffectKind::Outlier | EffectKind::Program | EffectKind::Unknown => Family::Unnamed,
         EffectKind::Own(_) => Family::Own,
     }
+}
+
+/// An angle, not a displacement.
+fn acts_as_angle(one: &Candidate) -> bool {
+    let first = one.columns.first().and_then(|parts| parts.first());
+    first.is_some_and(|(through, _)| matches!(through, Through::Component(name) if name.direction.is_rotation()))
 }
 
 /// A deflection that is proportional to the acceleration of an axis.
@@ -304,6 +314,8 @@ fn group(field: &Field<'_, '_>, one: &Candidate) -> ColumnGroup {
         // Travel does not count: the effect where it is largest is what is usual.
         let of = match family(one) {
             Family::Squareness | Family::Tilt | Family::Offset => return family(one).size(0.0),
+            // Angles have a size of their own; displacements before a change differ as reversal values do.
+            Family::Earlier if !acts_as_angle(one) => Family::Backlash.size(0.0),
             own @ (Family::Lag | Family::Deflection) => return own.size(0.0),
             other => other.size(1e3),
         };
@@ -343,6 +355,7 @@ impl Field<'_, '_> {
                 | EffectKind::ServoMismatch
                 | EffectKind::Following
                 | EffectKind::Setup
+                | EffectKind::Earlier
                 | EffectKind::Probe
                 | EffectKind::Unknown
                 | EffectKind::Own(_)
@@ -495,13 +508,19 @@ impl Field<'_, '_> {
             // Sums of rounded shares stay probabilities.
             found.explanations.iter().filter(has).map(|one| one.probability).fold(0.0, |sum, one| sum + one).min(1.0)
         };
-        let explanations = found.explanations.iter().take(20).map(|one| {
+        // Sets that differ in variants of a cause alone are one explanation in words.
+        let mut explanations: Vec<ExplanationSummary> = Vec::new();
+        for one in &found.explanations {
             let mut terms: Vec<String> = one.set.iter().filter_map(|&k| sources.get(k)).map(in_words).collect();
             terms.sort();
             terms.dedup();
-            ExplanationSummary { terms, probability: one.probability }
-        });
-        let explanations = explanations.collect();
+            match explanations.iter_mut().find(|known| known.terms == terms) {
+                Some(known) => known.probability = (known.probability + one.probability).min(1.0),
+                None => explanations.push(ExplanationSummary { terms, probability: one.probability }),
+            }
+        }
+        explanations.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+        explanations.truncate(MOST_SHOWN);
         let harm = Harm::new(self, found, sources, volume);
         let said = |k: usize, is_new: bool| -> Option<Vec<String>> {
             Some(harm.of(k, is_new)?.iter().filter_map(|&k| sources.get(k)).map(in_words).collect())

@@ -89,7 +89,12 @@ fn is_only_here(one: &Candidate) -> bool {
     // What vibrates has another phase on another day.
     matches!(
         one.cause.effect,
-        EffectKind::Setup | EffectKind::Sensor | EffectKind::Outlier | EffectKind::Program | EffectKind::Drift
+        EffectKind::Setup
+            | EffectKind::Earlier
+            | EffectKind::Sensor
+            | EffectKind::Outlier
+            | EffectKind::Program
+            | EffectKind::Drift
     ) || (one.cause.effect == EffectKind::Dynamic && one.drivers.iter().all(|driver| driver == "t_s"))
 }
 
@@ -116,7 +121,10 @@ pub(super) fn hold(
                 let does = doing(field, weights, on, &taken, number);
                 rms(counts(scene, on).into_iter().filter_map(|place| does.get(place).copied()))
             };
-            let is_local = field.candidates.get(number).is_some_and(is_only_here);
+            let is_drift = field.candidates.get(number).is_some_and(|one| one.cause.effect == EffectKind::Drift);
+            // Another day may go another way, but an explanation that predicts it worse than none is none.
+            let least_gain = if is_drift { 0.0 } else { worth(field, number) };
+            let is_local = field.candidates.get(number).is_some_and(is_only_here) && !is_drift;
             if is_local || size(held_out) < EXERCISED * size(weights) {
                 continue;
             }
@@ -124,7 +132,7 @@ pub(super) fn hold(
             let others: Vec<usize> = taken.iter().copied().filter(|&other| other != number).collect();
             let without = unseen(field, weights, held_out, &others);
             *gain = if without > 0.0 { 1.0 - (with / without).sqrt() } else { 0.0 };
-            if *gain < worth(field, number) && worst.is_none_or(|(least, _)| *gain < least) {
+            if *gain < least_gain && worst.is_none_or(|(least, _)| *gain < least) {
                 worst = Some((*gain, place));
             }
         }

@@ -79,7 +79,7 @@ pub(super) fn u95(
     used: usize,
 ) -> Option<f64> {
     // What happened in one part is not in the others.
-    if matches!(candidate.cause.effect, EffectKind::Setup | EffectKind::Drift) {
+    if matches!(candidate.cause.effect, EffectKind::Setup | EffectKind::Earlier | EffectKind::Drift) {
         return None;
     }
     let whole = size(candidate, amounts, scene, used);

@@ -38,7 +38,12 @@ pub(super) fn differing(
     // What belongs to a day or a set-up is another one in each.
     if matches!(
         candidate.cause.effect,
-        EffectKind::Setup | EffectKind::Drift | EffectKind::Sensor | EffectKind::Outlier | EffectKind::Program
+        EffectKind::Setup
+            | EffectKind::Earlier
+            | EffectKind::Drift
+            | EffectKind::Sensor
+            | EffectKind::Outlier
+            | EffectKind::Program
     ) {
         return Vec::new();
     }

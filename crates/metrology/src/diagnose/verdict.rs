@@ -1,7 +1,7 @@
 //! The verdict: findings with their sizes, rivals and what they gain, and what is left.
 
 use super::account::{Account, swing};
-use super::cause::{Candidate, Cause, Causes, EffectKind, periodic, thermal};
+use super::cause::{Candidate, Cause, Causes, EffectKind, earlier, periodic, thermal};
 use super::contest::{Chosen, ExplanationSummary};
 use super::doubt::ExtrapolationRisk;
 use super::fold::{confirmed, counts};
@@ -114,7 +114,10 @@ pub fn diagnose_with(
     note: &mut dyn FnMut(&str, f64),
 ) -> DiagnosedCauses {
     note("causes that may be", 0.0);
-    let candidates = propose(causes, scene);
+    let mut candidates = propose(causes, scene);
+    if causes.iter().any(|cause| cause.cause().name == earlier::CAUSE.name) {
+        earlier::propose(scene, used, &mut candidates);
+    }
     let sample = Sample::new(scene);
     let mut field = Field::new(scene, candidates);
     field.part = sample.as_ref().map(|some| Box::new(sample::SearchPart::new(&field, some)));

@@ -12,6 +12,7 @@ pub mod catalogue;
 pub(in crate::diagnose) mod circle;
 mod cross;
 pub(in crate::diagnose) mod drift;
+pub(in crate::diagnose) mod earlier;
 mod load;
 mod location;
 pub(in crate::diagnose) mod motion;
@@ -72,6 +73,8 @@ pub enum EffectKind {
     ThermalSquareness,
     /// Displacement with time.
     Drift,
+    /// An error that was another one in earlier files.
+    Earlier,
     /// Weight of the workpiece.
     Load,
     /// The set-up of the instrument.
@@ -191,6 +194,7 @@ pub(in crate::diagnose) const BUILT_IN: &[&Cause] = &[
     &setup::PLACE,
     &setup::TOOL,
     &setup::SCALE,
+    &earlier::CAUSE,
     &setup::PROBE,
     &drift::CAUSE,
     &drift::EVENT,
@@ -349,6 +353,7 @@ impl Candidate {
             EffectKind::Drift => 24,
             EffectKind::Dynamic => 26,
             EffectKind::Delay => 28,
+            EffectKind::Earlier => 29,
             EffectKind::Setup | EffectKind::Probe | EffectKind::Sensor | EffectKind::Outlier | EffectKind::Program => {
                 30
             }
@@ -407,6 +412,7 @@ impl fmt::Display for EffectKind {
             EffectKind::ThermalExpansion => "thermal-expansion",
             EffectKind::ThermalSquareness => "thermal-squareness",
             EffectKind::Drift => "drift",
+            EffectKind::Earlier => "earlier",
             EffectKind::Load => "load",
             EffectKind::Setup => "setup",
             EffectKind::Probe => "probe",

@@ -214,6 +214,7 @@ fn changes(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Result<Vec<Ch
                 .into())
         }
         EffectKind::Setup | EffectKind::Probe => Err("it belongs to the instrument and its set-up, not to the machine".into()),
+        EffectKind::Earlier => Err("the machine was so in earlier files; the file has its present state".into()),
         EffectKind::Sensor | EffectKind::Outlier | EffectKind::Program => Err("it belongs to the data, not to the machine".into()),
         EffectKind::Dynamic => Err("it depends on the acceleration, not on the position: ncfix decompose fits it to traces and writes [[dynamic]]; a lower feed makes it smaller"
             .into()),
