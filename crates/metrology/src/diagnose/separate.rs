@@ -1,8 +1,12 @@
-//! Rivals that the data cannot tell apart, and the one measurement that would.
+//! Rivals that the data cannot separate, and the one measurement that would: never one that the data are.
+
+use std::collections::BTreeMap;
 
 use super::cause::{Candidate, Causes, EffectKind, periodic};
+use super::row::SceneRow;
 use super::scene::{Scene, Through};
 use super::verdict::propose;
+use crate::measure::kind::Measurand;
 use ncfix_base::geometry::{AXES, Axis, Vector};
 use ncfix_model::name::{DIRECTIONS, ErrorKind, ErrorName};
 
@@ -15,6 +19,10 @@ const FINE: f64 = 20.0;
 /// A feed at which lags are small, mm/min, and the column of those that were run.
 const SLOW: f64 = 500.0;
 const FEED: &str = "feed_mm_min";
+/// The column of spindle speeds.
+const SPEED: &str = "spindle_rpm";
+/// Lengths, feeds and speeds that differ by less than this share are one.
+const OTHER: f64 = 0.1;
 /// By how much a second tool is longer, mm.
 const LONGER: f64 = 60.0;
 /// A grid has so many steps over this share of the travel.
@@ -27,8 +35,33 @@ pub(super) fn separating(scene: &Scene<'_>, one: &Candidate, rival: &Candidate) 
     // What has a place of its own says where, else its rival.
     let around = Around::new(scene, one).or_else(|| Around::new(scene, rival));
     let sentence = sentence.unwrap_or(one.cause.separate_by);
-    with_command(sentence.to_owned(), plan.and_then(|plan| around?.command(plan)))
+    let (Some(around), Some(plan)) = (around, plan) else { return sentence.to_owned() };
+    let measured = Measured::new(scene, &around);
+    if !measured.has(plan) {
+        return with_command(sentence.to_owned(), around.command(plan));
+    }
+    // That was measured already: another view of the same errors.
+    let other = OTHERS.iter().find(|(_, other)| !measured.has(*other) && around.command(*other).is_some());
+    match other {
+        Some((sentence, plan)) => with_command((*sentence).to_owned(), around.command(*plan)),
+        None => AGAIN.to_owned(),
+    }
 }
+
+/// Measurements that show the same errors from another side, the most telling first.
+const OTHERS: [(&str, SeparatingPlan); 5] = [
+    (
+        "the same poses with a second tool length: angles grow with the arm, displacements do not",
+        SeparatingPlan::Heights,
+    ),
+    ("a grid of points over the travel, which shows each axis along its whole length", SeparatingPlan::Grid),
+    ("circles in both senses", SeparatingPlan::Circles),
+    ("the line of the axis in both directions", SeparatingPlan::Line),
+    ("circles of another radius", SeparatingPlan::SmallCircles),
+];
+/// Where nothing else is left.
+const AGAIN: &str =
+    "the same measurement again, with more readings: the data are too few or too noisy to separate them";
 
 /// Every command that may be said of what may be at work in a scene.
 #[must_use]
@@ -260,6 +293,90 @@ impl Around {
         };
         Some(format!("ncfix plan {own}{tool} --machine M.toml -o PLAN.csv"))
     }
+}
+
+/// Which kinds of measurements a scene has.
+struct Measured {
+    circles: bool,
+    radii: bool,
+    line: bool,
+    feeds: bool,
+    fine: bool,
+    grid: bool,
+    heights: bool,
+    speeds: bool,
+}
+
+impl Measured {
+    fn new(scene: &Scene<'_>, around: &Around) -> Measured {
+        let kind = |row: &&SceneRow| scene.sets.get(row.set).map(|set| set.kind.measurand);
+        let plane: Vec<Axis> =
+            [Axis::X, Axis::Y, Axis::Z].into_iter().filter(|axis| around.plane.contains(&axis.to_string())).collect();
+        let differ = |values: &mut dyn Iterator<Item = f64>, share: f64| {
+            let [low, high] = values
+                .filter(|value| value.is_finite())
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
+            high > low && high - low > share * high.abs().max(low.abs())
+        };
+        let both = |rows: &[&SceneRow], axis: Axis| {
+            [-1.0, 1.0].iter().all(|side| rows.iter().any(|row| row.sense_of(axis) == *side))
+        };
+        let moves = |rows: &[&SceneRow], axis: Axis| differ(&mut rows.iter().map(|row| row.position[axis]), 0.0);
+        let of = |measurand: Measurand| -> Vec<&SceneRow> {
+            scene.rows.iter().filter(|row| kind(row) == Some(measurand)).collect()
+        };
+        let bars: Vec<&SceneRow> = of(Measurand::BallDistance);
+        let lengths = scene.sets.iter().filter(|set| set.kind.measurand == Measurand::BallDistance);
+        let line: Vec<&SceneRow> = of(Measurand::Component)
+            .into_iter()
+            .filter(|row| around.name.is_none() || row.component == around.name)
+            .collect();
+        let mut places: Vec<i64> = line.iter().map(|row| (row.position[around.axis] * 1e3).round() as i64).collect();
+        places.sort_unstable();
+        places.dedup();
+        let plates: Vec<&SceneRow> = of(Measurand::Displacement);
+        let column = |name: &str| -> Vec<f64> {
+            let drivers = scene.sets.iter().flat_map(|set| &set.drivers).filter(|driver| driver.name == name);
+            drivers.flat_map(|driver| driver.values.iter().copied()).collect()
+        };
+        Measured {
+            circles: plane.iter().all(|&axis| moves(&bars, axis) && both(&bars, axis))
+                && turns_both_ways(&bars, &plane),
+            radii: differ(&mut lengths.flat_map(|set| &set.setups).map(|setup| setup.length_mm), OTHER),
+            line: moves(&line, around.axis) && both(&line, around.axis),
+            feeds: differ(&mut column(FEED).into_iter(), OTHER),
+            fine: places.len() as f64 >= (around.travel[1] - around.travel[0]) / FINE,
+            grid: plane.iter().all(|&axis| moves(&plates, axis)),
+            heights: differ(&mut scene.rows.iter().map(|row| Vector::from(row.tool_mm).norm()), OTHER),
+            speeds: differ(&mut column(SPEED).into_iter(), OTHER),
+        }
+    }
+
+    fn has(&self, plan: SeparatingPlan) -> bool {
+        match plan {
+            SeparatingPlan::Circles => self.circles,
+            SeparatingPlan::SlowCircles => self.circles && self.feeds,
+            SeparatingPlan::SmallCircles => self.circles && self.radii,
+            SeparatingPlan::Line => self.line,
+            SeparatingPlan::SlowLine => self.line && self.feeds,
+            SeparatingPlan::FineLine => self.line && self.fine,
+            SeparatingPlan::Grid => self.grid,
+            SeparatingPlan::Heights => self.heights,
+            SeparatingPlan::Drift => self.speeds,
+        }
+    }
+}
+
+/// Some sequence of rows turns one way in a plane, and some other one the other way.
+fn turns_both_ways(rows: &[&SceneRow], plane: &[Axis]) -> bool {
+    let [first, second] = plane else { return false };
+    let mut areas: BTreeMap<usize, f64> = BTreeMap::new();
+    for pair in rows.windows(2).filter(|pair| pair[0].sequence == pair[1].sequence) {
+        let at = |row: &SceneRow, axis: Axis| row.position[axis] - rows[0].position[axis];
+        let [a, b] = [pair[0], pair[1]];
+        *areas.entry(a.sequence).or_insert(0.0) += at(a, *first) * at(b, *second) - at(b, *first) * at(a, *second);
+    }
+    areas.values().any(|area| *area > 0.0) && areas.values().any(|area| *area < 0.0)
 }
 
 /// A wave with another period, by the name of its component.
