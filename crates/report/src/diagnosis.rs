@@ -2,7 +2,7 @@
 
 mod text;
 
-pub(crate) use text::{CauseText, differing, p_value};
+pub(crate) use text::{CauseText, differing, p_value, probability};
 
 use serde::Serialize;
 

@@ -68,7 +68,7 @@ pub use doubt::ExtrapolationRisk;
 pub use held::{Compared, Sizes};
 pub use noise::{Left, NoiseSource};
 pub use parts::FileShare;
-pub use readings::{FAR as FAR_OUT, freedom_of, levels};
+pub use readings::{FAR as FAR_OUT, freedom_of, levels, residuals};
 pub use rejected::{Gate, Rejected, TriedCause};
 pub use scene::Scene;
 pub use separate::commands;

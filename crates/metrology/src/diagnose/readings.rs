@@ -177,6 +177,26 @@ pub fn freedom_of(scene: &Scene<'_>, used: usize) -> [usize; 2] {
     [of_rows, field.series(&weights, &[], 0.0).rank()]
 }
 
+/// Residuals of two models, root of the mean square, mm or rad: of the measurements that are used, and of those held out; `None` where there is no reading. The
+/// readings are the same for both: without those that are far from the others where everything is `explained`, mm or rad.
+#[must_use]
+pub fn residuals(models: [&Scene<'_>; 2], used: usize, explained: &[f64]) -> [Option<[f64; 2]>; 2] {
+    let [scene, _] = models;
+    let field = Field::bare(scene);
+    let (used, held_out) = weights(scene, used);
+    [used, held_out].map(|mut weights| {
+        let left = projected(&field, &weights, explained);
+        drop_far(scene, &mut weights, &left);
+        let places = counts(scene, &weights);
+        let of = |model: &Scene<'_>| {
+            let values: Vec<f64> = model.items.iter().map(|item| item.left).collect();
+            let left = projected(&field, &weights, &values);
+            rms(places.iter().filter_map(|&place| left.get(place).copied()))
+        };
+        (!places.is_empty()).then(|| models.map(of))
+    })
+}
+
 /// What a model leaves of the measurements that are used and of those held out beside the set-ups, root of the mean square in units of the
 /// uncertainty of each reading, so that lengths and angles count alike; readings that are far from the others do not count.
 #[must_use]

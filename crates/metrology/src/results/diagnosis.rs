@@ -72,6 +72,8 @@ pub struct DiagnosisResult {
     pub rejected: Vec<RejectedReport>,
     /// The most probable explanations, each a set of causes; empty if none was compared.
     pub explanations: Vec<ExplanationSummary>,
+    /// Residuals with the extended machine file alone; `null` if there is nothing to write.
+    pub written: Option<WrittenSizes>,
     /// Number of candidates tried.
     pub tried: usize,
     /// Number of readings used.
@@ -93,6 +95,22 @@ impl DiagnosisResult {
         [self.without_model, self.before, self.after] = [none; 3];
         [self.noise_um, self.gain, self.unexplained.rms_um, self.unexplained.p] = [f64::NAN; 4];
     }
+}
+
+/// Residuals of the model and of the extended machine file, which holds the causes that a file can hold; over the same readings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct WrittenSizes {
+    /// Number of causes in it.
+    pub causes: usize,
+    /// Root of the mean square with the current model.
+    pub before_rms_um: f64,
+    /// Root of the mean square with the extended file.
+    pub after_rms_um: f64,
+    /// Root of the mean square of the holdout data with the current model.
+    pub holdout_before_rms_um: Option<f64>,
+    /// Root of the mean square of the holdout data with the extended file.
+    pub holdout_after_rms_um: Option<f64>,
 }
 
 /// Source of the noise estimate.
@@ -364,6 +382,7 @@ pub fn run(
     let mut aside = Vec::new();
     let made = settings.file.and_then(|file| job.make(file, if settings.is_extended { findings } else { &mut aside }));
     can_be_done(made.as_ref().map_or(&refused, |made| &made.why_not), report);
+    report.written = made.as_ref().and_then(|made| written(made, report.unit));
     if settings.is_extended
         && let Some(made) = &made
     {
@@ -373,6 +392,20 @@ pub fn run(
         readings::fill(&found, &of_model, used, shown);
     }
     Some(made)
+}
+
+/// Residuals of the extended file, in display units.
+fn written(made: &Extended, unit: UnitKey) -> Option<WrittenSizes> {
+    let micro = unit.unit().shown(1.0);
+    let [used, held_out] = made.residuals;
+    let [before, after] = used?;
+    Some(WrittenSizes {
+        causes: made.why_not.iter().filter(|why_not| why_not.is_none()).count(),
+        before_rms_um: micro * before,
+        after_rms_um: micro * after,
+        holdout_before_rms_um: held_out.map(|[before, _]| micro * before),
+        holdout_after_rms_um: held_out.map(|[_, after]| micro * after),
+    })
 }
 
 /// Sets the possible correction of findings, with or without a written file: a table of the file needs no name, and an error that the file cannot

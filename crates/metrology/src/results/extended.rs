@@ -3,7 +3,7 @@
 use super::not_identified;
 use crate::calibrate::{Fit, FitOptions, Parameter, fit};
 use crate::diagnose::extend::{Anchor, Change, again, cleaned, effect_of_others, note};
-use crate::diagnose::{DiagnosedCauses, Scene, levels};
+use crate::diagnose::{DiagnosedCauses, Scene, levels, residuals};
 use crate::measure::data::DataSet;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::{FileId, Source};
@@ -39,6 +39,8 @@ pub struct Extended {
     pub text: Result<String, NotWritten>,
     /// For every finding the reason why it is not in the file; `None` if it is.
     pub why_not: Vec<Option<String>>,
+    /// Residuals of the model and of this file, mm or rad, over the used and the held-out readings; `None` without a text, or without such readings.
+    pub residuals: [Option<[f64; 2]>; 2],
 }
 
 impl Extended {
@@ -70,7 +72,19 @@ impl ExtensionJob<'_> {
                 why.get_or_insert_with(|| message.clone());
             }
         }
-        Some(Extended { text, why_not })
+        let residuals = text.as_ref().map_or([None; 2], |text| self.residuals(old, text));
+        Some(Extended { text, why_not, residuals })
+    }
+
+    /// Residuals of the current model and of a written one, of the used and of the held-out readings.
+    fn residuals(&self, old: &Source, text: &str) -> [Option<[f64; 2]>; 2] {
+        let Some(written) = load((old, &self.registers), text) else { return [None; 2] };
+        let Some(after) = self.with_errors(&written, &[]) else { return [None; 2] };
+        let none = vec![false; self.found.findings.len()];
+        let effects = effect_of_others(self.found, self.scene, &none);
+        let explained: Vec<f64> =
+            self.scene.items.iter().zip(effects).map(|(item, effect)| item.left - effect).collect();
+        residuals([self.scene, &after], self.used, &explained)
     }
 
     /// Applies the changes of one finding after another; incompatible ones are left out.
@@ -215,13 +229,17 @@ impl ExtensionJob<'_> {
 
     /// The level of readings less an amount for each, mm or rad.
     fn level_without(&self, errors: &ErrorModel, away: &[f64]) -> [f64; 2] {
-        let scene = Scene::new(self.machine, errors, self.scene.sets).map(|mut scene| {
-            scene.items.iter_mut().zip(away).for_each(|(item, away)| item.left -= away);
-            // Data excluded as defective do not count here either.
-            scene.items.iter_mut().zip(&self.scene.items).for_each(|(item, known)| item.sigma = known.sigma);
-            levels(&scene, self.used)
-        });
-        scene.unwrap_or([f64::INFINITY; 2])
+        self.with_errors(errors, away).map_or([f64::INFINITY; 2], |scene| levels(&scene, self.used))
+    }
+
+    /// The readings under other errors, less an amount for each, mm or rad; `None` if they do not determine the set-ups.
+    fn with_errors(&self, errors: &ErrorModel, away: &[f64]) -> Option<Scene<'_>> {
+        let new = Scene::new(self.machine, errors, self.scene.sets).ok()?;
+        // Data excluded as defective do not count here either, and what has a zero of its own keeps it.
+        let mut scene = self.scene.clone();
+        scene.items.iter_mut().zip(&new.items).for_each(|(item, new)| item.left = new.left);
+        scene.items.iter_mut().zip(away).for_each(|(item, away)| item.left -= away);
+        Some(scene)
     }
 
     /// Checks that the model fits the data better with the change, on the holdout data if any; effects of findings that the file does not hold are taken out of the readings on both sides:

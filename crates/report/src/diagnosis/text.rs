@@ -5,12 +5,12 @@ use std::fmt::Write as _;
 use super::DiagnosisReport;
 use crate::component::spelled_out;
 use crate::number::{grouped, significant};
-use ncfix_metrology::diagnose::Gate;
 use ncfix_metrology::diagnose::cause::Correctable;
+use ncfix_metrology::diagnose::{ExplanationSummary, Gate};
 use ncfix_metrology::results::diagnosis::{CauseReport, InFile, NoiseFrom, ShapePlace};
 
 /// Maximum number of equivalent explanations that are named.
-const RIVALS: usize = 4;
+const RIVALS: usize = 8;
 /// Smallest p-value that is shown as a number.
 const LEAST_P: f64 = 1e-12;
 /// Maximum number of listed points of a shape.
@@ -21,6 +21,14 @@ const CAUSES: usize = 4;
 const SEEN: f64 = 2.0;
 /// Ratio of noise to stated noise from which it is reported.
 const TIMES: f64 = 2.5;
+/// An explanation that is more probable than this is shown alone.
+const SURE: f64 = 0.95;
+/// Maximum number of listed explanations.
+const EXPLANATIONS: usize = 4;
+/// Explanations that are less probable are not listed.
+const LEAST_SHOWN: f64 = 0.01;
+/// Probabilities above this are not shown as a number: the assumptions are not known that well.
+const MOST_SHOWN: f64 = 0.99;
 /// Maximum number of listed rejected candidates.
 const REJECTED: usize = 5;
 
@@ -28,10 +36,7 @@ impl DiagnosisReport {
     /// Returns the text for people.
     #[must_use]
     pub fn page(&self) -> String {
-        let mut out = format!("{}\n", self.before_sentence());
-        if let Some(sentence) = self.expired_sentence() {
-            let _ = writeln!(out, "{sentence}");
-        }
+        let mut out = format!("{}\n{}\n", self.headline(), self.before_sentence());
         if self.found.findings.is_empty() {
             let _ = writeln!(out, "No cause accepted ({} candidates tested).", grouped(self.found.tried as u64));
         }
@@ -71,6 +76,99 @@ impl DiagnosisReport {
         )
     }
 
+    /// Returns the main result: the largest cause, how sure it is, what it costs, and the next step.
+    #[must_use]
+    pub fn headline(&self) -> String {
+        if let Some(expired) = self.expired_sentence() {
+            return expired;
+        }
+        let unit = self.unit_sign();
+        let found = &self.found;
+        let Some(largest) = found.findings.iter().max_by(|a, b| a.rms_um.total_cmp(&b.rms_um)) else {
+            if !found.unexplained.structure {
+                return "The model explains the readings within their noise: nothing is to be corrected.".into();
+            }
+            return format!(
+                "{} {unit} RMS are systematic, but no cause is sure. Next: measure more set-ups, in both directions of every axis.",
+                significant(found.unexplained.rms_um)
+            );
+        };
+        let words = spelled_out(&largest.parameter).filter(|_| largest.is_component());
+        let words = words.map_or(String::new(), |words| format!(" ({words})"));
+        let sure = largest.probability.map_or_else(|| p_value(largest.p), probability);
+        let others = match found.findings.len() - 1 {
+            0 => String::new(),
+            1 => " One more cause was found.".to_owned(),
+            count => format!(" {count} more causes were found."),
+        };
+        format!(
+            "Largest cause: {}{words}{}, {} ({sure}); its effect is {} {unit} RMS, the residual {} {unit} RMS.{others} Next: {}.",
+            largest.name(),
+            by_sensor(largest),
+            largest.size(),
+            significant(largest.rms_um),
+            significant(found.before.rms_um),
+            self.next_step(largest)
+        )
+    }
+
+    /// Returns the next step after this result.
+    fn next_step(&self, largest: &CauseReport) -> String {
+        let findings = &self.found.findings;
+        let is_correctable = |one: &&CauseReport| one.correctable == Correctable::Program;
+        if let Some(path) = &self.output {
+            return format!("correct programs with {path}");
+        }
+        if findings.iter().any(|one| is_correctable(&one)) {
+            return "write the extended machine file with -o, and correct programs with it".into();
+        }
+        if findings.iter().any(|one| one.correctable == Correctable::Live) {
+            return "correct it live, with readings of the sensors".into();
+        }
+        match &largest.separate_by {
+            Some(how) if largest.class.len() > 1 => format!("measure what separates the explanations: {how}"),
+            _ => format!("check the machine and the measurement for {}", largest.made_by),
+        }
+    }
+
+    /// Returns the gain of the written file in one sentence.
+    #[must_use]
+    pub fn written_sentence(&self) -> Option<String> {
+        let written = self.found.written?;
+        let unit = self.unit_sign();
+        let held_out = match (written.holdout_before_rms_um, written.holdout_after_rms_um) {
+            (Some(before), Some(after)) => {
+                format!("; data held out: {} → {} {unit}", significant(before), significant(after))
+            }
+            _ => String::new(),
+        };
+        let holds = if self.output.is_some() { "holds" } else { "would hold" };
+        let count = match written.causes {
+            1 => "1 cause".to_owned(),
+            count => format!("{count} causes"),
+        };
+        Some(format!(
+            "The extended machine file {holds} {count} of {}: residual {} → {} {unit} RMS{held_out}.",
+            self.found.findings.len(),
+            significant(written.before_rms_um),
+            significant(written.after_rms_um)
+        ))
+    }
+
+    /// Returns the most probable explanations, each with its probability, if the first one is not sure.
+    #[must_use]
+    pub fn explanation_lines(&self) -> Vec<String> {
+        let all = &self.found.explanations;
+        if all.first().is_none_or(|first| first.probability > SURE) {
+            return Vec::new();
+        }
+        let line = |one: &ExplanationSummary| {
+            let terms = if one.terms.is_empty() { "no cause".to_owned() } else { one.terms.join(", ") };
+            format!("{:.0} %: {terms}", 100.0 * one.probability)
+        };
+        all.iter().take(EXPLANATIONS).filter(|one| one.probability >= LEAST_SHOWN).map(line).collect()
+    }
+
     /// Returns a sentence if the model is no longer valid.
     #[must_use]
     pub fn expired_sentence(&self) -> Option<String> {
@@ -105,15 +203,13 @@ impl DiagnosisReport {
             return Some(format!("Data held out: residual {} {} RMS.", significant(before), self.unit_sign()));
         }
         let [low, high] = self.found.holdout_gain_95.unwrap_or_default();
-        Some(format!(
-            "Data held out: {} → {} {}, {:.0} % less ({:.0} … {:.0} %).",
-            significant(before),
-            significant(after),
-            self.unit_sign(),
-            100.0 * self.found.holdout_gain.unwrap_or_default() + 0.0,
-            100.0 * low + 0.0,
-            100.0 * high + 0.0
-        ))
+        let gain = 100.0 * self.found.holdout_gain.unwrap_or_default();
+        let change = if gain < 0.0 {
+            format!("{:.0} % more", -gain)
+        } else {
+            format!("{:.0} % less ({:.0} … {:.0} %)", gain + 0.0, 100.0 * low + 0.0, 100.0 * high + 0.0)
+        };
+        Some(format!("Data held out: {} → {} {}, {change}.", significant(before), significant(after), self.unit_sign()))
     }
 
     fn unexplained_sentence(&self) -> String {
@@ -139,8 +235,7 @@ impl DiagnosisReport {
     /// Returns the verdict in one paragraph.
     #[must_use]
     pub fn verdict(&self) -> String {
-        let mut out = vec![self.before_sentence()];
-        out.extend(self.expired_sentence());
+        let mut out = vec![self.headline(), self.before_sentence()];
         let named: Vec<String> = self
             .found
             .findings
@@ -161,6 +256,7 @@ impl DiagnosisReport {
         });
         out.extend(self.after_sentence());
         out.extend(self.held_out_sentence());
+        out.extend(self.written_sentence());
         out.push(self.unexplained_sentence());
         match self.found.data_faults.len() {
             0 => {}
@@ -206,8 +302,13 @@ impl DiagnosisReport {
                 let _ = writeln!(out, "{} {differs}", name(&one.effect, &one.parameter));
             }
         }
+        let explanations = self.explanation_lines();
+        if !explanations.is_empty() {
+            let _ = writeln!(out, "\nExplanations by probability:\n   {}", explanations.join("\n   "));
+        }
         out.push('\n');
-        for sentence in [self.after_sentence(), self.held_out_sentence()].into_iter().flatten() {
+        for sentence in [self.after_sentence(), self.held_out_sentence(), self.written_sentence()].into_iter().flatten()
+        {
             let _ = writeln!(out, "{sentence}");
         }
         let _ = writeln!(out, "{}", self.unexplained_sentence());
@@ -221,18 +322,17 @@ impl DiagnosisReport {
     }
 
     fn cause(&self, rank: usize, one: &CauseReport, out: &mut String) {
-        // A component is spelled out; other effects have words of their own.
-        let is_component = matches!(one.effect.as_str(), "motion" | "location");
-        let words = spelled_out(&one.parameter).filter(|_| is_component);
+        let words = spelled_out(&one.parameter).filter(|_| one.is_component());
         let words = words.map_or(String::new(), |words| format!(" ({words})"));
-        let _ = writeln!(out, "\n{rank}. {}{words}: {} (95 %)", one.name(), one.size());
+        let _ = writeln!(out, "\n{rank}. {}{words}{}: {} (95 %)", one.name(), by_sensor(one), one.size());
         let _ = writeln!(
             out,
-            "   explains {} {} RMS, {:.0} % of the residual; on unseen readings {:.0} % less residual; {}",
+            "   explains {} {} RMS, {:.0} % of the residual; on unseen readings {:.0} % less residual; {}{}",
             significant(one.rms_um),
             self.unit_sign(),
             100.0 * one.share,
             100.0 * one.gain_holdout,
+            one.probability.map_or_else(String::new, |value| format!("{}; ", probability(value))),
             p_value(one.p)
         );
         match &one.what {
@@ -266,6 +366,8 @@ impl DiagnosisReport {
 
 /// Texts of a cause.
 pub(crate) trait CauseText {
+    /// Returns true if its parameter is an error component, which is spelled out; other effects have words of their own.
+    fn is_component(&self) -> bool;
     /// Returns effect and parameter.
     fn name(&self) -> String;
     /// Returns effect and parameter, and the drivers if the cause is unnamed.
@@ -279,6 +381,10 @@ pub(crate) trait CauseText {
 }
 
 impl CauseText for CauseReport {
+    fn is_component(&self) -> bool {
+        matches!(self.effect.as_str(), "motion" | "location")
+    }
+
     fn name(&self) -> String {
         name(&self.effect, &self.parameter)
     }
@@ -328,6 +434,14 @@ pub(crate) fn differing(files: &[InFile]) -> Option<String> {
     }
 }
 
+/// Returns the sensor that an effect follows, and its delay; empty if it follows none.
+fn by_sensor(one: &CauseReport) -> String {
+    let Some(sensor) = &one.sensor else { return String::new() };
+    let lag = one.lag_s.filter(|lag| *lag > 0.0);
+    let lag = lag.map_or(String::new(), |lag| format!(" {} s later", significant(lag)));
+    format!(" with {sensor}{lag}")
+}
+
 fn name(effect: &str, parameter: &str) -> String {
     format!("{effect} {parameter}").trim_end().to_owned()
 }
@@ -336,6 +450,16 @@ fn name(effect: &str, parameter: &str) -> String {
 #[must_use]
 pub(crate) fn sign(unit: &str) -> String {
     unit.replace("urad", "µrad").replace("um", "µm").replace("m/s2", "m/s²")
+}
+
+/// Formats a probability: `probability 97 %`, `probability > 99 %`.
+#[must_use]
+pub(crate) fn probability(value: f64) -> String {
+    if value > MOST_SHOWN {
+        format!("probability > {:.0} %", 100.0 * MOST_SHOWN)
+    } else {
+        format!("probability {:.0} %", 100.0 * value)
+    }
 }
 
 /// Formats a p-value: `p = 3e-4`, `p < 1e-12`.

@@ -12,8 +12,8 @@ use crate::markup::Markup;
 use crate::number::{grouped, significant};
 use crate::plot::{Bar, Bars};
 use ncfix_base::units::UnitKey;
-use ncfix_metrology::diagnose::Gate;
 use ncfix_metrology::diagnose::cause::Correctable;
+use ncfix_metrology::diagnose::{ExplanationSummary, Gate};
 use ncfix_metrology::results::diagnosis::{CauseReport, DataFault, ReadingSizes, RejectedReport};
 use ncfix_metrology::results::readings::TriedCauseReport;
 
@@ -30,6 +30,7 @@ pub fn diagnosis(report: &DiagnosisReport, shown: &PageReadings) -> String {
         if report.found.readings > 0 {
             levels(out, report);
             ranking(out, report);
+            explanations(out, &report.found.explanations);
             if !report.found.findings.is_empty() {
                 out.leaf("h2", &[], "Evidence");
             }
@@ -218,6 +219,21 @@ fn ranking(out: &mut Markup, report: &DiagnosisReport) {
         };
         figure(out, &picture, "");
     });
+}
+
+/// Lists the explanations that were compared, the most probable first.
+fn explanations(out: &mut Markup, all: &[ExplanationSummary]) {
+    if all.is_empty() {
+        return;
+    }
+    out.leaf("h2", &[], "Explanations");
+    let row = |one: &ExplanationSummary| {
+        let terms = if one.terms.is_empty() { "no cause".to_owned() } else { one.terms.join(", ") };
+        PageRow { class: "wrap", cells: vec![percent(one.probability), terms] }
+    };
+    let rows: Vec<PageRow> = all.iter().map(row).collect();
+    let caption = "Sets of causes by their probability under one likelihood of all readings. The probability of a cause is the sum over the sets that contain it.";
+    table(out, &columns(["#probability", "causes"]), &rows, caption, MOST_ROWS);
 }
 
 fn faults(out: &mut Markup, all: &[DataFault]) {

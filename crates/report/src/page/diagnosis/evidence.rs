@@ -3,7 +3,7 @@
 use super::pictures::{driver_of, mean_lines, means, time_of, title_of};
 use super::{figure, polar, side_by_side};
 use crate::component::{component_of, spelled_out};
-use crate::diagnosis::{CauseText as _, DiagnosisReport, PageReadings, differing, p_value};
+use crate::diagnosis::{CauseText as _, DiagnosisReport, PageReadings, differing, p_value, probability};
 use crate::markup::Markup;
 use crate::number::{grouped, significant};
 use crate::plot::{Chart, PlotSeries, Shape};
@@ -79,6 +79,11 @@ fn words(out: &mut Markup, report: &DiagnosisReport, one: &CauseReport) {
             significant(one.alone_um)
         ),
     ));
+    if let Some(value) = one.probability {
+        let of = probability(value);
+        let text = format!("{}, over all explanations that were compared", of.trim_start_matches("probability "));
+        all.push(("probability", text));
+    }
     let tried = grouped(report.found.tried as u64);
     all.push(("significance", format!("{}, for {tried} candidates and autocorrelated noise", p_value(one.p))));
     let held_out =
