@@ -12,14 +12,18 @@ use ncfix_metrology::measure::data::load;
 
 /// Errors of a machine whose table moves in X and Y and whose spindle moves in Z: the displacement of the tool from the workpiece, mm.
 #[derive(Clone, Copy, Default)]
-struct Plant {
+pub(crate) struct Plant {
     /// Squareness X–Y, Z–X, Z–Y, rad: EC0X, EB0Z, EA0Z.
-    squareness: [f64; 3],
+    pub(crate) squareness: [f64; 3],
     /// Slopes of the positioning errors.
-    scale: [f64; 3],
+    pub(crate) scale: [f64; 3],
     /// Reversal values, mm.
-    backlash: [f64; 3],
+    pub(crate) backlash: [f64; 3],
 }
+
+/// Description of its measurement.
+pub(crate) const DESCRIPTION: &str = "[measurement]\nkind = \"ballbar\"\nfree = [\"centre\"]\nsigma_um = 0.5\n\
+                                      [setup.A]\ncentre_mm = [350, 250, 150]\nlength_mm = 100\n";
 
 impl Plant {
     /// The table turned by c about Z carries the direction of X with it: X is longer by c·Y. Z tilted by b about Y leads the tool by b·Z along X, by a about X by −a·Z along Y.
@@ -33,7 +37,7 @@ impl Plant {
     }
 
     /// Circles of 100 mm about a ball on the table in both senses: a whole one in XY, 220° in ZX and YZ. Noise of 0.5 µm.
-    fn measured(&self, seed: u64) -> String {
+    pub(crate) fn measured(&self, seed: u64) -> String {
         let mut random = Random::new(seed, "explain");
         let mut table = "run,setup,X,Y,Z,X_dir,Y_dir,Z_dir,tool_z_mm,dr_um\n".to_owned();
         // First and second axis of the plane, from where, how far.
@@ -65,13 +69,11 @@ impl Plant {
     }
 
     fn explained(&self, seed: u64) -> Explained {
-        const TOML: &str = "[measurement]\nkind = \"ballbar\"\nfree = [\"centre\"]\nsigma_um = 0.5\n\
-                            [setup.A]\ncentre_mm = [350, 250, 150]\nlength_mm = 100\n";
         let source = |id, name, text: &str| Source::new(FileId(id), name, text.as_bytes().to_vec()).unwrap();
         let (read, _) = ncfix_model::file::load(&source(0, "m.toml", &bare("demo")));
         let (machine, errors) = read.unwrap();
         let table = self.measured(seed);
-        let (data, findings) = load("d", &source(1, "d.csv", &table), &source(2, "d.toml", TOML), &machine);
+        let (data, findings) = load("d", &source(1, "d.csv", &table), &source(2, "d.toml", DESCRIPTION), &machine);
         let sets = [data.unwrap_or_else(|| panic!("{findings:?}"))];
         explain(&Scene::new(&machine, &errors, &sets).unwrap())
     }
