@@ -328,7 +328,8 @@ fn group(field: &Field<'_, '_>, one: &Candidate) -> ColumnGroup {
         if most > 0.0 { share * of / most } else { 0.0 }
     };
     let sizes = one.columns.iter().map(size).collect();
-    ColumnGroup { columns, sizes }
+    let is_of_instrument = matches!(family(one), Family::Setup | Family::Probe);
+    ColumnGroup { columns, sizes, is_of_instrument }
 }
 
 impl Field<'_, '_> {

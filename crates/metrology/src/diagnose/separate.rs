@@ -32,10 +32,25 @@ const WIDE: f64 = 0.8;
 /// What tells a cause from its first rival, and the command that plans it where there is one.
 pub(super) fn separating(scene: &Scene<'_>, one: &Candidate, rival: &Candidate) -> String {
     let (sentence, plan) = told_apart([one.cause.effect, rival.cause.effect]);
+    // An offset or a tilt of a rotary axis, or of the spindle, shows where that axis turns.
+    let turns = |candidate: &Candidate| {
+        let name = candidate.columns.iter().flatten().find_map(|(through, _)| match through {
+            Through::Component(name) if name.kind == ErrorKind::Location => Some(*name),
+            _ => None,
+        });
+        name.is_some_and(|name| name.axis().is_none_or(Axis::is_rotary))
+    };
+    let has_rotary = scene.machine.axes.iter().flatten().any(|data| data.axis.is_rotary());
+    let (sentence, plan) = if has_rotary && turns(one) && one.cause.effect == rival.cause.effect {
+        (Some(BALLS), Some(SeparatingPlan::Balls))
+    } else {
+        (sentence, plan)
+    };
     // What has a place of its own says where, else its rival.
     let around = Around::new(scene, one).or_else(|| Around::new(scene, rival));
     let sentence = sentence.unwrap_or(one.cause.separate_by);
-    let (Some(around), Some(plan)) = (around, plan) else { return sentence.to_owned() };
+    let Some(plan) = plan else { return sentence.to_owned() };
+    let Some(around) = around else { return sentence.to_owned() };
     let measured = Measured::new(scene, &around);
     if !measured.has(plan) {
         return with_command(sentence.to_owned(), around.command(plan));
@@ -47,6 +62,9 @@ pub(super) fn separating(scene: &Scene<'_>, one: &Candidate, rival: &Candidate) 
         None => AGAIN.to_owned(),
     }
 }
+
+const BALLS: &str =
+    "the balls again with a second tool length: the effect of a tilt grows with the arm, that of an offset does not";
 
 /// Measurements that show the same errors from another side, the most telling first.
 const OTHERS: [(&str, SeparatingPlan); 5] = [
@@ -109,6 +127,8 @@ pub(super) enum SeparatingPlan {
     /// A grid of holes, also with a longer tool.
     Grid,
     Heights,
+    /// Balls on the table in poses of the rotary axes, with a longer tool.
+    Balls,
     /// Speeds of the spindle by chance.
     Drift,
 }
@@ -141,6 +161,11 @@ fn told_apart(pair: [EffectKind; 2]) -> (Option<&'static str>, Option<Separating
         ("the same lines at another temperature", SeparatingPlan::Line)
     } else if is(EffectKind::Location, EffectKind::ThermalSquareness) {
         ("the same lines at another temperature", SeparatingPlan::Grid)
+    } else if is(EffectKind::Location, EffectKind::Setup) || is(EffectKind::Location, EffectKind::Probe) {
+        return (
+            Some("the length and the pre-travel of the probe set on a calibrated sphere or ring, then the same poses"),
+            None,
+        );
     } else if is(EffectKind::Motion, EffectKind::Setup) {
         ("the same line with the artefact shifted along it and turned by 90°", SeparatingPlan::Line)
     } else if is(EffectKind::Motion, EffectKind::Cross) {
@@ -289,6 +314,10 @@ impl Around {
                     self.plane
                 ));
             }
+            SeparatingPlan::Balls => {
+                let longer = hundredths(self.tool_mm + LONGER);
+                return Some(format!("ncfix plan probe --tool {longer} --machine M.toml -o PLAN.csv"));
+            }
             SeparatingPlan::Drift => "drift --variant random".to_owned(),
         };
         Some(format!("ncfix plan {own}{tool} --machine M.toml -o PLAN.csv"))
@@ -361,7 +390,7 @@ impl Measured {
             SeparatingPlan::SlowLine => self.line && self.feeds,
             SeparatingPlan::FineLine => self.line && self.fine,
             SeparatingPlan::Grid => self.grid,
-            SeparatingPlan::Heights => self.heights,
+            SeparatingPlan::Heights | SeparatingPlan::Balls => self.heights,
             SeparatingPlan::Drift => self.speeds,
         }
     }

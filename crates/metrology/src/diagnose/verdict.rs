@@ -273,6 +273,10 @@ fn verdict(
         // A term of the contest is held against all explanations.
         let of_chosen = chosen.iter().find(|one| one.candidate == term.candidate).map(|one| {
             let rivals = one.harmful.clone()?;
+            let named = |one: &&Candidate| {
+                rivals.first().is_some_and(|name| format!("{} {}", one.cause.effect, one.parameter).trim_end() == name)
+            };
+            let rival = field.candidates.iter().find(named).or(rival);
             let separate_by = match rival {
                 Some(rival) => separating(scene, candidate, rival),
                 None => candidate.cause.separate_by.to_owned(),
@@ -309,7 +313,8 @@ fn verdict(
             probability: None,
             gain_unseen: *gain,
             share,
-            separate_by,
+            // What makes a correction unsafe comes first.
+            separate_by: doubt.as_ref().map(|doubt| doubt.separate_by.clone()).or(separate_by),
             class: names,
             aliases,
             doubt,

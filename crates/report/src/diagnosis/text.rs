@@ -79,11 +79,11 @@ impl DiagnosisReport {
     /// Returns the main result: the largest cause, how sure it is, what it costs, and the next step.
     #[must_use]
     pub fn headline(&self) -> String {
-        if let Some(expired) = self.expired_sentence() {
-            return expired;
-        }
         let unit = self.unit_sign();
         let found = &self.found;
+        if let Some(expired) = self.expired_sentence().filter(|_| found.findings.is_empty()) {
+            return format!("{expired} Next: calibrate again.");
+        }
         let Some(largest) = found.findings.iter().max_by(|a, b| a.rms_um.total_cmp(&b.rms_um)) else {
             if !found.unexplained.structure {
                 return "The model explains the readings within their noise: nothing is to be corrected.".into();
@@ -101,8 +101,9 @@ impl DiagnosisReport {
             1 => " One more cause was found.".to_owned(),
             count => format!(" {count} more causes were found."),
         };
+        let expired = self.expired_sentence().map_or(String::new(), |sentence| format!("{sentence} "));
         format!(
-            "Largest cause: {}{words}{}, {} ({sure}); its effect is {} {unit} RMS, the residual {} {unit} RMS.{others} Next: {}.",
+            "{expired}Largest cause: {}{words}{}, {} ({sure}); its effect is {} {unit} RMS, the residual {} {unit} RMS.{others} Next: {}.",
             largest.name(),
             by_sensor(largest),
             largest.size(),
@@ -147,8 +148,13 @@ impl DiagnosisReport {
             1 => "1 cause".to_owned(),
             count => format!("{count} causes"),
         };
+        let cancels = if written.after_rms_um > written.before_rms_um {
+            " Causes that a file cannot hold cancel a part of what it corrects in these readings."
+        } else {
+            ""
+        };
         Some(format!(
-            "The extended machine file {holds} {count} of {}: residual {} → {} {unit} RMS{held_out}.",
+            "The extended machine file {holds} {count} of {}: residual {} → {} {unit} RMS{held_out}.{cancels}",
             self.found.findings.len(),
             significant(written.before_rms_um),
             significant(written.after_rms_um)
@@ -175,10 +181,7 @@ impl DiagnosisReport {
         let without = self.found.without_model.holdout_rms_um.unwrap_or(self.found.without_model.rms_um);
         self.found.expired.then(|| {
             let unit = self.unit_sign();
-            format!(
-                "The model has expired: without any model the residual is {} {unit} RMS. Calibrate again.",
-                significant(without)
-            )
+            format!("The model has expired: without any model the residual is {} {unit} RMS.", significant(without))
         })
     }
 
@@ -358,7 +361,8 @@ impl DiagnosisReport {
             let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
             let _ = writeln!(out, "   equivalent explanations: {}{rest}", rivals.join(", "));
         }
-        if let Some(how) = &one.separate_by {
+        let is_said = |how: &&String| one.extends_why.as_ref().is_some_and(|why| why.contains(how.as_str()));
+        if let Some(how) = one.separate_by.as_ref().filter(|how| !is_said(how)) {
             let _ = writeln!(out, "   to separate them: {how}");
         }
     }

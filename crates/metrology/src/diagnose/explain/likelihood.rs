@@ -36,13 +36,15 @@ pub struct ColumnGroup {
     pub columns: Vec<Vec<f64>>,
     /// Standard deviation of the prior of each, mm or rad per unit.
     pub sizes: Vec<f64>,
+    /// It belongs to the instrument: how exact the machine is says nothing of its size.
+    pub is_of_instrument: bool,
 }
 
 impl ColumnGroup {
     /// One column.
     #[must_use]
     pub fn one(column: Vec<f64>, size: f64) -> ColumnGroup {
-        ColumnGroup { columns: vec![column], sizes: vec![size] }
+        ColumnGroup { columns: vec![column], sizes: vec![size], is_of_instrument: false }
     }
 }
 
@@ -97,6 +99,8 @@ pub struct Likelihood<'w> {
     with_readings: DVector<f64>,
     /// Standard deviation of the prior of each column, mm or rad.
     sizes: Vec<f64>,
+    /// Columns of instruments, whose sizes do not follow the factor.
+    of_instruments: Vec<bool>,
     /// Columns of each term.
     members: Vec<Range<usize>>,
     /// Which of the groups that were given each term is.
@@ -152,12 +156,13 @@ impl<'w> Likelihood<'w> {
             }
         }
         let mut members = Vec::new();
-        let (mut columns, mut sizes) = (Vec::new(), Vec::new());
+        let (mut columns, mut sizes, mut of_instruments) = (Vec::new(), Vec::new(), Vec::new());
         let mut all = all;
         for &number in &kept {
             let from = columns.len();
             columns.append(&mut all[number]);
             sizes.extend(&groups[number].sizes);
+            of_instruments.resize(columns.len(), groups[number].is_of_instrument);
             members.push(from..columns.len());
         }
         // Lower triangle of the products.
@@ -176,11 +181,17 @@ impl<'w> Likelihood<'w> {
             products,
             with_readings,
             sizes,
+            of_instruments,
             members,
             kept,
             alike,
             white,
         }
+    }
+
+    /// Factor of the size of a column.
+    fn factor_of(&self, column: usize) -> f64 {
+        if self.of_instruments[column] { 1.0 } else { self.factor }
     }
 
     /// Number of terms that show something.
@@ -198,13 +209,14 @@ impl<'w> Likelihood<'w> {
     fn decomposed(&self, set: &[usize], scale: f64) -> Option<Decomposed> {
         let weight = 1.0 / (scale * scale);
         let own = self.columns_of(set);
-        let square = weight * self.factor * self.factor;
+        let factors: Vec<f64> = own.iter().map(|&k| self.factor_of(k)).collect();
         let of = |row: usize, column: usize| {
-            square * self.products[(own[row], own[column])] + if row == column { 1.0 } else { 0.0 }
+            weight * factors[row] * factors[column] * self.products[(own[row], own[column])]
+                + if row == column { 1.0 } else { 0.0 }
         };
         let matrix = DMatrix::from_fn(own.len(), own.len(), of);
         let right =
-            DVector::from_iterator(own.len(), own.iter().map(|&k| weight * self.factor * self.with_readings[k]));
+            DVector::from_iterator(own.len(), own.iter().map(|&k| weight * self.factor_of(k) * self.with_readings[k]));
         Some((own, Cholesky::new(matrix)?, right))
     }
 
@@ -250,19 +262,21 @@ impl<'w> Likelihood<'w> {
         let count = self.count();
         let Some((own, root, right)) = self.decomposed(set, scale) else { return vec![f64::NEG_INFINITY; count] };
         let weight = 1.0 / (scale * scale);
-        let square = weight * self.factor * self.factor;
         let amounts = root.solve(&right);
         let gain = |term: usize| {
             if set.contains(&term) {
                 return f64::NEG_INFINITY;
             }
             let new: Vec<usize> = self.members[term].clone().collect();
-            let with =
-                DMatrix::from_fn(own.len(), new.len(), |row, column| weight * self.products[(own[row], new[column])]);
-            let among =
-                DMatrix::from_fn(new.len(), new.len(), |row, column| square * self.products[(new[row], new[column])]);
-            let with_readings =
-                DVector::from_iterator(new.len(), new.iter().map(|&k| weight * self.factor * self.with_readings[k]));
+            let of = |one: usize, other: usize| {
+                weight * self.factor_of(one) * self.factor_of(other) * self.products[(one, other)]
+            };
+            let with = DMatrix::from_fn(own.len(), new.len(), |row, column| of(own[row], new[column]));
+            let among = DMatrix::from_fn(new.len(), new.len(), |row, column| of(new[row], new[column]));
+            let with_readings = DVector::from_iterator(
+                new.len(),
+                new.iter().map(|&k| weight * self.factor_of(k) * self.with_readings[k]),
+            );
             gain_of(&root, &amounts, &with, among, with_readings)
         };
         let all: Vec<usize> = (0..count).collect();
@@ -280,7 +294,6 @@ impl<'w> Likelihood<'w> {
         of: &(dyn Fn(usize) -> ColumnGroup + Sync),
     ) -> Vec<f64> {
         let weight = 1.0 / (scale * scale);
-        let square = weight * self.factor * self.factor;
         let whole = sets.first().map_or_else(Vec::new, |(set, _)| self.columns_of(set));
         let prepared: Vec<_> = sets
             .iter()
@@ -293,17 +306,21 @@ impl<'w> Likelihood<'w> {
             })
             .collect();
         in_parts(groups, &|&number: &usize| {
-            let new = self.white.group(&of(number));
+            let group = of(number);
+            let factor = if group.is_of_instrument { 1.0 } else { self.factor };
+            let new = self.white.group(&group);
             if new.iter().all(|column| dot(column, column).sqrt() < FAINT) {
                 return f64::NEG_INFINITY;
             }
             let with = DMatrix::from_fn(whole.len(), new.len(), |row, column| {
-                square * dot(&self.columns[whole[row]], &new[column])
+                weight * factor * self.factor_of(whole[row]) * dot(&self.columns[whole[row]], &new[column])
             });
-            let among = DMatrix::from_fn(new.len(), new.len(), |row, column| square * dot(&new[row], &new[column]));
+            let among = DMatrix::from_fn(new.len(), new.len(), |row, column| {
+                weight * factor * factor * dot(&new[row], &new[column])
+            });
             let with_readings = DVector::from_iterator(
                 new.len(),
-                new.iter().map(|column| weight * self.factor * dot(column, &self.white.readings)),
+                new.iter().map(|column| weight * factor * dot(column, &self.white.readings)),
             );
             let one = |(places, root, amounts, score): &(Vec<usize>, Cholesky<f64, Dyn>, DVector<f64>, f64)| {
                 let with = with.select_rows(places);
@@ -321,8 +338,9 @@ impl<'w> Likelihood<'w> {
         let nothing = Posterior { log_evidence, scale, misfit: self.square, mean: Vec::new(), sigma: Vec::new() };
         let Some((own, root, right)) = self.decomposed(set, scale) else { return nothing };
         // In units of the priors as they were given.
-        let amounts = root.solve(&right) * self.factor;
-        let covariance = root.inverse() * (self.factor * self.factor);
+        let factors = DVector::from_iterator(own.len(), own.iter().map(|&k| self.factor_of(k)));
+        let amounts = root.solve(&right).component_mul(&factors);
+        let inverse = root.inverse();
         let with: f64 = own.iter().zip(amounts.iter()).map(|(&k, amount)| amount * self.with_readings[k]).sum();
         let among: f64 = own
             .iter()
@@ -334,7 +352,7 @@ impl<'w> Likelihood<'w> {
         Posterior {
             misfit: self.square - 2.0 * with + among,
             mean: sizes.clone().zip(amounts.iter()).map(|(size, amount)| size * amount).collect(),
-            sigma: sizes.enumerate().map(|(k, size)| size * covariance[(k, k)].sqrt()).collect(),
+            sigma: sizes.enumerate().map(|(k, size)| size * factors[k] * inverse[(k, k)].sqrt()).collect(),
             ..nothing
         }
     }
@@ -527,7 +545,7 @@ mod tests {
         let noise = NoiseSeries::new(&scene, &weights);
         let white = (&noise, Memory::default());
         let groups = [ColumnGroup::one(line.clone(), sizes[0]), ColumnGroup::one(bow.clone(), sizes[1])];
-        let likelihood = Likelihood::new(&scene, &weights, &groups, white);
+        let mut likelihood = Likelihood::new(&scene, &weights, &groups, white);
         assert_eq!((likelihood.kept.as_slice(), likelihood.freedom), ([0, 1].as_slice(), 4.0));
         let readings = DVector::from_iterator(count, scene.items.iter().map(|item| item.left));
         let covariance = |columns: &[(&[f64], f64)], scale: f64| {
@@ -556,12 +574,38 @@ mod tests {
                 .best_with_others(&[(vec![0], 0.0), (vec![], -1e9)], scale, &[1], &|number| groups[number].clone())[0];
             assert!((outside - gain).abs() < 1e-9 * gain.abs().max(1.0), "{outside} {gain}");
             // Both as one term.
-            let together = ColumnGroup { columns: vec![line.clone(), bow.clone()], sizes: sizes.to_vec() };
+            let together = ColumnGroup {
+                columns: vec![line.clone(), bow.clone()],
+                sizes: sizes.to_vec(),
+                is_of_instrument: false,
+            };
             let one = Likelihood::new(&scene, &weights, std::slice::from_ref(&together), white);
             let (at_once, own) =
                 (one.at(&[0], scale) - one.at(&[], scale), likelihood.at(&[0, 1], scale) - likelihood.at(&[], scale));
             assert!((at_once - own).abs() < 1e-9 * own.abs().max(1.0), "{at_once} {own}");
             assert!((one.gains(&[], scale)[0] - own).abs() < 1e-9 * own.abs().max(1.0));
+            // A more exact machine: all sizes are smaller, those of an instrument stay.
+            likelihood.factor = 0.4;
+            let smaller = [0.4 * sizes[0], 0.4 * sizes[1]];
+            let both = [(line.as_slice(), smaller[0]), (bow.as_slice(), smaller[1])];
+            let expected = density(covariance(&both, scale), &readings) - none;
+            let own = likelihood.at(&[0, 1], scale) - likelihood.at(&[], scale);
+            assert!((own - expected).abs() < 1e-3 * expected.abs().max(1.0), "{own} {expected}");
+            let gain = likelihood.gains(&[0], scale)[1];
+            let both = own - (likelihood.at(&[0], scale) - likelihood.at(&[], scale));
+            assert!((gain - both).abs() < 1e-9 * both.abs().max(1.0), "{gain} {both}");
+            let bow_of_instrument = ColumnGroup { is_of_instrument: true, ..groups[1].clone() };
+            let mixed = [groups[0].clone(), bow_of_instrument];
+            let mut of_both = Likelihood::new(&scene, &weights, &mixed, white);
+            of_both.factor = 0.4;
+            let columns = [(line.as_slice(), smaller[0]), (bow.as_slice(), sizes[1])];
+            let expected = density(covariance(&columns, scale), &readings) - none;
+            let own = of_both.at(&[0, 1], scale) - of_both.at(&[], scale);
+            assert!((own - expected).abs() < 1e-3 * expected.abs().max(1.0), "{own} {expected}");
+            let outside = of_both.best_with_others(&[(vec![0], 0.0)], scale, &[1], &|number| mixed[number].clone())[0];
+            let gain = of_both.at(&[0, 1], scale) - of_both.at(&[0], scale);
+            assert!((outside - gain).abs() < 1e-9 * gain.abs().max(1.0), "{outside} {gain}");
+            likelihood.factor = 1.0;
         }
     }
 
