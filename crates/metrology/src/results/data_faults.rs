@@ -1,7 +1,7 @@
 //! Data defects, the first step of a diagnosis: reports them, rejects files whose content is not what was measured, and removes defective data.
 //!
 //! In holdout data rows stay whatever is found: they are the independent test, and must not be selected. The readings of a defective sensor are
-//! dropped, though, and a file in another unit or with other axes is rejected too, as it tests nothing.
+//! dropped, though, rows without temperatures are left out, and a file in another unit or with other axes is rejected too, as it tests nothing.
 
 use serde::Serialize;
 
@@ -41,7 +41,6 @@ pub struct DataFault {
 
 /// Searches measurements for defects, of which the first `used` are used and the others held out, and removes defective sensors. Rows of the former
 /// are excluded from a scene with [`crate::diagnose::fault::exclude`] by the returned list.
-/// former are excluded from a scene with [`crate::diagnose::fault::exclude`] by what comes back.
 pub(super) fn look(
     of: (&Machine, &ErrorModel, &Checks),
     all: &mut [Measurement],
@@ -50,8 +49,12 @@ pub(super) fn look(
     report: &mut Vec<DataFault>,
 ) -> Vec<DataDefect> {
     let (own, held_out) = all.split_at_mut(used.min(all.len()));
-    let faults = look_in(of, (own, false), findings, report);
-    look_in(of, (held_out, true), findings, report);
+    let used = own.len();
+    let mut faults = look_in(of, (own, false), findings, report);
+    let of_held_out = look_in(of, (held_out, true), findings, report);
+    // Rows without temperatures test no cause that needs them. Their readings had no part in finding them, so nothing is selected.
+    let missing = of_held_out.into_iter().filter(|fault| matches!(fault.then, Then::WithoutTemperatures(_)));
+    faults.extend(missing.map(|fault| DataDefect { set: used + fault.set, ..fault }));
     faults
 }
 
@@ -94,6 +97,10 @@ fn excluded(fault: &DataDefect, is_held_out: bool) -> String {
         _ if is_refused(fault, is_held_out) => "the whole file".into(),
         Then::WithoutSensors(names) => format!("the effect of {}, as a cause", names.join(" and ")),
         Then::InFahrenheit(name) => format!("nothing; {name} counts in °C"),
+        Then::WithoutTemperatures(missing) if missing.uncounted.is_empty() => {
+            "these values of the sensor, which its neighbours bridge".into()
+        }
+        Then::WithoutTemperatures(_) => "these rows".into(),
         _ if is_held_out => "nothing: the file is held out and used unchanged".into(),
         Then::Refuse => "the whole file".into(),
         Then::WithoutRows => "these rows".into(),
@@ -135,7 +142,12 @@ fn reported(fault: &DataDefect, set: &DataSet, is_held_out: bool) -> DataFault {
 /// The first row, in the defective column if there is one.
 fn place(fault: &DataDefect, source: &Source) -> Option<Place> {
     let table = Table::read(source).0?;
-    let column = fault.name.split(' ').next().and_then(|name| table.column(name));
+    let first = match &fault.then {
+        Then::WithoutTemperatures(missing) => missing.sensors.first().map(String::as_str),
+        Then::WithoutSensors(names) => names.first().map(String::as_str),
+        _ => fault.name.split(' ').next(),
+    };
+    let column = first.and_then(|name| table.column(name));
     let whole = [Then::Refuse].contains(&fault.then) || matches!(fault.then, Then::MoreNoise(_) | Then::Nothing);
     if whole {
         return Some(table.header_place(column));

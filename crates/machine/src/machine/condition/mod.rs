@@ -102,6 +102,43 @@ pub fn change_readings(conditions: &mut [Condition], sensor: &str, of: &dyn Fn(f
     }
 }
 
+/// Removes readings of a sensor that turned out to be missing, each given by the index of a condition of its log and by its time, s. Other readings
+/// bridge the gap linearly. A sensor keeps its readings where no others remain.
+pub fn forget_readings(conditions: &mut [Condition], sensor: &str, missing: &[(usize, f64)]) {
+    // All conditions of a log share its readings, so each log is changed once.
+    let mut logs: Vec<(Arc<BTreeMap<String, ConditionLog>>, Vec<f64>)> = Vec::new();
+    for &(index, time_s) in missing {
+        let Some(condition) = conditions.get(index) else { continue };
+        match logs.iter_mut().rev().find(|(log, _)| Arc::ptr_eq(log, &condition.sensors)) {
+            Some((_, times_s)) => times_s.push(time_s),
+            None => logs.push((Arc::clone(&condition.sensors), vec![time_s])),
+        }
+    }
+    let changed = logs.iter_mut().filter_map(|(old, times_s)| {
+        times_s.sort_by(f64::total_cmp);
+        let is_missing = |time_s: f64| times_s.binary_search_by(|other| other.total_cmp(&time_s)).is_ok();
+        let mut kept = ConditionLog::default();
+        let known = old.get(sensor)?.points().iter().filter(|(time_s, _)| !is_missing(*time_s));
+        known.for_each(|&(time_s, value)| kept.add(time_s, value));
+        if kept.points().is_empty() {
+            return None;
+        }
+        let mut sensors = BTreeMap::clone(old);
+        sensors.insert(sensor.to_owned(), kept);
+        Some([Arc::clone(old), Arc::new(sensors)])
+    });
+    let changed: Vec<[Arc<BTreeMap<String, ConditionLog>>; 2]> = changed.collect();
+    let change = |condition: &mut Condition| {
+        if let Some([_, new]) = changed.iter().find(|[old, _]| Arc::ptr_eq(old, &condition.sensors)) {
+            condition.sensors = Arc::clone(new);
+        }
+    };
+    for condition in conditions {
+        change(condition);
+        condition.zero.as_deref_mut().into_iter().for_each(change);
+    }
+}
+
 /// Returns [`Condition::temperature_c`] for each condition. Conditions that share their readings and are in order of time need one pass.
 #[must_use]
 pub fn temperatures_c<'a>(
@@ -300,6 +337,33 @@ mod tests {
         for wrong in ["-5", "5@1", "x"] {
             assert!(wrong.parse::<Load>().is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn forgotten_readings_are_bridged_by_their_neighbours() {
+        let mut log = Condition::default();
+        // 20, 21 … 24 °C every 10 s; from 20 s to 30 s the logger repeats 99 °C.
+        [20.0, 21.0, 99.0, 99.0, 24.0]
+            .iter()
+            .enumerate()
+            .for_each(|(k, &value)| log.add_reading("T", 10.0 * k as f64, value));
+        let at = |time_s: f64| {
+            let mut one = log.clone();
+            one.set_time(time_s);
+            one.set_zero_at(20.0);
+            one
+        };
+        let mut all: Vec<Condition> = (0..5).map(|k| at(10.0 * f64::from(k))).collect();
+        forget_readings(&mut all, "T", &[(2, 20.0), (3, 30.0)]);
+        let own: Vec<_> = all.iter().filter_map(|one| one.temperature_c("T", 0.0)).collect();
+        assert_eq!(own, [20.0, 21.0, 22.0, 23.0, 24.0]);
+        let zeros: Vec<_> = all.iter().filter_map(|one| one.zero()?.temperature_c("T", 0.0)).collect();
+        assert_eq!(zeros, [22.0; 5]);
+        // Without any other reading nothing could bridge the gap.
+        let mut alone = [Condition::default()];
+        alone[0].add_reading("T", 0.0, 20.0);
+        forget_readings(&mut alone, "T", &[(0, 0.0)]);
+        assert_eq!(alone[0].temperature_c("T", 0.0), Some(20.0));
     }
 
     #[test]

@@ -67,9 +67,16 @@ impl TableClock {
         TableClock { times, pause: (PAUSE * usual).max(SHORT_S) }
     }
 
-    fn step(&self, from: usize, to: usize) -> Option<f64> {
+    /// Time from one row to another, s; `None` across a pause.
+    pub(super) fn step(&self, from: usize, to: usize) -> Option<f64> {
         let step = self.times.get(to)? - self.times.get(from)?;
         (0.0..=self.pause).contains(&step).then_some(step)
+    }
+
+    /// Time from one row to another, s; rows without a clock.
+    pub(super) fn between(&self, from: usize, to: usize) -> f64 {
+        let at = |row: usize| self.times.get(row).copied().unwrap_or(f64::NAN);
+        at(to) - at(from)
     }
 
     /// Whether no pause is between some rows.

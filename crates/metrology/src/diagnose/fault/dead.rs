@@ -1,5 +1,6 @@
 //! A sensor that is dead: −180 °C of an open circuit, exactly 0 of a logger without a signal, anything that no machine has.
 
+use super::missing::{self, Extent};
 use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 use ncfix_machine::machine::condition::file::PLAUSIBLE_C;
 
@@ -17,6 +18,8 @@ const POSSIBLE_C: std::ops::RangeInclusive<f64> = PLAUSIBLE_C[0]..=PLAUSIBLE_C[1
 const WARM_C: f64 = 5.0;
 /// So often exactly 0 is no chance.
 const ZEROS: usize = 3;
+/// Pieces of rows that are told one by one.
+const MOST_PIECES: usize = 3;
 
 fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     for (set, sensors) in view.sensors.iter().enumerate() {
@@ -31,21 +34,41 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
                 |value: f64| value.is_finite() && (!POSSIBLE_C.contains(&value) || (no_signal && value == 0.0));
             let rows: Vec<usize> = (0..sensor.values.len()).filter(|&row| is_dead(sensor.values[row])).collect();
             // Pieces; a few good rows between them are no recovery.
-            for piece in rows.chunk_by(|one, next| next - one <= ZEROS) {
-                let (Some(&first), Some(&last)) = (piece.first(), piece.last()) else { continue };
-                let value = sensor.values[first];
+            let pieces: Vec<[usize; 2]> = rows
+                .chunk_by(|one, next| next - one <= ZEROS)
+                .filter_map(|piece| Some([*piece.first()?, *piece.last()?]))
+                .collect();
+            // A loose contact is one defect, not one for each time that it opens.
+            let defects: Vec<Vec<[usize; 2]>> = if pieces.len() > MOST_PIECES {
+                vec![pieces]
+            } else {
+                pieces.into_iter().map(|piece| vec![piece]).collect()
+            };
+            for pieces in defects {
+                let (Some(&[first, _]), Some(&[_, last])) = (pieces.first(), pieces.last()) else { continue };
+                let inside = |row: &&usize| pieces.iter().any(|[from, to]| (*from..=*to).contains(*row));
+                let count = rows.iter().filter(inside).count();
+                let usual = if own == 0.0 || !POSSIBLE_C.contains(&own) { others } else { own };
+                let times = if pieces.len() > 1 { format!(" {} times,", pieces.len()) } else { String::new() };
+                let name = sensor.name.clone();
+                let then = match view.scene.sets.get(set) {
+                    // Where it is mostly dead, nothing recommends the few rows that seem to be sound.
+                    Some(data) if 2 * rows.len() < data.observations.len() => {
+                        missing::consequence(data, vec![name.clone()], pieces, Extent::Some, out, set)
+                    }
+                    _ => Then::WithoutSensors(vec![name.clone()]),
+                };
                 out.push(DataDefect {
                     kind: DefectKind::Sensor,
                     set,
-                    name: sensor.name.clone(),
+                    name,
                     what: "dead".into(),
                     rows: [first, last],
                     evidence: format!(
-                        "it reads {value} °C in {} rows, while it else and the other sensors have about {:.1} °C",
-                        piece.len(),
-                        if own == 0.0 || !POSSIBLE_C.contains(&own) { others } else { own }
+                        "it reads {} °C{times} in {count} rows, while it else and the other sensors have about {usual:.1} °C",
+                        sensor.values[first],
                     ),
-                    then: Then::WithoutSensors(vec![sensor.name.clone()]),
+                    then,
                 });
             }
         }

@@ -112,8 +112,11 @@ fn over_rows(sensors: &[Sensor], clock: &TableClock) -> Option<Swap> {
                 let mean = |from: usize, to: usize| Some((sums.get(to)? - sums.get(from)?) / SIDE as f64);
                 Some([mean(row.checked_sub(SIDE)?, row)?, mean(row, row + SIDE)?])
             };
-            let rows: Vec<usize> =
-                (SIDE..count.saturating_sub(SIDE)).filter(|&row| clock.goes_on(row - SIDE, row + SIDE)).collect();
+            // Missing values have no noise, and would make that of all others unusual.
+            let is_known = |row: usize| (row - SIDE..row + SIDE).all(|k| a[k].is_finite() && b[k].is_finite());
+            let rows: Vec<usize> = (SIDE..count.saturating_sub(SIDE))
+                .filter(|&row| clock.goes_on(row - SIDE, row + SIDE) && is_known(row))
+                .collect();
             let jump = |sums: &[f64], row: usize| means(sums, row).map_or(f64::NAN, |[before, behind]| behind - before);
             let usual = |sums: &[f64]| spread(rows.iter().map(|&row| jump(sums, row))).max(1e-6);
             let (unit, unit_together) = (usual(&apart), usual(&together));
@@ -145,9 +148,11 @@ fn is_sudden(sums: &[f64], row: usize, jump: f64) -> bool {
     near().is_some_and(|near| near * jump.signum() > 0.7 * jump.abs())
 }
 
-/// Noise of a sensor by its second differences.
+/// Noise of a sensor by its second differences. That of a display is one of its steps at least, also where it mostly stands.
 fn noise(values: &[f64]) -> f64 {
-    spread(values.windows(3).map(|three| (three[2] - 2.0 * three[1] + three[0]) / 6.0_f64.sqrt()))
+    let changes = values.windows(2).map(|two| (two[1] - two[0]).abs()).filter(|change| *change > 0.0);
+    let step = changes.reduce(f64::min).unwrap_or(0.0);
+    spread(values.windows(3).map(|three| (three[2] - 2.0 * three[1] + three[0]) / 6.0_f64.sqrt())).max(step)
 }
 
 #[cfg(test)]

@@ -20,33 +20,79 @@ pub(super) fn celsius(fahrenheit: f64) -> f64 {
 const ABOVE_K: f64 = 25.0;
 /// And is so near to the others when it is converted, K.
 const NEAR_K: f64 = 8.0;
+/// A log begins at the common temperature of the shop: there converted readings are this near to those of the others, K.
+const BEGIN_K: f64 = 4.0;
+/// The first rows of a log are one in this number of all,
+const FIRST: usize = 30;
+/// and at least this many.
+const FIRST_ROWS: usize = 3;
+/// Converted readings drift with another sensor: correlation.
+const TOGETHER: f64 = 0.7;
+/// A drift in this number of rows or more is no chance.
+const DRIFT_ROWS: usize = 8;
 
 fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     for (set, sensors) in view.sensors.iter().enumerate() {
         let suspects: Vec<&Sensor> = sensors.iter().filter(|one| is_above(one, sensors)).collect();
         for sensor in suspects {
             let Some([low, high]) = sensor.range() else { continue };
-            let lows: Vec<f64> = sensors
-                .iter()
-                .filter(|one| one.name != sensor.name)
-                .filter_map(Sensor::range)
-                .map(|[low, _]| low)
-                .collect();
-            let rest = super::median(lows);
+            let others = || sensors.iter().filter(|one| one.name != sensor.name);
+            let rest = super::median(others().filter_map(Sensor::range).map(|[low, _]| low).collect());
             let [from, to] = [low, high].map(celsius);
+            let is_common = begins_with(sensor, sensors);
+            let together = others().map(|other| correlation(sensor, other)).fold(0.0, f64::max);
+            let is_sure = is_common && together > TOGETHER;
+            let (what, evidence) = if is_sure {
+                (
+                    "degrees Fahrenheit",
+                    format!(
+                        "{low:.1} to {high:.1} are no °C where the coldest of the others is {rest:.1} °C; as °F they are {from:.1} to {to:.1} °C, begin as the others do and drift with them (correlation {together:.2})"
+                    ),
+                )
+            } else {
+                let why =
+                    if is_common { "they do not drift with the others" } else { "they do not begin as the others do" };
+                (
+                    "hot, or degrees Fahrenheit",
+                    format!(
+                        "{low:.1} to {high:.1} °C is hot where the coldest of the others is {rest:.1} °C; as °F they would be {from:.1} to {to:.1} °C, but {why}: taken as °C"
+                    ),
+                )
+            };
             out.push(DataDefect {
                 kind: DefectKind::Sensor,
                 set,
                 name: sensor.name.clone(),
-                what: "degrees Fahrenheit".into(),
+                what: what.into(),
                 rows: [0, sensor.values.len().saturating_sub(1)],
-                evidence: format!(
-                    "{low:.1} to {high:.1} are no °C where the coldest of the others is {rest:.1} °C; as °F they are {from:.1} to {to:.1} °C"
-                ),
-                then: Then::InFahrenheit(sensor.name.clone()),
+                evidence,
+                then: if is_sure { Then::InFahrenheit(sensor.name.clone()) } else { Then::Nothing },
             });
         }
     }
+}
+
+/// True if converted readings begin where most of the others begin.
+fn begins_with(sensor: &Sensor, sensors: &[Sensor]) -> bool {
+    let first = |sensor: &Sensor| {
+        let count = (sensor.said().count() / FIRST).max(FIRST_ROWS);
+        super::median(sensor.said().take(count).collect())
+    };
+    let others = sensors.iter().filter(|one| one.name != sensor.name).map(first).collect();
+    (celsius(first(sensor)) - super::median(others)).abs() < BEGIN_K
+}
+
+/// Correlation of two sensors; 0 of few rows, or where one stands still.
+fn correlation(one: &Sensor, other: &Sensor) -> f64 {
+    let both = one.values.iter().zip(&other.values).map(|(a, b)| [*a, *b]);
+    let both: Vec<[f64; 2]> = both.filter(|[a, b]| a.is_finite() && b.is_finite()).collect();
+    if both.len() < DRIFT_ROWS {
+        return 0.0;
+    }
+    let mean = [0, 1].map(|k| both.iter().map(|pair| pair[k]).sum::<f64>() / both.len() as f64);
+    let sum = |i: usize, j: usize| both.iter().map(|pair| (pair[i] - mean[i]) * (pair[j] - mean[j])).sum::<f64>();
+    let squares = sum(0, 0) * sum(1, 1);
+    if squares > 0.0 { sum(0, 1) / squares.sqrt() } else { 0.0 }
 }
 
 fn is_above(sensor: &Sensor, sensors: &[Sensor]) -> bool {

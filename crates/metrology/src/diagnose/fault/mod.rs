@@ -17,9 +17,12 @@ mod exchanged_positions;
 mod fading;
 mod fahrenheit;
 mod first_cycle;
+mod missing;
 mod offset;
 mod order;
 mod outlier;
+#[cfg(test)]
+mod plants;
 mod pulse;
 mod quantised;
 mod readings;
@@ -107,6 +110,8 @@ pub enum Then {
     WithoutReadings(Vec<(usize, usize)>),
     /// Sensors of which nothing is made.
     WithoutSensors(Vec<String>),
+    /// Sensors say nothing in some rows, and else remain in use.
+    WithoutTemperatures(MissingTemperatures),
     /// What a sensor says is converted to °C.
     InFahrenheit(String),
     /// Readings from the first row on have a zero of their own.
@@ -115,6 +120,17 @@ pub enum Then {
     Nothing,
     /// Readings have this much more uncertainty, mm or rad.
     MoreNoise(f64),
+}
+
+/// Rows in which sensors say nothing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MissingTemperatures {
+    /// Their columns.
+    pub sensors: Vec<String>,
+    /// Pieces of rows without their readings: first and last.
+    pub pieces: Vec<[usize; 2]>,
+    /// Those of the pieces that are too long to be bridged: their rows do not count, since causes must be compared where all sensors are known.
+    pub uncounted: Vec<[usize; 2]>,
 }
 
 /// What is wrong with data. Results have it as its word ([`DefectKind::word`]).
@@ -267,6 +283,14 @@ pub fn find_with(checks: &Checks, scene: &Scene<'_>) -> Vec<DataDefect> {
                     let own = view.sensors.get_mut(fault.set).into_iter().flatten();
                     own.filter(|sensor| names.contains(&sensor.name)).for_each(|sensor| sensor.forget(fault.rows));
                 }
+                Then::WithoutTemperatures(missing) => {
+                    let own = view.sensors.get_mut(fault.set).into_iter().flatten();
+                    for sensor in own.filter(|sensor| missing.sensors.contains(&sensor.name)) {
+                        missing.pieces.iter().for_each(|piece| sensor.forget(*piece));
+                    }
+                    let trail = view.trails.get_mut(fault.set);
+                    trail.into_iter().for_each(|trail| missing.uncounted.iter().for_each(|rows| trail.forget(*rows)));
+                }
                 Then::InFahrenheit(name) => {
                     let own = view.sensors.get_mut(fault.set).into_iter().flatten();
                     let values = own.filter(|sensor| sensor.name == *name).flat_map(|sensor| &mut sensor.values);
@@ -288,12 +312,13 @@ pub fn find_with(checks: &Checks, scene: &Scene<'_>) -> Vec<DataDefect> {
     all
 }
 
-/// Takes the sensors out of measurements in which they are at fault, and converts those in °F.
+/// Takes the sensors out of measurements in which they are at fault, or out of the rows in which they say nothing, and converts those in °F.
 pub fn mend_sensors(sets: &mut [DataSet], faults: &[DataDefect]) {
     for fault in faults {
         let Some(set) = sets.get_mut(fault.set) else { continue };
         match &fault.then {
             Then::WithoutSensors(names) => set.drivers.retain(|driver| !names.contains(&driver.name)),
+            Then::WithoutTemperatures(missing) => missing::forget(set, missing),
             Then::InFahrenheit(name) => {
                 let own = set.drivers.iter_mut().filter(|driver| driver.name == *name);
                 let values = own.flat_map(|driver| &mut driver.values);
@@ -317,6 +342,11 @@ pub fn exclude(scene: &mut Scene<'_>, faults: &[DataDefect]) {
         match &fault.then {
             Then::WithoutRows => {
                 let inside = scene.items.iter_mut().filter(|item| (first..=last).contains(&at(item)));
+                inside.for_each(|item| item.sigma = f64::INFINITY);
+            }
+            Then::WithoutTemperatures(missing) => {
+                let is_in = |row: usize| missing.uncounted.iter().any(|[first, last]| (*first..=*last).contains(&row));
+                let inside = scene.items.iter_mut().filter(|item| is_in(at(item)));
                 inside.for_each(|item| item.sigma = f64::INFINITY);
             }
             Then::WithoutReadings(readings) => {

@@ -1,94 +1,344 @@
-//! A sensor that is stuck: the very same number in row after row, while it else changes from row to row or while the others go on.
+//! Temperatures that stand still or are missing: one number in row after row where noise should be, or empty cells.
+//!
+//! A logger that ends before the readings do repeats its last value, one that pauses holds it, one that begins late has the first one from the beginning.
+//! Such values are missing, no more: the sensor is sound in all other rows. Sensors that stop in one row have one reason, and are one defect.
+//!
+//! Equal numbers alone prove nothing. A display of few digits stands at night, and a chiller holds its temperature. The rows beside a piece say how often
+//! neighbours are equal there; where they often are, other sensors must have moved, or the sensor must jump when it goes on.
+
+use std::collections::BTreeMap;
 
 use super::cells::Sensor;
-use super::{DataDefect, DefectCheck, DefectKind, Then, View};
+use super::missing::{self, Extent};
+use super::{DataDefect, DefectCheck, DefectKind, Then, View, median};
+use crate::measure::data::DataSet;
 
 pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "stuck sensor",
-    made_by: "a logger that repeats its last value, a bus that is down",
+    made_by: "a logger that ends, pauses or begins late and repeats a value; a bus that is down; empty cells",
     shown_by: "no variance at all in rows in which noise should be",
     source: "Spaan 1995, ch. 6: sensors that fail during a day",
     look,
 };
 
-/// Rows of the same number at least.
+/// Rows of one number at least.
 const ROWS: usize = 8;
-/// Times as long as any other piece of equal numbers.
+/// Where neighbours are often equal, a piece is this many times as long as any other.
 const TIMES: usize = 5;
-/// Rows are spared where they are less than this part of all: else the sensor is.
-const SPARED: usize = 3;
+/// Pairs of neighbours on each side of a piece that say how often they are equal there.
+const PAIRS: usize = 24;
+/// Fewer pairs say nothing.
+const FEWEST_PAIRS: usize = 5;
+/// Neighbours that are equal more often than this belong to a display of few digits, or to a body at rest.
+const OFTEN: f64 = 0.5;
+/// −ln of the chance of a piece of equal numbers: 6 · 10⁻⁶, for the some 10⁴ places in a log at which one may begin.
+const CHANCE: f64 = 12.0;
+/// Changes from row to row reverse at least this often where noise makes them; of pure noise two thirds do.
+const REVERSED: f64 = 0.25;
+/// Noise changes a value by more than this many steps of its display.
+const NOISE_STEPS: f64 = 1.5;
+/// A display should have moved by this many of its steps.
+const STEPS: f64 = 3.0;
+/// A sensor that goes on after a pause jumps by this many of its steps.
+const JUMP_STEPS: f64 = 5.0;
 /// Others go this far, K, while a sensor says one number throughout.
 const FAR_K: f64 = 1.0;
+/// Another sensor that moves by less than this, K, beside a piece says nothing of what the sensor should have done.
+const LEAST_K: f64 = 0.3;
+/// Displays of few digits and regulated temperatures are multiples of this, K.
+const DISPLAY_K: f64 = 0.1;
+
+/// Why a sensor says nothing in a piece of rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Silence {
+    /// One number stands.
+    Held,
+    /// Cells are empty.
+    Empty,
+}
 
 fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     for (set, sensors) in view.sensors.iter().enumerate() {
-        for sensor in sensors {
-            let pieces = pieces(sensor);
-            let Some(longest) = pieces.iter().max_by_key(|piece| piece[1] - piece[0]).copied() else { continue };
-            let length = |piece: [usize; 2]| piece[1] - piece[0] + 1;
-            let next = pieces.iter().filter(|piece| **piece != longest).map(|piece| length(*piece)).max().unwrap_or(1);
-            let all = sensor.said().count();
-            let others = sensors.iter().filter(|other| other.name != sensor.name);
-            let moved = |other: &Sensor| {
-                let range = |rows: std::ops::Range<usize>| other.median_of(rows);
-                let (from, to) = (longest[0], longest[1] + 1);
-                let share = (length(longest) / 4).max(1);
-                Some((range(to - share..to)? - range(from..from + share)?).abs())
-            };
-            let far = others.clone().filter_map(moved).fold(0.0, f64::max);
-            let wide = others.filter_map(Sensor::range).map(|[low, high]| high - low).fold(0.0, f64::max);
-            let is_whole = length(longest) == all && all >= ROWS && wide > FAR_K;
-            let is_piece = length(longest) < all && length(longest) >= ROWS.max(TIMES * next);
-            // A display of few digits stays for long where nothing goes on.
-            if !(is_whole || is_piece && (next <= 2 || far > FAR_K)) {
-                continue;
+        let Some(data) = view.scene.sets.get(set) else { continue };
+        let moving: Vec<&Sensor> = sensors.iter().filter(|one| one.range().is_some_and(|[a, b]| b > a)).collect();
+        constant_throughout(set, sensors, out);
+        let mut groups: BTreeMap<([usize; 2], Silence), Vec<String>> = BTreeMap::new();
+        let mut rest: Vec<Sensor> = moving.iter().map(|&one| one.clone()).collect();
+        for piece in together(&moving) {
+            groups.insert((piece, Silence::Held), moving.iter().map(|one| one.name.clone()).collect());
+            rest.iter_mut().for_each(|sensor| sensor.forget(piece));
+        }
+        for sensor in &rest {
+            let own = held(sensor, &rest).into_iter().map(|piece| (piece, Silence::Held));
+            let empty = empty(data, sensor).into_iter().map(|piece| (piece, Silence::Empty));
+            for key in own.chain(empty) {
+                groups.entry(key).or_default().push(sensor.name.clone());
             }
-            let evidence = if is_whole {
-                format!("it reads {} °C in all rows, while others change by {wide:.1} K", sensor.values[longest[0]])
-            } else {
-                format!(
-                    "it reads {} °C in {} rows one after the other, else never more than {next} times; others change by up to {far:.1} K meanwhile",
-                    sensor.values[longest[0]],
-                    length(longest),
-                )
-            };
-            let of_run = if is_whole { None } else { rest_of_run(view, set, longest) };
-            let spared: usize = out.iter().filter(|one| one.set == set).map(|one| one.rows[1] - one.rows[0] + 1).sum();
-            let rows = of_run.filter(|&rows| SPARED * (spared + length(rows)) < sensor.values.len());
-            out.push(DataDefect {
-                kind: DefectKind::Sensor,
-                set,
-                name: sensor.name.clone(),
-                what: "stuck".into(),
-                rows: rows.unwrap_or(longest),
-                evidence,
-                then: rows.map_or(Then::WithoutSensors(vec![sensor.name.clone()]), |_| Then::WithoutRows),
-            });
+        }
+        for ((piece, silence), names) in groups {
+            out.extend(defect(data, set, (piece, silence), names, moving.len(), out));
         }
     }
 }
 
-/// From where a sensor is stuck to the end of the run: what follows it slowly is not known there either. `None` where that is not within one run, or
-/// there is no other run.
-fn rest_of_run(view: &View<'_, '_>, set: usize, [first, last]: [usize; 2]) -> Option<[usize; 2]> {
-    let rows = &view.scene.sets.get(set)?.observations;
-    let run = rows.get(first)?.run;
-    let own = rows.get(first..)?.iter().take_while(|one| one.run == run).count();
-    (last < first + own && rows.iter().any(|one| one.run != run)).then(|| [first, first + own - 1])
+/// Sensors that say one number in all rows. One on the digits of a display may be regulated, and explains nothing in either case.
+fn constant_throughout(set: usize, sensors: &[Sensor], out: &mut Vec<DataDefect>) {
+    for sensor in sensors {
+        let Some([low, high]) = sensor.range() else { continue };
+        let others = sensors.iter().filter(|other| other.name != sensor.name);
+        let wide = others.filter_map(Sensor::range).map(|[low, high]| high - low).fold(0.0, f64::max);
+        let is_display = (low / DISPLAY_K - (low / DISPLAY_K).round()).abs() < 1e-6;
+        if low < high || sensor.said().count() < ROWS || wide <= FAR_K || is_display {
+            continue;
+        }
+        out.push(DataDefect {
+            kind: DefectKind::Sensor,
+            set,
+            name: sensor.name.clone(),
+            what: "stuck".into(),
+            rows: [0, sensor.values.len().saturating_sub(1)],
+            evidence: format!("it reads {low} °C in all rows, while others change by {wide:.1} K"),
+            then: Then::WithoutSensors(vec![sensor.name.clone()]),
+        });
+    }
 }
 
-/// Pieces of equal numbers: first and last row.
-fn pieces(sensor: &Sensor) -> Vec<[usize; 2]> {
+/// One defect of sensors that are silent in one piece of rows; `None` where the readings around it bridge it anyway.
+fn defect(
+    data: &DataSet,
+    set: usize,
+    (piece, silence): ([usize; 2], Silence),
+    names: Vec<String>,
+    moving: usize,
+    before: &[DataDefect],
+) -> Option<DataDefect> {
+    let extent = if names.len() == moving { Extent::All } else { Extent::Some };
+    let then = missing::consequence(data, names.clone(), vec![piece], extent, before, set);
+    if matches!(&then, Then::WithoutTemperatures(missing) if missing.uncounted.is_empty()) {
+        return None;
+    }
+    let [first, last] = piece;
+    let is_end = last + 1 == data.observations.len();
+    let is_begin = first == 0;
+    let one = names.len() == 1;
+    let what = match (one, silence, is_begin, is_end) {
+        (true, Silence::Held, ..) => "stuck",
+        (true, Silence::Empty, ..) => "no readings",
+        (false, _, _, true) => "log ends",
+        (false, _, true, false) => "log begins late",
+        (false, ..) => "log pauses",
+    };
+    let at = |row: usize| match missing::times(data, [row, row]) {
+        Some([at_s, _]) => format!("t = {at_s} s"),
+        None => format!("row {}", row + 1),
+    };
+    let who = match (one, extent) {
+        (true, _) => "the sensor".to_owned(),
+        (false, Extent::All) => format!("all {} sensors", names.len()),
+        (false, Extent::Some) => format!("{} of {moving} sensors", names.len()),
+    };
+    let count = last - first + 1;
+    let (from, to) = (at(first), at(last));
+    let verb = if one { "s" } else { "" };
+    let shown = match (silence, is_begin, is_end) {
+        (Silence::Held, _, true) => {
+            format!(
+                "temperatures end at {from}: {who} hold{verb} the last value to the end, digit by digit, in {count} rows"
+            )
+        }
+        (Silence::Held, true, false) => {
+            format!(
+                "temperatures begin at {to}: {who} repeat{verb} the first value up to there, digit by digit, in {count} rows"
+            )
+        }
+        (Silence::Held, ..) => {
+            format!(
+                "temperatures pause from {from} to {to}: {who} hold{verb} one value, digit by digit, in {count} rows"
+            )
+        }
+        (Silence::Empty, _, true) => {
+            format!("temperatures end before {from}: {who} say{verb} nothing in the last {count} rows")
+        }
+        (Silence::Empty, true, false) => {
+            format!("temperatures begin after {to}: {who} say{verb} nothing in the first {count} rows")
+        }
+        (Silence::Empty, ..) => {
+            format!("temperatures pause from {from} to {to}: {who} say{verb} nothing in {count} rows")
+        }
+    };
+    let follows = match &then {
+        Then::WithoutSensors(_) => "too little would remain without these rows, or is measured only there",
+        _ => "these rows have no temperature and do not count; the others do",
+    };
+    Some(DataDefect {
+        kind: DefectKind::Sensor,
+        set,
+        name: if !one && extent == Extent::All { "temperatures".into() } else { names.join(" ") },
+        what: what.into(),
+        rows: piece,
+        evidence: format!("{shown}; {follows}"),
+        then,
+    })
+}
+
+/// Pieces of rows in which all sensors hold their values at once.
+fn together(sensors: &[&Sensor]) -> Vec<[usize; 2]> {
+    let rows = sensors.iter().map(|sensor| sensor.values.len()).min().unwrap_or(0);
+    if sensors.len() < 2 {
+        return Vec::new();
+    }
+    let is_known = |row: usize| sensors.iter().all(|sensor| sensor.values[row].is_finite());
+    let is_equal = |row: usize| sensors.iter().all(|one| one.values[row].to_bits() == one.values[row - 1].to_bits());
+    let pieces = pieces(rows, &is_known, &is_equal);
+    let steps: Vec<f64> = sensors.iter().map(|one| step(one, &own_pieces(one))).collect();
+    let is_held = |piece: &[usize; 2]| {
+        let is_no_chance = length(*piece) >= ROWS
+            && often(&pieces, *piece).is_some_and(|often| often <= OFTEN && is_no_chance(*piece, often));
+        let is_alone = || piece[0] > 0 && length(*piece) >= 2 * TIMES * longest_other(&pieces, *piece);
+        is_no_chance && (is_sudden(sensors, &steps, *piece) || is_alone())
+    };
+    pieces.iter().copied().filter(is_held).collect()
+}
+
+/// Pieces of rows in which a sensor holds its value.
+fn held(sensor: &Sensor, sensors: &[Sensor]) -> Vec<[usize; 2]> {
+    let pieces = own_pieces(sensor);
+    let step = step(sensor, &pieces);
+    let is_held = |piece: &[usize; 2]| {
+        if length(*piece) < ROWS {
+            return false;
+        }
+        let is_no_chance = often(&pieces, *piece).is_some_and(|often| often <= OFTEN && is_no_chance(*piece, often));
+        if is_no_chance && is_sudden(&[sensor], &[step], *piece) {
+            return true;
+        }
+        let is_long = length(*piece) >= TIMES * longest_other(&pieces, *piece);
+        is_long
+            && (jumps_after(sensor, &pieces, *piece, step) || should_have_moved(sensor, sensors, *piece) > STEPS * step)
+    };
+    pieces.iter().copied().filter(is_held).collect()
+}
+
+/// Pieces of equal numbers of a sensor.
+fn own_pieces(sensor: &Sensor) -> Vec<[usize; 2]> {
+    let values = &sensor.values;
+    let is_equal = |row: usize| values[row].to_bits() == values[row - 1].to_bits();
+    pieces(values.len(), &|row| values[row].is_finite(), &is_equal)
+}
+
+/// Pieces of empty cells that are longer than those of a table that leaves cells empty anyway.
+fn empty(data: &DataSet, sensor: &Sensor) -> Vec<[usize; 2]> {
+    let Some(driver) = data.drivers.iter().find(|driver| driver.name == sensor.name) else { return Vec::new() };
+    let pieces = pieces(driver.values.len(), &|row| driver.values[row].is_nan(), &|_| true);
+    let is_long = |piece: &[usize; 2]| length(*piece) >= ROWS.max(TIMES * longest_other(&pieces, *piece));
+    pieces.iter().copied().filter(is_long).collect()
+}
+
+fn length(piece: [usize; 2]) -> usize {
+    piece[1] - piece[0] + 1
+}
+
+/// Pieces of known rows that are equal to the rows before them: first and last row.
+fn pieces(rows: usize, is_known: &dyn Fn(usize) -> bool, is_equal: &dyn Fn(usize) -> bool) -> Vec<[usize; 2]> {
     let mut pieces: Vec<[usize; 2]> = Vec::new();
-    for (row, value) in sensor.values.iter().enumerate().filter(|(_, value)| value.is_finite()) {
+    for row in (0..rows).filter(|&row| is_known(row)) {
         match pieces.last_mut() {
-            Some(piece) if piece[1] + 1 == row && sensor.values[piece[0]].to_bits() == value.to_bits() => {
-                piece[1] = row
-            }
+            Some(piece) if piece[1] + 1 == row && is_equal(row) => piece[1] = row,
             _ => pieces.push([row, row]),
         }
     }
     pieces
+}
+
+/// Rows of the longest of the other pieces; 1 without any.
+fn longest_other(pieces: &[[usize; 2]], piece: [usize; 2]) -> usize {
+    pieces.iter().filter(|other| **other != piece).map(|other| length(*other)).max().unwrap_or(1)
+}
+
+/// Share of neighbours beside a piece that are equal, on the side with more of them. `None` where neither side says anything.
+fn often(pieces: &[[usize; 2]], [first, last]: [usize; 2]) -> Option<f64> {
+    let share = |rows: std::ops::Range<usize>| {
+        let inside = |piece: &[usize; 2]| (piece[1] + 1).min(rows.end).saturating_sub(piece[0].max(rows.start));
+        let known: usize = pieces.iter().map(inside).sum();
+        let count = pieces.iter().filter(|piece| inside(piece) > 0).count();
+        let pairs = known.saturating_sub(1);
+        // One more of each kind: none among some pairs does not say that there never is one.
+        (pairs >= FEWEST_PAIRS).then(|| (known - count + 1) as f64 / (pairs + 2) as f64)
+    };
+    let sides = [share(first.saturating_sub(PAIRS + 1)..first), share(last + 1..last + PAIRS + 2)];
+    sides.into_iter().flatten().reduce(f64::max)
+}
+
+/// True if a piece is no chance where neighbours are equal this often.
+fn is_no_chance(piece: [usize; 2], often: f64) -> bool {
+    (length(piece) - 1) as f64 * -often.ln() > CHANCE
+}
+
+/// True if sensors stand still from one row to the next, and not because a body comes to rest: until then they have noise, or go by many steps of their
+/// display. At the beginning of a log the rows after the piece must have noise: a body without any, as in a simulated log, may have been at rest.
+fn is_sudden(sensors: &[&Sensor], steps: &[f64], [first, last]: [usize; 2]) -> bool {
+    let (mut reversed, mut pairs) = (0_usize, 0_usize);
+    let mut is_fast = false;
+    for (sensor, step) in sensors.iter().zip(steps) {
+        let rows = if first > 0 { first.saturating_sub(PAIRS)..first + 1 } else { last..last + 1 + PAIRS };
+        let beside = sensor.values.get(rows.start..rows.end.min(sensor.values.len())).unwrap_or_default();
+        let mut beside: Vec<f64> = beside.iter().copied().filter(|value| value.is_finite()).collect();
+        beside.dedup();
+        let changes: Vec<f64> = beside.windows(2).map(|two| two[1] - two[0]).collect();
+        // A display between two of its values says nothing of noise.
+        if median(changes.iter().map(|by| by.abs()).collect()) > NOISE_STEPS * step {
+            pairs += changes.len().saturating_sub(1);
+            reversed += changes.windows(2).filter(|two| two[0] * two[1] < 0.0).count();
+        }
+        let latest = changes.get(changes.len().saturating_sub(FEWEST_PAIRS)..).unwrap_or_default();
+        is_fast |= latest.len() == FEWEST_PAIRS && median(latest.iter().map(|by| by.abs()).collect()) > STEPS * step;
+    }
+    let has_noise = pairs >= FEWEST_PAIRS && reversed as f64 > REVERSED * pairs as f64;
+    has_noise || first > 0 && is_fast
+}
+
+/// The step of a display, K: the least change from one piece to the next.
+fn step(sensor: &Sensor, pieces: &[[usize; 2]]) -> f64 {
+    let value = |piece: &[usize; 2]| sensor.values[piece[0]];
+    pieces.windows(2).map(|two| (value(&two[1]) - value(&two[0])).abs()).fold(f64::INFINITY, f64::min)
+}
+
+/// True if a sensor goes on after a piece with a jump that it has nowhere else: it was elsewhere meanwhile.
+fn jumps_after(sensor: &Sensor, pieces: &[[usize; 2]], piece: [usize; 2], step: f64) -> bool {
+    let value = |piece: &[usize; 2]| sensor.values[piece[0]];
+    let change = |two: &[[usize; 2]]| (value(&two[1]) - value(&two[0])).abs();
+    let own = pieces.windows(2).find(|two| two[0] == piece && two[1][0] == piece[1] + 1).map(change);
+    let others = pieces.windows(2).filter(|two| two[0] != piece).map(change).fold(0.0, f64::max);
+    own.is_some_and(|own| own > JUMP_STEPS * step && own > 2.0 * others)
+}
+
+/// By how much a sensor should have moved over a piece, K: by its share in what others do before and after it, and by what they do meanwhile. Of all others
+/// that say anything the least counts; 0 where none does.
+fn should_have_moved(sensor: &Sensor, sensors: &[Sensor], piece: [usize; 2]) -> f64 {
+    let long = length(piece);
+    let end = sensor.values.len();
+    let before = piece[0].saturating_sub(long)..piece[0];
+    let after = piece[1] + 1..(piece[1] + 1 + long).min(end);
+    let of_other = |other: &Sensor| {
+        let meanwhile = moved(other, piece[0]..piece[1] + 1)?;
+        let share = |rows: std::ops::Range<usize>| {
+            let [own, other] = [moved(sensor, rows.clone())?, moved(other, rows)?];
+            (other > LEAST_K).then_some(own / other)
+        };
+        // A body that comes to rest moves before it only.
+        Some(share(before.clone())?.min(share(after.clone())?) * meanwhile)
+    };
+    sensors.iter().filter(|other| other.name != sensor.name).filter_map(of_other).reduce(f64::min).unwrap_or(0.0)
+}
+
+/// By how much a sensor moves from the first quarter of some rows to the last, K.
+fn moved(sensor: &Sensor, rows: std::ops::Range<usize>) -> Option<f64> {
+    let share = rows.len() / 4;
+    let of = |rows: std::ops::Range<usize>| sensor.median_of(rows);
+    if share == 0 {
+        return None;
+    }
+    Some((of(rows.end - share..rows.end)? - of(rows.start..rows.start + share)?).abs())
 }
 
 #[cfg(test)]
