@@ -148,6 +148,41 @@ fn a_sensor_that_is_stuck_in_one_run_is_told_by_the_others() {
     assert_eq!(wrong(&stuck, findings(&report)), None, "{}{}", case.words(), report["findings"]);
 }
 
+#[test]
+fn temperatures_that_end_early_or_fail_for_a_while_keep_the_drift_that_goes_with_them() {
+    let case = recipe(Bench::DriftRuns, &[38], None, 6.0, 5).cook().unwrap();
+    let sensor = format!("{}_C", case.truth.effects[0].sensor.unwrap());
+    let rows = case.files[0].csv.lines().count() - 1;
+    let fault = |report: &Value, name: &str| {
+        let all = report["data_faults"].as_array().unwrap();
+        all.iter().find(|one| one["name"] == name).unwrap_or_else(|| panic!("{all:?}")).clone()
+    };
+    // The log of all sensors ends 40 rows before the readings, and repeats what it said last.
+    let end = rows - 40;
+    let mut last = std::collections::BTreeMap::new();
+    let head: Vec<&str> = case.files[0].csv.lines().next().unwrap().split(',').collect();
+    for (place, name) in head.iter().enumerate().filter(|(_, name)| name.starts_with("T_")) {
+        last.insert(*name, case.files[0].csv.lines().nth(1 + end).unwrap().split(',').nth(place).unwrap());
+    }
+    let ended = last.iter().fold(case.clone(), |case, (name, value)| {
+        changed(&case, name, |row, _, own| if row < end { own.to_string() } else { (*value).to_owned() })
+    });
+    let report = diagnosed(&ended, false);
+    let told = fault(&report, "temperatures");
+    assert_eq!([&told["what"], &told["excluded"]], ["log ends", "these rows"], "{told}");
+    assert_eq!(told["rows"], serde_json::json!([end + 1, rows]));
+    assert_eq!(report["data_faults"].as_array().unwrap().len(), 1, "{}", report["data_faults"]);
+    assert_eq!(wrong(&ended, findings(&report)), None, "{}{}", case.words(), report["findings"]);
+    // An open circuit for half an hour.
+    let open = 200..230;
+    let dead = changed(&case, &sensor, |row, _, own| if open.contains(&row) { "-180".into() } else { own.to_string() });
+    let report = diagnosed(&dead, false);
+    let told = fault(&report, &sensor);
+    assert_eq!([&told["what"], &told["excluded"]], ["dead", "these rows"], "{told}");
+    assert_eq!(told["rows"], serde_json::json!([201, 230]));
+    assert_eq!(wrong(&dead, findings(&report)), None, "{}{}", case.words(), report["findings"]);
+}
+
 /// A case with one table of displacements at one place.
 fn of_table(csv: String) -> Case {
     let case = recipe(Bench::DriftRuns, &[], None, 5.0, 3).cook().unwrap();

@@ -666,8 +666,8 @@ repetitions could not be fitted. Reasons are few readings, weights that follow t
 "The data have a fault between machine and file: a temperature sensor that is dead, stuck, exchanged with another one, moved or in
 degrees Fahrenheit; a pulse of some minutes, a first cycle before the machine had settled, a step in all later readings, single
 outliers, or the resolution of a display. The message gives the rows and the evidence, and the help the consequence: faulty data are
-excluded from the search for causes, or get their own zero or noise. The file is not changed. In holdout data the rows are kept, so
-that the test data are not selected.";
+excluded from the search for causes, or get their own zero or noise. The file is not changed. Where the log of temperatures ends or
+pauses, only these rows are excluded. In holdout data all other rows are kept, so that the test data are not selected.";
     STARVING = "W0701" "the link is too slow in places"
 "In some places the control waits briefly for lines (see E0702), but not long enough to forbid the transfer.";
     SERIAL_SETTINGS = "W0702" "port with different settings or a name that may change"

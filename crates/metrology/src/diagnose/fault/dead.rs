@@ -18,7 +18,7 @@ const POSSIBLE_C: std::ops::RangeInclusive<f64> = PLAUSIBLE_C[0]..=PLAUSIBLE_C[1
 const WARM_C: f64 = 5.0;
 /// So often exactly 0 is no chance.
 const ZEROS: usize = 3;
-/// Pieces of rows that are told one by one.
+/// Pieces of rows that are reported one by one.
 const MOST_PIECES: usize = 3;
 
 fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
@@ -54,7 +54,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
                 let then = match view.scene.sets.get(set) {
                     // Where it is mostly dead, nothing recommends the few rows that seem to be sound.
                     Some(data) if 2 * rows.len() < data.observations.len() => {
-                        missing::consequence(data, vec![name.clone()], pieces, Extent::Some, out, set)
+                        missing::consequence(view, set, vec![name.clone()], pieces, Extent::Some, out)
                     }
                     _ => Then::WithoutSensors(vec![name.clone()]),
                 };

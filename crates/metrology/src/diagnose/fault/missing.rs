@@ -5,7 +5,7 @@
 
 use std::collections::HashSet;
 
-use super::{DataDefect, MissingTemperatures, Then};
+use super::{DataDefect, MissingTemperatures, Then, View};
 use crate::measure::data::{DataSet, Observation};
 use ncfix_machine::machine::condition::forget_readings;
 
@@ -31,21 +31,24 @@ pub(super) enum Extent {
     All,
 }
 
-/// The consequence of readings of sensors that are missing in some pieces of rows, beside those that were found before.
+/// The consequence of readings of sensors of a measurement that are missing in some pieces of rows. Rows that went before count: those of the checks before,
+/// and of what this check found.
 pub(super) fn consequence(
-    data: &DataSet,
+    view: &View<'_, '_>,
+    set: usize,
     sensors: Vec<String>,
     pieces: Vec<[usize; 2]>,
     extent: Extent,
-    before: &[DataDefect],
-    set: usize,
+    found: &[DataDefect],
 ) -> Then {
+    let Some(data) = view.scene.sets.get(set) else { return Then::WithoutSensors(sensors) };
     let uncounted: Vec<[usize; 2]> = pieces.iter().copied().filter(|piece| !is_bridged(data, *piece)).collect();
-    let known = before.iter().filter(|one| one.set == set).filter_map(|one| match &one.then {
+    let of_check = found.iter().filter(|one| one.set == set).filter_map(|one| match &one.then {
         Then::WithoutTemperatures(missing) => Some(&missing.uncounted),
         _ => None,
     });
-    let gone: Vec<[usize; 2]> = known.flatten().chain(&uncounted).copied().collect();
+    let before = view.gone.iter().filter(|(of, _)| *of == set).map(|(_, rows)| rows);
+    let gone: Vec<[usize; 2]> = before.chain(of_check.flatten()).chain(&uncounted).copied().collect();
     let share = if extent == Extent::All { SHARE_OF_ALL } else { SHARE_OF_SOME };
     if uncounted.is_empty() || can_go(data, &gone, share) {
         Then::WithoutTemperatures(MissingTemperatures { sensors, pieces, uncounted })

@@ -231,13 +231,15 @@ pub struct View<'s, 'a> {
     trails: Vec<Trail>,
     /// Measurements that are not to be read on.
     refused: BTreeSet<usize>,
+    /// Rows that do not count since temperatures are missing: number of the measurement, first and last.
+    gone: Vec<(usize, [usize; 2])>,
     tips: OnceCell<[Vec<f64>; 3]>,
 }
 
 impl<'s, 'a> View<'s, 'a> {
     /// Without trails, and with nothing refused yet.
     fn new(scene: &'s Scene<'a>, sensors: Vec<Vec<Sensor>>) -> View<'s, 'a> {
-        View { scene, sensors, trails: Vec::new(), refused: BTreeSet::new(), tips: OnceCell::new() }
+        View { scene, sensors, trails: Vec::new(), refused: BTreeSet::new(), gone: Vec::new(), tips: OnceCell::new() }
     }
 
     /// What a displacement of the tool along each direction of F does to every reading.
@@ -288,6 +290,7 @@ pub fn find_with(checks: &Checks, scene: &Scene<'_>) -> Vec<DataDefect> {
                     for sensor in own.filter(|sensor| missing.sensors.contains(&sensor.name)) {
                         missing.pieces.iter().for_each(|piece| sensor.forget(*piece));
                     }
+                    view.gone.extend(missing.uncounted.iter().map(|rows| (fault.set, *rows)));
                     let trail = view.trails.get_mut(fault.set);
                     trail.into_iter().for_each(|trail| missing.uncounted.iter().for_each(|rows| trail.forget(*rows)));
                 }

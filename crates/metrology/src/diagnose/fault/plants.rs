@@ -224,7 +224,7 @@ fn a_dead_sensor_that_recovers_is_missing_where_it_is_dead() {
     let found = faults_of(&columns, 60.0);
     assert_eq!(words(&found), [("T_nose_C", "dead", [100, 481])]);
     assert_eq!(missing(&found[0]).pieces.len(), 20);
-    // One that is dead in most rows is none.
+    // One that is dead in most rows has nothing to say.
     hold(column(&mut columns, "T_nose_C"), [300, 799], Some(0.0));
     assert_eq!(given_up(&faults_of(&columns, 60.0)), ["T_nose_C"]);
 }

@@ -76,7 +76,8 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
             }
         }
         for ((piece, silence), names) in groups {
-            out.extend(defect(data, set, (piece, silence), names, moving.len(), out));
+            let defect = defect(view, set, (piece, silence), names, moving.len(), out);
+            out.extend(defect);
         }
     }
 }
@@ -105,15 +106,16 @@ fn constant_throughout(set: usize, sensors: &[Sensor], out: &mut Vec<DataDefect>
 
 /// One defect of sensors that are silent in one piece of rows; `None` where the readings around it bridge it anyway.
 fn defect(
-    data: &DataSet,
+    view: &View<'_, '_>,
     set: usize,
     (piece, silence): ([usize; 2], Silence),
     names: Vec<String>,
     moving: usize,
     before: &[DataDefect],
 ) -> Option<DataDefect> {
+    let data = view.scene.sets.get(set)?;
     let extent = if names.len() == moving { Extent::All } else { Extent::Some };
-    let then = missing::consequence(data, names.clone(), vec![piece], extent, before, set);
+    let then = missing::consequence(view, set, names.clone(), vec![piece], extent, before);
     if matches!(&then, Then::WithoutTemperatures(missing) if missing.uncounted.is_empty()) {
         return None;
     }
@@ -230,7 +232,8 @@ fn own_pieces(sensor: &Sensor) -> Vec<[usize; 2]> {
 fn empty(data: &DataSet, sensor: &Sensor) -> Vec<[usize; 2]> {
     let Some(driver) = data.drivers.iter().find(|driver| driver.name == sensor.name) else { return Vec::new() };
     let pieces = pieces(driver.values.len(), &|row| driver.values[row].is_nan(), &|_| true);
-    let is_long = |piece: &[usize; 2]| length(*piece) >= ROWS.max(TIMES * longest_other(&pieces, *piece));
+    let is_long =
+        |piece: &[usize; 2]| length(*piece) >= ROWS && length(*piece) >= TIMES * longest_other(&pieces, *piece);
     pieces.iter().copied().filter(is_long).collect()
 }
 
