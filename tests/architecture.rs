@@ -35,7 +35,7 @@ const CRATES: &[(&str, &[Room])] = &[
             ("measure", &[]),
             ("calibrate", &["measure"]),
             ("diagnose", &["calibrate", "measure"]),
-            ("decompose", &["measure"]),
+            ("decompose", &["diagnose", "measure"]),
             ("results", &["calibrate", "decompose", "diagnose", "measure"]),
         ],
     ),

@@ -70,6 +70,8 @@ pub(crate) struct Hidden {
     pub(crate) reading_delay: f64,
     /// Micrometres of smooth motion errors.
     pub(crate) motion_um: f64,
+    /// Smooth motion errors in place of these, if there are any.
+    pub(crate) waves: Vec<Wave>,
     /// Thermal offsets of the runs, µm.
     pub(crate) thermal_um: [[f64; 3]; 6],
     /// Displacement of the body of an axis, µm by m/s² of it: along X, Y, Z.
@@ -86,6 +88,7 @@ impl Default for Hidden {
             record_delay: 0.018_4,
             reading_delay: 0.007_3,
             motion_um: 6.0,
+            waves: Vec::new(),
             thermal_um: [
                 [0.0; 3],
                 [0.3, -0.2, 0.4],
@@ -98,6 +101,49 @@ impl Default for Hidden {
             noise_um: [0.15, 0.05],
         }
     }
+}
+
+/// A wave along a joint.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wave {
+    /// Number of the joint, and direction of the displacement: 0 to 2 for X, Y, Z.
+    pub(crate) of: [usize; 2],
+    /// Amplitude, mm.
+    pub(crate) mm: f64,
+    /// Radians of the wave for each mm or rad of the joint, and its phase.
+    pub(crate) per: f64,
+    pub(crate) phase: f64,
+}
+
+/// A machine drawn at random: links of the sizes that ISO 10791-1 and -2 allow (50 µrad of squareness, 100 µrad and 100 µm of rotary axes, as standard deviations),
+/// and two waves in each direction along each joint, 60 to 400 mm or 20 to 180 degrees long, 8 µm together.
+pub(crate) fn drawn(seed: u64) -> Hidden {
+    let mut noise = Noise::new(seed);
+    let sizes = [50e-6, 50e-6, 50e-6, 100e-6, 100e-6, 100e-6, 100e-6, 0.1];
+    let links = sizes.map(|size| size * noise.normal());
+    let mut waves = Vec::new();
+    for joint in 0..5 {
+        for along in 0..3 {
+            for _ in 0..2 {
+                // A number between 0 and 1 that a normal one makes.
+                let share = 1.0 / (1.0 + (-1.7 * noise.normal()).exp());
+                let length = if joint < 3 {
+                    60.0 * (400.0_f64 / 60.0).powf(share)
+                } else {
+                    f64::to_radians(20.0 * 9.0_f64.powf(share))
+                };
+                // Two waves with amplitudes of this size have an RMS of 8 µm.
+                let mm = 8e-3 * noise.normal();
+                waves.push(Wave {
+                    of: [joint, along],
+                    mm,
+                    per: std::f64::consts::TAU / length,
+                    phase: 3.0 * noise.normal(),
+                });
+            }
+        }
+    }
+    Hidden { links, waves, ..Hidden::default() }
 }
 
 /// What each source did, by sample of the recorded encoders, along X, Y, Z of F, mm.
@@ -124,9 +170,17 @@ fn tool_from_ball(q: &Joints, links: &[f64; 8]) -> V {
 }
 
 /// Smooth errors of motion by pose, mm: straightness and yaw of X, Y, Z, wobble of A and C.
-fn raw_motion(q: &Joints, um: f64) -> V {
+fn raw_motion(q: &Joints, hidden: &Hidden) -> V {
+    if !hidden.waves.is_empty() {
+        let mut sum = V::zeros();
+        for wave in &hidden.waves {
+            let [joint, along] = wave.of;
+            sum[along] += wave.mm * (wave.per * q[joint] + wave.phase).sin();
+        }
+        return sum;
+    }
     let [x, y, z, a, c] = *q;
-    let mm = um * 1e-3;
+    let mm = hidden.motion_um * 1e-3;
     V::new(
         (0.06 * x).sin() * 0.8 + 0.4 * (3.0 * c).cos(),
         0.9 * (7.0 * a).sin() + 0.4 * (0.05 * y).cos(),
@@ -302,7 +356,7 @@ pub(crate) fn trace(hidden: &Hidden, feeds: &[usize], seed: u64) -> (Trace, Vec<
             truth.parts.push([
                 tool_from_ball(&at, &[0.0; 8]) - nominal,
                 links(&at) + projected,
-                raw_motion(&at, hidden.motion_um) - projected,
+                raw_motion(&at, hidden) - projected,
                 thermal,
                 deflection(&actual, then, &at, &hidden.compliance),
             ]);
@@ -312,7 +366,7 @@ pub(crate) fn trace(hidden: &Hidden, feeds: &[usize], seed: u64) -> (Trace, Vec<
             let t = k as f64 * step;
             let at = between(&actual, t);
             let whole = tool_from_ball(&at, &hidden.links)
-                + raw_motion(&at, hidden.motion_um)
+                + raw_motion(&at, hidden)
                 + thermal
                 + deflection(&actual, t, &at, &hidden.compliance);
             run.readings.t_s.push(t + hidden.reading_delay);
@@ -341,7 +395,7 @@ fn projection(slow: &[Joints], hidden: &Hidden) -> [f64; 8] {
     let mut values = DVector::zeros(3 * poses.len());
     for (place, q) in poses.iter().enumerate() {
         let columns = jacobian(q);
-        let motion = raw_motion(q, hidden.motion_um);
+        let motion = raw_motion(q, hidden);
         for k in 0..3 {
             values[3 * place + k] = motion[k];
             for (j, column) in columns.iter().enumerate() {

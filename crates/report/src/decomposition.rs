@@ -7,7 +7,9 @@ use serde::Serialize;
 use super::inputs::InputFile;
 use super::json::Finding;
 use super::number::{grouped, significant};
-use ncfix_metrology::results::decomposition::{DecompositionResult, Delay, RunReport};
+use ncfix_metrology::results::decomposition::{
+    ComplianceReport, DecompositionResult, Delay, Law, LinkReport, Loop, RunReport,
+};
 
 /// Output of `ncfix decompose`: the result, with its output files.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -39,10 +41,11 @@ impl DecompositionReport {
                 significant(norm(fast.max_um.contouring))
             );
         }
-        let mut parts: Vec<(&str, f64)> =
-            ncfix_metrology::decompose::SOURCES.into_iter().zip(fast.share_percent.list()).collect();
-        parts.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let shares: Vec<String> = parts.iter().take(3).map(|(name, share)| format!("{name} {share:.1} %")).collect();
+        let shares = fast.share_percent.list().into_iter().zip(fast.share_95_percent.list());
+        let mut parts: Vec<(&str, (f64, f64))> = ncfix_metrology::decompose::SOURCES.into_iter().zip(shares).collect();
+        parts.sort_by(|a, b| b.1.0.total_cmp(&a.1.0));
+        let shares: Vec<String> =
+            parts.iter().take(3).map(|(name, (share, by))| format!("{name} {share:.1} ± {by:.1} %")).collect();
         let named: Vec<&str> = self.found.compliances.iter().map(|one| one.component.as_str()).collect();
         let why = if named.is_empty() { String::new() } else { format!(" Compliance: {}.", named.join(", ")) };
         format!("Of the error{feed}: {}.{why}", shares.join(", "))
@@ -55,6 +58,7 @@ impl DecompositionReport {
         let _ = writeln!(out, "{}\n", self.verdict());
         self.write_delays(&mut out);
         self.write_runs(&mut out);
+        self.write_links(&mut out);
         self.write_compliances(&mut out);
         self.write_laws(&mut out);
         out
@@ -62,26 +66,28 @@ impl DecompositionReport {
 
     fn write_delays(&self, out: &mut String) {
         let line = |out: &mut String, what: &str, delay: &Delay| {
-            let by =
-                if delay.uncertainty_ms > 0.0 { format!(" ± {:.3}", delay.uncertainty_ms) } else { " (given)".into() };
+            let by = if delay.uncertainty_95_ms > 0.0 {
+                format!(" ± {:.3}", delay.uncertainty_95_ms)
+            } else {
+                " (given)".into()
+            };
             let _ = writeln!(out, "{what:<40} {:>9.3}{by} ms", delay.ms);
         };
+        let _ = writeln!(out, "± is half of the 95 % interval");
         line(out, "encoder delay after set-points (record)", &self.found.record_delay);
         if let Some(delay) = &self.found.reading_delay {
             line(out, "reading delay after encoders", delay);
         }
-        let _ = writeln!(out, "\naxis  velocity gain, 1/s  feed-forward  lag, ms  left, RMS");
+        let _ = writeln!(
+            out,
+            "\naxis  {:>20}  {:>18}  {:>16}  residual, RMS",
+            "velocity gain, 1/s", "feed-forward", "lag, ms"
+        );
         for one in &self.found.servo {
-            let gain = one.velocity_gain_per_s.map_or("no lag seen".into(), |gain| format!("{gain:.1}"));
-            let _ = writeln!(
-                out,
-                "{:<4}  {gain:>18}  {:>12.4}  {:>7.3}  {} {}",
-                one.axis,
-                one.feed_forward,
-                one.lag_ms,
-                significant(one.rms),
-                one.unit.unit().sign()
-            );
+            let [gain, forward, lag] = loop_cells(one);
+            let (rms, by) = (significant(one.rms), significant(one.rms_95));
+            let sign = one.unit.unit().sign();
+            let _ = writeln!(out, "{:<4}  {gain:>20}  {forward:>18}  {lag:>16}  {rms} ± {by} {sign}", one.axis);
         }
     }
 
@@ -89,14 +95,18 @@ impl DecompositionReport {
         if self.found.is_measured() {
             let _ = writeln!(
                 out,
-                "\nmean share of the norms, %\n   F, mm/min  contouring    link  motion  thermal  dynamic"
+                "\nmean share of the norms, %\n   F, mm/min  {:>14}  {:>14}  {:>14}  {:>14}  {:>14}",
+                "contouring", "link", "motion", "thermal", "dynamic"
             );
             for run in &self.found.runs {
-                let [c, l, m, t, d] = run.share_percent.list();
-                let _ = writeln!(out, "{}  {c:>10.1}  {l:>6.1}  {m:>6.1}  {t:>7.1}  {d:>7.1}", feed_cell(run));
+                out.push_str(&feed_cell(run));
+                for (share, by) in run.share_percent.list().into_iter().zip(run.share_95_percent.list()) {
+                    let _ = write!(out, "  {:>14}", format!("{share:.1} ± {by:.1}"));
+                }
+                out.push('\n');
             }
         }
-        for (title, which) in [("largest", 0), ("RMS", 1)] {
+        for (title, is_max) in [("largest", true), ("RMS", false)] {
             let sources: &[(&str, usize)] = if self.found.is_measured() {
                 &[("contouring", 0), ("link", 1), ("motion", 2), ("dynamic", 4)]
             } else {
@@ -108,13 +118,15 @@ impl DecompositionReport {
             }
             out.push('\n');
             for run in &self.found.runs {
-                let of = if which == 0 { run.max_um } else { run.rms_um };
-                out.push_str(&feed_cell(run));
-                for &(_, source) in sources {
-                    let [x, y, z] = of.list()[source].map(significant);
-                    let _ = write!(out, "  {x:>6} {y:>6} {z:>6}");
+                let (of, by) = if is_max { (run.max_um, run.max_95_um) } else { (run.rms_um, run.rms_95_um) };
+                for (head, of) in [(feed_cell(run), of), (format!("{:>12}", "±"), by)] {
+                    out.push_str(&head);
+                    for &(_, source) in sources {
+                        let [x, y, z] = of.list()[source].map(significant);
+                        let _ = write!(out, "  {x:>6} {y:>6} {z:>6}");
+                    }
+                    out.push('\n');
                 }
-                out.push('\n');
             }
         }
         let _ = writeln!(
@@ -124,7 +136,22 @@ impl DecompositionReport {
         for run in &self.found.runs {
             let [max, rms] = run.contouring_error_um.map(significant);
             let [x, y, z] = run.thermal_um.map(significant);
-            let _ = writeln!(out, "{}  {max:>50}  {rms:>6}     {x:>6} {y:>6} {z:>6}", feed_cell(run));
+            let [x_95, y_95, z_95] = run.thermal_95_um.map(significant);
+            let _ = writeln!(
+                out,
+                "{}  {max:>50}  {rms:>6}     {x:>6} {y:>6} {z:>6} ± {x_95} {y_95} {z_95}",
+                feed_cell(run)
+            );
+        }
+    }
+
+    fn write_links(&self, out: &mut String) {
+        if self.found.links.is_empty() {
+            return;
+        }
+        let _ = writeln!(out, "\nlink error  beyond the machine file");
+        for one in &self.found.links {
+            let _ = writeln!(out, "{:<10}  {}", one.parameter, link_cell(one));
         }
     }
 
@@ -140,7 +167,7 @@ impl DecompositionReport {
             writeln!(out, "\ncompliance of   with                value                          gain at other feeds");
         for one in &self.found.compliances {
             let with = format!("{} of {}", one.of.words(), one.axis);
-            let value = format!("{:.4} ± {:.4} {}", one.value, one.uncertainty, one.unit);
+            let value = format!("{:.4} ± {:.4} {}", one.value, one.uncertainty_95, compliance_unit(one));
             let _ = writeln!(out, "{:<14}  {with:<18}  {value:<30} {:>5.1} %", one.component, 100.0 * one.gain);
         }
         let _ = writeln!(out, "\n   F, mm/min  dynamic part, RMS µm  residual with the compliances of other feeds");
@@ -155,21 +182,65 @@ impl DecompositionReport {
         if self.found.power_laws.is_empty() {
             return;
         }
-        let _ = writeln!(out, "\nRMS = κ Fᴺ         κ, µm         N    ± (95 %)     R²  N without the slowest run");
+        let _ = writeln!(
+            out,
+            "\nRMS = κ Fᴺ   {:>28}  {:>14}     R²  N without the slowest run",
+            "κ, µm (95 % interval)", "N"
+        );
         for law in &self.found.power_laws {
-            let limit = law.exponent_95.map_or("–".into(), |limit| format!("{limit:.2}"));
-            let without = law.without_slowest.map_or("–".into(), |exponent| format!("{exponent:.2}"));
             let _ = writeln!(
                 out,
-                "{:<10} {}   {:>10.3e}  {:>8.2}  {limit:>10}  {:>5.3}  {without:>6}",
+                "{:<10} {} {:>28}  {:>14}  {:>5.3}  {:>14}",
                 law.source.words(),
                 law.direction,
-                law.factor_um,
-                law.exponent,
-                law.explained
+                factor_cell(law),
+                bounded(law.exponent, law.exponent_95),
+                law.explained,
+                law.without_slowest.map_or("–".into(), |exponent| bounded(exponent, law.without_slowest_95))
             );
         }
     }
+}
+
+/// A link error with its interval; a value that is not determined is no number.
+pub(super) fn link_cell(one: &LinkReport) -> String {
+    let sign = one.unit.unit().sign();
+    if one.is_determined {
+        format!("{:.2} ± {:.2} {sign}", one.value, one.uncertainty_95)
+    } else {
+        "not identifiable".into()
+    }
+}
+
+/// Velocity gain, feed-forward and lag of a loop with their intervals.
+pub(super) fn loop_cells(one: &Loop) -> [String; 3] {
+    let gain = match (one.velocity_gain_per_s, one.velocity_gain_95_per_s) {
+        (Some(gain), Some(by)) if one.is_determined => format!("{gain:.1} ± {by:.1}"),
+        (Some(_), _) => "not identifiable".into(),
+        (None, _) => "no lag seen".into(),
+    };
+    let with = |value: f64, by: Option<f64>, digits: usize| {
+        by.map_or("not identifiable".into(), |by| format!("{value:.digits$} ± {by:.digits$}"))
+    };
+    [gain, with(one.feed_forward, one.feed_forward_95, 4), with(one.lag_ms, one.lag_95_ms, 3)]
+}
+
+/// The factor of a power law with its interval.
+pub(super) fn factor_cell(law: &Law) -> String {
+    let factor = format!("{:.3e}", law.factor_um);
+    law.factor_95_um.map_or(factor.clone(), |[low, high]| format!("{factor} ({low:.1e} … {high:.1e})"))
+}
+
+/// An exponent with its interval.
+pub(super) fn bounded(exponent: f64, by: Option<f64>) -> String {
+    by.map_or_else(|| format!("{exponent:.2}"), |by| format!("{exponent:.2} ± {by:.2}"))
+}
+
+/// The unit of a compliance for people: `µm per m/s²`.
+pub(super) fn compliance_unit(one: &ComplianceReport) -> String {
+    let signs = [("urad_per_", "µrad per "), ("um_per_", "µm per "), ("m_s", "m/s"), ("rad_s", "rad/s")];
+    let unit = signs.iter().fold(one.unit.clone(), |unit, (from, to)| unit.replace(from, to));
+    unit.replace("s2", "s²").replace("s3", "s³")
 }
 
 fn norm([x, y, z]: [f64; 3]) -> f64 {

@@ -127,7 +127,7 @@ fn options(arguments: &DecomposeArguments, machine: &Machine) -> Result<Decompos
     })
 }
 
-/// Adds the machine file with the compliances to the files to write.
+/// Adds the machine file with links, loops and compliances to the files to write.
 fn extend(
     chosen: &Chosen,
     found: &decompose::Decomposition,
@@ -136,20 +136,18 @@ fn extend(
     report: &mut DecompositionReport,
 ) -> Result<(), Stop> {
     let Some(path) = chosen.files.first() else { return Err(Stop::Usage("-o needs --machine".into())) };
-    if found.compliances.is_empty() {
-        let help = "no compliance was found; the machine file needs no change";
-        findings.add(Diagnostic::nowhere(Code::NOT_TOLD, "there is nothing to write", help), &[]);
-        return Ok(());
-    }
     let old = input::read_written(path, FileId(0), "machine file to extend")?;
-    let name = name.display().to_string();
     match decomposition::extended(old.bytes(), found) {
+        Some(text) if text.as_bytes() == old.bytes() => {
+            let help = "no link, loop or compliance is determined; the machine file needs no change";
+            findings.add(Diagnostic::nowhere(Code::NOT_TOLD, "there is nothing to write", help), &[]);
+        }
         Some(text) => {
             files.add(target, text.as_bytes())?;
-            report.output = Some(name);
+            report.output = Some(name.display().to_string());
         }
         None => {
-            let help = "write [[dynamic]] as separate sections";
+            let help = "write [location] and [[dynamic]] as sections of their own";
             findings.add(Diagnostic::nowhere(Code::NOT_TOLD, "the machine file cannot be extended", help), &[]);
         }
     }

@@ -58,6 +58,32 @@ impl Basis {
         self.len() == 0
     }
 
+    /// Highest degree.
+    #[must_use]
+    pub fn degree(&self) -> usize {
+        match self.kind {
+            Smooth::Pose(degree) | Smooth::Path(degree) => degree,
+        }
+    }
+
+    /// Axis and degree of every function, in the order of [`Basis::push`]; no axis for functions of the path.
+    #[must_use]
+    pub fn terms(&self) -> Vec<(Option<Axis>, usize)> {
+        match self.kind {
+            Smooth::Pose(degree) => {
+                let of = |axis: Axis| (1..=degree).map(move |degree| (Some(axis), degree));
+                self.ranges.iter().flat_map(|(axis, _)| of(*axis)).collect()
+            }
+            Smooth::Path(degree) => (1..=degree).map(|degree| (None, degree)).collect(),
+        }
+    }
+
+    /// Half of the range of a moving axis, mm or rad.
+    #[must_use]
+    pub fn half_range(&self, axis: Axis) -> Option<f64> {
+        self.ranges.iter().find(|(own, _)| *own == axis).map(|(_, [low, high])| 0.5 * (high - low))
+    }
+
     /// Appends their values at a pose and a relative path position.
     pub fn push(&self, at: &AxisVector, share: f64, out: &mut Vec<f64>) {
         match self.kind {

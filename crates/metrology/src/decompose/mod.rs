@@ -14,6 +14,9 @@
 //! δd  = what is left                              dynamics                               eq. 20
 //! ```
 //!
+//! Link errors of the division above hold what motion errors do in their place on this path. The values of the links, with their intervals, come from a fit
+//! of both together ([`LinkError`]).
+//!
 //! Beyond the paper, the delays of the recordings are estimated together with the lags of the loops ([`servo`]) and with smooth errors ([`clock`]).
 //! The true contouring error is given in addition to the difference of the axes ([`contour`]). The dynamic part is explained by compliances under the
 //! acceleration of axes ([`compliance`]), and their part in the slowest run does not count as a motion error.
@@ -27,6 +30,7 @@ pub mod clock;
 pub mod compliance;
 pub mod contour;
 mod grid;
+mod joint;
 mod link_names;
 mod measurement;
 mod parts;
@@ -36,15 +40,16 @@ mod quasi_static;
 pub mod servo;
 mod shares;
 pub mod signal;
+mod spread;
 mod together;
 
 pub use basis::Smooth;
 pub use clock::Clock;
 pub use compliance::Compliance;
+pub use joint::{DETERMINED_SHARE, LinkError};
 pub use link_names::{NoLinks, links};
 pub use measurement::{Of, measurement};
 pub use parts::{Decomposition, DecompositionError, DecompositionOptions, RunParts, decompose};
 pub use power::{PowerLaw, power_law};
-pub use quasi_static::LinkError;
-pub use servo::{AxisServoErrors, ServoErrors};
+pub use servo::{AxisServoErrors, LoopLimits, ServoErrors};
 pub use shares::{SOURCES, SourceShares};

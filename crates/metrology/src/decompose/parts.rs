@@ -14,11 +14,14 @@ use super::clock::Clock;
 use super::compliance::{Compliances, Remainder, compliances, deflection};
 use super::contour::from_path;
 use super::grid::RunGrid;
+use super::joint::{JointFit, LinkError, SlowRun, joint};
 use super::poses::RunPoses;
 use super::power::{PowerLaw, power_law};
-use super::quasi_static::{LinkError, LinkPart, SmoothMotion, links, motion};
+use super::quasi_static::{LinkPart, SmoothMotion, effect, links, motion};
 use super::servo::ServoErrors;
 use super::shares::{SourceShares, shares};
+use super::signal::{SIGMAS_95, inflation};
+use super::spread::{Shifts, half_widths};
 use super::together::{Synchronous, synchronous_telling};
 
 /// Search range for the nearest point of the path, forwards and backwards, s.
@@ -27,6 +30,8 @@ const WINDOW_S: f64 = 0.25;
 const ROUNDS: usize = 3;
 /// Path share at which a run has begun.
 const BEGUN: f64 = 1e-6;
+/// Maximum number of samples for the uncertainty of shares.
+const SPREAD_SAMPLES: usize = 1_500;
 /// Relative difference of equal feeds.
 const SAME_FEED: f64 = 1e-3;
 
@@ -105,8 +110,12 @@ pub struct RunParts {
     pub moving: std::ops::Range<usize>,
     /// Shares of the sources while it moves.
     pub shares: SourceShares,
+    /// Half widths of the 95 % intervals of the shares, in their units.
+    pub shares_95: SourceShares,
     /// Thermal offset relative to the slowest run.
     pub thermal_mm: Vector,
+    /// Half width of its 95 % interval.
+    pub thermal_95_mm: Vector,
     /// Length of the path in the workpiece, mm: on a short path the true contouring error has little meaning.
     pub in_workpiece_mm: f64,
     /// RMS of single readings about their means over a control cycle, mm.
@@ -174,6 +183,11 @@ pub fn decompose(
         known: Vec::new(),
         found: Compliances::default(),
         quasi: None,
+        joint: None,
+        delays_95_s: [
+            SIGMAS_95 * servo.uncertainty_s,
+            clock.as_ref().map_or(0.0, |clock| SIGMAS_95 * clock.uncertainty_s),
+        ],
     };
     if clock.is_some() {
         tell("links, motion, dynamics", 0.5);
@@ -192,7 +206,7 @@ pub fn decompose(
         cycle_s,
         servo: Some(servo),
         clock,
-        links: work.quasi.as_ref().map_or_else(Vec::new, |(links, _)| links.links.clone()),
+        links: work.joint.as_ref().map_or_else(Vec::new, |joint| joint.links.clone()),
         smooth: options.smooth,
         folds: folds(&work.feeds),
         held_out_mm: work.found.held_out.clone(),
@@ -225,6 +239,10 @@ struct Work<'a> {
     known: Vec<Vec<Known>>,
     found: Compliances,
     quasi: Option<(LinkPart, SmoothMotion)>,
+    /// The links with all that motion errors may take from them.
+    joint: Option<JointFit>,
+    /// Half widths of the 95 % intervals of the delays of encoders and readings, s.
+    delays_95_s: [f64; 2],
 }
 
 impl Work<'_> {
@@ -268,7 +286,27 @@ impl Work<'_> {
                 .collect();
             self.found = compliances(&self.nominal, &self.axes, &self.tool_mm, &remainders);
         }
+        self.joint = self.joint(free);
         Ok(())
+    }
+
+    /// Links and motion errors of the slowest run, fitted together.
+    fn joint(&self, free: &[crate::measure::trace::TraceUnknown]) -> Option<JointFit> {
+        let (poses, (links, motion)) = (self.poses.first()?, self.quasi.as_ref()?);
+        let left = self.minus(0, |work, number| {
+            let known: Vector = work.known[0][number].iter().sum();
+            known + deflection(&work.nominal, &work.found.all, &work.tool_mm, poses, number)
+        });
+        let run = SlowRun {
+            model: &self.nominal,
+            axes: &self.axes,
+            tool_mm: &self.tool_mm,
+            poses,
+            links,
+            motion,
+            left: &left,
+        };
+        joint(&run, free)
     }
 
     /// Residual of a run after subtracting a contribution.
@@ -326,6 +364,72 @@ impl Work<'_> {
         rest.into_iter().flatten().sum::<Vector>() / count
     }
 
+    /// Half width of the 95 % interval of the mean residual of a run, mm: neighbours that are alike count as one.
+    fn mean_95(&self, run: usize, thermal_mm: &Vector) -> Vector {
+        let rest = self.minus(run, |work, number| {
+            let given = deflection(&work.nominal, &work.found.all, &work.tool_mm, &work.poses[run], number);
+            work.quasi_static(run, number) + work.known[run][number][2] + given + thermal_mm
+        });
+        Vector::from_fn(|k, _| {
+            let values: Vec<f64> = rest.iter().flatten().map(|rest| rest[k]).collect();
+            let count = values.len().max(1) as f64;
+            let variance = values.iter().map(|value| value * value).sum::<f64>() / count;
+            SIGMAS_95 * (variance * inflation(&values) / count).sqrt()
+        })
+    }
+
+    /// Half width of the 95 % interval of the thermal offset of a run, mm: that of its mean and that of the slowest run.
+    fn thermal_95(&self, run: usize, thermal_mm: &Vector) -> Vector {
+        if run == 0 {
+            return Vector::zeros();
+        }
+        let [own, slow] = [self.mean_95(run, thermal_mm), self.mean_95(0, &Vector::zeros())];
+        own.zip_map(&slow, f64::hypot)
+    }
+
+    /// Half widths of the 95 % intervals of the shares of a run.
+    fn shares_95(
+        &self,
+        run: usize,
+        moving: &[(usize, [Vector; 5])],
+        thermal_95_mm: &Vector,
+        cycle_s: f64,
+    ) -> SourceShares {
+        let poses = &self.poses[run];
+        let few: Vec<(usize, [Vector; 5])> =
+            moving.iter().copied().step_by(moving.len().div_ceil(SPREAD_SAMPLES).max(1)).collect();
+        let mut shifts = Shifts::default();
+        if let (Some(joint), Some((links, _))) = (&self.joint, &self.quasi) {
+            let of = |number: usize| -> Vec<Vector> {
+                let names = links.links.iter().map(|link| link.name);
+                names.map(|name| effect(&self.nominal, name, &self.tool_mm, poses, number)).collect()
+            };
+            let effects: Vec<Vec<Vector>> = few.iter().map(|(number, _)| of(*number)).collect();
+            let off: Vec<f64> =
+                joint.links.iter().zip(&links.links).map(|(whole, first)| whole.value - first.value).collect();
+            shifts.add_links(&effects, &off, &joint.covariance);
+        }
+        // A speed in samples is half of the difference of the neighbours.
+        let rate = |of: &[Vector], number: usize| {
+            let last = of.len().saturating_sub(1);
+            (of[(number + 1).min(last)] - of[number.saturating_sub(1)]) / (2.0 * cycle_s)
+        };
+        let none = Vector::zeros();
+        let [record_s, reading_s] = self.delays_95_s.map(|delay| delay / SIGMAS_95);
+        let contouring = few.iter().map(|(k, _)| [rate(&poses.nominal[0], *k) * record_s, none, none, none, none]);
+        shifts.add(contouring.collect());
+        if self.quasi.is_some() {
+            let late = few.iter().map(|(k, _)| [none, none, none, none, rate(&poses.nominal[1], *k) * reading_s]);
+            shifts.add(late.collect());
+            for along in 0..3 {
+                let drift = Vector::ith(along, thermal_95_mm[along] / SIGMAS_95);
+                shifts.add(few.iter().map(|_| [none, none, none, drift, -drift]).collect());
+            }
+        }
+        let samples: Vec<[Vector; 5]> = few.into_iter().map(|(_, parts)| parts).collect();
+        half_widths(&samples, &shifts)
+    }
+
     fn parts(&self, run: usize, number: usize, grid: &RunGrid, servo: &ServoErrors) -> RunParts {
         let poses = &self.poses[run];
         let count = poses.count();
@@ -348,11 +452,14 @@ impl Work<'_> {
         let last = poses.share.iter().rposition(|share| *share < 1.0 - BEGUN).unwrap_or(count.saturating_sub(1));
         let moving = first..(last + 1).max(first);
         let none = Vector::zeros();
-        let shares = if has_readings {
-            shares(moving.clone().filter_map(|k| parts[k]))
+        let divided: Vec<(usize, [Vector; 5])> = if has_readings {
+            moving.clone().filter_map(|k| Some((k, parts[k]?))).collect()
         } else {
-            shares(moving.clone().map(|k| [following[k], none, none, none, none]))
+            moving.clone().map(|k| (k, [following[k], none, none, none, none])).collect()
         };
+        let shares = shares(divided.iter().map(|(_, parts)| *parts));
+        let thermal_95_mm = if has_readings { self.thermal_95(run, &thermal_mm) } else { none };
+        let shares_95 = self.shares_95(run, &divided, &thermal_95_mm, grid.step_s);
         let tips = |of: &[ncfix_base::geometry::AxisVector]| -> Vec<Vector> {
             of.iter().map(|at| self.nominal.nominal(at, &self.tool_mm).translation).collect()
         };
@@ -372,7 +479,9 @@ impl Work<'_> {
             known: self.known.get(run).map_or_else(Vec::new, |known| known.iter().map(|own| own[0] + own[1]).collect()),
             moving,
             shares,
+            shares_95,
             thermal_mm,
+            thermal_95_mm,
             in_workpiece_mm: path.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum(),
             fast_mm: grid.fast_mm,
         }

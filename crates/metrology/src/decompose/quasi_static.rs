@@ -17,25 +17,24 @@ use super::poses::RunPoses;
 const SAMPLES: usize = 8_000;
 /// Relative singular value below which smooth functions are equal along the path. Otherwise they would diverge off the path, by the lag of an axis, a
 /// thousandth of its range.
-/// away.
 const SMOOTH_LIMIT: f64 = 2e-3;
 
-/// A link error.
+/// A link error as a first fit along the path gives it: motion errors that act like it on this path are part of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LinkError {
+pub(super) struct PathLink {
     /// Its name.
-    pub name: ParameterName,
+    pub(super) name: ParameterName,
     /// Value relative to the machine file, mm or rad.
-    pub value: f64,
-    /// `true` if this path separates it from the others.
-    pub is_told: bool,
+    pub(super) value: f64,
+    /// `true` if this path separates it from the other links.
+    pub(super) is_separate: bool,
 }
 
 /// The contribution of links and set-up.
 #[derive(Clone, Debug)]
 pub(super) struct LinkPart {
     /// The links.
-    pub(super) links: Vec<LinkError>,
+    pub(super) links: Vec<PathLink>,
     /// Unknowns of the set-up, with their three values, mm.
     pub(super) setup: Vec<(TraceUnknown, [f64; 3])>,
 }
@@ -84,7 +83,7 @@ pub(super) fn links(
     let links = names
         .iter()
         .enumerate()
-        .map(|(k, &name)| LinkError { name, value: unknowns[k], is_told: inflation[k].is_finite() })
+        .map(|(k, &name)| PathLink { name, value: unknowns[k], is_separate: inflation[k].is_finite() })
         .collect();
     let setup = free.iter().enumerate().map(|(k, &unknown)| {
         let at = names.len() + 3 * k;
@@ -109,13 +108,13 @@ impl LinkPart {
 }
 
 /// Effect of a link error of 1 mm or rad.
-fn effect(model: &Model, name: ParameterName, tool_mm: &Vector, poses: &RunPoses, number: usize) -> Vector {
+pub(super) fn effect(model: &Model, name: ParameterName, tool_mm: &Vector, poses: &RunPoses, number: usize) -> Vector {
     let weight = name.weight(&poses.encoder[number], &State::default());
     poses.effect(model, name.component, tool_mm, number) * weight
 }
 
 /// Effect of 1 mm of a set-up unknown.
-fn of_setup(unknown: TraceUnknown, along: usize, poses: &RunPoses, number: usize) -> Vector {
+pub(super) fn of_setup(unknown: TraceUnknown, along: usize, poses: &RunPoses, number: usize) -> Vector {
     match unknown {
         TraceUnknown::Offset => Vector::ith(along, 1.0),
         TraceUnknown::Place => -poses.to_f[number].column(along),
@@ -144,6 +143,12 @@ pub(super) fn motion(basis: Basis, poses: &RunPoses, left: &[Option<Vector>]) ->
 }
 
 impl SmoothMotion {
+    /// The functions.
+    #[must_use]
+    pub(super) fn basis(&self) -> &Basis {
+        &self.basis
+    }
+
     /// Its value at a pose and a relative path position, mm.
     #[must_use]
     pub(super) fn at(&self, position: &AxisVector, share: f64) -> Vector {

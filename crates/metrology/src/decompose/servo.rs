@@ -14,10 +14,11 @@
 //! Andolfatto, Lavernhe and Mayer 2011, section 3.2, use the best fitting shift as that of their recorder (18 ms at all feeds). It is determined here
 //! too, by axis and run ([`AxisServoErrors::shift_s`]): it includes the lag.
 
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use ncfix_base::geometry::Axis;
 use ncfix_base::numeric::{in_parts, peak};
 
-use super::signal::{Signal, inflation};
+use super::signal::{SIGMAS_95, Signal, inflation};
 
 /// Largest searched delay, s.
 const MOST_S: f64 = 0.25;
@@ -35,6 +36,9 @@ const STEPS: usize = 60;
 const CLOSE_S: f64 = 1e-7;
 /// Tolerance by which the delay may exceed the smallest shift, s: noise, overcompensating feed-forward.
 const OVER_S: f64 = 2e-3;
+
+/// Determinant of two columns of unit length below which they are equal, but for rounding.
+const SINGULAR: f64 = 1e-9;
 
 /// The signals of an axis in a run.
 #[derive(Clone, Debug)]
@@ -58,9 +62,33 @@ pub struct AxisServoErrors {
     pub feed_forward: f64,
     /// RMS residual, mm or rad.
     pub rms: f64,
+    /// Half widths of the 95 % intervals.
+    pub limits: LoopLimits,
 }
 
+/// Half widths of the 95 % intervals of a loop; infinite if the data say nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LoopLimits {
+    /// Of K, 1/s.
+    pub velocity_gain: f64,
+    /// Of f.
+    pub feed_forward: f64,
+    /// Of the lag at constant velocity, s.
+    pub lag_s: f64,
+    /// Of the RMS residual, mm or rad.
+    pub rms: f64,
+}
+
+/// Largest half width of the 95 % interval of K of a determined loop, as a share of K: of two loops with gains a quarter apart, it is known which is stiffer.
+const DETERMINED_GAIN: f64 = 0.125;
+
 impl AxisServoErrors {
+    /// `true` if the recording determines K well enough to be stated.
+    #[must_use]
+    pub fn is_determined(&self) -> bool {
+        self.velocity_gain.is_some_and(|gain| self.limits.velocity_gain < DETERMINED_GAIN * gain)
+    }
+
     /// The lag at constant velocity, s.
     #[must_use]
     pub fn lag_s(&self) -> f64 {
@@ -115,6 +143,7 @@ pub fn servo(axes: &[(Axis, Vec<AxisSignals>)]) -> Option<ServoErrors> {
     let step = (high - low) / 20.0;
     let (delay_s, _) = peak(best - step, (best + step).min(high), CLOSE_S, STEPS, &likely);
     let found = at(delay_s);
+    let uncertainty_s = uncertainty(&moving, delay_s, &likely);
     let servo_axes: Vec<AxisServoErrors> = moving
         .iter()
         .zip(&found)
@@ -130,10 +159,11 @@ pub fn servo(axes: &[(Axis, Vec<AxisSignals>)]) -> Option<ServoErrors> {
                 velocity_gain: is_seen.then(|| 1.0 / follows.time_s),
                 feed_forward: if is_seen { 1.0 - follows.share } else { 1.0 },
                 rms,
+                limits: limits(runs, delay_s, uncertainty_s, follows, is_seen),
             }
         })
         .collect();
-    Some(ServoErrors { delay_s, uncertainty_s: uncertainty(&moving, delay_s, &likely), axes: servo_axes })
+    Some(ServoErrors { delay_s, uncertainty_s, axes: servo_axes })
 }
 
 fn travel(signal: &Signal) -> f64 {
@@ -221,6 +251,55 @@ fn follows(runs: &[AxisSignals], delay: f64) -> Follows {
         logs.map(|log| (log, with(log).squares)).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(ends[0], |best| best.0);
     let (log, _) = peak((best - step).max(ends[0]), (best + step).min(ends[1]), 1e-5, STEPS, &|log| -with(log).squares);
     with(log)
+}
+
+/// Half widths of the 95 % intervals of a loop: from the slopes of its residuals with respect to the delay, ln(1/K) and 1 − f.
+fn limits(runs: &[AxisSignals], delay: f64, delay_error: f64, found: &Follows, is_seen: bool) -> LoopLimits {
+    /// Step of ln(1/K) for its slope.
+    const STEP: f64 = 0.01;
+    let (time_s, share) = (found.time_s, found.share);
+    let mut products = Matrix3::zeros();
+    let (mut squares, mut count, mut alike) = (0.0, 0.0, 1.0_f64);
+    for pair in runs {
+        let with = |time_s: f64| Signal { values: lag(&pair.set, time_s), ..pair.set };
+        let [z, shorter, longer] = [time_s, time_s * (-STEP).exp(), time_s * STEP.exp()].map(with);
+        let mut rest = Vec::with_capacity(pair.encoder.values.len());
+        for (k, value) in left(pair, delay).into_iter().enumerate() {
+            let then = pair.encoder.time(k) - delay;
+            let by_time = -share * (longer.at(then) - shorter.at(then)) / (2.0 * STEP);
+            let slopes = Vector3::new(share * z.slope(then) - pair.set.slope(then), by_time, -z.at(then));
+            products += slopes * slopes.transpose();
+            rest.push(value + share * z.at(then));
+        }
+        squares += rest.iter().map(|value| value * value).sum::<f64>();
+        count += rest.len() as f64;
+        alike = alike.max(inflation(&rest));
+    }
+    let variance = squares * alike / f64::max(count - 3.0, 1.0);
+    let rms = SIGMAS_95 * (squares / count * alike / (2.0 * count)).sqrt();
+    let own = products.fixed_view::<2, 2>(1, 1).into_owned();
+    // In units of their columns: a loop without lag says nothing about its time constant.
+    let scale = own.diagonal().map(|square| if square > 0.0 { square.sqrt().recip() } else { 0.0 });
+    let scaled = Matrix2::from_fn(|row, column| own[(row, column)] * scale[row] * scale[column]);
+    let Some(inverse) = scaled.try_inverse().filter(|_| scaled.determinant() > SINGULAR) else {
+        return LoopLimits { velocity_gain: f64::INFINITY, feed_forward: f64::INFINITY, lag_s: f64::INFINITY, rms };
+    };
+    let inverse = Matrix2::from_fn(|row, column| inverse[(row, column)] * scale[row] * scale[column]);
+    // A delay that is off is compensated by the loop.
+    let by_delay = inverse * Vector2::new(products[(1, 0)], products[(2, 0)]) * delay_error;
+    let covariance = inverse * variance + by_delay * by_delay.transpose();
+    let [time, of_share, both] = [covariance[(0, 0)], covariance[(1, 1)], covariance[(0, 1)]];
+    // The lag is (1 − f)/K.
+    let lag = time_s * share;
+    let of_lag = time_s * time_s * of_share + 2.0 * time_s * lag * both + lag * lag * time;
+    // A lag that is not seen is given as none, so its amount is a part of the interval.
+    let unseen = if is_seen { 0.0 } else { 1.0 };
+    LoopLimits {
+        velocity_gain: SIGMAS_95 * time.sqrt() / time_s,
+        feed_forward: SIGMAS_95 * of_share.sqrt() + unseen * share.abs(),
+        lag_s: SIGMAS_95 * of_lag.max(0.0).sqrt() + unseen * lag.abs(),
+        rms,
+    }
 }
 
 /// From the curvature of the likelihood at the best delay, and the autocorrelation of the residuals.

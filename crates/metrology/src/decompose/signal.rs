@@ -1,5 +1,8 @@
 //! Equidistant time signals: interpolation, readings at other instants, second differences.
 
+/// Standard deviations on either side of the mean that hold 95 % of a normal distribution.
+pub const SIGMAS_95: f64 = 1.96;
+
 /// Equidistant values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Signal {

@@ -1,17 +1,22 @@
-//! A decomposition of traces at several feeds into its sources, in display units, and the machine file with compliances.
+//! A decomposition of traces at several feeds into its sources, in display units, and the machine file with links, loops and compliances.
 
 use serde::Serialize;
 
-use crate::decompose::{self, DecompositionError, RunParts, Smooth};
+use crate::decompose::signal::SIGMAS_95;
+use crate::decompose::{self, AxisServoErrors, DecompositionError, LinkError, RunParts, Smooth};
 use crate::measure::trace::Trace;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::Vector;
-use ncfix_base::units::{UnitKey, um_from_mm};
+use ncfix_base::units::{Unit, UnitKey, um_from_mm};
 use ncfix_machine::machine::edit::{Edit, Given};
+use ncfix_model::name::ErrorKind;
 use ncfix_model::source::dynamic;
 
 /// The version of the object.
 pub const SCHEMA: u32 = 1;
+
+/// m/min per mm in 1/s: 1 mm per second per mm is 0.06 m/min per mm.
+const M_MIN_MM_OF_PER_S: f64 = 0.06;
 
 /// Decomposition of traces at several feeds.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -49,8 +54,12 @@ pub struct Delay {
     pub ms: f64,
     /// Its standard uncertainty; 0 if it was given.
     pub uncertainty_ms: f64,
+    /// Half width of its 95 % interval; 0 if it was given.
+    pub uncertainty_95_ms: f64,
     /// Delay of every run alone.
     pub by_run_ms: Vec<f64>,
+    /// Half widths of their 95 % intervals.
+    pub by_run_95_ms: Vec<f64>,
 }
 
 /// A servo loop.
@@ -71,6 +80,18 @@ pub struct Loop {
     pub unit: UnitKey,
     /// Best fitting shift between set-points and encoder, by run; `null` if the axis does not move.
     pub shift_ms: Vec<Option<f64>>,
+    /// Half width of the 95 % interval of the velocity gain; `null` without a visible lag.
+    pub velocity_gain_95_per_s: Option<f64>,
+    /// Half width of the 95 % interval of the feed-forward; `null` if the data say nothing.
+    pub feed_forward_95: Option<f64>,
+    /// Half width of the 95 % interval of the lag; `null` if the data say nothing.
+    pub lag_95_ms: Option<f64>,
+    /// Half width of the 95 % interval of the RMS residual.
+    pub rms_95: f64,
+    /// Half widths of the 95 % intervals of the shifts.
+    pub shift_95_ms: Vec<Option<f64>>,
+    /// True if the interval of the velocity gain is narrow enough for the machine file.
+    pub is_determined: bool,
 }
 
 /// A link error.
@@ -79,12 +100,20 @@ pub struct Loop {
 pub struct LinkReport {
     /// Its name.
     pub parameter: String,
-    /// Its value relative to the machine file, µm or µrad.
+    /// Its value relative to the machine file, µm or µrad; without meaning if it is not determined.
     pub value: f64,
     /// Unit of the value.
     pub unit: UnitKey,
-    /// True if the path separates it from the others.
+    /// True if the path separates it from the other links.
     pub is_told: bool,
+    /// True if its 95 % interval is narrower than its usual size.
+    pub is_determined: bool,
+    /// Half width of its 95 % interval, with all that a smooth motion error may take from it.
+    pub uncertainty_95: f64,
+    /// Its 95 % interval.
+    pub interval_95: [f64; 2],
+    /// Usual size of such an error, as a standard deviation.
+    pub usual_size: f64,
 }
 
 /// A number for each source.
@@ -137,6 +166,14 @@ pub struct RunReport {
     pub rms_um: BySource<[f64; 3]>,
     /// Offset relative to the slowest run along X, Y, Z.
     pub thermal_um: [f64; 3],
+    /// Half widths of the 95 % intervals of the shares.
+    pub share_95_percent: BySource<f64>,
+    /// Half widths of the 95 % intervals of the largest magnitudes.
+    pub max_95_um: BySource<[f64; 3]>,
+    /// Half widths of the 95 % intervals of the RMS.
+    pub rms_95_um: BySource<[f64; 3]>,
+    /// Half widths of the 95 % intervals of the offset.
+    pub thermal_95_um: [f64; 3],
     /// The contouring error at right angles to the path in the workpiece: largest and RMS.
     pub contouring_error_um: [f64; 2],
     /// Length of that path.
@@ -175,6 +212,8 @@ pub struct ComplianceReport {
     pub value: f64,
     /// Its standard uncertainty.
     pub uncertainty: f64,
+    /// Half width of its 95 % interval.
+    pub uncertainty_95: f64,
     /// The key of the machine file: `um_per_m_s2`.
     pub unit: String,
     /// Relative reduction of the RMS of feeds to which it was not fitted, when it was added.
@@ -245,6 +284,10 @@ pub struct Law {
     pub explained: f64,
     /// N without the slowest run.
     pub without_slowest: Option<f64>,
+    /// 95 % interval of κ; `null` with two feeds.
+    pub factor_95_um: Option<[f64; 2]>,
+    /// Half width of the 95 % interval of N without the slowest run.
+    pub without_slowest_95: Option<f64>,
 }
 
 /// Names of the directions.
@@ -283,11 +326,9 @@ pub fn told(fault: &DecompositionError) -> Diagnostic {
 
 /// Fills the report.
 pub fn fill(found: &decompose::Decomposition, trace: &Trace, report: &mut DecompositionResult) {
-    let ms = |s: f64| 1e3 * s;
     report.cycle_ms = ms(found.cycle_s);
     if let Some(servo) = &found.servo {
-        report.record_delay =
-            Delay { ms: ms(servo.delay_s), uncertainty_ms: ms(servo.uncertainty_s), by_run_ms: Vec::new() };
+        report.record_delay = delay(servo.delay_s, servo.uncertainty_s, &[]);
         for axis in &servo.axes {
             let is_rotary = axis.axis.is_rotary();
             report.servo.push(Loop {
@@ -297,15 +338,17 @@ pub fn fill(found: &decompose::Decomposition, trace: &Trace, report: &mut Decomp
                 lag_ms: ms(axis.lag_s()),
                 rms: UnitKey::of(is_rotary).unit().shown(axis.rms),
                 unit: UnitKey::of(is_rotary),
-                shift_ms: axis.shift_s.iter().map(|(shift, _)| shift.is_finite().then_some(ms(*shift))).collect(),
+                shift_ms: axis.shift_s.iter().map(|(shift, _)| finite(ms(*shift))).collect(),
+                velocity_gain_95_per_s: axis.velocity_gain.and_then(|_| finite(axis.limits.velocity_gain)),
+                feed_forward_95: finite(axis.limits.feed_forward),
+                lag_95_ms: finite(ms(axis.limits.lag_s)),
+                rms_95: UnitKey::of(is_rotary).unit().shown(axis.limits.rms),
+                shift_95_ms: axis.shift_s.iter().map(|(_, error)| finite(SIGMAS_95 * ms(*error))).collect(),
+                is_determined: axis.is_determined(),
             });
         }
     }
-    report.reading_delay = found.clock.as_ref().map(|clock| Delay {
-        ms: ms(clock.delay_s),
-        uncertainty_ms: ms(clock.uncertainty_s),
-        by_run_ms: clock.by_run.iter().map(|(delay, _)| ms(*delay)).collect(),
-    });
+    report.reading_delay = found.clock.as_ref().map(|clock| delay(clock.delay_s, clock.uncertainty_s, &clock.by_run));
     report.links = found.links.iter().map(link).collect();
     report.motion = match found.smooth {
         Smooth::Pose(degree) => format!("pose:{degree}"),
@@ -325,18 +368,44 @@ pub fn fill(found: &decompose::Decomposition, trace: &Trace, report: &mut Decomp
                 exponent_95: law.exponent_limit.is_finite().then_some(law.exponent_limit),
                 explained: law.explained,
                 without_slowest: law.without_first,
+                factor_95_um: law.exponent_limit.is_finite().then_some(law.factor_interval.map(um_from_mm)),
+                without_slowest_95: law.without_first_limit.and_then(finite),
             }));
         }
     }
 }
 
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+fn ms(s: f64) -> f64 {
+    1e3 * s
+}
+
+/// A delay with its standard uncertainty, and those of the runs, s.
+fn delay(delay_s: f64, uncertainty_s: f64, by_run: &[(f64, f64)]) -> Delay {
+    Delay {
+        ms: ms(delay_s),
+        uncertainty_ms: ms(uncertainty_s),
+        uncertainty_95_ms: SIGMAS_95 * ms(uncertainty_s),
+        by_run_ms: by_run.iter().map(|(delay, _)| ms(*delay)).collect(),
+        by_run_95_ms: by_run.iter().map(|(_, error)| SIGMAS_95 * ms(*error)).collect(),
+    }
+}
+
 fn link(link: &decompose::LinkError) -> LinkReport {
     let is_rotation = link.name.component.direction.is_rotation();
+    let shown = |value: f64| UnitKey::of(is_rotation).unit().shown(value);
     LinkReport {
         parameter: link.name.to_string(),
-        value: UnitKey::of(is_rotation).unit().shown(link.value),
+        value: shown(link.value),
         unit: UnitKey::of(is_rotation),
         is_told: link.is_told,
+        is_determined: link.is_determined,
+        uncertainty_95: shown(link.uncertainty_95),
+        interval_95: [link.value - link.uncertainty_95, link.value + link.uncertainty_95].map(shown),
+        usual_size: shown(link.usual_size),
     }
 }
 
@@ -348,6 +417,7 @@ fn compliance(one: &decompose::Compliance) -> ComplianceReport {
         of: if one.order == 3 { Under::Jerk } else { Under::Acceleration },
         value: one.value / factor,
         uncertainty: one.uncertainty / factor,
+        uncertainty_95: SIGMAS_95 * one.uncertainty / factor,
         unit: dynamic::key(one.name, one.order),
         gain: one.gain,
     }
@@ -376,6 +446,10 @@ fn shown_run(run: &RunParts, trace: &Trace, held_out_um: Option<[f64; 2]>) -> Ru
         max_um: in_um(&run.shares.max_mm),
         rms_um: in_um(&run.shares.rms_mm),
         thermal_um: um(&run.thermal_mm),
+        share_95_percent: BySource::new(run.shares_95.percent),
+        max_95_um: in_um(&run.shares_95.max_mm),
+        rms_95_um: in_um(&run.shares_95.rms_mm),
+        thermal_95_um: um(&run.thermal_95_mm),
         contouring_error_um: [norms.iter().copied().fold(0.0, f64::max), rms],
         path_in_workpiece_mm: run.in_workpiece_mm,
         noise_um: run.fast_mm.map(um_from_mm),
@@ -384,29 +458,61 @@ fn shown_run(run: &RunParts, trace: &Trace, held_out_um: Option<[f64; 2]>) -> Ru
     }
 }
 
-/// The text of a machine file with the compliances added to the existing ones; `None` if it cannot contain them.
+/// The text of a machine file with determined links, loops and compliances; `None` if it cannot contain them. It is unchanged if there are none.
 #[must_use]
 pub fn extended(text: &[u8], found: &decompose::Decomposition) -> Option<String> {
     let mut edit = Edit::parse(std::str::from_utf8(text).ok()?)?;
-    for one in &found.compliances {
-        let (component, key) = (one.name.to_string(), dynamic::key(one.name, one.order));
-        let value = rounded(one.value / dynamic::factor(one.name));
-        let known = (0..edit.count("dynamic"))
-            .find(|&index| edit.word("dynamic", index, "component") == Some(component.as_str()));
-        let is_done = match known {
-            Some(index) => {
-                let sum = edit.number("dynamic", index, &key).unwrap_or(0.0) + value;
-                edit.set_in("dynamic", index, &key, &Given::Number(sum))
-            }
-            None => {
-                edit.push("dynamic", &[("component".to_owned(), Given::Text(component)), (key, Given::Number(value))])
-            }
-        };
-        if !is_done {
-            return None;
-        }
+    let links = found.links.iter().filter(|link| link.is_determined).all(|link| write_link(&mut edit, link));
+    let loops = found.servo.iter().flat_map(|servo| &servo.axes).filter(|axis| axis.is_determined());
+    let loops = loops.into_iter().all(|axis| write_loop(&mut edit, axis));
+    let compliances = found.compliances.iter().all(|one| write_compliance(&mut edit, one));
+    (links && loops && compliances).then(|| edit.text())
+}
+
+/// Adds a link to the location error of the machine file. A parameter of a motion error is for the calibration, which sees its whole axis.
+fn write_link(edit: &mut Edit, link: &LinkError) -> bool {
+    let component = link.name.component;
+    if component.kind != ErrorKind::Location {
+        return true;
     }
-    Some(edit.text())
+    let key = component.to_string();
+    let value = Unit::of(component.direction.is_rotation()).shown(link.value);
+    let sum = edit.number("location", 0, &key).unwrap_or(0.0) + rounded(value);
+    edit.set("location", &key, &Given::Number(sum))
+}
+
+/// Replaces gain and feed-forward of a loop that the machine file has. Without `[servo]` its limits of accelerations and corners are unknown, and none is
+/// written.
+fn write_loop(edit: &mut Edit, axis: &AxisServoErrors) -> bool {
+    let key = |name: &str| format!("{}.{name}", axis.axis);
+    let (by_s, by_min, forward) = (key("velocity_gain_per_s"), key("velocity_gain_m_min_mm"), key("feed_forward"));
+    let Some(gain) = axis.velocity_gain else { return true };
+    if !edit.has("servo", 0, &axis.axis.to_string()) {
+        return true;
+    }
+    // The file takes a share up to 1; more is written as 1 within its interval, and otherwise not at all.
+    if axis.feed_forward - axis.limits.feed_forward > 1.0 || axis.feed_forward < 0.0 {
+        return true;
+    }
+    let (key, gain) = if edit.has("servo", 0, &by_min) { (by_min, gain * M_MIN_MM_OF_PER_S) } else { (by_s, gain) };
+    let share = rounded(axis.feed_forward.min(1.0));
+    edit.set_at("servo", 0, &key, &Given::Number(rounded(gain)))
+        && edit.set_at("servo", 0, &forward, &Given::Number(share))
+}
+
+/// Adds a compliance to those of its component.
+fn write_compliance(edit: &mut Edit, one: &decompose::Compliance) -> bool {
+    let (component, key) = (one.name.to_string(), dynamic::key(one.name, one.order));
+    let value = rounded(one.value / dynamic::factor(one.name));
+    let known =
+        (0..edit.count("dynamic")).find(|&index| edit.word("dynamic", index, "component") == Some(component.as_str()));
+    match known {
+        Some(index) => {
+            let sum = edit.number("dynamic", index, &key).unwrap_or(0.0) + value;
+            edit.set_in("dynamic", index, &key, &Given::Number(sum))
+        }
+        None => edit.push("dynamic", &[("component".to_owned(), Given::Text(component)), (key, Given::Number(value))]),
+    }
 }
 
 /// Five digits, the available accuracy.

@@ -3,7 +3,7 @@
 use super::parts::{MOST_ROWS, diagnostics, origin};
 use super::{PageRow, columns, figure, page, pictures, strip, table};
 use crate::component::spelled_out;
-use crate::decomposition::DecompositionReport;
+use crate::decomposition::{DecompositionReport, bounded, compliance_unit, factor_cell, link_cell, loop_cells};
 use crate::markup::Markup;
 use crate::number::{grouped, significant};
 use crate::plot::{Chart, PlotSeries, Shape};
@@ -39,10 +39,10 @@ fn summary(out: &mut Markup, found: &DecompositionResult) {
     let mut entries = vec![
         ("runs", found.runs.len().to_string()),
         ("cycle of the control", format!("{} ms", significant(found.cycle_ms))),
-        ("encoder delay after set-points", delay(found.record_delay.ms, found.record_delay.uncertainty_ms)),
+        ("encoder delay after set-points", delay(found.record_delay.ms, found.record_delay.uncertainty_95_ms)),
     ];
     if let Some(one) = &found.reading_delay {
-        entries.push(("reading delay after encoders", delay(one.ms, one.uncertainty_ms)));
+        entries.push(("reading delay after encoders", delay(one.ms, one.uncertainty_95_ms)));
         entries.push(("compliances", found.compliances.len().to_string()));
     }
     strip(out, &entries);
@@ -58,12 +58,13 @@ fn feeds(out: &mut Markup, found: &DecompositionResult) {
     if found.is_measured() {
         let row = |run: &RunReport| {
             let mut cells = vec![feed_of(run)];
-            cells.extend(run.share_percent.list().map(|share| format!("{share:.1}")));
+            let shares = run.share_percent.list().into_iter().zip(run.share_95_percent.list());
+            cells.extend(shares.map(|(share, by)| format!("{share:.1} ± {by:.1}")));
             PageRow { class: "", cells }
         };
         let heads = columns(["F, mm/min", "#contouring", "#link", "#motion", "#thermal", "#dynamic"]);
         let rows: Vec<PageRow> = found.runs.iter().map(row).collect();
-        let note = "Mean share of each source in the sum of all norms, %, over the samples in which the machine moves.";
+        let note = "Mean share of each source in the sum of all norms, %, over the samples in which the machine moves. Here and below, ± is half of the 95 % interval.";
         table(out, &heads, &rows, note, MOST_ROWS);
     }
     let over =
@@ -113,11 +114,14 @@ fn sizes(out: &mut Markup, found: &DecompositionResult) {
     for (title, is_max) in [("Largest", true), ("RMS", false)] {
         let mut rows = Vec::new();
         for run in &found.runs {
-            let all = if is_max { run.max_um } else { run.rms_um }.list();
+            let [all, by] =
+                if is_max { [run.max_um, run.max_95_um] } else { [run.rms_um, run.rms_95_um] }.map(|of| of.list());
             let measured = if found.is_measured() { SOURCES.len() } else { 1 };
-            for (name, of) in SOURCES.iter().zip(all).take(measured) {
+            for ((name, of), by) in SOURCES.iter().zip(all).zip(by).take(measured) {
                 let mut cells = vec![feed_of(run), (*name).to_owned()];
-                cells.extend(of.map(significant));
+                cells.extend(
+                    of.into_iter().zip(by).map(|(of, by)| format!("{} ± {}", significant(of), significant(by))),
+                );
                 rows.push(PageRow { class: "", cells });
             }
         }
@@ -153,16 +157,21 @@ fn laws(out: &mut Markup, found: &DecompositionResult) {
             class: "",
             cells: vec![
                 format!("{} {}", law.source.words(), law.direction),
-                format!("{:.3e}", law.factor_um),
-                format!("{:.2}", law.exponent),
-                law.exponent_95.map_or("–".into(), |limit| format!("± {limit:.2}")),
+                factor_cell(law),
+                bounded(law.exponent, law.exponent_95),
                 format!("{:.3}", law.explained),
-                law.without_slowest.map_or("–".into(), |exponent| format!("{exponent:.2}")),
+                law.without_slowest.map_or("–".into(), |exponent| bounded(exponent, law.without_slowest_95)),
             ],
         })
         .collect();
     let note = "RMS = κ Fᴺ through the logarithms. The programmed feed is not always reached, and the noise is part of the slowest run: N depends on the path as well as on the machine.";
-    table(out, &columns(["RMS of", "#κ, µm", "#N", "#95 %", "#R²", "#N without the slowest"]), &rows, note, MOST_ROWS);
+    table(
+        out,
+        &columns(["RMS of", "#κ, µm (95 % interval)", "#N", "#R²", "#N without the slowest"]),
+        &rows,
+        note,
+        MOST_ROWS,
+    );
 }
 
 /// Draws the slowest and the fastest run.
@@ -226,13 +235,8 @@ fn along(out: &mut Markup, found: &DecompositionResult) {
             one.component.clone(),
             format!("{} of {}", one.of.words(), one.axis),
             format!("{:.4}", one.value),
-            format!("{:.4}", one.uncertainty),
-            one.unit
-                .replace("urad", "µrad")
-                .replace("um", "µm")
-                .replace("_per_", " per ")
-                .replace("m_s2", "m/s²")
-                .replace("m_s", "m/s"),
+            format!("{:.4}", one.uncertainty_95),
+            compliance_unit(one),
             format!("{:.1} %", 100.0 * one.gain),
         ],
     };
@@ -250,16 +254,12 @@ fn along(out: &mut Markup, found: &DecompositionResult) {
 fn loops(out: &mut Markup, found: &DecompositionResult) {
     out.leaf("h2", &[], "Servo loops");
     let row = |one: &Loop| {
-        let cells = vec![
-            one.axis.clone(),
-            one.velocity_gain_per_s.map_or("no lag seen".into(), |gain| format!("{gain:.1}")),
-            format!("{:.4}", one.feed_forward),
-            format!("{:.3}", one.lag_ms),
-            format!("{} {}", significant(one.rms), one.unit.unit().sign()),
-        ];
+        let [gain, forward, lag] = loop_cells(one);
+        let rms = format!("{} ± {} {}", significant(one.rms), significant(one.rms_95), one.unit.unit().sign());
+        let cells = vec![one.axis.clone(), gain, forward, lag, rms];
         PageRow { class: "", cells }
     };
-    let heads = columns(["axis", "#velocity gain, 1/s", "#feed-forward", "#lag, ms", "#left, RMS"]);
+    let heads = columns(["axis", "#velocity gain, 1/s", "#feed-forward", "#lag, ms", "#residual, RMS"]);
     let note =
         "One delay of the recorder for all axes and runs, and the loop of each axis, fitted to the encoders together.";
     table(out, &heads, &found.servo.iter().map(row).collect::<Vec<_>>(), note, MOST_ROWS);
@@ -271,23 +271,13 @@ fn links(out: &mut Markup, found: &DecompositionResult) {
     }
     out.leaf("h2", &[], "Link errors");
     let row = |one: &LinkReport| {
-        let told = if one.is_told { "fitted" } else { "not identifiable on this path" };
         let words = spelled_out(&one.parameter).unwrap_or_else(|| "–".into());
-        PageRow {
-            class: "",
-            cells: vec![
-                one.parameter.clone(),
-                format!("{:.2}", one.value),
-                one.unit.unit().sign().into(),
-                words,
-                told.into(),
-            ],
-        }
+        PageRow { class: "", cells: vec![one.parameter.clone(), words, link_cell(one)] }
     };
-    let note = "Fitted to the slowest run, beyond those of the machine file. Motion errors that act like link errors on this path are part of them: they describe this path and are not a calibration.";
+    let note = "Fitted to the slowest run together with smooth motion errors, beyond those of the machine file. The interval holds what motion errors may take from a link. A link with a wider interval than the usual size of such an error is not identifiable on this path.";
     table(
         out,
-        &columns(["parameter", "#value", "unit", "description", "result"]),
+        &columns(["parameter", "description", "#value"]),
         &found.links.iter().map(row).collect::<Vec<_>>(),
         note,
         MOST_ROWS,
