@@ -110,7 +110,23 @@ impl DiagnosisReport {
             significant(largest.rms_um),
             significant(found.before.rms_um),
             self.next_step(largest)
-        )
+        ) + &self.more_probable(largest)
+    }
+
+    /// Returns a sentence if another explanation is more probable than those that contain a cause: then its readings do not decide.
+    fn more_probable(&self, largest: &CauseReport) -> String {
+        let is_less = |one: &&ExplanationSummary| {
+            largest.probability.is_some_and(|own| own < 0.5 && own < one.probability)
+                && !one.terms.contains(&largest.name())
+        };
+        match self.found.explanations.first().filter(is_less) {
+            Some(first) => format!(
+                " Another explanation of these readings is more probable: {} ({}).",
+                first.terms.join(" with "),
+                probability(first.probability)
+            ),
+            None => String::new(),
+        }
     }
 
     /// Returns the next step after this result.

@@ -99,14 +99,14 @@ pub const ASSUMPTIONS: &[Assumption] = &[
     Assumption {
         family: Family::Squareness,
         size: Size::Urad(50.0),
-        odds: 0.3,
-        source: "ISO 10791-2: 20 µm in 500 mm",
+        odds: 1.0,
+        source: "ISO 10791-2: 20 µm in 500 mm; every second machine has enough of it to be seen",
     },
     Assumption {
         family: Family::Scale,
         size: Size::UmPerM(50.0),
-        odds: 0.3,
-        source: "growth of a screw by 4 K at 11.5 µm/(m K)",
+        odds: 1.0,
+        source: "growth of a screw by 4 K at 11.5 µm/(m K), which most workshops have in a day",
     },
     Assumption {
         family: Family::Backlash,
