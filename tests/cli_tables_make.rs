@@ -46,7 +46,7 @@ fn a_format_without_senses_is_not_told_to_reach_what_it_leaves() {
         run.says("E0902").says("all values would be 0").says("3.00 µm RMS").says("backlash parameter");
         let run = shop.run(make(format, "auto", "out.txt", &["--tolerance", "1um"])).exits(4);
         run.says("E0902")
-            .says("no scheme reaches 0.95 um, 5 % below the tolerance")
+            .says("no scheme reaches 0.95 µm, 5 % below the tolerance")
             .says("depends on the direction of X remains");
         // Within the tolerance nothing is needed.
         shop.run(make(format, "auto", "out.txt", &["--tolerance", "9um"])).exits(4).says("all values would be 0");
@@ -129,7 +129,7 @@ fn what_was_asked_for_is_said() {
     let shop = shop(MILL, SCALE);
     let words = ["--tolerance", "1um", "--range", "X=10..200.5"];
     let run = shop.run(make("cec", "auto", "CEC.INI", &words)).exits(0);
-    assert!(run.stdout.contains("auto aims at 0.95 um, 5 % below the tolerance"), "{}", run.stdout);
+    assert!(run.stdout.contains("auto aims at 0.95 µm, 5 % below the tolerance"), "{}", run.stdout);
     assert!(run.stdout.contains("for a part of the travel: X 10 .. 200.5 mm"), "{}", run.stdout);
     assert!(shop.text("CEC.INI").contains("; made for a part of the travel: X 10 .. 200.5 mm"));
     let whole = shop.run(make("cec", "own", "ALL.INI", &[])).exits(0);

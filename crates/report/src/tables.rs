@@ -6,9 +6,9 @@ use serde::Serialize;
 
 use super::json::Finding;
 use super::markup::Markup;
+use super::number::counted;
 use super::plot::{Chart, Picture, PlotSeries, STYLE, Shape, WIDTH};
 use ncfix_base::geometry::Axis;
-use ncfix_base::units::UnitKey;
 use ncfix_tables::results::result::TablesResult;
 use ncfix_tables::tables::{FORMATS, SCHEMES, Sense, Tables};
 
@@ -36,8 +36,10 @@ impl TablesReport {
         let how = if self.found.scheme.is_empty() { String::new() } else { format!(", scheme {}", self.found.scheme) };
         let _ = writeln!(
             page,
-            "{} tables with {} values ({}{how})",
-            self.found.tables, self.found.entries, self.found.format
+            "{} with {} ({}{how})",
+            counted(self.found.tables as u64, "table"),
+            counted(self.found.entries as u64, "value"),
+            self.found.format
         );
         if let Some([x, y, z]) = self.found.grid {
             let _ = writeln!(page, "a grid of {x} x {y} x {z} nodes");
@@ -73,7 +75,7 @@ impl TablesReport {
             let senses = check.senses.join(" ");
             let senses = if senses.is_empty() { senses } else { format!(", {senses} moving in both senses") };
             let _ = writeln!(page, "residual over the volume ({} poses{senses}; tool {x} {y} {z} mm)", check.poses);
-            page.push_str("                 tip: mean     rms     max um    tool axis: rms     max urad\n");
+            page.push_str("                 tip: mean     rms     max µm    tool axis: rms     max µrad\n");
             for (name, one) in [("without", check.before), ("with tables", check.tables), ("exact", check.exact)] {
                 let _ = writeln!(
                     page,
@@ -102,7 +104,7 @@ impl TablesReport {
                 one.axis,
                 one.rms,
                 one.max,
-                unit = key(one.unit)
+                unit = one.unit.unit()
             );
         }
         for file in &self.written {
@@ -120,25 +122,18 @@ impl TablesReport {
                 (Some(reason), ..) => writeln!(page, "  tried {} with {} points: {reason}", one.scheme, one.points),
                 (None, Some(tables), Some(rms)) => {
                     let tilt = one.tilt_rms_urad.filter(|tilt| *tilt > 0.0);
-                    let tilt = tilt.map_or(String::new(), |tilt| format!(", a tilt of {tilt:.2} urad"));
+                    let tilt = tilt.map_or(String::new(), |tilt| format!(", a tilt of {tilt:.2} µrad"));
                     let points = one.points;
                     writeln!(
                         page,
-                        "  tried {} with {points} points: {tables} tables, residual {rms:.3} um{tilt}",
-                        one.scheme
+                        "  tried {} with {points} points: {}, residual {rms:.3} µm{tilt}",
+                        one.scheme,
+                        counted(tables as u64, "table")
                     )
                 }
                 _ => Ok(()),
             };
         }
-    }
-}
-
-/// The unit as keys have it, in letters that every terminal has.
-pub(crate) fn key(unit: UnitKey) -> &'static str {
-    match unit {
-        UnitKey::Um => "um",
-        UnitKey::Urad => "urad",
     }
 }
 

@@ -26,13 +26,13 @@ use super::signal::{SIGMAS_95, inflation};
 
 /// Largest width of the 95 % interval of a determined link, as a share of the usual size of such an error.
 pub const DETERMINED_SHARE: f64 = 1.0;
-/// Maximum number of samples: autocorrelation makes more of them worth no more.
+/// Maximum number of samples: neighbors are alike, and more of them add nothing.
 const SAMPLES: usize = 2_000;
-/// Factors of the usual sizes of links: no machine is presumed better than usual.
+/// Factors of the usual sizes of links, up to those of a machine that was never aligned. The sizes are limits of acceptance: no machine is presumed better.
 const LINK_SCALES: [f64; 3] = [1.0, 2.0, 4.0];
-/// Factors of the usual sizes of motion errors, from a new to a worn machine.
+/// Factors of the usual sizes of motion errors. Precision machines keep a quarter of the limits of ISO 10791-2, worn ones several times as much.
 const MOTION_SCALES: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
-/// Standard deviation of what is unknown of the set-up, mm: beyond the range of any instrument.
+/// Standard deviation of the unknowns of the set-up, mm: beyond the range of the probes of an R-test, so that the readings alone decide.
 const SETUP_MM: f64 = 10.0;
 /// Least standard deviation of a reading, mm: the last digit of a table in micrometres.
 const LEAST_SIGMA_MM: f64 = 1e-6;
@@ -52,6 +52,14 @@ pub struct LinkError {
     pub is_told: bool,
     /// `true` if its 95 % interval is narrower than [`DETERMINED_SHARE`] of its usual size.
     pub is_determined: bool,
+}
+
+impl LinkError {
+    /// `true` if it is determined and its interval excludes zero: only then does the machine file lack it.
+    #[must_use]
+    pub fn is_found(&self) -> bool {
+        self.is_determined && self.value.abs() > self.uncertainty_95
+    }
 }
 
 /// The links with their covariance, mm and rad.
@@ -76,7 +84,7 @@ struct Along {
     usual: DVector<f64>,
 }
 
-/// What a pair of factors gives.
+/// Links and set-up at one pair of factors, with the logarithm of the probability of the readings.
 struct Trial {
     log_probability: f64,
     values: DVector<f64>,

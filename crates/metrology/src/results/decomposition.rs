@@ -58,8 +58,8 @@ pub struct Delay {
     pub uncertainty_95_ms: f64,
     /// Delay of every run alone.
     pub by_run_ms: Vec<f64>,
-    /// Half widths of their 95 % intervals.
-    pub by_run_95_ms: Vec<f64>,
+    /// Half widths of their 95 % intervals; `null` if a run says nothing.
+    pub by_run_95_ms: Vec<Option<f64>>,
 }
 
 /// A servo loop.
@@ -390,7 +390,7 @@ fn delay(delay_s: f64, uncertainty_s: f64, by_run: &[(f64, f64)]) -> Delay {
         uncertainty_ms: ms(uncertainty_s),
         uncertainty_95_ms: SIGMAS_95 * ms(uncertainty_s),
         by_run_ms: by_run.iter().map(|(delay, _)| ms(*delay)).collect(),
-        by_run_95_ms: by_run.iter().map(|(_, error)| SIGMAS_95 * ms(*error)).collect(),
+        by_run_95_ms: by_run.iter().map(|(_, error)| finite(SIGMAS_95 * ms(*error))).collect(),
     }
 }
 
@@ -458,11 +458,11 @@ fn shown_run(run: &RunParts, trace: &Trace, held_out_um: Option<[f64; 2]>) -> Ru
     }
 }
 
-/// The text of a machine file with determined links, loops and compliances; `None` if it cannot contain them. It is unchanged if there are none.
+/// The text of a machine file with the links that were found, determined loops and compliances; `None` if it cannot contain them. It is unchanged if there are none.
 #[must_use]
 pub fn extended(text: &[u8], found: &decompose::Decomposition) -> Option<String> {
     let mut edit = Edit::parse(std::str::from_utf8(text).ok()?)?;
-    let links = found.links.iter().filter(|link| link.is_determined).all(|link| write_link(&mut edit, link));
+    let links = found.links.iter().filter(|link| link.is_found()).all(|link| write_link(&mut edit, link));
     let loops = found.servo.iter().flat_map(|servo| &servo.axes).filter(|axis| axis.is_determined());
     let loops = loops.into_iter().all(|axis| write_loop(&mut edit, axis));
     let compliances = found.compliances.iter().all(|one| write_compliance(&mut edit, one));

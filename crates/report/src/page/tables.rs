@@ -6,7 +6,7 @@ use crate::inputs::InputFile;
 use crate::markup::Markup;
 use crate::number::{grouped, micrometers, significant};
 use crate::plot::{Chart, Histogram};
-use crate::tables::{TablesReport, key};
+use crate::tables::TablesReport;
 use ncfix_tables::results::result::TablesCheck;
 
 /// Returns the page; `charts` are the pictures of the tables.
@@ -97,7 +97,7 @@ fn differences(out: &mut Markup, report: &TablesReport) {
         .iter()
         .map(|one| {
             let [rms, max] = [one.rms, one.max].map(significant);
-            PageRow { class: "", cells: vec![one.axis.clone(), rms, max, key(one.unit).to_owned()] }
+            PageRow { class: "", cells: vec![one.axis.clone(), rms, max, one.unit.unit().sign().to_owned()] }
         })
         .collect();
     table(out, &columns(["axis", "#RMS", "#largest", "unit"]), &rows, "", MOST_ROWS);

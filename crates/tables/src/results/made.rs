@@ -176,19 +176,19 @@ fn idle(checked: &TablesCheck, task: &Task<'_>) -> (String, String) {
     (why, help(task))
 }
 
-/// `0.95 um, 5 % below the tolerance`
+/// `0.95 µm, 5 % below the tolerance`
 fn aim(tolerance_mm: f64) -> String {
     let below = (1.0 - scheme::AIM) * 100.0;
     let aim = format!("{:.9}", um_from_mm(scheme::AIM * tolerance_mm));
-    format!("{} um, {below:.0} % below the tolerance", aim.trim_end_matches('0').trim_end_matches('.'))
+    format!("{} µm, {below:.0} % below the tolerance", aim.trim_end_matches('0').trim_end_matches('.'))
 }
 
-/// `free with 33 points leaves 4.2 um`
+/// `free with 33 points has a residual of 4.20 µm`
 fn said(tried: &TriedScheme) -> String {
     match (&tried.reason, tried.rms_um) {
         (Some(reason), _) => format!("{}: {reason}", tried.scheme),
         (None, rms) => {
-            format!("{} with {} points has a residual of {:.2} um", tried.scheme, tried.points, rms.unwrap_or(f64::NAN))
+            format!("{} with {} points has a residual of {:.2} µm", tried.scheme, tried.points, rms.unwrap_or(f64::NAN))
         }
     }
 }

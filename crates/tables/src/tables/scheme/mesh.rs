@@ -47,7 +47,7 @@ fn grid(task: &Task<'_>) -> Result<Tables, String> {
     // The sum of the errors along the axes is a first guess, corrected in a few iterations.
     for _ in 0..8 {
         let count = smallest(&along, goal).ok_or_else(|| {
-            format!("a grid of {MOST_NODES} nodes along an axis does not reach {:.4} um", task.tolerance_mm * 1e3)
+            format!("a grid of {MOST_NODES} nodes along an axis does not reach {:.4} µm", task.tolerance_mm * 1e3)
         })?;
         let found = mesh.rms_mm(count, &verified)?;
         if found <= aim {
@@ -56,7 +56,7 @@ fn grid(task: &Task<'_>) -> Result<Tables, String> {
         }
         goal *= 0.95 * aim / found;
     }
-    Err(format!("no grid reaches {:.4} um", task.tolerance_mm * 1e3))
+    Err(format!("no grid reaches {:.4} µm", task.tolerance_mm * 1e3))
 }
 
 /// A grid under construction.
