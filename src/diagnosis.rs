@@ -7,6 +7,7 @@ use crate::machine::Machine;
 use ncfix_base::source::{FileId, Source};
 use ncfix_metrology::results::diagnosis::{self, CauseReport, DiagnosisResult as Found, DiagnosisSettings};
 use ncfix_metrology::results::extended::Extended;
+use ncfix_metrology::results::hypotheses::{self, HypothesisReport};
 use ncfix_metrology::results::measurement::Purpose;
 use ncfix_metrology::results::readings::ShownReadings;
 
@@ -23,6 +24,8 @@ use ncfix_metrology::results::readings::ShownReadings;
 pub struct DiagnosisOptions {
     /// The text of the machine file. The causes found are added to it. A cause that it cannot express is not reported as correctable.
     pub machine_text: Option<String>,
+    /// Hypotheses to test beside the search, such as `EXX ~ Y^2` or `backlash EXX`; `docs/reference/terms.md` has the grammar.
+    pub hypotheses: Vec<String>,
 }
 
 /// The causes that the error model of a machine lacks, the largest first, each with its evidence, its gain on validation readings, and whether it can
@@ -70,7 +73,10 @@ impl Diagnosis {
         let text = options.machine_text.as_ref();
         let file = text.map(|text| Source::new(FileId(0), "machine file", text.as_bytes().to_vec()));
         let file = file.transpose().map_err(|_| Error::usage("the machine file is too long".into()))?;
+        let stated = hypotheses::source(&options.hypotheses);
+        let sources: Vec<Source> = sources.into_iter().chain(stated.clone()).collect();
         let settings = DiagnosisSettings {
+            hypotheses: stated.as_ref(),
             causes: Some(&machine.registry.causes),
             checks: Some(&machine.registry.checks),
             model: Some(&machine.registry.model),
@@ -108,6 +114,26 @@ impl Diagnosis {
     #[must_use]
     pub fn causes(&self) -> &[CauseReport] {
         &self.found.findings
+    }
+
+    /// The outcome of the stated hypotheses, in their order: amounts, evidence, gain on unseen readings, rivals.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let mut options = DiagnosisOptions::default();
+    /// options.hypotheses = vec!["EXX ~ dir(X)".to_owned()];
+    /// let data = [DataSet::read("samples/measurements/laser.csv")?];
+    /// let found = Diagnosis::run(&Machine::demo(), &data, &options)?;
+    /// // The data were simulated with a backlash of 5 µm in X, which the machine file lacks.
+    /// let one = &found.hypotheses()[0];
+    /// assert!(one.log_evidence_beside.is_some_and(|evidence| evidence > 3.0));
+    /// assert!((one.amounts[0].value - 5.0).abs() < 2.0 * one.amounts[0].u95);
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    #[must_use]
+    pub fn hypotheses(&self) -> &[HypothesisReport] {
+        &self.found.hypotheses
     }
 
     /// Everything that was found: noise, sizes before and after, causes, defects of the data, rejected candidates, the unexplained residual.

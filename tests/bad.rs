@@ -44,6 +44,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("E0609", "cli_calibrate: parameters_must_be_those_of_the_machine"),
     ("E0613", "instruments: a_drift_is_only_taken_out_where_there_is_no_reversal"),
     ("E0614", "diagnose_faults: the_command_reports_faults_and_refuses_what_is_no_data"),
+    ("E0615", "diagnose_hypothesis: wrong_text_is_refused_at_its_column"),
     ("E0701", "cli_feed: what_the_link_cannot_take_is_found_before_anything_is_sent"),
     ("E0702", "cli_feed: a_link_that_is_too_slow_is_refused_beforehand"),
     ("E0703", "cli_feed: the_journal_of_a_broken_job_is_not_overwritten"),

@@ -53,7 +53,14 @@ fn session(lines: &[&str], steps: &mut Vec<Step>) {
                 _ => panic!("{line} needs a command before it and a number after it"),
             }
         } else if let Some(command) = line.strip_prefix("$ ") {
-            let words: Vec<&str> = command.split(' ').collect();
+            // A part in quotation marks is one word.
+            let parts = command.split('"').enumerate();
+            let words: Vec<&str> = parts
+                .flat_map(|(place, part)| match place % 2 {
+                    0 => part.split(' ').filter(|word| !word.is_empty()).collect(),
+                    _ => vec![part],
+                })
+                .collect();
             steps.push(match words.as_slice() {
                 ["ncfix", arguments @ ..] => Step::Run(Call {
                     words: arguments.iter().map(|word| (*word).to_owned()).collect(),

@@ -63,6 +63,7 @@ mod diagnose_data;
 mod diagnose_days;
 mod diagnose_extend;
 mod diagnose_faults;
+mod diagnose_hypothesis;
 mod diagnose_mixes;
 mod diagnose_plays;
 mod diagnose_rates;

@@ -17,6 +17,7 @@ use crate::cli::stop::Stop;
 use crate::cli::{measurement, print, tell};
 use ncfix_base::source::{FileId, Source};
 use ncfix_metrology::results::diagnosis::{self, DiagnosisSettings, SCHEMA};
+use ncfix_metrology::results::hypotheses;
 use ncfix_metrology::results::measurement::{Measurement, check_copies};
 use ncfix_report::diagnosis::{DiagnosisReport, PageReadings};
 use ncfix_report::{json, page};
@@ -107,13 +108,15 @@ fn find(
         return Ok(());
     }
     let file = old(target.is_some(), chosen.files.last())?;
+    let stated = hypotheses::source(&arguments.hypothesis);
     let settings = DiagnosisSettings {
+        hypotheses: stated.as_ref(),
         file: file.as_ref(),
         is_extended: target.is_some(),
         with_readings: page.is_some(),
         ..DiagnosisSettings::default()
     };
-    let sources = measurement::sources_of(&all);
+    let sources: Vec<Source> = measurement::sources_of(&all).into_iter().chain(stated.clone()).collect();
     let (mut progress, mut found) = (Progress::new(), Vec::new());
     let made = diagnosis::run(
         (&chosen.machine, &chosen.errors),

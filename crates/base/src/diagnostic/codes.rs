@@ -460,6 +460,11 @@ of effects, which the machine file must have. The axis must exist, too, and each
 units (1000, 25.4), agree with the model only if two axes are exchanged or one is reversed, fit only a machine with another order of
 the axes than the file has, or lack exactly those errors that the machine file has, because a table of the control was active while
 measuring. Causes found in such readings would be meaningless; the message gives the evidence and what to change.";
+    BAD_HYPOTHESIS = "E0615" "hypothesis that cannot be read"
+"ncfix diagnose --hypothesis tests a term: a deviation and what it depends on, such as EXX ~ Y^2 or EYY ~ T_head_C lag 600s, or a cause
+by the name that findings have, such as backlash EXX. Here the text is not complete, or it names an axis that the machine lacks, or a
+column that the data lack. The line is the number of the hypothesis, and the column the place in it. docs/reference/terms.md has the
+grammar.";
 
     DRIFT_NOT_TOLD = "E0613" "drift that cannot be separated from a reversal error"
 "A drift that is a straight line in time within a back-and-forth cycle makes the backward and forward readings differ more, the

@@ -308,7 +308,7 @@ fn is_by_acceleration(one: &Candidate) -> bool {
 }
 
 /// Columns of a candidate; each is of the usual size of its family where it acts most.
-fn group(field: &Field<'_, '_>, one: &Candidate) -> ColumnGroup {
+pub(super) fn group(field: &Field<'_, '_>, one: &Candidate) -> ColumnGroup {
     let columns = field.columns(one);
     let size = |parts: &Vec<(Through, Weight)>| {
         // Travel does not count: the effect where it is largest is what is usual.
@@ -334,7 +334,7 @@ fn group(field: &Field<'_, '_>, one: &Candidate) -> ColumnGroup {
 
 impl Field<'_, '_> {
     /// Fills in what a unit of a deviation does to readings, where it is not known yet.
-    fn know(&mut self, one: &Candidate) {
+    pub(super) fn know(&mut self, one: &Candidate) {
         let scene = self.scene;
         for (through, _) in one.columns.iter().flatten() {
             self.factors.entry(*through).or_insert_with(|| std::sync::Arc::new(scene.factors(*through)));

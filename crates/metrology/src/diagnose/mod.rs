@@ -11,6 +11,7 @@
 //! gates, fold                            which of these also help where they were not found
 //! verdict                                sizes, rivals, shares, noise, what is left; before and after, also on data held out
 //! contest                                whether another set of terms is surely more probable
+//! stated                                 hypotheses that a person states, each tested against the readings
 //! mimic, doubt, volume                    which of them other errors explain as well that would do something else where was not measured
 //! extend                                 what goes into the machine file
 //! ```
@@ -57,6 +58,7 @@ pub mod shape;
 mod share;
 mod size;
 mod slow;
+pub mod stated;
 mod sweep;
 mod verdict;
 mod volume;

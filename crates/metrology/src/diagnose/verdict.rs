@@ -113,6 +113,43 @@ pub fn diagnose_with(
     used: usize,
     note: &mut dyn FnMut(&str, f64),
 ) -> DiagnosedCauses {
+    diagnose_then(causes, scene, (bare, used), note, &mut |_, _| {})
+}
+
+/// The outcome of a search with all by which it was judged, for terms that are tried beside it.
+pub(super) struct Settled<'f, 's, 'a> {
+    /// Candidates; those of the outcome are among them.
+    pub(super) field: &'f mut Field<'s, 'a>,
+    /// Readings that were used.
+    pub(super) weights: &'f Weights,
+    /// Readings that were held out.
+    pub(super) held_out: &'f Weights,
+    /// Accepted candidates with their gains on unseen readings.
+    pub(super) kept: &'f [(Taken, f64)],
+    /// Number of measurements that were used.
+    pub(super) used: usize,
+    causes: &'f Causes,
+    bare: &'f Scene<'f>,
+    chosen: &'f [Chosen],
+}
+
+impl Settled<'_, '_, '_> {
+    /// The verdict with other candidates than those that were accepted.
+    pub(super) fn verdict_of(&self, kept: &[(Taken, f64)]) -> DiagnosedCauses {
+        let rejections = Rejections::default();
+        let of = (self.used, Vec::new(), &rejections);
+        verdict((self.field, self.causes), self.bare, [self.weights, self.held_out], (kept, self.chosen), of)
+    }
+}
+
+/// Finds what the model lacks as [`diagnose_with`] does; `then` gets the outcome with all by which it was judged.
+pub(super) fn diagnose_then(
+    causes: &Causes,
+    scene: &Scene<'_>,
+    (bare, used): (&Scene<'_>, usize),
+    note: &mut dyn FnMut(&str, f64),
+    then: &mut dyn FnMut(Settled<'_, '_, '_>, &mut dyn FnMut(&str, f64)),
+) -> DiagnosedCauses {
     note("causes that may be", 0.0);
     let mut candidates = propose(causes, scene);
     if causes.iter().any(|cause| cause.cause().name == earlier::CAUSE.name) {
@@ -192,6 +229,8 @@ pub fn diagnose_with(
         one.probability = chosen.iter().find(is_one).map(|chosen| chosen.probability);
     }
     found.explanations = outcome.explanations;
+    let (weights, held_out, kept, chosen) = (&weights, &held_out, kept.as_slice(), chosen.as_slice());
+    then(Settled { field: &mut field, weights, held_out, kept, used, causes, bare, chosen }, note);
     found
 }
 
@@ -392,7 +431,7 @@ pub fn reads_angles(scene: &Scene<'_>) -> bool {
 }
 
 /// Who explains nearly as much in the place of one, itself first.
-fn class(
+pub(super) fn class(
     field: &Field<'_, '_>,
     weights: &Weights,
     (number, others): (usize, &[usize]),

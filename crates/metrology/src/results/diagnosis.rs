@@ -6,6 +6,7 @@ use serde::Serialize;
 
 pub use super::data_faults::DataFault;
 use super::extended::{Extended, ExtensionJob};
+use super::hypotheses::{self, HypothesisReport, HypothesisSet};
 use super::measurement::{Measurement, check_copies, check_near_copies};
 use super::readings::{self, ShownReadings};
 use super::{data_faults, has_errors};
@@ -13,8 +14,8 @@ use crate::diagnose::cause::Correctable;
 use crate::diagnose::extend::extension;
 use crate::diagnose::fault::{Checks, DefectKind};
 use crate::diagnose::{
-    self, Causes, Compared, DiagnosedCauses, ExplanationSummary, FAR_OUT, Gate, NoiseSource, Scene, diagnose,
-    diagnose_with, fault, freedom_of, reads_angles, shape,
+    self, Causes, Compared, DiagnosedCauses, ExplanationSummary, FAR_OUT, Gate, NoiseSource, Scene, fault, freedom_of,
+    reads_angles, shape, stated,
 };
 use crate::measure::data::DataSet;
 use ncfix_base::diagnostic::{Code, Diagnostic};
@@ -74,6 +75,10 @@ pub struct DiagnosisResult {
     pub explanations: Vec<ExplanationSummary>,
     /// Residuals with the extended machine file alone; `null` if there is nothing to write.
     pub written: Option<WrittenSizes>,
+    /// Stated hypotheses, in their order.
+    pub hypotheses: Vec<HypothesisReport>,
+    /// Combinations of the stated hypotheses, the most probable first.
+    pub hypotheses_together: Vec<HypothesisSet>,
     /// Number of candidates tried.
     pub tried: usize,
     /// Number of readings used.
@@ -318,6 +323,8 @@ pub struct DiagnosisSettings<'a> {
     pub is_extended: bool,
     /// `true` to keep single readings for pictures.
     pub with_readings: bool,
+    /// Hypotheses to test, one a line.
+    pub hypotheses: Option<&'a source::Source>,
 }
 
 /// Diagnoses measurements, of which the first `used` are used and the others held out; `None` if diagnostics explain why nothing was diagnosed.
@@ -333,6 +340,15 @@ pub fn run(
 ) -> Option<Option<Extended>> {
     report.schema = SCHEMA;
     report.machine.clone_from(&machine.name);
+    let stated = match settings.hypotheses {
+        Some(text) => {
+            let sets: Vec<&DataSet> = all.iter().map(|one| &one.data).collect();
+            let (stated, faults) = stated::read(text, machine, &sets);
+            findings.extend(faults);
+            stated
+        }
+        None => Vec::new(),
+    };
     findings.extend(check_copies(&all));
     if !has_errors(findings) {
         findings.extend(check_near_copies(&all));
@@ -370,11 +386,11 @@ pub fn run(
         findings.push(Diagnostic::nowhere(Code::NOT_TOLD, message, help));
         return None;
     }
-    let found = match settings.causes {
-        Some(causes) => diagnose_with(causes, &of_model, &bare, used, progress),
-        None => diagnose(&of_model, &bare, used, progress),
-    };
+    let built_in = Causes::default();
+    let causes = settings.causes.unwrap_or(&built_in);
+    let (found, trials) = stated::diagnose_stated(&stated, causes, &of_model, (&bare, used), progress);
     tell_all(&found, &of_model, (&sets, used), report);
+    (report.hypotheses, report.hypotheses_together) = hypotheses::reports(&trials, &of_model);
     let extension = extension(&found, &of_model, used);
     let refused: Vec<Option<String>> = extension.iter().map(|changes| changes.as_ref().err().cloned()).collect();
     let registers = settings.model.cloned().unwrap_or_default();
@@ -389,7 +405,7 @@ pub fn run(
         report.findings.iter_mut().zip(&made.why_not).for_each(|(one, why_not)| one.extends = why_not.is_none());
     }
     if settings.with_readings {
-        readings::fill(&found, &of_model, used, shown);
+        readings::fill((&found, &trials), &of_model, used, shown);
     }
     Some(made)
 }

@@ -16,6 +16,7 @@ pub mod diagnosis;
 pub mod extended;
 pub mod figures;
 mod held;
+pub mod hypotheses;
 pub mod measurement;
 mod not_identified;
 pub mod parameters;

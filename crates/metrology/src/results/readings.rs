@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use super::compared::Circle;
 use super::held::{shown_circle, timed};
 use crate::diagnose::scene::SceneReading;
+use crate::diagnose::stated::{HypothesisTrial, StatedTrials};
 use crate::diagnose::{self, DiagnosedCauses, Scene, shape};
 use crate::measure::circles::circles;
 use crate::measure::data::TIME;
@@ -39,10 +40,23 @@ pub struct Set {
     pub readings: Vec<DiagnosisReading>,
     /// Contribution of each finding to every reading, in the order of the findings; empty if it was held out.
     pub doing: Vec<Vec<f64>>,
+    /// Residuals of each stated hypothesis, in their order; empty if it was held out.
+    pub stated: Vec<HypothesisReadings>,
     /// Possible drivers.
     pub drivers: Vec<DriverReadings>,
     /// Circles of a ball-bar.
     pub circles: Vec<Circle>,
+}
+
+/// Residuals of a stated hypothesis beside the findings that do not stand for it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HypothesisReadings {
+    /// Of every reading without the hypothesis; empty if the data cannot show it.
+    pub without: Vec<f64>,
+    /// Of every reading with it.
+    pub with: Vec<f64>,
+    /// Its drivers.
+    pub drivers: Vec<DriverReadings>,
 }
 
 /// One reading.
@@ -89,11 +103,16 @@ pub struct TriedCauseReport {
 }
 
 /// Fills in the readings of a diagnosis; the first `used` measurements were used.
-pub(super) fn fill(found: &DiagnosedCauses, scene: &Scene<'_>, used: usize, shown: &mut ShownReadings) {
+pub(super) fn fill(
+    (found, trials): (&DiagnosedCauses, &StatedTrials),
+    scene: &Scene<'_>,
+    used: usize,
+    shown: &mut ShownReadings,
+) {
     let drivers = drivers(scene);
     for number in 0..scene.sets.len() {
         for of_angles in [false, true] {
-            shown.sets.extend(set(found, scene, &drivers, (number, number >= used), of_angles));
+            shown.sets.extend(set((found, trials), scene, &drivers, (number, number >= used), of_angles));
         }
     }
     shown.causes = found.causes.iter().map(tried).collect();
@@ -124,7 +143,7 @@ fn drivers(scene: &Scene<'_>) -> Vec<shape::Driver> {
 }
 
 fn set(
-    found: &DiagnosedCauses,
+    (found, trials): (&DiagnosedCauses, &StatedTrials),
     scene: &Scene<'_>,
     drivers: &[shape::Driver],
     (number, is_held_out): (usize, bool),
@@ -166,6 +185,16 @@ fn set(
         places.iter().map(|&place| values.get(place).map_or(0.0, |value| micro * value)).collect()
     };
     let findings = found.findings.iter().filter(|_| !is_held_out);
+    let stated = |trial: &HypothesisTrial| {
+        let is_shown = trial.why_not_shown.is_none();
+        let of = |values: &Vec<f64>| if is_shown { doing(values) } else { Vec::new() };
+        HypothesisReadings {
+            without: of(&trial.without),
+            with: of(&trial.with),
+            drivers: trial.drivers.iter().filter_map(|driver| along(driver, &rows)).collect(),
+        }
+    };
+    let trials = trials.trials.iter().filter(|_| !is_held_out);
     Some(Set {
         name: data.name.clone(),
         kind: data.kind.name,
@@ -176,6 +205,7 @@ fn set(
         circles: shown_circles(scene, number, &out),
         readings: out,
         doing: findings.map(|one| doing(&one.doing)).collect(),
+        stated: trials.map(stated).collect(),
         drivers: drivers.iter().filter_map(|driver| along(driver, &rows)).collect(),
     })
 }

@@ -36,7 +36,14 @@ impl DiagnosisReport {
     /// Returns the text for people.
     #[must_use]
     pub fn page(&self) -> String {
-        let mut out = format!("{}\n{}\n", self.headline(), self.before_sentence());
+        let mut out = self.hypotheses();
+        let _ = writeln!(
+            out,
+            "{}
+{}",
+            self.headline(),
+            self.before_sentence()
+        );
         if self.found.findings.is_empty() {
             let _ = writeln!(out, "No cause accepted ({} candidates tested).", grouped(self.found.tried as u64));
         }

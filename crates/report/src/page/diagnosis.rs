@@ -1,6 +1,7 @@
 //! Page of a diagnosis: verdict, ranking, evidence of every cause, readings before and after, and rejected candidates.
 
 mod evidence;
+mod hypotheses;
 mod pictures;
 mod polar;
 
@@ -28,6 +29,7 @@ pub fn diagnosis(report: &DiagnosisReport, shown: &PageReadings) -> String {
         summary(out, report);
         diagnostics(out, &report.diagnostics);
         if report.found.readings > 0 {
+            hypotheses::section(out, report, shown);
             levels(out, report);
             ranking(out, report);
             explanations(out, &report.found.explanations);

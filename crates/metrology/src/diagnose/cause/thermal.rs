@@ -126,6 +126,12 @@ fn sensor(scene: &Scene<'_>, column: &str, lag_s: f64) -> Option<Sensor> {
     Some(Sensor { name: column.to_owned(), lag_s, rise: Arc::new(rise), since_zero: Arc::new(since_zero) })
 }
 
+/// Rise of a temperature column at each row, K, by measurement: above its reference, and since the instrument was set to zero; followed with a time constant, s.
+/// `None` for a lag without times.
+pub(in crate::diagnose) fn rises(scene: &Scene<'_>, column: &str, lag_s: f64) -> Option<[Values; 2]> {
+    sensor(scene, column, lag_s).map(|sensor| [sensor.rise, sensor.since_zero])
+}
+
 /// Whether a set-up has several runs: then it may be that the instrument was set to zero for each of them, or not.
 fn has_runs(scene: &Scene<'_>) -> bool {
     let mut runs: HashMap<(usize, usize), usize> = HashMap::new();

@@ -217,6 +217,40 @@ pub fn contest(
     out
 }
 
+/// Returns the logarithm of the likelihood of sets of groups, each with the memory of the noise and the exactness of the machine that suit it best, less the prices of both.
+/// Groups that show nothing count as absent. `weights` are 1/σ of each reading, 0 for those that do not count.
+#[must_use]
+pub fn evidences(scene: &Scene<'_>, weights: &[f64], groups: &[ColumnGroup], sets: &[Vec<usize>]) -> Vec<f64> {
+    let noise = NoiseSeries::new(scene, weights);
+    let readings = (weights.iter().filter(|weight| **weight > 0.0).count() as f64).max(2.0);
+    let mut best = vec![f64::NEG_INFINITY; sets.len()];
+    for memory in noise.memories() {
+        // Two numbers more than white noise has, by the information criterion of Schwarz (1978).
+        let price = if memory.ratio > 0.0 { readings.ln() } else { 0.0 };
+        let mut likelihood = Likelihood::new(scene, weights, groups, (&noise, memory));
+        let place = |number: usize| {
+            let same = likelihood.alike.iter().find(|(one, _)| *one == number).map_or(number, |(_, other)| *other);
+            likelihood.kept.iter().position(|&kept| kept == same)
+        };
+        let inner: Vec<Vec<usize>> = sets
+            .iter()
+            .map(|set| {
+                let mut own: Vec<usize> = set.iter().filter_map(|&number| place(number)).collect();
+                own.sort_unstable();
+                own.dedup();
+                own
+            })
+            .collect();
+        for factor in FACTORS {
+            likelihood.factor = factor;
+            let rarity = 0.5 * (factor.ln() / FACTOR_SPREAD).powi(2);
+            let values = in_parts(&inner, &|set: &Vec<usize>| likelihood.evidence(set).1 - price - rarity);
+            best.iter_mut().zip(values).for_each(|(best, value)| *best = best.max(value));
+        }
+    }
+    best
+}
+
 impl Contest {
     /// Returns the probability of an entrant: the sum over the explanations that have it.
     #[must_use]

@@ -58,6 +58,18 @@ pub fn extension(found: &DiagnosedCauses, scene: &Scene<'_>, used: usize) -> Vec
     out
 }
 
+/// The changes for one more finding beside others, or why the machine file cannot hold it; `left` is the residual of the model, mm or rad.
+///
+/// # Errors
+/// Why it cannot.
+pub(super) fn of_one(
+    one: &AcceptedCause,
+    left: f64,
+    (scene, used): (&Scene<'_>, usize),
+) -> Result<Vec<Change>, String> {
+    is_sound(one, left).and_then(|()| changes(one, scene, used))
+}
+
 /// Of the findings that would be written the one without which what is written would say the readings better.
 fn leaning(found: &DiagnosedCauses, scene: &Scene<'_>, written: &[Result<Vec<Change>, String>]) -> Option<usize> {
     let is_written = |number: &usize| written.get(*number).is_some_and(Result::is_ok);

@@ -1,0 +1,23 @@
+//! Hypotheses that a person states: a small language of terms, their candidates, and the test of each against the readings.
+//!
+//! ```text
+//! token      words, numbers and signs with their places
+//! grammar    hypotheses from text, with a diagnostic at its column for every fault
+//! form       hypotheses as values
+//! build      candidates: the effect of each term on the readings of a scene
+//! trial      amount, evidence, gain on unseen readings, rivals, possible correction
+//! ```
+//!
+//! `docs/reference/terms.md` has the grammar.
+
+mod build;
+mod form;
+mod grammar;
+#[cfg(test)]
+mod tests;
+mod token;
+mod trial;
+
+pub use form::{StatedHypothesis, TermAmount};
+pub use grammar::read;
+pub use trial::{EqualExplanation, HypothesisTrial, StatedSet, StatedTrials, diagnose_stated};

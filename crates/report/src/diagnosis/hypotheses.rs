@@ -1,0 +1,143 @@
+//! Answers to stated hypotheses, for people.
+
+use std::fmt::Write as _;
+
+use super::DiagnosisReport;
+use super::text::sign;
+use crate::number::significant;
+use ncfix_metrology::diagnose::cause::Correctable;
+use ncfix_metrology::results::hypotheses::{HypothesisAmount, HypothesisAnswer, HypothesisReport, HypothesisSet};
+
+/// Factors from this on are shown as a power of ten.
+const MOST_TIMES: f64 = 1e4;
+/// Maximum number of rivals and of combinations that are named.
+const RIVALS: usize = 4;
+const SETS: usize = 3;
+
+impl DiagnosisReport {
+    /// Returns the answers to all hypotheses, each with its reasons; empty if none was stated.
+    // Writing into a String cannot fail.
+    pub(super) fn hypotheses(&self) -> String {
+        let mut out = String::new();
+        for one in &self.found.hypotheses {
+            let _ = writeln!(out, "Hypothesis {}: {}.", one.text, answer_in_words(one));
+            for line in self.reasons(one) {
+                let _ = writeln!(out, "   {line}");
+            }
+        }
+        if self.found.hypotheses.len() > 1 {
+            let _ = writeln!(out, "{}", together(&self.found.hypotheses_together));
+        }
+        if !out.is_empty() {
+            out.push('\n');
+        }
+        out
+    }
+
+    /// Returns the lines after the answer.
+    fn reasons(&self, one: &HypothesisReport) -> Vec<String> {
+        let (Some(alone), Some(beside)) = (one.log_evidence, one.log_evidence_beside) else { return Vec::new() };
+        let mut out: Vec<String> =
+            one.amounts.iter().map(|amount| format!("{}: {} (95 %)", amount.term, in_words(amount))).collect();
+        let of_findings = if one.beside.is_empty() {
+            String::new()
+        } else {
+            format!("; beside {}: {}", one.beside.join(", "), times_in_words(beside))
+        };
+        out.push(format!("alone: {}{of_findings}", times_in_words(alone)));
+        if !one.stands_for.is_empty() {
+            let verb = if one.stands_for.len() > 1 { "are" } else { "is" };
+            let instead = match one.log_evidence_of_findings {
+                Some(evidence) => format!(", which {verb} {} in its place", rather(evidence)),
+                None => String::new(),
+            };
+            out.push(format!("it has the effect of {}{instead}", one.stands_for.join(" and ")));
+        }
+        let unseen = if one.gain_is_held_out { "the data held out" } else { "parts left out in turn" };
+        let gain = match one.gain_unseen {
+            Some(gain) if gain >= 0.0 => format!("{:.0} % less residual on {unseen}", 100.0 * gain),
+            Some(gain) => format!("{:.0} % more residual on {unseen}", -100.0 * gain),
+            None => "no part that was left out can show whether it helps".into(),
+        };
+        out.push(format!("{gain}; effect on the readings {} {} RMS", significant(one.rms_um), self.unit_sign()));
+        if one.variants > 1 {
+            out.push(format!("the best of {} variants of this cause", one.variants));
+        }
+        let rivals: Vec<String> = one
+            .rivals
+            .iter()
+            .take(RIVALS)
+            .map(|rival| format!("{} ({})", rival.name, rather(rival.log_evidence)))
+            .collect();
+        if !rivals.is_empty() {
+            out.push(format!("other explanations: {}", rivals.join(", ")));
+        }
+        if let Some(how) = &one.separate_by {
+            out.push(format!("to separate them: {how}"));
+        }
+        out.push(match (&one.extends_why, one.correctable) {
+            (Some(why), _) => format!("not corrected: {why}"),
+            (None, Correctable::Live) => "only live readings can remove it".into(),
+            (None, Correctable::Program) => "a corrected program can remove it".into(),
+            (None, Correctable::No) => "no program can remove it".into(),
+        });
+        out
+    }
+}
+
+/// Returns the answer in a few words.
+#[must_use]
+pub(crate) fn answer_in_words(one: &HypothesisReport) -> String {
+    let times = one.log_evidence_beside.map_or_else(String::new, times_in_words);
+    match one.answer {
+        HypothesisAnswer::NotShown => {
+            let why = one.why_not_shown.as_deref().unwrap_or("the readings do not respond to it");
+            format!("these data cannot show it: {why}")
+        }
+        HypothesisAnswer::Supported => format!("supported, {times}"),
+        HypothesisAnswer::Outdone => {
+            format!("outdone, {times}, but less probable than {}", one.stands_for.join(" and "))
+        }
+        HypothesisAnswer::Undecided => format!("undecided, {times}"),
+        HypothesisAnswer::Refuted => format!("refuted, {times}"),
+    }
+}
+
+/// Returns an amount with its uncertainty and unit.
+#[must_use]
+pub(crate) fn in_words(amount: &HypothesisAmount) -> String {
+    let unit = (2..=9)
+        .zip(["²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"])
+        .fold(sign(&amount.unit), |unit, (power, raised)| unit.replace(&format!("^{power}"), raised));
+    format!("{} ± {} {unit}", significant(amount.value), significant(amount.u95))
+}
+
+/// Returns an evidence, a natural logarithm, as a factor.
+#[must_use]
+pub(crate) fn times_in_words(evidence: f64) -> String {
+    let which = if evidence < 0.0 { "without" } else { "with" };
+    format!("{} times as probable {which} it", factor(evidence.abs()))
+}
+
+/// Returns the factor by which another explanation is better or worse.
+fn rather(evidence: f64) -> String {
+    let which = if evidence < 0.0 { "less" } else { "more" };
+    format!("{} times {which} probable", factor(evidence.abs()))
+}
+
+fn factor(evidence: f64) -> String {
+    let times = evidence.exp();
+    if times < MOST_TIMES { significant(times) } else { format!("10^{:.0}", evidence / std::f64::consts::LN_10) }
+}
+
+fn together(sets: &[HypothesisSet]) -> String {
+    let one = |set: &HypothesisSet| {
+        let name = if set.hypotheses.is_empty() { "none of them".to_owned() } else { set.hypotheses.join(" and ") };
+        format!("{name} {:.1} %", 100.0 * set.probability)
+    };
+    let all: Vec<String> = sets.iter().take(SETS).map(one).collect();
+    if all.is_empty() {
+        return "None of these hypotheses is visible in the data.".into();
+    }
+    format!("Compared, with even odds of each: {}.", all.join("; "))
+}

@@ -1,0 +1,95 @@
+//! `ncfix diagnose --hypothesis`: the answer to a stated term, from readings of a machine whose error is written here, and text that is wrong.
+
+use serde_json::Value;
+
+use crate::support::Shop;
+
+/// Three axes that move the tool, without errors.
+const MACHINE: &str = "[machine]\nname = \"bench\"\ntopology = \"wFXYZSt\"\n\
+    [axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [0, 400]\n[axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [0, 500]\n\
+    [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [0, 300]\n";
+
+/// Readings of a grid over X and Y, three times, with an error along X of 40 µm/m² times the square of Y, and up to 0.4 µm that follow no driver.
+fn readings() -> String {
+    let mut text = "run,X,Y,Z,dx_um,dy_um\n".to_owned();
+    // The fraction of multiples of the golden ratio: evenly spread, and in no order (Knuth, The Art of Computer Programming 3, 6.4).
+    let mut count = 0.0;
+    let mut scatter_um = || {
+        count += 1.0;
+        0.8 * ((count * 0.618_033_988_749_895_f64).fract() - 0.5)
+    };
+    for run in 1..=3 {
+        for y in [0.0, 130.0, 250.0, 380.0, 500.0] {
+            for x in [0.0, 90.0, 170.0, 260.0, 310.0, 400.0] {
+                let [dx_um, dy_um] = [40e-6 * y * y + scatter_um(), scatter_um()];
+                text += &format!("{run},{x},{y},0,{dx_um:.4},{dy_um:.4}\n");
+            }
+        }
+    }
+    text
+}
+
+fn shop() -> Shop {
+    let description = "[measurement]\nkind = \"displacement\"\nsigma_um = 0.3\n";
+    Shop::new().file("bench.toml", MACHINE).file("grid.csv", readings()).file("grid.toml", description)
+}
+
+fn arguments(hypotheses: &[&'static str]) -> Vec<&'static str> {
+    let mut all = vec!["diagnose", "grid.csv", "--machine", "bench.toml"];
+    hypotheses.iter().for_each(|one| all.extend(["--hypothesis", one]));
+    all
+}
+
+fn number(value: &Value, key: &str) -> f64 {
+    value[key].as_f64().unwrap_or_else(|| panic!("{key} of {value}"))
+}
+
+#[test]
+fn a_hypothesis_gets_its_answer_first() {
+    let shop = shop();
+    let stated = arguments(&["EXX ~ Y^2", "EXX ~ X^2", "EXX ~ Z^2"]);
+    let more = ["--json", "--report", "page.html"];
+    let report = shop.run(stated.iter().copied().chain(more)).exits(0).json();
+    let all = report["hypotheses"].as_array().unwrap();
+    let answers: Vec<&str> = all.iter().map(|one| one["answer"].as_str().unwrap()).collect();
+    assert!(answers[0] == "supported" && answers[1] != "supported" && answers[2] == "not-shown", "{answers:?}");
+    let amount = &all[0]["amounts"][0];
+    assert_eq!(amount["unit"], "um/m^2");
+    assert!((number(amount, "value") - 40.0).abs() < number(amount, "u95") && number(amount, "u95") < 2.0, "{amount}");
+    assert!(number(&all[0], "log_evidence_beside") > 20.0 && number(&all[0], "gain_unseen") > 0.5, "{}", all[0]);
+    assert!(number(&all[1], "log_evidence_beside") < 0.0, "{}", all[1]);
+    assert!(all[2]["why_not_shown"].as_str().unwrap().contains("Z stays at 0 mm"), "{}", all[2]);
+    assert!(all[2]["probability"].is_null() && number(&all[0], "probability") > 0.99, "{report}");
+    // Without a hypothesis the findings are the same.
+    let plain = shop.run(arguments(&[]).into_iter().chain(["--json"])).exits(0).json();
+    assert_eq!((&plain["findings"], &plain["hypotheses"]), (&report["findings"], &Value::Array(Vec::new())));
+    let page = shop.text("page.html");
+    assert!(page.contains("EXX ~ Y^2: dx over Y") && page.contains("without it"), "{page:.2000}");
+    let text = shop.run(stated).exits(0).stdout;
+    assert!(text.starts_with("Hypothesis EXX ~ Y^2: supported, 10^"), "{text}");
+    assert!(
+        text.contains(" µm/m² (95 %)") && text.contains("\nCompared, with even odds of each: EXX ~ Y^2 "),
+        "{text}"
+    );
+}
+
+#[test]
+fn wrong_text_is_refused_at_its_column() {
+    let shop = shop();
+    let stated = arguments(&["EXX ~ T_nose_C", "", "EXC ~ Y^2 *"]);
+    let run = shop.run(stated.iter().copied().chain(["--json"])).exits(4);
+    assert_eq!(run.codes(), ["E0615"]);
+    let report = run.json();
+    let places: Vec<(u64, u64)> = report["diagnostics"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|one| (one["line"].as_u64().unwrap(), one["column"].as_u64().unwrap()))
+        .collect();
+    // The line is the number of the hypothesis.
+    assert_eq!(places, [(1, 7), (2, 1), (3, 1), (3, 12)], "{report}");
+    shop.run(stated)
+        .exits(4)
+        .says("'T_nose_C' is neither an axis nor a column of the data")
+        .says("the machine has no axis C");
+}
