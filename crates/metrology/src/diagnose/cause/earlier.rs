@@ -41,7 +41,7 @@ pub(in crate::diagnose) fn propose(scene: &Scene<'_>, used: usize, out: &mut Vec
             // Half of a reversal value on either side.
             let weight = Weight::new(move |row| if row.set < first { 0.5 * row.sense_of(axis) } else { 0.0 });
             let name = super::own(axis);
-            let parameter = format!("{name}_dir before {file}");
+            let parameter = format!("{name} backlash before {file}");
             let one = Candidate::one(&CAUSE, parameter, Through::Component(name), weight);
             out.push(one.driven_by(&[&"file", &format!("{axis}_dir")]));
         }
