@@ -122,7 +122,7 @@ pub(super) fn hold(
                 rms(counts(scene, on).into_iter().filter_map(|place| does.get(place).copied()))
             };
             let is_drift = field.candidates.get(number).is_some_and(|one| one.cause.effect == EffectKind::Drift);
-            // Another day may go another way, but an explanation that predicts it worse than none is none.
+            // Another day may go another way, but an explanation that makes its prediction worse is refused.
             let least_gain = if is_drift { 0.0 } else { worth(field, number) };
             let is_local = field.candidates.get(number).is_some_and(is_only_here) && !is_drift;
             if is_local || size(held_out) < EXERCISED * size(weights) {
