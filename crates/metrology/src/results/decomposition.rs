@@ -458,7 +458,7 @@ fn shown_run(run: &RunParts, trace: &Trace, held_out_um: Option<[f64; 2]>) -> Ru
     }
 }
 
-/// The text of a machine file with the links that were found, determined loops and compliances; `None` if it cannot contain them. Without any of these it is unchanged.
+/// The text of a machine file with the links that were found, determined loops and compliances; `None` if it cannot contain them. It is unchanged without any of these.
 #[must_use]
 pub fn extended(text: &[u8], found: &decompose::Decomposition) -> Option<String> {
     let mut edit = Edit::parse(std::str::from_utf8(text).ok()?)?;
