@@ -20,7 +20,7 @@ pub(super) fn celsius(fahrenheit: f64) -> f64 {
 const ABOVE_K: f64 = 25.0;
 /// And is so near to the others when it is converted, K.
 const NEAR_K: f64 = 8.0;
-/// A log begins at the common temperature of the shop: there converted readings are this near to those of the others, K.
+/// Converted readings begin within the range of the others, widened by this, K: a cold machine has the temperature of the shop.
 const BEGIN_K: f64 = 4.0;
 /// The first rows of a log are one in this number of all,
 const FIRST: usize = 30;
@@ -72,14 +72,16 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     }
 }
 
-/// True if converted readings begin where most of the others begin.
+/// True if converted readings begin where the others begin.
 fn begins_with(sensor: &Sensor, sensors: &[Sensor]) -> bool {
     let first = |sensor: &Sensor| {
         let count = (sensor.said().count() / FIRST).max(FIRST_ROWS);
         super::median(sensor.said().take(count).collect())
     };
-    let others = sensors.iter().filter(|one| one.name != sensor.name).map(first).collect();
-    (celsius(first(sensor)) - super::median(others)).abs() < BEGIN_K
+    let others = || sensors.iter().filter(|one| one.name != sensor.name && one.range().is_some()).map(first);
+    // A log of a machine that is warm already begins at several temperatures.
+    let range = others().fold(f64::MAX, f64::min) - BEGIN_K..=others().fold(f64::MIN, f64::max) + BEGIN_K;
+    range.contains(&celsius(first(sensor)))
 }
 
 /// Correlation of two sensors; 0 of few rows, or where one stands still.

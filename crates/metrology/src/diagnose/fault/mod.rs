@@ -21,8 +21,6 @@ mod missing;
 mod offset;
 mod order;
 mod outlier;
-#[cfg(test)]
-mod plants;
 mod pulse;
 mod quantised;
 mod readings;
@@ -387,3 +385,6 @@ fn spread(values: impl Iterator<Item = f64>) -> f64 {
     const MEDIAN: f64 = 0.674_489_750_196_081_7;
     median(values.filter(|value| value.is_finite()).map(f64::abs).collect()) / MEDIAN
 }
+
+#[cfg(test)]
+mod plants;

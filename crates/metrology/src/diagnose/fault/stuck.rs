@@ -25,6 +25,8 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
 const ROWS: usize = 8;
 /// Where neighbours are often equal, a piece is this many times as long as any other.
 const TIMES: usize = 5;
+/// All sensors of a display of few digits stand at once for this many times as long as ever else.
+const ALONE: usize = 8;
 /// Pairs of neighbours on each side of a piece that say how often they are equal there.
 const PAIRS: usize = 24;
 /// Fewer pairs say nothing.
@@ -196,7 +198,7 @@ fn together(sensors: &[&Sensor]) -> Vec<[usize; 2]> {
     let is_held = |piece: &[usize; 2]| {
         let is_no_chance = length(*piece) >= ROWS
             && often(&pieces, *piece).is_some_and(|often| often <= OFTEN && is_no_chance(*piece, often));
-        let is_alone = || piece[0] > 0 && length(*piece) >= 2 * TIMES * longest_other(&pieces, *piece);
+        let is_alone = || piece[0] > 0 && length(*piece) >= ALONE * longest_other(&pieces, *piece);
         is_no_chance && (is_sudden(sensors, &steps, *piece) || is_alone())
     };
     pieces.iter().copied().filter(is_held).collect()
@@ -288,13 +290,15 @@ fn is_sudden(sensors: &[&Sensor], steps: &[f64], [first, last]: [usize; 2]) -> b
         let mut beside: Vec<f64> = beside.iter().copied().filter(|value| value.is_finite()).collect();
         beside.dedup();
         let changes: Vec<f64> = beside.windows(2).map(|two| two[1] - two[0]).collect();
+        let latest = if first > 0 { changes.len().saturating_sub(FEWEST_PAIRS) } else { 0 };
+        let nearest = changes.get(latest..(latest + FEWEST_PAIRS).min(changes.len())).unwrap_or_default();
+        let usual = median(nearest.iter().map(|by| by.abs()).collect());
+        is_fast |= nearest.len() == FEWEST_PAIRS && usual > STEPS * step;
         // A display between two of its values says nothing of noise.
-        if median(changes.iter().map(|by| by.abs()).collect()) > NOISE_STEPS * step {
+        if usual > NOISE_STEPS * step {
             pairs += changes.len().saturating_sub(1);
             reversed += changes.windows(2).filter(|two| two[0] * two[1] < 0.0).count();
         }
-        let latest = changes.get(changes.len().saturating_sub(FEWEST_PAIRS)..).unwrap_or_default();
-        is_fast |= latest.len() == FEWEST_PAIRS && median(latest.iter().map(|by| by.abs()).collect()) > STEPS * step;
     }
     let has_noise = pairs >= FEWEST_PAIRS && reversed as f64 > REVERSED * pairs as f64;
     has_noise || first > 0 && is_fast
