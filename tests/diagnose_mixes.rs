@@ -73,8 +73,8 @@ fn a_fresh_machine_on_a_ball_bar_is_named_and_corrected_whole() {
         assert!(shop.path("out.toml").exists() && number(written, "after_rms_um") < 0.55, "{written:#}");
         assert!(number(written, "before_rms_um") > 1.0 && number(written, "causes") == truth.len() as f64);
     }
-    // Of 20 sizes that are each within their interval by 95 %, four or more are outside with a probability of 2 %.
-    assert!(all == 20 && inside >= 17, "{inside} of {all}");
+    // Of 23 sizes that are each within their interval by 95 %, four or more are outside with a probability of 3 %.
+    assert!(all == 23 && inside >= 20, "{inside} of {all}");
 }
 
 /// Circles of 150 mm in XY in both senses, every two degrees from the turning point of X: friction holds X after each turn by 6 µm, and it is gone after some 3 mm.
