@@ -27,6 +27,8 @@ const SURE: f64 = 0.95;
 const EXPLANATIONS: usize = 4;
 /// Explanations that are less probable are not listed.
 const LEAST_SHOWN: f64 = 0.01;
+/// A cause with this probability is more probable than everything that may stand in its place.
+const MORE_THAN_ALL_OTHERS: f64 = 0.5;
 /// Probabilities above this are not shown as a number: the assumptions are not known that well.
 const MOST_SHOWN: f64 = 0.99;
 /// Maximum number of listed rejected candidates.
@@ -123,7 +125,7 @@ impl DiagnosisReport {
     /// Returns a sentence if another explanation is more probable than those that contain a cause: then its readings do not decide.
     fn more_probable(&self, largest: &CauseReport) -> String {
         let is_less = |one: &&ExplanationSummary| {
-            largest.probability.is_some_and(|own| own < 0.5 && own < one.probability)
+            largest.probability.is_some_and(|own| own < MORE_THAN_ALL_OTHERS && own < one.probability)
                 && !one.terms.contains(&largest.name())
         };
         match self.found.explanations.first().filter(is_less) {
@@ -140,6 +142,9 @@ impl DiagnosisReport {
     fn next_step(&self, largest: &CauseReport) -> String {
         let findings = &self.found.findings;
         let is_correctable = |one: &&CauseReport| one.correctable == Correctable::Program;
+        if let Some(how) = largest.separate_by.as_ref().filter(|_| !self.more_probable(largest).is_empty()) {
+            return format!("measure what separates the explanations: {how}");
+        }
         if let Some(path) = &self.output {
             return format!("correct programs with {path}");
         }
