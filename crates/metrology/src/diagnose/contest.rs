@@ -26,6 +26,8 @@ const UNLIKELY: f64 = 0.02;
 const NAMED: f64 = 0.5;
 /// Readings show a term surely if the score falls by this without it and with nothing in its place, as a natural logarithm: 1000 times.
 const SHOWN: f64 = 6.9;
+/// The limit for a term that the search by readings did not take: 10,000 times.
+const SHOWN_NEW: f64 = 9.2;
 /// A wave of one period is named from this probability: others may stand beside it that nobody tried.
 const NAMED_WAVE: f64 = 0.9;
 /// A correction is refused if it would do harm with more than this probability.
@@ -368,6 +370,12 @@ impl Field<'_, '_> {
         probability >= from && (is_of_places || taken.iter().any(is_same))
     }
 
+    /// By how much the score must fall without a term that is named.
+    fn shown(&self, source: &Source, taken: &[usize]) -> f64 {
+        let key = source.key(self);
+        if taken.iter().any(|&other| Source::Known(other).key(self) == key) { SHOWN } else { SHOWN_NEW }
+    }
+
     /// Holds the contest. The candidates of the outcome are among those of the field afterwards.
     pub(super) fn contest(&mut self, weights: &Weights, taken: &[usize], volume: Option<&Volume>) -> ContestOutcome {
         let mut named: Vec<Named> = Vec::new();
@@ -561,10 +569,10 @@ impl Field<'_, '_> {
             let mut shapes: Vec<(Candidate, f64, Option<Vec<String>>, f64)> = Vec::new();
             for (&k, loss) in first.set.iter().zip(&found.losses) {
                 let probability = probability(k);
-                let Some(source) = sources
-                    .get(k)
-                    .filter(|source| self.is_named(source, probability, found.probability(k), taken) && *loss >= SHOWN)
-                else {
+                let Some(source) = sources.get(k).filter(|source| {
+                    self.is_named(source, probability, found.probability(k), taken)
+                        && *loss >= self.shown(source, taken)
+                }) else {
                     continue;
                 };
                 let (harmful, chance) = (said(k, true), (-loss).exp());
@@ -584,9 +592,9 @@ impl Field<'_, '_> {
             (chosen, shapes)
         });
         let is_whole = first.set.iter().zip(&found.losses).all(|(&k, loss)| {
-            sources
-                .get(k)
-                .is_some_and(|one| self.is_named(one, probability(k), found.probability(k), taken) && *loss >= SHOWN)
+            sources.get(k).is_some_and(|one| {
+                self.is_named(one, probability(k), found.probability(k), taken) && *loss >= self.shown(one, taken)
+            })
         });
         let instead = decided.map(|(mut chosen, shapes)| {
             for (one, probability, harmful, chance) in shapes {

@@ -142,13 +142,16 @@ impl Settled<'_, '_, '_> {
     }
 }
 
+/// Gets the outcome of a search, and where to note its own steps.
+pub(super) type AfterSearch<'t> = dyn FnMut(Settled<'_, '_, '_>, &mut dyn FnMut(&str, f64)) + 't;
+
 /// Finds what the model lacks as [`diagnose_with`] does; `then` gets the outcome with all by which it was judged.
 pub(super) fn diagnose_then(
     causes: &Causes,
     scene: &Scene<'_>,
     (bare, used): (&Scene<'_>, usize),
     note: &mut dyn FnMut(&str, f64),
-    then: &mut dyn FnMut(Settled<'_, '_, '_>, &mut dyn FnMut(&str, f64)),
+    then: &mut AfterSearch<'_>,
 ) -> DiagnosedCauses {
     note("causes that may be", 0.0);
     let mut candidates = propose(causes, scene);

@@ -77,10 +77,13 @@ impl FromStr for Load {
     }
 }
 
+/// Readings of all sensors, which the conditions of a table share.
+type SharedLogs = Arc<BTreeMap<String, ConditionLog>>;
+
 /// Changes the readings of a sensor in all of the conditions. Conditions that share their readings still share them afterwards.
 pub fn change_readings(conditions: &mut [Condition], sensor: &str, of: &dyn Fn(f64) -> f64) {
     // Kept alive, so that no other readings get the same address meanwhile.
-    let mut done: Vec<[Arc<BTreeMap<String, ConditionLog>>; 2]> = Vec::new();
+    let mut done: Vec<[SharedLogs; 2]> = Vec::new();
     let mut change = |condition: &mut Condition| {
         let known = done.iter().rev().find(|[old, _]| Arc::ptr_eq(old, &condition.sensors));
         let new = known.map(|[_, new]| Arc::clone(new)).unwrap_or_else(|| {
@@ -106,7 +109,7 @@ pub fn change_readings(conditions: &mut [Condition], sensor: &str, of: &dyn Fn(f
 /// bridge the gap linearly. A sensor keeps its readings where no others remain.
 pub fn forget_readings(conditions: &mut [Condition], sensor: &str, missing: &[(usize, f64)]) {
     // All conditions of a log share its readings, so each log is changed once.
-    let mut logs: Vec<(Arc<BTreeMap<String, ConditionLog>>, Vec<f64>)> = Vec::new();
+    let mut logs: Vec<(SharedLogs, Vec<f64>)> = Vec::new();
     for &(index, time_s) in missing {
         let Some(condition) = conditions.get(index) else { continue };
         match logs.iter_mut().rev().find(|(log, _)| Arc::ptr_eq(log, &condition.sensors)) {
@@ -127,7 +130,7 @@ pub fn forget_readings(conditions: &mut [Condition], sensor: &str, missing: &[(u
         sensors.insert(sensor.to_owned(), kept);
         Some([Arc::clone(old), Arc::new(sensors)])
     });
-    let changed: Vec<[Arc<BTreeMap<String, ConditionLog>>; 2]> = changed.collect();
+    let changed: Vec<[SharedLogs; 2]> = changed.collect();
     let change = |condition: &mut Condition| {
         if let Some([_, new]) = changed.iter().find(|[old, _]| Arc::ptr_eq(old, &condition.sensors)) {
             condition.sensors = Arc::clone(new);
