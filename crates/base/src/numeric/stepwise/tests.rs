@@ -248,7 +248,7 @@ fn repeats_show_the_noise_where_terms_are_missing() {
     for row in 0..count {
         factors[(row, 0)] = 1.0;
         shapes.iter().enumerate().for_each(|(k, shape)| factors[(row, 1 + k)] = shape(at(row)));
-        values.push(30.0 * at(row).powi(2) - 40.0 * shapes[2](at(row)) + 60.0 * shapes[3](at(row)) + random.normal());
+        values.push(30.0 * at(row).powi(2) - 40.0 * shapes[2](at(row)) + 200.0 * shapes[3](at(row)) + random.normal());
     }
     let mut rows = Rows {
         always: 1,
