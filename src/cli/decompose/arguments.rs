@@ -40,7 +40,7 @@ pub(in crate::cli) struct DecomposeArguments {
     /// Known delay from encoders to readings, ms (default: fitted)
     #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = milliseconds)]
     pub(in crate::cli) reading_delay_ms: Option<f64>,
-    /// Machine file to write, with the determined link errors, compliances and, if it has [servo], loops; - for standard output
+    /// Machine file to write, with the determined link errors, compliances and, in existing servo sections, loops; - for standard output
     #[arg(short, long, value_name = "EXTENDED.toml")]
     pub(in crate::cli) output: Option<PathBuf>,
     #[command(flatten)]
