@@ -148,6 +148,11 @@ fn a_machine_that_changed_between_two_files_is_corrected_as_it_is_now() {
     let description = "[measurement]\nkind = \"displacement\"\nfree = [\"offset\"]\nsigma_um = 0.7\n";
     // Squareness X–Y 15 µrad before, −40 µrad after a collision: X is longer by it times Y.
     let file = |seed, urad: f64| plates(seed, move |_, at| [urad * 1e-3 * at[1], 0.0]);
+    // Also where two files were measured before it.
+    let (shop, report) =
+        diagnosed(&[("one", file(3, 15.0)), ("two", file(4, 15.0)), ("three", file(5, -40.0))], description);
+    assert_eq!(names(&report), ["earlier EC0X before three", "location EC0X"], "{report:#}");
+    assert!(one(&report, "location EC0X")["extends"] == true && shop.path("out.toml").exists(), "{report:#}");
     let (shop, report) = diagnosed(&[("before", file(1, 15.0)), ("after", file(2, -40.0))], description);
     assert_eq!(names(&report), ["earlier EC0X before after", "location EC0X"], "{report:#}");
     let [now, earlier] = ["location EC0X", "earlier EC0X before after"].map(|wanted| one(&report, wanted));

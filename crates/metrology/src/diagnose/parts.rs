@@ -47,6 +47,13 @@ pub(super) fn differing(
     ) {
         return Vec::new();
     }
+    // Its difference between files has a finding of its own.
+    let through = |one: &Candidate| one.columns.first().and_then(|parts| parts.first()).map(|(through, _)| *through);
+    let is_earlier =
+        |other: &Candidate| other.cause.effect == EffectKind::Earlier && through(other) == through(candidate);
+    if others.iter().filter_map(|&number| field.candidates.get(number)).any(is_earlier) {
+        return Vec::new();
+    }
     let scene = field.scene;
     let set_of = |place: usize| {
         let item = scene.items.get(place).filter(|item| item.row != NO_ROW)?;

@@ -47,7 +47,7 @@ const AGAINST: f64 = 0.3;
 /// The changes for every finding of a diagnosis, or why the machine file cannot hold it. The first measurements of the scene were `used`.
 #[must_use]
 pub fn extension(found: &DiagnosedCauses, scene: &Scene<'_>, used: usize) -> Vec<Result<Vec<Change>, String>> {
-    let left = found.used.before.rms;
+    let left = present(found).unwrap_or(found.used.before.rms);
     let sound = |one: &AcceptedCause| is_sound(one, left).and_then(|()| changes(one, scene, used));
     let mut out: Vec<Result<Vec<Change>, String>> = found.findings.iter().map(sound).collect();
     while let Some(number) = leaning(found, scene, &out) {
@@ -56,6 +56,23 @@ pub fn extension(found: &DiagnosedCauses, scene: &Scene<'_>, used: usize) -> Vec
         }
     }
     out
+}
+
+/// Residual of the model, mm or rad, had the machine been in all files as it is in the last one; `None` if it did not change between files.
+fn present(found: &DiagnosedCauses) -> Option<f64> {
+    let earlier: Vec<&AcceptedCause> =
+        found.findings.iter().filter(|one| one.candidate.cause.effect == EffectKind::Earlier).collect();
+    if earlier.is_empty() {
+        return None;
+    }
+    let places = found.account.before.iter().zip(&found.account.counts).enumerate().filter(|(_, (_, counts))| **counts);
+    let (mut sum, mut count) = (0.0, 0.0_f64);
+    for (place, (before, _)) in places {
+        let less: f64 = earlier.iter().filter_map(|one| one.doing.get(place)).sum();
+        sum += (before - less).powi(2);
+        count += 1.0;
+    }
+    Some((sum / count.max(1.0)).sqrt())
 }
 
 /// The changes for one more finding beside others, or why the machine file cannot hold it; `left` is the residual of the model, mm or rad.
