@@ -98,8 +98,7 @@ fn check(choice: &ConditionFiles, chosen: &Machine, condition: &Condition, findi
     };
     if !sensors.is_empty() && !condition.has_temperatures() && condition.zero().is_none() {
         let message = format!(
-            "no temperatures are given: for the {} sensors of the error model, the reference temperatures are assumed ({})",
-            sensors.len(),
+            "no temperatures are given: for the sensors of the error model, the reference temperatures are assumed ({})",
             sensors.join(", ")
         );
         let help = "give --state with the temperatures of these sensors";

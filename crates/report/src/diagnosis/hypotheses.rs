@@ -72,7 +72,8 @@ impl DiagnosisReport {
         if !rivals.is_empty() {
             out.push(format!("other explanations: {}", rivals.join(", ")));
         }
-        if let Some(how) = &one.separate_by {
+        let is_said = |how: &&String| one.extends_why.as_ref().is_some_and(|why| why.contains(how.as_str()));
+        if let Some(how) = one.separate_by.as_ref().filter(|how| !is_said(how)) {
             out.push(format!("to separate them: {how}"));
         }
         out.push(match (&one.extends_why, one.correctable) {

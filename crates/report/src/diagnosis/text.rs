@@ -93,7 +93,8 @@ impl DiagnosisReport {
         if let Some(expired) = self.expired_sentence().filter(|_| found.findings.is_empty()) {
             return format!("{expired} Next: calibrate again.");
         }
-        let Some(largest) = found.findings.iter().max_by(|a, b| a.rms_um.total_cmp(&b.rms_um)) else {
+        // By its fair share: of causes that cancel each other, each alone may be larger than the residual.
+        let Some(largest) = found.findings.iter().max_by(|a, b| a.share.total_cmp(&b.share)) else {
             if !found.unexplained.structure {
                 return "The model explains the readings within their noise: nothing is to be corrected.".into();
             }
@@ -156,6 +157,7 @@ impl DiagnosisReport {
         }
         match &largest.separate_by {
             Some(how) if largest.class.len() > 1 => format!("measure what separates the explanations: {how}"),
+            _ if largest.what.is_some() => format!("measure how it depends on {}", largest.drivers.join(" and ")),
             _ => format!("check the machine and the measurement for {}", largest.made_by),
         }
     }

@@ -45,6 +45,10 @@ type OfRow = Arc<dyn Fn(&SceneRow) -> f64 + Send + Sync>;
 
 /// The usual cause of an effect.
 fn usual(effect: EffectKind) -> &'static Cause {
+    // Lobes of an instrument have this effect too, and words of their own.
+    if effect == EffectKind::Unknown {
+        return &UNNAMED;
+    }
     BUILT_IN.iter().copied().find(|cause| cause.effect == effect).unwrap_or(&UNNAMED)
 }
 
@@ -418,5 +422,16 @@ fn effect_of(term: &Shape) -> EffectKind {
         Family::Lag => EffectKind::Following,
         Family::Cross | Family::CrossAngle => EffectKind::Cross,
         _ => EffectKind::Motion,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_form_without_a_name_has_no_words_of_an_instrument() {
+        assert_eq!(usual(EffectKind::Unknown).name, UNNAMED.name);
+        assert_eq!(usual(EffectKind::Backlash).effect, EffectKind::Backlash);
     }
 }
