@@ -13,6 +13,7 @@ use ncfix_metrology::results::calibration::{
 };
 use ncfix_metrology::results::measurement::{Measurement, Purpose};
 use ncfix_metrology::results::parameters;
+use ncfix_model::ErrorModel;
 
 /// Options of a calibration. `CalibrationOptions::default()` gives the options of `ncfix calibrate` without arguments; no parameter is chosen yet.
 ///
@@ -234,22 +235,22 @@ impl Calibration {
     }
 }
 
-/// The new machine file: the text of the old one with the parameters, and a head that says where they come from.
+/// The new machine file: the text of the original with the parameters, and a head that says where they come from. The start is the original, or the original with the terms that were stated.
 ///
 /// # Errors
 /// If they cannot be written into it.
 pub(crate) fn text_of(
-    chosen: &Machine,
-    start: &Source,
+    (chosen, errors): (&Machine, &ErrorModel),
+    (original, start): (&Source, &Source),
     model: &str,
     fit: &Fit,
     used: &[Measurement],
 ) -> Result<String, Error> {
     let condition = chosen.state.as_ref().map_or_else(String::new, |hash| format!(", condition ({hash})"));
-    let hash = short_hash([start.bytes()]);
+    let hash = short_hash([original.bytes()]);
     let mut head = vec![format!("model {}, began with {} ({hash}){condition}", in_line(model), in_line(start.name()))];
     head.extend(used.iter().map(line_of));
-    machine_text((start, &chosen.registry.model), &chosen.errors, fit, &head)
+    machine_text((start, &chosen.registry.model), errors, fit, &head)
         .map_err(|reason| Error::usage(format!("cannot write into the text of {}: {reason}", start.name())))
 }
 
@@ -283,7 +284,12 @@ fn chosen(machine: &Machine, names: &[String], found: &mut Diagnostics) -> Resul
         let source = source.map_err(|_| Error::usage("there are too many parameters".into()))?;
         let (named, diagnostics) = parameters::read(&source, &machine.machine, &machine.errors);
         found.extend(diagnostics, std::slice::from_ref(&source));
-        all.extend(named.into_iter().filter(|one| !all.contains(one)).collect::<Vec<_>>());
+        if named.terms.is_some() {
+            return Err(Error::usage(
+                "a stated term needs the text of the machine file: test it with DiagnosisOptions::hypotheses, or fit it with ncfix calibrate --model".into(),
+            ));
+        }
+        all.extend(named.parameters.into_iter().filter(|one| !all.contains(one)).collect::<Vec<_>>());
     }
     Ok(all)
 }

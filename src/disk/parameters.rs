@@ -5,44 +5,91 @@ use std::path::Path;
 use super::files;
 use crate::diagnostics::Diagnostics;
 use crate::error::Error;
-use ncfix_base::source::FileId;
+use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::Machine;
-use ncfix_metrology::calibrate::Parameter;
 use ncfix_metrology::calibrate::candidates::{PiecewisePolynomials, of_component, of_motion};
+use ncfix_metrology::calibrate::{Parameter, effect};
 use ncfix_metrology::measure::data::DataSet;
-use ncfix_metrology::results::parameters::read;
+use ncfix_metrology::results::parameters::{ModelText, read, states_term};
 use ncfix_model::ErrorModel;
 use ncfix_model::name::{ErrorKind, ErrorName};
 use ncfix_model::parameter::ParameterName;
 use ncfix_model::preset::{PRESETS, find};
 
-/// The parameters of `--model`; `None` if there are errors. A preset goes before a file of its name.
+/// The parameters of a model that has no terms that a person states; `None` if there are errors.
 ///
 /// # Errors
-/// If there is neither preset nor file, or the preset does not suit the machine.
+/// If it has such terms, or [`choose_model`] cannot read it.
 pub(crate) fn choose(
     model: &str,
     machine: &Machine,
     errors: &ErrorModel,
     findings: &mut Diagnostics,
 ) -> Result<Option<Vec<Parameter>>, Error> {
-    if let Some(preset) = find(model) {
+    let Some(found) = choose_model(model, machine, errors, findings)? else { return Ok(None) };
+    if found.terms.is_some() {
+        return Err(Error::usage(format!(
+            "{model} states terms, which only `ncfix calibrate --model` and `ncfix diagnose --hypothesis` take; name parameters here, such as EXX1"
+        )));
+    }
+    Ok(Some(found.parameters))
+}
+
+/// The model of `--model`: a preset, a file, or parameters and terms separated by commas; `None` if there are errors. A preset goes before a file of its name.
+///
+/// # Errors
+/// If it is nothing of these, or a preset does not suit the machine.
+pub(crate) fn choose_model(
+    model: &str,
+    machine: &Machine,
+    errors: &ErrorModel,
+    findings: &mut Diagnostics,
+) -> Result<Option<ModelText>, Error> {
+    let of_preset = |name: &str| {
+        let preset = find(name)?;
         let parameters = (preset.parameters)(machine).map_err(|reason| {
-            Error::usage(format!("preset {model} is not applicable to the machine {}: {reason}", machine.name))
-        })?;
-        return Ok(Some(parameters.into_iter().map(Parameter::from).collect()));
+            Error::usage(format!("preset {name} is not applicable to the machine {}: {reason}", machine.name))
+        });
+        Some(parameters.map(|all| all.into_iter().map(Parameter::from).collect::<Vec<_>>()))
+    };
+    if let Some(parameters) = of_preset(model) {
+        return Ok(Some(ModelText { parameters: parameters?, terms: None }));
     }
     let path = Path::new(model);
-    if !path.is_file() {
-        let known: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
-        let known = known.join(", ");
-        return Err(Error::usage(format!("--model {model} is neither a file nor a preset; the presets are {known}")));
-    }
-    let source = files::read_written(path, FileId(0), "parameters of the model, --model")?;
-    let (parameters, found) = read(&source, machine, errors);
-    let is_sound = found.is_empty();
-    findings.extend(found, std::slice::from_ref(&source));
-    Ok(is_sound.then_some(parameters))
+    let (mut parameters, mut lines) = (Vec::new(), Vec::new());
+    let source = if path.is_file() {
+        files::read_written(path, FileId(0), "parameters of the model, --model")?
+    } else {
+        for part in model.split(',').map(str::trim) {
+            if let Some(own) = of_preset(part) {
+                parameters.extend(own?);
+            } else if is_named(part, errors) || states_term(part) {
+                lines.push(part);
+            } else {
+                let known: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
+                let known = known.join(", ");
+                return Err(Error::usage(format!(
+                    "--model {part} is neither a file, nor a preset, a parameter such as EXX1 or a term such as \"EXX ~ Y^2\"; the presets are {known}"
+                )));
+            }
+        }
+        if lines.is_empty() {
+            return Ok(Some(ModelText { parameters, terms: None }));
+        }
+        let text = lines.join("\n").into_bytes();
+        Source::new(FileId(0), "--model", text).map_err(|_| Error::usage("--model is too long".into()))?
+    };
+    let (mut found, faults) = read(&source, machine, errors);
+    let is_sound = faults.is_empty();
+    findings.extend(faults, std::slice::from_ref(&source));
+    found.parameters.retain(|one| !parameters.contains(one));
+    found.parameters.splice(..0, parameters);
+    Ok(is_sound.then_some(found))
+}
+
+/// Whether a text names a parameter of the geometry or of an effect.
+fn is_named(text: &str, errors: &ErrorModel) -> bool {
+    text.parse::<ParameterName>().is_ok() || !effect::named(&effect::effect_parameters(errors), text).is_empty()
 }
 
 /// Candidates at most.

@@ -87,6 +87,18 @@ impl CalibrationReport {
             }
             out.push('\n');
         }
+        if !found.terms.is_empty() {
+            let width = wide(&mut found.terms.iter().map(|one| one.term.chars().count()));
+            let _ = writeln!(out, "{:<width$}{:>12}{:>12}  {:<10}  hypothesis", "stated term", "value", "± 1σ", "unit");
+            for one in &found.terms {
+                let [value, sigma] = [one.value, one.sigma].map(significant);
+                let (term, hypothesis) = (&one.term, &one.hypothesis);
+                // Names of keys have no µ.
+                let unit = one.unit.replacen('u', "µ", 1);
+                let _ = writeln!(out, "{term:<width$}{value:>12}{sigma:>12}  {unit:<10}  {hypothesis}");
+            }
+            out.push('\n');
+        }
         let width = wide(&mut found.data.iter().map(|one| one.name.chars().count()));
         if !found.data.is_empty() {
             let _ = writeln!(

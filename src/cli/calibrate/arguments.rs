@@ -16,6 +16,8 @@ change. If the data cannot separate some parameters, a message names them, and n
 Temperature columns and load_N of a table give the condition of each row. For tables without them, --state, --time and --load give the condition of all \
 measurements, including those held out.
 
+A term states a deviation of your own, as for ncfix diagnose --hypothesis: docs/reference/terms.md. What is no parameter of the machine file gets an entry there.
+
 --select finds the further parameters that the data needs. Candidates are added, removed and exchanged as long as a criterion decreases, are tested with \
 the autocorrelation of the readings, and must improve the prediction of held-out readings. Candidates are presets, motion (all motion errors of the \
 linear axes), errors (EXX), parameters (EXX2@150) and files with one of them per line, separated by commas; errors have degrees up to \
@@ -26,6 +28,7 @@ Examples:
   ncfix calibrate balls.csv --machine start.toml --model mayer-13 -o machine.toml --report balls.html
   ncfix calibrate balls.csv --machine start.toml --model growth.txt --state shift.csv --load 2000 -o machine.toml
   ncfix calibrate laser.csv --machine start.toml --model none --select motion --knots 50mm -o machine.toml
+  ncfix calibrate grid.csv --machine start.toml --model \"EC0X,EXX ~ Y^2,backlash EXX\" -o machine.toml
   ncfix calibrate laser.csv level.csv --machine start.toml --model spaan-21 --select EXX,EYX1@300 -o machine.toml";
 
 /// `ncfix calibrate`.
@@ -37,8 +40,8 @@ pub(in crate::cli) struct CalibrateArguments {
     /// Initial machine file
     #[arg(long, value_name = "START.toml")]
     pub(in crate::cli) machine: PathBuf,
-    /// Parameters to fit: a preset (see `ncfix machine presets`), a file with one per line, or none with --select
-    #[arg(long, value_name = "PRESET|FILE")]
+    /// Parameters to fit: a preset (see `ncfix machine presets`), a file with one per line, or presets, parameters and terms such as "EXX ~ Y^2", separated by commas; none with --select
+    #[arg(long, value_name = "PRESET|FILE|TERMS")]
     pub(in crate::cli) model: String,
     /// Candidates from which the data selects further parameters: presets, motion, EXX, EXX2@150 or files, separated by commas
     #[arg(long, value_name = "CANDIDATES")]

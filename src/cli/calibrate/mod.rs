@@ -15,9 +15,15 @@ use crate::cli::pages::{self, Pages};
 use crate::cli::progress::Progress;
 use crate::cli::stop::Stop;
 use crate::cli::{parameters, print, state, tell};
-use ncfix_base::source::FileId;
+use crate::machine::Machine;
+use ncfix_base::source::{FileId, Source};
+use ncfix_metrology::calibrate::Parameter;
 use ncfix_metrology::calibrate::candidates::PiecewisePolynomials;
+use ncfix_metrology::measure::data::DataSet;
 use ncfix_metrology::results::calibration::{CalibrationSettings, CalibrationStart, check_sizes, prepare};
+use ncfix_metrology::results::measurement::Measurement;
+use ncfix_metrology::results::parameters::ModelText;
+use ncfix_metrology::results::stated::{StatedStart, start_with_terms};
 use ncfix_report::calibration::CalibrationReport;
 use ncfix_report::{json, page};
 
@@ -85,10 +91,10 @@ fn calibrate(
     }
     report.found.machine.clone_from(&chosen.machine.name);
     let parameters = match arguments.model.as_str() {
-        "none" if arguments.select.is_some() => Some(Vec::new()),
-        model => parameters::choose(model, &chosen.machine, &chosen.errors, findings)?,
+        "none" if arguments.select.is_some() => Some(ModelText::default()),
+        model => parameters::choose_model(model, &chosen.machine, &chosen.errors, findings)?,
     };
-    let begin = CalibrationStart { machine: &chosen.machine, errors: &chosen.errors, condition: &chosen.condition };
+    let mut begin = CalibrationStart { machine: &chosen.machine, errors: &chosen.errors, condition: &chosen.condition };
     let mut all = Vec::new();
     for (number, path) in arguments.data.iter().chain(&arguments.hold_out).enumerate() {
         let read = measurement::read(path, number, false, &chosen.machine, findings)?;
@@ -98,7 +104,9 @@ fn calibrate(
         }
         all.extend(read);
     }
-    let Some(parameters) = parameters.filter(|_| !findings.has_errors()) else { return Ok(()) };
+    let Some(ModelText { mut parameters, terms }) = parameters.filter(|_| !findings.has_errors()) else {
+        return Ok(());
+    };
     if chosen.state.is_some() {
         all.iter_mut().for_each(|one| one.data.fill_in(&chosen.condition));
     }
@@ -110,6 +118,18 @@ fn calibrate(
         significance: arguments.significance,
         with_readings: arguments.page.is_wanted(),
     };
+    let grown = match terms {
+        Some(terms) => {
+            let grown = grow(&chosen, &start, (&terms, parameters), &all, arguments.data.len(), findings);
+            let Some(grown) = grown else { return Ok(()) };
+            parameters = grown.parameters.clone();
+            report.found.terms.clone_from(&grown.terms);
+            Some(grown)
+        }
+        None => None,
+    };
+    let (from, errors) = grown.as_ref().map_or((&start, &chosen.errors), |grown| (&grown.source, &grown.errors));
+    begin.errors = errors;
     let sources = measurement::sources_of(&all);
     let mut found = Vec::new();
     let prepared = prepare(begin, settings, all, arguments.data.len(), parameters, &mut found, &mut report.found);
@@ -120,7 +140,7 @@ fn calibrate(
             let data = prepared.data();
             let pieces = PiecewisePolynomials { spacing_mm: arguments.knots, degree: arguments.degree };
             let choice = (words.as_str(), pieces);
-            let found = parameters::candidates(choice, &chosen.machine, &chosen.errors, &data, findings)?;
+            let found = parameters::candidates(choice, &chosen.machine, errors, &data, findings)?;
             if found.is_none() {
                 return Ok(());
             }
@@ -135,8 +155,25 @@ fn calibrate(
     line.clear();
     findings.extend(found, &sources);
     let Some(fit) = fit.filter(|_| !findings.has_errors()) else { return Ok(()) };
-    let text = text_of(&chosen, &start, &arguments.model, &fit, prepared.used())?;
+    let text = text_of((&chosen, errors), (&start, from), &arguments.model, &fit, prepared.used())?;
     files.add(target, text.as_bytes())?;
     report.output = Some(arguments.output.display().to_string());
     Ok(())
+}
+
+/// The start with the terms that are stated; `None` if there are errors.
+fn grow(
+    chosen: &Machine,
+    start: &Source,
+    (terms, parameters): (&Source, Vec<Parameter>),
+    all: &[Measurement],
+    used: usize,
+    findings: &mut Findings,
+) -> Option<StatedStart> {
+    let sets: Vec<DataSet> = all.iter().take(used).map(|one| one.data.clone()).collect();
+    let mut found = Vec::new();
+    let from = (start, &chosen.registry.model);
+    let grown = start_with_terms(from, (&chosen.machine, &chosen.errors), (terms, parameters), &sets, &mut found);
+    findings.extend(found, std::slice::from_ref(terms));
+    grown
 }

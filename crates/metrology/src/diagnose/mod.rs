@@ -75,6 +75,7 @@ pub use rejected::{Gate, Rejected, TriedCause};
 pub use scene::Scene;
 pub use separate::commands;
 pub use share::VarianceShare;
+pub(crate) use size::EXPANDED;
 pub(crate) use size::is_angle;
 pub use size::{Amounts, Size};
 pub use verdict::{AcceptedCause, DiagnosedCauses, diagnose, diagnose_with, reads_angles};

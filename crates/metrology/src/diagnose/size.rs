@@ -7,7 +7,7 @@ use ncfix_base::geometry::{AXES, Axis};
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 
 /// 95 % of a normal distribution, in standard deviations.
-pub(super) const EXPANDED: f64 = 1.96;
+pub(crate) const EXPANDED: f64 = 1.96;
 /// mm/s² in m/s², and s in ms.
 const THOUSAND: f64 = 1e3;
 /// Parts in a million: µm/m, µrad.

@@ -19,11 +19,14 @@ use super::scene::Scene;
 use super::search::{Field, Taken, Weights};
 use super::separate::{self, separating};
 use super::share::{VarianceShare, shares};
-use super::size::{Amounts, Size, size};
+use super::size::{self, Amounts, EXPANDED, Size, size};
 use super::volume::Volume;
+use ncfix_base::units::um_from_mm;
 
 /// Rounds of taking such readings out.
 const ROUNDS: usize = 3;
+/// A shape whose size is so many times the range of its effect on the readings is absorbed.
+const FAR: f64 = 3.0;
 /// Gains that differ by less than one part in so many are the same.
 const ROUNDED: f64 = 1e6;
 /// A share of a time constant.
@@ -40,6 +43,8 @@ pub struct AcceptedCause {
     pub amounts: Amounts,
     /// Its size as people name it.
     pub size: Size,
+    /// True if set-ups or other terms absorb most of it: the size is that of its visible part, and a program must not use it.
+    pub is_partly_visible: bool,
     /// Root of the mean square of what it does to the readings beyond what set-ups take, mm or rad.
     pub rms: f64,
     /// What it does to each reading that was used, beyond what set-ups take, in the order of [`Scene::items`], mm or rad.
@@ -133,7 +138,16 @@ pub(super) struct Settled<'f, 's, 'a> {
     chosen: &'f [Chosen],
 }
 
-impl Settled<'_, '_, '_> {
+impl<'f, 's, 'a> Settled<'f, 's, 'a> {
+    /// A search that has not found anything: the first of the weights are of the readings used, the second of those held out; all measurements up to `used` were used.
+    pub(super) fn open(
+        field: &'f mut Field<'s, 'a>,
+        [weights, held_out]: [&'f Weights; 2],
+        (causes, bare, used): (&'f Causes, &'f Scene<'f>, usize),
+    ) -> Settled<'f, 's, 'a> {
+        Settled { field, weights, held_out, kept: &[], used, causes, bare, chosen: &[] }
+    }
+
     /// The verdict with other candidates than those that were accepted.
     pub(super) fn verdict_of(&self, kept: &[(Taken, f64)]) -> DiagnosedCauses {
         let rejections = Rejections::default();
@@ -300,6 +314,15 @@ fn verdict(
         let mut size = size(candidate, &amounts, scene, used);
         size.u95 = size.u95.max(u95(candidate, &amounts, &own_without, scene, used).unwrap_or(0.0));
         let does = doing(field, weights, weights, &taken, term.candidate);
+        let rms = rms(counts(scene, weights).into_iter().filter_map(|place| does.get(place).copied()));
+        let alone = swing(scene, weights, &does);
+        let is_partly_visible = absorbed(candidate, &size, alone);
+        if is_partly_visible {
+            let squares: f64 = does.iter().zip(&weights.items).map(|(own, weight)| (own * weight).powi(2)).sum();
+            let scatter = candidate.columns.len() as f64 * noise * inflation;
+            let u95 = um_from_mm(alone) * EXPANDED * (scatter / squares.max(f64::MIN_POSITIVE)).sqrt();
+            size = Size { value: um_from_mm(alone), u95, unit: "um" };
+        }
         let class = class(field, weights, (term.candidate, &others), memory, noise * inflation);
         let rival = class.get(1).and_then(|&number| field.candidates.get(number));
         let (is_wave, scatter) = (candidate.cause.effect == EffectKind::Periodic, (memory, noise * inflation));
@@ -347,8 +370,9 @@ fn verdict(
         findings.push(AcceptedCause {
             by_file,
             size,
-            rms: rms(counts(scene, weights).into_iter().filter_map(|place| does.get(place).copied())),
-            alone: swing(scene, weights, &does),
+            is_partly_visible,
+            rms,
+            alone,
             doing: does,
             amounts,
             chance: term.chance,
@@ -394,6 +418,17 @@ fn verdict(
         tried: field.tried,
         memory,
     }
+}
+
+/// Whether the readings show only a part of a shape: its size over the places is not determined, or far beyond its effect on them.
+fn absorbed(candidate: &Candidate, size: &Size, alone: f64) -> bool {
+    let is_shape = candidate.columns.len() > 1
+        && matches!(
+            candidate.cause.effect,
+            EffectKind::Motion | EffectKind::Cross | EffectKind::Drift | EffectKind::Unknown
+        );
+    let is_length = size.unit == "um" && !size::is_angle(candidate);
+    is_shape && is_length && (size.u95 >= size.value.abs() || size.value.abs() > FAR * um_from_mm(alone))
 }
 
 /// What a small share more of each time constant would do, per share.

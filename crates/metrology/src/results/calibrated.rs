@@ -6,6 +6,7 @@ use super::compared::{MeasurementPart, ReadingSeries};
 use super::figures;
 use super::not_identified::LeftOut;
 use super::selection::Selection;
+use super::stated::StatedEstimate;
 use ncfix_base::units::Unit;
 
 /// Calibration of a machine. Uncertainties are standard uncertainties.
@@ -14,6 +15,9 @@ use ncfix_base::units::Unit;
 pub struct CalibrationResult {
     /// Parameters of the machine.
     pub parameters: Vec<EstimateReport>,
+    /// Stated terms that the machine file holds as tables, with their amounts; other stated terms are among the parameters.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub terms: Vec<StatedEstimate>,
     /// Unknowns of the set-ups.
     pub unknowns: Vec<EstimateReport>,
     /// Parameters of the model that were left out because the data do not determine them.

@@ -267,7 +267,7 @@ impl ExtensionJob<'_> {
 const LOST: f64 = 1.01;
 
 /// Makes one change in a text. Returns its place, or the reason why it fails.
-fn made(from: (&Source, &ModelRegisters), text: &mut String, change: &Change) -> Result<Anchor, String> {
+pub(super) fn made(from: (&Source, &ModelRegisters), text: &mut String, change: &Change) -> Result<Anchor, String> {
     let no = || "it conflicts with an entry of the machine file".to_owned();
     let anchor = if let Change::Parameter { name, amount } = change {
         let read = load(from, text).ok_or_else(no)?;
@@ -333,7 +333,7 @@ fn estimates(changes: &[Change], fitted: Option<&Fit>) -> Vec<(String, f64, f64,
 }
 
 /// The errors of a machine file.
-fn load((old, registers): (&Source, &ModelRegisters), text: &str) -> Option<ErrorModel> {
+pub(super) fn load((old, registers): (&Source, &ModelRegisters), text: &str) -> Option<ErrorModel> {
     let source = Source::new(MACHINE, old.name(), text.as_bytes().to_vec()).ok()?;
     file::load_with(&source, registers).0.map(|(_, errors)| errors)
 }

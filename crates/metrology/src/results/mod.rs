@@ -26,6 +26,7 @@ mod repeated;
 pub mod selection;
 pub mod sensors;
 pub mod simulated;
+pub mod stated;
 pub mod weighed;
 
 use ncfix_base::diagnostic::Diagnostic;

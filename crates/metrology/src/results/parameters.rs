@@ -1,4 +1,4 @@
-//! Parameters by name, from a text.
+//! The model of a calibration from a text: parameters by name, and terms that a person states.
 
 use std::collections::HashSet;
 
@@ -7,8 +7,8 @@ use crate::calibrate::effect::{self, EffectParameter, effect_parameters};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::{Source, Span};
 use ncfix_machine::machine::Machine;
-use ncfix_model::ErrorModel;
 use ncfix_model::parameter::ParameterName;
+use ncfix_model::{ErrorModel, ErrorName};
 
 /// Maximum number of names in a help text.
 const MOST_SHOWN: usize = 12;
@@ -29,16 +29,38 @@ fn no_effect(text: &str, effects: &[EffectParameter]) -> Option<(String, String)
     Some((format!("{text} is not a parameter of [[{section}]]"), format!("there are {shown}{more}")))
 }
 
-/// The parameters of a text: one per line, with comments after `#`. Diagnostics for invalid and repeated lines.
+/// A model as a text states it.
+#[derive(Clone, Debug, Default)]
+pub struct ModelText {
+    /// Parameters that are named.
+    pub parameters: Vec<Parameter>,
+    /// The lines that state terms, at their places in the text: what [`crate::diagnose::stated::read`] reads; `None` without any.
+    pub terms: Option<Source>,
+}
+
+/// Whether a line of a model states a term: parameters have no spaces, signs or points but those of effects.
 #[must_use]
-pub fn read(source: &Source, machine: &Machine, errors: &ErrorModel) -> (Vec<Parameter>, Vec<Diagnostic>) {
+pub fn states_term(text: &str) -> bool {
+    let is_component = |name: &str| name.parse::<ErrorName>().is_ok();
+    text.contains(|sign: char| sign.is_whitespace() || "~*(=".contains(sign))
+        || text.split_once('.').is_some_and(|(name, _)| is_component(name))
+}
+
+/// The model of a text: a parameter or a term per line, with comments after `#`. Diagnostics for invalid and repeated lines.
+#[must_use]
+pub fn read(source: &Source, machine: &Machine, errors: &ErrorModel) -> (ModelText, Vec<Diagnostic>) {
     let (mut parameters, mut findings) = (Vec::new(), Vec::new());
+    // Other lines become comments of their length.
+    let mut terms = Vec::new();
+    let mut has_terms = false;
     let effects = effect_parameters(errors);
     let mut seen = HashSet::new();
     let mut start = 0;
     for line in source.bytes().split(|&byte| byte == b'\n' || byte == b'\r') {
         let first = start;
         start += line.len() + 1;
+        terms.resize(first, b'\n');
+        terms.extend(std::iter::repeat_n(b'#', line.len()));
         let content = line.split(|&byte| byte == b'#').next().unwrap_or_default();
         let word = content.trim_ascii();
         if word.is_empty() {
@@ -65,7 +87,13 @@ pub fn read(source: &Source, machine: &Machine, errors: &ErrorModel) -> (Vec<Par
             report(message, &help);
             continue;
         }
-        let help = "write one in each line: EC0Y, EXX1, EXXb, EXX2@150, load.EAX or drift; comments begin with #";
+        if states_term(&text) {
+            has_terms = true;
+            terms.truncate(first);
+            terms.extend_from_slice(line);
+            continue;
+        }
+        let help = "write one in each line: EC0Y, EXX1, EXXb, EXX2@150, load.EAX, drift, or a term such as EXX ~ Y^2; comments begin with #";
         match text.parse::<ParameterName>() {
             Err(_) => report(format!("'{text}' is not a parameter"), help),
             Ok(name) => match name.component.axis().filter(|&axis| machine.axis(axis).is_none()) {
@@ -80,9 +108,10 @@ pub fn read(source: &Source, machine: &Machine, errors: &ErrorModel) -> (Vec<Par
             },
         }
     }
-    if parameters.is_empty() && findings.is_empty() {
+    if parameters.is_empty() && findings.is_empty() && !has_terms {
         let place = Place { file: source.id(), span: Span::new(0, source.bytes().len().min(1)) };
         findings.push(Diagnostic::at(Code::BAD_PARAMETER, place, "the file names no parameter", "write at least one"));
     }
-    (parameters, findings)
+    let terms = Source::new(source.id(), source.name(), terms).ok().filter(|_| has_terms);
+    (ModelText { parameters, terms }, findings)
 }

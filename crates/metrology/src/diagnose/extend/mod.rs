@@ -87,6 +87,14 @@ pub(super) fn of_one(
     is_sound(one, left).and_then(|()| changes(one, scene, used))
 }
 
+/// The changes for a term that a person states, or why the machine file cannot hold it.
+///
+/// # Errors
+/// Why it cannot.
+pub(super) fn of_stated(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Result<Vec<Change>, String> {
+    changes(one, scene, used)
+}
+
 /// Of the findings that would be written the one without which what is written would say the readings better.
 fn leaning(found: &DiagnosedCauses, scene: &Scene<'_>, written: &[Result<Vec<Change>, String>]) -> Option<usize> {
     let is_written = |number: &usize| written.get(*number).is_some_and(Result::is_ok);
@@ -157,6 +165,9 @@ fn is_sound(one: &AcceptedCause, left: f64) -> Result<(), String> {
         return Err(format!(
             "{what}: between these positions its effect is not known; measure at unevenly spaced points or in small steps"
         ));
+    }
+    if one.is_partly_visible {
+        return Err("the unknowns of the set-ups or other findings absorb a part of it: only the visible part has a size; describe what is known of the set-ups, or measure more of them".into());
     }
     if one.rms > CANCELS * left {
         let times = one.rms / left;
@@ -398,6 +409,7 @@ mod tests {
             candidate: bench::candidate(EffectKind::Motion, Through::Component("EXX".parse().unwrap()), |_| 1.0),
             amounts: Amounts::default(),
             size: Size { value: um, u95: 0.1, unit: "um" },
+            is_partly_visible: false,
             rms,
             doing: Vec::new(),
             alone: 0.0,

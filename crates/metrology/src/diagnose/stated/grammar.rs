@@ -185,6 +185,11 @@ impl<'t> Reader<'t, '_> {
             let terms = self.sum();
             return Some(StatedContent::Sum(through?, terms?));
         }
+        if let Some(at) = own.find('=') {
+            let from = span.start as usize + at;
+            self.fault(Span::new(from, from + 1), "'=' has no meaning here", EXAMPLES.to_owned());
+            return None;
+        }
         let first = match self.peek() {
             Some(Token::Word(word)) => *word,
             _ => "",

@@ -3,7 +3,7 @@
 //! The evidence is the ratio of the marginal likelihoods with and without the hypothesis ([`crate::diagnose::explain::likelihood`]), as a natural logarithm. Both sides have
 //! the memory of the noise that suits them best, so that slow noise is no evidence. It holds no odds: those are for the person who states the hypothesis.
 
-use super::super::cause::{Candidate, Causes, Correctable, EffectKind};
+use super::super::cause::{Candidate, Causes, Correctable};
 use super::super::contest::group;
 use super::super::explain::contest::evidences;
 use super::super::extend::{self, Change};
@@ -11,24 +11,16 @@ use super::super::fold::confirmed;
 use super::super::held_out::{settled, unseen};
 use super::super::readings::left_of;
 use super::super::row::SceneRow;
-use super::super::scene::{Scene, Through};
-use super::super::search::{Field, Taken};
+use super::super::scene::Scene;
+use super::super::search::Taken;
 use super::super::shape::{Driver, driver};
-use super::super::size::{Amounts, EXPANDED};
-use super::super::verdict::{AcceptedCause, DiagnosedCauses, Settled, class, diagnose_then};
-use super::build::{AmountUnit, Built, of_shape, of_sum};
-use super::form::{StatedContent, StatedHypothesis, TermAmount};
+use super::super::verdict::{DiagnosedCauses, Settled, class, diagnose_then};
+use super::form::{StatedHypothesis, TermAmount};
+use super::subject::{Subject, amounts, subject};
 use ncfix_base::geometry::AXES;
 use ncfix_base::numeric::both;
 
-/// A finding that takes this share of the squares of a hypothesis stands for it.
-const STANDS: f64 = 0.9;
-/// A column of which set-ups and other terms leave less than this share shows nothing of its own.
-const OWN: f64 = 1e-9;
-/// An effect of the usual size that changes the readings by less than this, in standard deviations of all of them together, is not visible: as in the likelihood.
-const FAINT: f64 = 0.3;
-/// Variants of a named cause that are compared, and rivals, at most.
-const VARIANTS: usize = 6;
+/// Rivals that are compared, at most.
 const RIVALS: usize = 6;
 /// Hypotheses of which all combinations are compared, at most.
 const COMBINED: usize = 6;
@@ -127,15 +119,6 @@ pub fn diagnose_stated(
     (found, trials)
 }
 
-/// A hypothesis with the number of its candidate among those of the field.
-struct Subject {
-    number: usize,
-    units: Vec<AmountUnit>,
-    variants: usize,
-    /// Places among the accepted candidates that stand for it.
-    stand_ins: Vec<usize>,
-}
-
 fn of_all(
     stated: &[StatedHypothesis],
     mut outcome: Settled<'_, '_, '_>,
@@ -166,170 +149,6 @@ fn of_all(
         }
     }
     StatedTrials { trials, sets }
-}
-
-/// The candidate of a hypothesis, or why these readings have none.
-fn subject(one: &StatedHypothesis, outcome: &mut Settled<'_, '_, '_>) -> Result<Subject, String> {
-    let scene = outcome.field.scene;
-    let (number, units, variants) = match &one.statement {
-        StatedContent::Sum(through, terms) => {
-            let Built { candidate, amounts } = of_sum(scene, *through, terms)?;
-            (enter(outcome.field, candidate), amounts, 1)
-        }
-        StatedContent::Shape(name) => {
-            let candidate = of_shape(scene, name).ok_or("the axes of the machine have no term of this name")?;
-            (enter(outcome.field, candidate), Vec::new(), 1)
-        }
-        StatedContent::Named(effect, parameter) => {
-            let (number, variants) = named(outcome, *effect, parameter)?;
-            (number, Vec::new(), variants)
-        }
-    };
-    visible(outcome, number, !units.is_empty(), &units)?;
-    let stand_ins = stand_ins(outcome, number);
-    Ok(Subject { number, units, variants, stand_ins })
-}
-
-fn enter(field: &mut Field<'_, '_>, candidate: Candidate) -> usize {
-    field.know(&candidate);
-    field.candidates.push(candidate);
-    field.candidates.len() - 1
-}
-
-/// The best variant of a cause, and the number of variants: an accepted one if there is one, else the one that explains most for its columns.
-fn named(outcome: &Settled<'_, '_, '_>, effect: EffectKind, parameter: &str) -> Result<(usize, usize), String> {
-    let field = &*outcome.field;
-    let is_one = |number: &usize| {
-        field.candidates.get(*number).is_some_and(|one| one.cause.effect == effect && one.parameter == parameter)
-    };
-    let all: Vec<usize> = (0..field.candidates.len()).filter(is_one).collect();
-    if all.is_empty() {
-        let mut known: Vec<String> = Vec::new();
-        for one in field.candidates.iter().filter(|one| one.cause.effect == effect) {
-            if !known.contains(&one.parameter) {
-                known.push(one.parameter.clone());
-            }
-        }
-        return Err(if known.is_empty() {
-            format!("these readings have nothing on which {effect} could depend")
-        } else {
-            format!("{effect} has no parameter {parameter} here, only {}", known.join(", "))
-        });
-    }
-    if let Some((taken, _)) = outcome.kept.iter().find(|(taken, _)| all.contains(&taken.candidate)) {
-        return Ok((taken.candidate, all.len()));
-    }
-    let series = field.series(outcome.weights, &[], 0.0);
-    let count = (series.count() as f64).max(2.0);
-    // By the criterion of Schwarz (1978).
-    let worth = |number: usize| {
-        let gain = series.gain(&field.columns_of(number));
-        let rest = (series.squares() - gain.squares).max(f64::MIN_POSITIVE);
-        -count * rest.ln() - gain.rank as f64 * count.ln()
-    };
-    let mut order: Vec<(f64, usize)> = all.iter().map(|&number| (worth(number), number)).collect();
-    order.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    order.truncate(VARIANTS);
-    let some: Vec<usize> = order.iter().map(|(_, number)| *number).collect();
-    let groups: Vec<_> =
-        some.iter().filter_map(|&number| field.candidates.get(number)).map(|one| group(field, one)).collect();
-    let sets: Vec<Vec<usize>> = (0..groups.len()).map(|k| vec![k]).collect();
-    let found = evidences(field.scene, &outcome.weights.items, &groups, &sets);
-    let best = some.iter().zip(found).max_by(|a, b| a.1.total_cmp(&b.1)).map(|(number, _)| *number);
-    best.map(|number| (number, all.len())).ok_or_else(|| format!("{effect} {parameter} has no form here"))
-}
-
-/// Checks that the readings can show a candidate.
-///
-/// # Errors
-/// Why they cannot.
-fn visible(outcome: &Settled<'_, '_, '_>, number: usize, has_terms: bool, units: &[AmountUnit]) -> Result<(), String> {
-    let field = &*outcome.field;
-    let Some(one) = field.candidates.get(number) else { return Err("there is no candidate".into()) };
-    let weights = outcome.weights;
-    let columns = field.columns_of(number);
-    let squares =
-        |column: &[f64]| column.iter().zip(&weights.items).map(|(value, weight)| (value * weight).powi(2)).sum::<f64>();
-    let still = still(outcome, one);
-    let because = if still.is_empty() { String::new() } else { format!(": {}", still.join(" and ")) };
-    if columns.iter().all(|column| squares(column) == 0.0) {
-        let has_effect = one
-            .columns
-            .iter()
-            .flatten()
-            .any(|(through, _)| field.factors.get(through).is_some_and(|factors| squares(factors) > 0.0));
-        return Err(match (has_effect, one.columns.first().and_then(|parts| parts.first())) {
-            (true, _) => format!("its drivers have no value, or stay at zero, in these readings{because}"),
-            (false, Some((Through::Component(name), _))) => format!("no reading responds to {name}"),
-            (false, _) => "no reading responds to it".into(),
-        });
-    }
-    let mut series = field.series(weights, &[], 0.0);
-    let mut of_setups = Vec::new();
-    for column in &columns {
-        series.set_values(column);
-        of_setups.push(series.squares());
-    }
-    if columns.iter().zip(&of_setups).all(|(column, rest)| *rest <= OWN * squares(column)) {
-        return Err(format!("the unknowns of the set-ups absorb it completely{because}"));
-    }
-    if has_terms {
-        let mut beside = field.series(weights, &[], 0.0);
-        for (place, column) in columns.iter().enumerate() {
-            if !beside.take(column) {
-                let own = units.iter().rev().find(|unit| unit.column <= place).map_or("", |unit| unit.term.as_str());
-                return Err(format!(
-                    "the readings cannot separate {own} from the other terms and the unknowns of the set-ups{because}"
-                ));
-            }
-        }
-    }
-    let group = group(field, one);
-    let is_faint = of_setups.iter().zip(&group.sizes).all(|(rest, size)| rest.sqrt() * size < FAINT);
-    if is_faint {
-        return Err(
-            "of its usual size it would change all readings together by less than a third of their noise".into()
-        );
-    }
-    Ok(())
-}
-
-/// Drivers that stay where they are, in words.
-fn still(outcome: &Settled<'_, '_, '_>, one: &Candidate) -> Vec<String> {
-    let scene = outcome.field.scene;
-    let is_used = |row: usize| scene.rows.get(row).is_some_and(|row| row.set < outcome.used);
-    let of = |name: &String| {
-        let found = driver(scene, name)?;
-        let values = found.values.iter().enumerate().filter(|(row, value)| is_used(*row) && value.is_finite());
-        let (low, high) = values
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (_, value)| (low.min(*value), high.max(*value)));
-        let unit = if found.unit.is_empty() { String::new() } else { format!(" {}", found.unit) };
-        (high >= low && high - low <= 1e-9 * high.abs().max(low.abs())).then(|| format!("{name} stays at {low}{unit}"))
-    };
-    one.drivers.iter().filter_map(of).collect()
-}
-
-/// Places among the accepted candidates that have the effect of a hypothesis on the readings.
-fn stand_ins(outcome: &Settled<'_, '_, '_>, number: usize) -> Vec<usize> {
-    let field = &*outcome.field;
-    let columns = field.columns_of(number);
-    let (amounts, _) = field.series(outcome.weights, &[], 0.0).amounts(&columns);
-    let mut effect = vec![0.0; field.scene.items.len()];
-    for (column, amount) in columns.iter().zip(&amounts) {
-        effect.iter_mut().zip(column).for_each(|(sum, value)| *sum += amount * value);
-    }
-    let mut series = field.series(outcome.weights, &[], 0.0);
-    // The whole, and each term: one that a finding absorbs would get no amount beside it.
-    let parts: Vec<&Vec<f64>> = std::iter::once(&effect).chain(&columns).collect();
-    let mut absorbs = |taken: &Taken| {
-        let own = field.columns_of(taken.candidate);
-        parts.iter().any(|part| {
-            series.set_values(part);
-            series.gain(&own).squares > STANDS * series.squares()
-        })
-    };
-    let kept = outcome.kept.iter().enumerate();
-    kept.filter(|(_, (taken, _))| taken.candidate == number || absorbs(taken)).map(|(place, _)| place).collect()
 }
 
 /// Velocity of an axis by row, mm/s; `None` if the driver is no velocity.
@@ -388,7 +207,7 @@ fn judge(
     if let Some(accepted) = found.findings.iter().find(|own| key(&own.candidate) == key(one)) {
         trial.rms = accepted.rms;
         trial.alone = accepted.alone;
-        trial.amounts = amounts(trial, subject, accepted);
+        trial.amounts = amounts(&trial.name, subject, accepted);
         trial.separate_by = accepted.separate_by.clone().filter(|_| !trial.rivals.is_empty());
         let changes = if trial.evidence_beside > 0.0 {
             extend::of_one(accepted, found.used.before.rms, (scene, outcome.used))
@@ -479,45 +298,6 @@ fn gain(
         note("hypotheses", share)
     });
     trial.gain = kept.iter().find(|(taken, _)| taken.candidate == subject.number).map(|(_, gain)| *gain).or(stopped);
-}
-
-/// Amounts of the terms; of a named cause its size.
-fn amounts(trial: &HypothesisTrial, subject: &Subject, accepted: &AcceptedCause) -> Vec<TermAmount> {
-    if subject.units.is_empty() {
-        let size = &accepted.size;
-        let (term, unit) = (trial.name.clone(), size.unit.to_owned());
-        return vec![TermAmount { term, value: size.value, u95: size.u95, unit }];
-    }
-    // Parts that were left out may say that an amount is less sure.
-    let inflation = match (accepted.size.value.abs(), accepted.amounts.values.as_slice()) {
-        (value, [amount]) if value > 0.0 && *amount != 0.0 => {
-            let relative = accepted.size.u95 / value;
-            let own = accepted.amounts.u95(0) / amount.abs();
-            if own > 0.0 && relative.is_finite() { (relative / own).max(1.0) } else { 1.0 }
-        }
-        _ => 1.0,
-    };
-    subject.units.iter().map(|unit| amount(unit, &accepted.amounts, inflation)).collect()
-}
-
-fn amount(unit: &AmountUnit, amounts: &Amounts, inflation: f64) -> TermAmount {
-    let count = amounts.values.len();
-    let at = |k: usize| amounts.values.get(k).copied().unwrap_or(0.0);
-    let mut along = vec![0.0; count];
-    let parts: Vec<usize> = if unit.is_wave { vec![unit.column, unit.column + 1] } else { vec![unit.column] };
-    let length = parts.iter().map(|&k| at(k) * at(k)).sum::<f64>().sqrt();
-    for &k in &parts {
-        if let Some(one) = along.get_mut(k) {
-            *one = if unit.is_wave && length > 0.0 { at(k) / length } else { 1.0 };
-        }
-    }
-    let (value, sigma) = amounts.form(&along);
-    TermAmount {
-        term: unit.term.clone(),
-        value: unit.factor * value,
-        u95: inflation * EXPANDED * unit.factor.abs() * sigma,
-        unit: unit.unit.clone(),
-    }
 }
 
 /// Probabilities of combinations of visible hypotheses beside the findings that stand for none of them, with even odds of each.

@@ -1,0 +1,83 @@
+//! Stated terms as parts of a model: a joint fit gives each its amounts, and the changes of the machine file that hold it.
+
+use super::super::cause::{Candidate, Causes, Term, UNNAMED, Weight};
+use super::super::extend::{self, Change};
+use super::super::readings::{even_out, left_of, weights};
+use super::super::scene::{Scene, Through};
+use super::super::search::{Field, Taken};
+use super::super::verdict::{AcceptedCause, Settled, propose};
+use super::form::{StatedContent, StatedHypothesis, TermAmount};
+use super::subject::{amounts, enter, subject};
+use ncfix_machine::machine::State;
+use ncfix_model::ParameterName;
+use ncfix_model::parameter::ComponentTerm;
+
+/// A stated term in a model.
+#[derive(Clone, Debug)]
+pub enum ModelTerm {
+    /// Parameters of the machine file, which a calibration fits as any others.
+    Parameters(Vec<ParameterName>),
+    /// Changes of the machine file that a fit of the readings gives, with the amounts of the terms.
+    Changes(Vec<Change>, Vec<TermAmount>),
+}
+
+/// Fits stated terms to all readings of a scene, beside the parameters of a model; `bare` has the readings without any model. The outcome for each term is its part of the model, or why there
+/// is none.
+#[must_use]
+pub fn stated_model(
+    stated: &[StatedHypothesis],
+    beside: &[ParameterName],
+    causes: &Causes,
+    scene: &Scene<'_>,
+    bare: &Scene<'_>,
+) -> Vec<Result<ModelTerm, String>> {
+    let has_names = stated.iter().any(|one| matches!(one.statement, StatedContent::Named(..)));
+    let mut field = if has_names { Field::new(scene, propose(causes, scene)) } else { Field::new(scene, Vec::new()) };
+    let used = scene.sets.len();
+    let (mut own, held_out) = weights(scene, used);
+    let mut kept: Vec<(Taken, f64)> =
+        beside.iter().map(|&name| (taken(enter(&mut field, of_parameter(name))), 0.0)).collect();
+    let mut subjects = Vec::new();
+    // Noise of the measurements is that beside all terms.
+    for is_last in [false, true] {
+        let mut outcome = Settled::open(&mut field, [&own, &held_out], (causes, bare, used));
+        subjects = stated.iter().map(|one| subject(one, &mut outcome)).collect();
+        if is_last {
+            break;
+        }
+        let numbers: Vec<usize> =
+            kept.iter().map(|(one, _)| one.candidate).chain(subjects.iter().flatten().map(|one| one.number)).collect();
+        let left = left_of(&field, &own, &numbers);
+        even_out(scene, &mut own, &left);
+    }
+    kept.extend(subjects.iter().flatten().map(|one| (taken(one.number), 0.0)));
+    let found = Settled::open(&mut field, [&own, &held_out], (causes, bare, used)).verdict_of(&kept);
+    let key = |one: &Candidate| one.columns.first().and_then(|parts| parts.first()).map(|(_, weight)| weight.key());
+    let of = |one: Result<super::subject::Subject, String>| {
+        let one = one?;
+        let candidate = field.candidates.get(one.number).ok_or("it has no effect")?;
+        if let Term::Parameters(names) = &candidate.term {
+            return Ok(ModelTerm::Parameters(names.clone()));
+        }
+        let is_own = |own: &&AcceptedCause| key(&own.candidate) == key(candidate);
+        let accepted = found.findings.iter().find(is_own).ok_or("the readings do not determine its size")?;
+        let changes = extend::of_stated(accepted, scene, used)?;
+        let name = format!("{} {}", candidate.cause.effect, candidate.parameter);
+        Ok(ModelTerm::Changes(changes, amounts(name.trim_end(), &one, accepted)))
+    };
+    subjects.into_iter().map(of).collect()
+}
+
+fn taken(candidate: usize) -> Taken {
+    Taken { candidate, chance: 0.0 }
+}
+
+/// The effect of a parameter of the machine file.
+fn of_parameter(name: ParameterName) -> Candidate {
+    let axis = name.component.axis();
+    let weight = match name.term {
+        ComponentTerm::Backlash => Weight::new(move |row| axis.map_or(0.0, |axis| row.sense_of(axis))),
+        _ => Weight::new(move |row| name.weight(&row.position, &State::default())),
+    };
+    Candidate::one(&UNNAMED, name, Through::Component(name.component), weight)
+}

@@ -1,0 +1,166 @@
+//! A calibration with terms that a person states: the machine file that holds them, and the parameters that remain to be fitted.
+
+use serde::Serialize;
+
+use super::extended::{load, made};
+use crate::calibrate::Parameter;
+use crate::diagnose::cause::Causes;
+use crate::diagnose::extend::{Anchor, Change, again};
+use crate::diagnose::stated::{self, ModelTerm, StatedHypothesis, TermAmount, stated_model};
+use crate::diagnose::{EXPANDED, Scene};
+use crate::measure::data::DataSet;
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::source::Source;
+use ncfix_machine::machine::Machine;
+use ncfix_machine::machine::edit::Edit;
+use ncfix_model::{ErrorModel, ModelRegisters, ParameterName};
+
+const SECTIONS: &str = "write location and motion as sections of their own";
+
+/// The amount of a stated term that the machine file holds as a table.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct StatedEstimate {
+    /// The hypothesis as stated.
+    pub hypothesis: String,
+    /// The term.
+    pub term: String,
+    /// Its amount.
+    pub value: f64,
+    /// Its standard uncertainty.
+    pub sigma: f64,
+    /// Unit of both.
+    pub unit: String,
+}
+
+/// The start of a calibration with stated terms.
+#[derive(Clone, Debug)]
+pub struct StatedStart {
+    /// The machine file with the terms.
+    pub source: Source,
+    /// Its errors.
+    pub errors: ErrorModel,
+    /// All parameters that a fit finds: those of the model, and those of the terms.
+    pub parameters: Vec<Parameter>,
+    /// Amounts of the terms that are no parameters.
+    pub terms: Vec<StatedEstimate>,
+}
+
+/// Fits stated terms to the measurements that are used, and puts them into the machine file; `None` if diagnostics, all in the text of the terms, forbid it.
+#[must_use]
+pub fn start_with_terms(
+    (file, registers): (&Source, &ModelRegisters),
+    (machine, errors): (&Machine, &ErrorModel),
+    (text, mut parameters): (&Source, Vec<Parameter>),
+    sets: &[DataSet],
+    findings: &mut Vec<Diagnostic>,
+) -> Option<StatedStart> {
+    let before = findings.len();
+    let (stated, faults) = stated::read(text, machine, &sets.iter().collect::<Vec<_>>());
+    findings.extend(faults);
+    if findings.len() > before {
+        return None;
+    }
+    let mut refuse = |one: Option<&StatedHypothesis>, message: String, help: &str| {
+        let Some(one) = one.or(stated.first()) else { return };
+        let place = Place { file: text.id(), span: one.span };
+        findings.push(Diagnostic::at(Code::NOT_TOLD, place, message, help));
+    };
+    let (Ok(scene), Ok(bare)) = (Scene::new(machine, errors, sets), Scene::new(machine, &ErrorModel::default(), sets))
+    else {
+        let help = "check the columns of positions and their units, or describe what is known of the set-ups";
+        refuse(None, "the readings do not even determine the set-ups".into(), help);
+        return None;
+    };
+    let beside: Vec<ParameterName> = parameters
+        .iter()
+        .filter_map(|one| match one {
+            Parameter::Geometry(name) => Some(*name),
+            Parameter::Effect(_) => None,
+        })
+        .collect();
+    let found = stated_model(&stated, &beside, &Causes::default(), &scene, &bare);
+    let (mut grown, mut terms, mut all) = (std::str::from_utf8(file.bytes()).ok()?.to_owned(), Vec::new(), Vec::new());
+    let mut is_sound = true;
+    for (one, found) in stated.iter().zip(found) {
+        match found {
+            Ok(ModelTerm::Parameters(names)) => {
+                for name in names.into_iter().map(Parameter::from) {
+                    if !parameters.contains(&name) {
+                        parameters.push(name);
+                    }
+                }
+            }
+            Ok(ModelTerm::Changes(changes, amounts)) => {
+                let entered = enter((file, registers), &grown, &changes, &note(one, &amounts));
+                match entered {
+                    Ok(text) => grown = text,
+                    Err(why) => {
+                        is_sound = false;
+                        refuse(Some(one), format!("{}: {why}", one.text), "remove the entry, or the term");
+                    }
+                }
+                if changes.iter().any(|change| matches!(change, Change::Shape { .. })) {
+                    terms.extend(amounts.into_iter().map(|amount| estimate(one, amount)));
+                }
+                all.extend(changes);
+            }
+            Err(why) => {
+                is_sound = false;
+                let help =
+                    "test it with ncfix diagnose --hypothesis, which reports the evidence and the measurement it needs";
+                refuse(Some(one), format!("{} cannot be fitted: {why}", one.text), help);
+            }
+        }
+    }
+    if !is_sound {
+        return None;
+    }
+    let read = load((file, registers), &grown);
+    let Some(read) = read else {
+        refuse(None, format!("{} cannot be read back", file.name()), SECTIONS);
+        return None;
+    };
+    // Time constants are those of the terms.
+    let new = again(errors, &read, &all).into_iter().filter(Parameter::is_linear);
+    for one in new {
+        if !parameters.contains(&one) {
+            parameters.push(one);
+        }
+    }
+    let source = Source::new(file.id(), file.name(), grown.into_bytes()).ok()?;
+    Some(StatedStart { source, errors: read, parameters, terms })
+}
+
+/// The text with the changes of a term, and a note at the first of them.
+fn enter(from: (&Source, &ModelRegisters), text: &str, changes: &[Change], note: &[String]) -> Result<String, String> {
+    let mut own = text.to_owned();
+    let mut first = None;
+    for change in changes {
+        let anchor = made(from, &mut own, change)?;
+        first.get_or_insert(anchor);
+    }
+    let first = first.ok_or("the readings do not determine its size")?;
+    let Some(mut edit) = Edit::parse(&own) else { return Ok(own) };
+    let is_noted = match &first {
+        Anchor::Key(section, key) => edit.note_key(section, key, note),
+        Anchor::Entry(list, index) => edit.note(list, *index, note),
+    };
+    Ok(if is_noted { edit.text() } else { own })
+}
+
+/// The note beside a term in the file.
+fn note(one: &StatedHypothesis, amounts: &[TermAmount]) -> Vec<String> {
+    let amount = |own: &TermAmount| {
+        let TermAmount { term, value, u95, unit } = own;
+        format!("{term} {value:.4} {unit}, 95 %: +-{u95:.4}")
+    };
+    let all: Vec<String> = amounts.iter().map(amount).collect();
+    vec![format!("stated: {}; {}", one.text.replace(char::is_control, " "), all.join("; "))]
+}
+
+fn estimate(one: &StatedHypothesis, amount: TermAmount) -> StatedEstimate {
+    let TermAmount { term, value, u95, unit } = amount;
+    StatedEstimate { hypothesis: one.text.clone(), term, value, sigma: u95 / EXPANDED, unit }
+}

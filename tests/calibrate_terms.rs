@@ -1,0 +1,138 @@
+//! `ncfix calibrate --model` with terms that a person states: amounts of errors that are written here, the file that holds them, and text that is wrong.
+
+use serde_json::Value;
+
+use crate::support::Shop;
+
+/// Three axes that move the tool, without errors.
+const MACHINE: &str = "[machine]\nname = \"bench\"\ntopology = \"wFXYZSt\"\ncontroller = \"sinumerik\"\n\
+    [axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [0, 600]\n[axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [0, 400]\n\
+    [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-300, 0]\n";
+
+/// A grid over X and Y in both directions. Along X: −15 µm/m, a reversal value of 6 µm, and 400 µm/m² times the square of Y. Along Z: 1.8 µm/K of the head.
+/// Up to 0.5 µm follow no driver; `from` makes another table of them.
+fn readings(from: f64) -> String {
+    let mut text = "setup,run,X,Y,Z,X_dir,T_head_C,dx_um,dz_um\n".to_owned();
+    // The fraction of multiples of the golden ratio: evenly spread, and in no order (Knuth, The Art of Computer Programming 3, 6.4).
+    let mut count = from;
+    let mut scatter_um = || {
+        count += 1.0;
+        (count * 0.618_033_988_749_895_f64).fract() - 0.5
+    };
+    let mut number = 0.0_f64;
+    for y in [0.0, 100.0, 200.0, 300.0, 400.0] {
+        for side in [1.0, -1.0] {
+            for x in [0.0, 75.0, 150.0, 240.0, 310.0, 400.0, 480.0, 600.0] {
+                number += 1.0;
+                let head = 20.0 + 8.0 * (number * 0.304_347_826).fract();
+                let dx_um = 400e-6 * y * y - 15e-3 * x + 3.0 * side + scatter_um();
+                let dz_um = 1.8 * (head - 20.0) + scatter_um();
+                text += &format!("S1,r0,{x},{y},0,{side},{head:.3},{dx_um:.4},{dz_um:.4}\n");
+            }
+        }
+    }
+    text
+}
+
+fn shop() -> Shop {
+    let description = "[measurement]\nkind = \"displacement\"\nsigma_um = 0.3\nfree = [\"offset\"]\n";
+    Shop::new()
+        .file("bench.toml", MACHINE)
+        .file("grid.csv", readings(0.0))
+        .file("grid.toml", description)
+        .file("second.csv", readings(0.37))
+        .file("second.toml", description)
+}
+
+fn arguments(model: &'static str) -> [&'static str; 8] {
+    ["calibrate", "grid.csv", "--machine", "bench.toml", "--model", model, "-o", "out.toml"]
+}
+
+fn number(value: &Value, key: &str) -> f64 {
+    value[key].as_f64().unwrap_or_else(|| panic!("{key} of {value}"))
+}
+
+/// Checks a value against the truth within three standard uncertainties, which must be small.
+fn is_true(one: &Value, truth: f64, at_most: f64) {
+    let (value, sigma) = (number(one, "value"), number(one, "sigma"));
+    assert!((value - truth).abs() < 3.0 * sigma && sigma < at_most, "{one}: {truth}");
+}
+
+#[test]
+fn stated_terms_and_parameters_are_fitted_together() {
+    let shop = shop();
+    let model = arguments("EXX1,EXX ~ Y^2,backlash EXX,thermal-drift Z");
+    let report = shop.run(model.into_iter().chain(["--json", "--hold-out", "second.csv"])).exits(0).json();
+    let names: Vec<&str> =
+        report["parameters"].as_array().unwrap().iter().map(|one| one["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["EXX1", "EXXb", "drift.Z.T_head"]);
+    is_true(&report["parameters"][0], -15.0, 0.3);
+    is_true(&report["parameters"][1], 3.0, 0.1);
+    is_true(&report["parameters"][2], 1.8, 0.05);
+    let term = &report["terms"][0];
+    assert_eq!(
+        (&term["hypothesis"], &term["term"], &term["unit"]),
+        (&"EXX ~ Y^2".into(), &"Y^2".into(), &"um/m^2".into())
+    );
+    is_true(term, 400.0, 2.0);
+    // Only the scatter remains, also in readings that the fit has not seen: 1/sqrt(12) µm.
+    for data in report["data"].as_array().unwrap() {
+        assert!((number(data, "left_rms") - 1.0 / 12.0_f64.sqrt()).abs() < 0.03, "{data}");
+    }
+    // The file says who stated the term, and is read again without a new amount.
+    let text = shop.text("out.toml");
+    assert!(text.contains("# stated: EXX ~ Y^2; Y^2 ") && text.contains("# stated: thermal-drift Z; "), "{text}");
+    shop.run(["machine", "check", "out.toml"]).exits(0);
+    let again =
+        ["calibrate", "second.csv", "--machine", "out.toml", "--model", "EXX ~ Y^2", "-o", "again.toml", "--json"];
+    let again = shop.run(again).exits(0).json();
+    assert!(number(&again["terms"][0], "value").abs() < 3.0, "{}", again["terms"]);
+}
+
+#[test]
+fn every_form_of_a_term_is_one_of_a_model() {
+    let shop = shop();
+    for (model, parameter) in [
+        ("EXX ~ X", "EXX1"),
+        ("EXX*X^2", "EXX2"),
+        ("EXX ~ dir(X)", "EXXb"),
+        ("location EC0X", "EC0X"),
+        ("Z ~ T_head_C", "drift.Z.T_head"),
+        ("mayer-10,EXX ~ X", "EXX1"),
+    ] {
+        if model.starts_with("mayer") {
+            let text = shop.run(arguments(model)).exits(2).stderr;
+            assert!(text.contains("mayer-10 is neither a file"), "{text}");
+            continue;
+        }
+        let report = shop.run(arguments(model).into_iter().chain(["--json"])).exits(0).json();
+        assert_eq!(report["parameters"][0]["name"], parameter, "{model}");
+    }
+    for model in ["EXX.cross", "EXX*Y^2", "EXX ~ Y^2 + X*Y", "EZX X order 2"] {
+        let report = shop.run(arguments(model).into_iter().chain(["--json"])).exits(0).json();
+        assert!(!report["terms"].as_array().unwrap().is_empty(), "{model}: {report}");
+    }
+}
+
+#[test]
+fn a_model_that_cannot_be_read_or_fitted_says_where_and_why() {
+    let shop = shop()
+        .file("model.txt", "EXX1\nEC0X # squareness\n  EXX ~ Q^2\nEYY2\n")
+        .file("wave.txt", "EXX ~ sin(X/75mm) + X\n");
+    let at_line = shop.run(arguments("model.txt")).exits(4).stderr;
+    assert!(at_line.contains("E0615") && at_line.contains("model.txt:3:9") && at_line.contains("'Q'"), "{at_line}");
+    let equals = shop.run(arguments("EC0X,EXX = Y^2")).exits(4).stderr;
+    assert!(equals.contains("E0615") && equals.contains("'='"), "{equals}");
+    let unknown = shop.run(arguments("EC0X,nothing")).exits(2).stderr;
+    assert!(unknown.contains("nothing is neither a file, nor a preset"), "{unknown}");
+    // The clock does not run in these data, and no spindle turns.
+    for (model, why) in [("EXX ~ v(X)", "cannot be fitted"), ("EXX ~ Z^2", "Z stays at 0 mm")] {
+        let text = shop.run(arguments(model)).exits(4).stderr;
+        assert!(text.contains("E0606") && text.contains(why), "{model}: {text}");
+    }
+    assert!(!shop.path("out.toml").exists());
+    // A plan and a selection have no use for terms.
+    let select = ["--select", "EXX ~ Y^2"];
+    let text = shop.run(arguments("none").into_iter().chain(select)).exits(2).stderr;
+    assert!(text.contains("EXX ~ Y^2"), "{text}");
+}
