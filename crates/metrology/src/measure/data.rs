@@ -260,6 +260,7 @@ pub fn load_with(
             let sign = readings.sign();
             let of_dead = if how == ReadAs::WithDead { OfDead::Empty } else { OfDead::Refused };
             rows::read(&rows, readings, of_dead, &mut data, &mut findings);
+            missing_axes(&data, &rows, machine, &mut findings);
             data.drivers = drivers::read(&rows, machine, sign, &data);
         }
     }
@@ -273,6 +274,23 @@ pub fn load_with(
     let sound = !findings.iter().any(Diagnostic::is_error);
     repeats::without_repeats(&mut findings, ALIKE);
     (sound.then_some(data), findings)
+}
+
+/// Reports components of axes that the machine does not have: a fit would give their readings to other errors.
+fn missing_axes(data: &DataSet, rows: &Table, machine: &Machine, findings: &mut Vec<Diagnostic>) {
+    let mut known: Vec<Axis> = Vec::new();
+    for row in &data.observations {
+        let Some((component, axis)) = row.component.and_then(|name| Some((name, name.axis()?))) else { continue };
+        if machine.axis(axis).is_some() || known.contains(&axis) {
+            continue;
+        }
+        known.push(axis);
+        let message = format!("{component} is an error of {axis}, but the machine {} has no axis {axis}", machine.name);
+        let help = "name the component of the axis that moved, or check --machine";
+        let cell = |own: Row<'_>| own.place(rows.column("component").unwrap_or_default());
+        let place = rows.rows().find(|own| own.place(0) == row.place).map_or(row.place, cell);
+        findings.push(Diagnostic::at(Code::DATA_CELL, place, message, help));
+    }
 }
 
 /// The content of a cell as text.
