@@ -9,17 +9,25 @@ pub(super) struct Price {
     count: f64,
     /// For each column.
     each: f64,
+    /// For a choice among those that were tried.
+    choice: f64,
 }
 
 impl Price {
     /// For so many readings and candidates.
     pub(super) fn new(count: f64, tried: usize) -> Price {
-        Price { count, each: count.ln() + 2.0 * (tried as f64).ln() }
+        let choice = 2.0 * (tried as f64).ln();
+        Price { count, each: count.ln() + choice, choice }
     }
 
     /// Of so many columns.
     pub(super) fn of(self, rank: usize) -> f64 {
         self.each * rank as f64
+    }
+
+    /// The same for a shape without any choice among its columns: it is chosen once.
+    pub(super) fn worth_whole(self, squares: f64, gain: &Gain) -> f64 {
+        self.worth(squares, gain) + self.choice * gain.rank.saturating_sub(1) as f64
     }
 
     /// −2 ln of the likelihood that is gained of so many squares, less the price.

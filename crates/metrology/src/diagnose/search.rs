@@ -11,7 +11,7 @@ use std::sync::Arc;
 use ncfix_base::numeric::{Series, in_parts};
 
 use super::cancel::Triangle;
-use super::cause::{Candidate, EffectKind, Term, motion};
+use super::cause::{Candidate, EffectKind, Term, motion, targets};
 use super::known::{KnownTables, Starts};
 use super::price::Price;
 use super::sample::{CandidateSample, SearchPart};
@@ -25,6 +25,8 @@ const MOST: usize = 10;
 const MORE: usize = 4;
 /// How often the search goes on without such a term.
 const REPAIRS: usize = 3;
+/// Worth of a table beside a curve: a value of its own at each target follows every wave and every polynomial.
+const BY_TARGET: f64 = 0.8;
 /// Worth of what has no name beside what has one.
 const UNNAMED: f64 = 0.9;
 /// The same of so few columns that they fit by no chance.
@@ -320,7 +322,11 @@ impl<'s, 'a> Field<'s, 'a> {
                     && !never.contains(number)
                     && !self.is_again(*number, taken)
             })
-            .map(|(number, gain)| (price.worth(squares, gain) * self.belief(number), number))
+            .map(|(number, gain)| {
+                let is_whole = self.candidates.get(number).is_some_and(|one| one.cause.name == targets::CAUSE.name);
+                let worth = if is_whole { price.worth_whole(squares, gain) } else { price.worth(squares, gain) };
+                (worth * self.belief(number), number)
+            })
             .collect();
         // The least far-fetched of those that explain as much, but none that no machine has.
         let (worth, number) = loop {
@@ -374,6 +380,7 @@ impl<'s, 'a> Field<'s, 'a> {
             Some(one) if one.cause.effect == EffectKind::Unknown && one.columns.len() <= FEW => UNNAMED_SIMPLE,
             Some(one) if one.cause.effect == EffectKind::Unknown && one.drivers.len() > 1 => UNNAMED_PAIR,
             Some(one) if one.cause.effect == EffectKind::Unknown => UNNAMED,
+            Some(one) if one.cause.name == targets::CAUSE.name => BY_TARGET,
             _ => 1.0,
         }
     }

@@ -20,6 +20,7 @@ pub(in crate::diagnose) mod periodic;
 pub(in crate::diagnose) mod servo;
 pub(in crate::diagnose) mod setup;
 mod spike;
+pub(in crate::diagnose) mod targets;
 pub(in crate::diagnose) mod thermal;
 mod unnamed;
 pub(in crate::diagnose) mod vibration;
@@ -173,6 +174,7 @@ impl Registered for dyn Propose {
 pub(in crate::diagnose) const BUILT_IN: &[&Cause] = &[
     &location::CAUSE,
     &motion::CAUSE,
+    &targets::CAUSE,
     &backlash::BACKLASH,
     &backlash::WIND_UP,
     &backlash::LATERAL_PLAY,
