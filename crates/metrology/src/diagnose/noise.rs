@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use ncfix_base::geometry::AXES;
 use ncfix_base::numeric::fisher;
 
+use super::fault::quantised::least_noise;
 use super::fold::counts;
 use super::freedom::Order;
 use super::scene::{Scene, SceneReading};
@@ -28,6 +29,8 @@ const MATTERS: f64 = 0.5;
 const STATED: f64 = 1.5;
 /// without correlations, and neighbours differ by this share of what white noise has.
 const WHITE: f64 = 0.8;
+/// A residual that is more than so many times the noise of repeats is no noise, whatever its order: of ten degrees of freedom each, a ratio of variances of 4 has a chance of 2 %.
+const BEYOND: f64 = 2.0;
 /// What rounding leaves, mm or rad.
 const NOTHING: f64 = 1e-9;
 /// Parts of the range of a driver.
@@ -105,14 +108,20 @@ pub(super) fn look(field: &Field<'_, '_>, weights: &Weights, left: &[f64]) -> Le
     if source == NoiseSource::Instrument && chance >= LIMIT && rms > STATED * noise && white > WHITE * rms {
         (noise, source) = (rms, NoiseSource::Rest);
     }
+    if source == NoiseSource::Differences {
+        // Neighbours that show the same step of a display have no difference at all.
+        noise = noise.max(least_noise(scene, of_angles).min(rms));
+    }
     let unexplained = (rms * rms - noise * noise).max(0.0).sqrt();
+    // Few readings without correlations may still be further off than their repeats are from each other.
+    let is_beyond = source == NoiseSource::Repeats && rms > BEYOND * noise;
     Left {
         noise,
         source,
         stated: known,
         unexplained,
         chance,
-        has_structure: chance < LIMIT && unexplained > (MATTERS * noise).max(NOTHING),
+        has_structure: (chance < LIMIT || is_beyond) && unexplained > (MATTERS * noise).max(NOTHING),
         places: drivers(scene, &places, &at, noise),
     }
 }

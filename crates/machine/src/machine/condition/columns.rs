@@ -11,7 +11,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::Vector;
 
 use super::Load;
-use super::file::PLAUSIBLE_C;
+use super::file::READABLE_C;
 
 /// Meaning of a column.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,12 +92,12 @@ pub fn read_cell(
     }
     let value = row.number(index, sign)?;
     let fault = |message: String, help: &str| Err(Diagnostic::at(Code::DATA_CELL, row.place(index), message, help));
-    let [low, high] = PLAUSIBLE_C;
+    let [low, high] = READABLE_C;
     match column {
         ConditionColumn::Sensor(_) if !(low..=high).contains(&value) && of_dead == OfDead::Empty => return Ok(None),
         ConditionColumn::Sensor(_) if !(low..=high).contains(&value) => {
-            let help = "leave the cell empty where a sensor has no reading; temperatures are -30 to 150 °C";
-            return fault(format!("{value} °C is not a plausible machine temperature"), help);
+            let help = "leave the cell empty where a sensor has no reading; temperatures are -60 to 400 °C";
+            return fault(format!("{value} °C is not a plausible temperature"), help);
         }
         ConditionColumn::Force if value < 0.0 => {
             return fault(format!("{value} N is not a valid weight"), "write the weight in N, 0 for an empty table");

@@ -56,11 +56,26 @@ impl TableClock {
     pub(super) fn new(data: &DataSet) -> TableClock {
         /// A pause is longer than so many of the longer usual intervals.
         const PAUSE: f64 = 3.0;
+        /// A day: longer than any pause, s.
+        const APART_S: f64 = 86_400.0;
         /// Interval below which nothing warms up, s.
         const SHORT_S: f64 = 30.0;
         let times: Option<Vec<f64>> = data.observations.iter().map(|one| one.t_s).collect();
-        // Without a clock rows are taken as one after the other.
-        let times = times.unwrap_or_else(|| (0..data.observations.len()).map(|row| row as f64).collect());
+        // Without a clock rows are taken as one after the other; between runs in different set-ups anything may have happened.
+        let times = times.unwrap_or_else(|| {
+            let mut at = 0.0;
+            let next = |row: usize| {
+                let own = data.observations.get(row)?;
+                let last = data.observations.get(row.checked_sub(1)?)?;
+                Some(if own.run != last.run && own.setup != last.setup { APART_S } else { 1.0 })
+            };
+            (0..data.observations.len())
+                .map(|row| {
+                    at += next(row).unwrap_or(0.0);
+                    at
+                })
+                .collect()
+        });
         let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
         steps.sort_by(f64::total_cmp);
         let usual = steps.get(steps.len() * 9 / 10).copied().unwrap_or(0.0);

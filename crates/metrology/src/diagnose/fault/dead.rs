@@ -2,7 +2,7 @@
 
 use super::missing::{self, Extent};
 use super::{DataDefect, DefectCheck, DefectKind, Then, View};
-use ncfix_machine::machine::condition::file::PLAUSIBLE_C;
+use ncfix_machine::machine::condition::file::READABLE_C;
 
 pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "dead sensor",
@@ -12,8 +12,8 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     look,
 };
 
-/// What machines may have, °C.
-const POSSIBLE_C: std::ops::RangeInclusive<f64> = PLAUSIBLE_C[0]..=PLAUSIBLE_C[1];
+/// The temperatures that a sensor can have, °C.
+const POSSIBLE_C: std::ops::RangeInclusive<f64> = READABLE_C[0]..=READABLE_C[1];
 /// Others are warmer than this where 0 is no temperature, °C.
 const WARM_C: f64 = 5.0;
 /// So often exactly 0 is no chance.

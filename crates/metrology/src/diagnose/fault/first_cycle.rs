@@ -1,5 +1,6 @@
 //! The first cycle: a machine that has not yet settled reads otherwise than in all later ones (ISO 230-2 has it warmed up by cycles that do not count).
 
+use super::cells::Sensor;
 use super::sharp::{CHANCE, EACH};
 use super::step::{ChangePoint, change, evidence};
 use super::trail::Trail;
@@ -22,6 +23,9 @@ const RUNS: usize = 4;
 const COUNT: usize = 5;
 /// The next runs have less than this of it.
 const NEXT: f64 = 0.4;
+/// A temperature differs from that of the first cycle by this, K, and by so many times its range there.
+const WARMER_K: f64 = 2.0;
+const WARMER: f64 = 2.0;
 /// In units of the noise at least.
 const SIZE: f64 = 1.5;
 
@@ -30,6 +34,11 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
         let Some(trail) = view.trails.get(set).filter(|trail| trail.is_repeated && trail.has_sense) else { continue };
         let found = first_run(trail, data).or_else(|| {
             let change = change(trail, data).filter(|change| is_early(trail, change))?;
+            let sensors = view.sensors.get(set)?;
+            let is_warmer = |sensor: &Sensor| parts_by(&sensor.values, change.row);
+            if sensors.iter().any(is_warmer) {
+                return None;
+            }
             Some((change.row.checked_sub(1)?, evidence(&change)))
         });
         let Some((last, evidence)) = found else { continue };
@@ -43,6 +52,18 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
             then: Then::WithoutRows,
         });
     }
+}
+
+/// Whether a temperature has other values from a row on than before it: then it may be the driver of a step.
+fn parts_by(values: &[f64], row: usize) -> bool {
+    let ends = |values: &[f64]| {
+        let all = values.iter().copied().filter(|value| value.is_finite());
+        all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+    };
+    let (before, after) = values.split_at(row.min(values.len()));
+    let ([low, high], from) =
+        (ends(before), super::median(after.iter().copied().filter(|value| value.is_finite()).collect()));
+    from - high > WARMER_K.max(WARMER * (high - low)) || low - from > WARMER_K.max(WARMER * (high - low))
 }
 
 /// Whether a step parts the first cycle from the others.

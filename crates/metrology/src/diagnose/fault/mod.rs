@@ -22,7 +22,7 @@ mod offset;
 mod order;
 mod outlier;
 mod pulse;
-mod quantised;
+pub(in crate::diagnose) mod quantised;
 mod readings;
 mod sharp;
 mod single;

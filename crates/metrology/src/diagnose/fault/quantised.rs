@@ -1,5 +1,8 @@
 //! Readings in steps of a display that are wide beside the noise: no error of the machine, but more noise than the instrument has.
 
+use crate::diagnose::scene::Scene;
+use crate::measure::data::DataSet;
+
 use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 
 pub(super) const CHECK: DefectCheck = DefectCheck {
@@ -16,6 +19,16 @@ const FINEST: f64 = 1e-7;
 const WIDE: f64 = 0.8;
 /// Readings at least.
 const COUNT: usize = 20;
+
+/// What the steps of the displays leave in the readings of a scene, root of the mean square, mm or rad: no noise is less.
+pub(in crate::diagnose) fn least_noise(scene: &Scene<'_>, is_angle: bool) -> f64 {
+    let finest = if is_angle { FINEST * 1e-3 } else { FINEST };
+    let of = |data: &DataSet| {
+        let values: Vec<f64> = data.observations.iter().flat_map(|one| one.values).flatten().collect();
+        step(&values, finest).unwrap_or(0.0) / 12.0_f64.sqrt()
+    };
+    scene.sets.iter().map(of).fold(0.0, f64::max)
+}
 
 fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     for (set, data) in view.sets() {
