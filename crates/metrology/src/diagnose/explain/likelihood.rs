@@ -8,7 +8,7 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SymmetricTridiagonal};
 
 use super::assumptions::READINGS_OF_SIGMA;
 use super::noise::{Memory, NoiseSeries};
@@ -107,6 +107,34 @@ pub struct Likelihood<'w> {
     pub kept: Vec<usize>,
     /// Groups of one column that act like that of a kept one: theirs and its number among those that were given.
     pub alike: Vec<(usize, usize)>,
+}
+
+/// A symmetric matrix with entries on and beside its diagonal, and the products with the readings in its basis.
+#[derive(Debug, Default)]
+struct Tridiagonal {
+    diagonal: Vec<f64>,
+    beside: Vec<f64>,
+    right: Vec<f64>,
+}
+
+impl Tridiagonal {
+    /// Logarithm of the determinant of one plus the matrix times a weight, and the square of the products that it explains; `None` if it is not positive.
+    fn at(&self, weight: f64) -> Option<(f64, f64)> {
+        let (mut log, mut explained) = (0.0, 0.0);
+        let (mut pivot, mut carried) = (1.0, 0.0);
+        for (k, (own, right)) in self.diagonal.iter().zip(&self.right).enumerate() {
+            let beside = k.checked_sub(1).and_then(|last| self.beside.get(last)).map_or(0.0, |beside| weight * beside);
+            let share = beside / pivot;
+            pivot = 1.0 + weight * own - share * beside;
+            if pivot.is_nan() || pivot <= 0.0 {
+                return None;
+            }
+            carried = weight * right - share * carried;
+            log += pivot.ln();
+            explained += carried * carried / pivot;
+        }
+        Some((log, explained))
+    }
 }
 
 /// Columns of a set, their matrix decomposed, and their products with the readings.
@@ -220,12 +248,28 @@ impl<'w> Likelihood<'w> {
         Some((own, Cholesky::new(matrix)?, right))
     }
 
+    /// Returns the matrix of a set as a tridiagonal one, which makes its likelihood at every scale of the noise as cheap as one pass (Golub and Van Loan, Matrix Computations, 8.3).
+    fn tridiagonal(&self, set: &[usize]) -> Tridiagonal {
+        let own = self.columns_of(set);
+        let factors: Vec<f64> = own.iter().map(|&k| self.factor_of(k)).collect();
+        let of = |row: usize, column: usize| factors[row] * factors[column] * self.products[(own[row], own[column])];
+        let right = DVector::from_iterator(own.len(), own.iter().map(|&k| self.factor_of(k) * self.with_readings[k]));
+        if own.is_empty() {
+            return Tridiagonal::default();
+        }
+        let (turned, diagonal, beside) = SymmetricTridiagonal::new(DMatrix::from_fn(own.len(), own.len(), of)).unpack();
+        let right = turned.tr_mul(&right);
+        Tridiagonal {
+            diagonal: diagonal.iter().copied().collect(),
+            beside: beside.iter().copied().collect(),
+            right: right.iter().copied().collect(),
+        }
+    }
+
     /// Logarithm of the likelihood of a set at a scale of the noise, with the prior of the scale.
-    fn at(&self, set: &[usize], scale: f64) -> f64 {
-        let Some((_, root, right)) = self.decomposed(set, scale) else { return f64::NEG_INFINITY };
+    fn at(&self, set: &Tridiagonal, scale: f64) -> f64 {
         let weight = 1.0 / (scale * scale);
-        let log_determinant: f64 = root.l_dirty().diagonal().iter().map(|value| 2.0 * value.ln()).sum();
-        let explained = right.dot(&root.solve(&right));
+        let Some((log_determinant, explained)) = set.at(weight) else { return f64::NEG_INFINITY };
         // Inverse gamma for s², as if READINGS_OF_SIGMA readings had shown the stated uncertainty.
         let prior = -0.5 * READINGS_OF_SIGMA * (2.0 * scale.ln() + weight);
         prior
@@ -237,6 +281,7 @@ impl<'w> Likelihood<'w> {
     /// Returns the scale of the noise at which a set is most likely, and the logarithm of its likelihood there. Golden section: there is one maximum.
     #[must_use]
     pub fn evidence(&self, set: &[usize]) -> (f64, f64) {
+        let set = &self.tridiagonal(set);
         let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
         let [mut low, mut high] = SCALES;
         let mut inner = [high - ratio * (high - low), low + ratio * (high - low)];

@@ -3,7 +3,9 @@
 //! The score of a set is its marginal likelihood times the odds of its terms. From two starts (nothing; all simple terms at once) the search adds, drops and exchanges terms
 //! until no step improves the score. Every set that it meets within [`WITHIN`] of the best is an explanation: alternatives are part of the answer.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use ncfix_base::numeric::in_parts;
 
 use super::likelihood::{Likelihood, Posterior};
 
@@ -69,6 +71,17 @@ impl Scores<'_> {
         score
     }
 
+    /// Computes the scores of sets, on all cores.
+    fn learn(&mut self, sets: &[Vec<usize>]) {
+        let new: BTreeSet<&Vec<usize>> = sets.iter().filter(|set| !self.known.contains_key(*set)).collect();
+        let new: Vec<&Vec<usize>> = new.into_iter().collect();
+        let found = in_parts(&new, &|set: &&Vec<usize>| {
+            let (scale, evidence) = self.likelihood.evidence(set);
+            (scale, evidence + self.odds.of(set))
+        });
+        self.known.extend(new.into_iter().cloned().zip(found));
+    }
+
     /// The best single additions to a set, by score at its scale.
     fn closest(&self, set: &[usize], scale: f64) -> Vec<usize> {
         let gains = self.likelihood.gains(set, scale);
@@ -87,24 +100,24 @@ impl Scores<'_> {
         let mut set = start.to_vec();
         let (mut scale, mut score) = self.of(&set);
         loop {
+            let mut next: Vec<Vec<usize>> = Vec::new();
+            if set.len() < MOST {
+                next.extend(self.closest(&set, scale).into_iter().map(|column| with(&set, column)));
+            }
+            let places: Vec<usize> = (0..set.len()).collect();
+            let exchanged = in_parts(&places, &|&place: &usize| {
+                let without = without(&set, place);
+                let others = self.closest(&without, scale).into_iter().filter(|&column| column != set[place]);
+                let others: Vec<Vec<usize>> = others.map(|column| with(&without, column)).collect();
+                std::iter::once(without).chain(others).collect::<Vec<_>>()
+            });
+            next.extend(exchanged.into_iter().flatten());
+            self.learn(&next);
             let mut best: Option<(f64, f64, Vec<usize>)> = None;
-            let mut tried = |scores: &mut Self, next: Vec<usize>| {
-                let (scale, score) = scores.of(&next);
+            for next in next {
+                let (scale, score) = self.of(&next);
                 if best.as_ref().is_none_or(|(_, known, _)| score > *known) {
                     best = Some((scale, score, next));
-                }
-            };
-            if set.len() < MOST {
-                for column in self.closest(&set, scale) {
-                    tried(self, with(&set, column));
-                }
-            }
-            for place in 0..set.len() {
-                let without = without(&set, place);
-                tried(self, without.clone());
-                let dropped = set[place];
-                for column in self.closest(&without, scale).into_iter().filter(|&column| column != dropped) {
-                    tried(self, with(&without, column));
                 }
             }
             match best {
