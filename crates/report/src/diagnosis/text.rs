@@ -29,6 +29,10 @@ const EXPLANATIONS: usize = 4;
 const LEAST_SHOWN: f64 = 0.01;
 /// A cause with this probability is more probable than everything that may stand in its place.
 const MORE_THAN_ALL_OTHERS: f64 = 0.5;
+/// Up to this residual, neighbouring readings show all of it; the uncertainty of their differences is about as large with 30 readings.
+const LITTLE_MORE: f64 = 1.2;
+/// A residual that is so many times the noise is no noise.
+const NOISY: f64 = 2.0;
 /// Probabilities above this are not shown as a number: the assumptions are not known that well.
 const MOST_SHOWN: f64 = 0.99;
 /// Maximum number of listed rejected candidates.
@@ -94,7 +98,25 @@ impl DiagnosisReport {
             return format!("{expired} Next: calibrate again.");
         }
         // By its fair share: of causes that cancel each other, each alone may be larger than the residual.
-        let Some(largest) = found.findings.iter().max_by(|a, b| a.share.total_cmp(&b.share)) else {
+        let is_sure = |one: &&CauseReport| {
+            one.probability.is_none_or(|probability| probability >= MORE_THAN_ALL_OTHERS) && one.u95 < one.value.abs()
+        };
+        let sure = found.findings.iter().filter(is_sure).max_by(|a, b| a.share.total_cmp(&b.share));
+        let Some(largest) = sure.or(found.findings.iter().max_by(|a, b| a.share.total_cmp(&b.share))) else {
+            if !found.unexplained.structure && found.after.rms_um > NOISY * found.noise_um {
+                return format!(
+                    "The residual of {} {unit} RMS is {} times the noise, but no cause is sure. Next: measure the same positions again, in both directions.",
+                    significant(found.after.rms_um),
+                    significant(found.after.rms_um / found.noise_um)
+                );
+            }
+            let is_known = found.noise_from != NoiseFrom::Neighbours;
+            if !found.unexplained.structure && !is_known && found.before.rms_um > LITTLE_MORE * found.noise_um {
+                return format!(
+                    "No cause stands out from the scatter of neighbouring readings, {} {unit}. Next: measure the same positions again, which shows the noise of a reading.",
+                    significant(found.noise_um)
+                );
+            }
             if !found.unexplained.structure {
                 return "The model explains the readings within their noise: nothing is to be corrected.".into();
             }
@@ -111,9 +133,10 @@ impl DiagnosisReport {
             1 => " One more cause was found.".to_owned(),
             count => format!(" {count} more causes were found."),
         };
+        let first = if is_sure(&largest) { "Largest cause" } else { "No cause is sure; the largest that is possible" };
         let expired = self.expired_sentence().map_or(String::new(), |sentence| format!("{sentence} "));
         format!(
-            "{expired}Largest cause: {}{words}{}, {} ({sure}); its effect is {} {unit} RMS, the residual {} {unit} RMS.{others} Next: {}.",
+            "{expired}{first}: {}{words}{}, {} ({sure}); its effect is {} {unit} RMS, the residual {} {unit} RMS.{others} Next: {}.",
             largest.name(),
             by_sensor(largest),
             largest.size(),
