@@ -1,5 +1,5 @@
 //! Spaan's comparison of methods (1995, ch. 3) in simulation: direct measurement, hole plates and ball-bar on one machine whose errors are not all in
-//! the model, held against the same plates and diagonals that none of them has seen; and what a second tool vector tells. The figures are those of
+//! the model, tested on plates and diagonals that were not used for calibration; and the effect of a second tool vector. The figures are those of
 //! docs/explanation/comparison.md: run with `NCFIX_WRITE_DOCS=1` to write it anew.
 
 use std::fmt::Write as _;
@@ -372,7 +372,7 @@ fn compare() -> Compared {
             diagonals.push(shares);
             write!(table, "| {} | all | {:.1} / {:.1} |", set.name, largest(&whole), rms(&whole)).unwrap();
             for (left, share) in left.iter().zip(shares) {
-                write!(table, " {:.1} | {:.1} | {share:.0} |", largest(left), rms(left)).unwrap();
+                write!(table, " {:.1} / {:.1} | {share:.0} |", largest(left), rms(left)).unwrap();
             }
             table.push_str(" – |\n");
             continue;
@@ -385,7 +385,7 @@ fn compare() -> Compared {
                 let share = 100.0 * (1.0 - sum(&left[k]) / sum(whole));
                 means[method] += share / 10.0;
                 all[method].extend(&left[k]);
-                write!(table, " {:.1} | {:.1} | {share:.0} |", largest(&left[k]), rms(&left[k])).unwrap();
+                write!(table, " {:.1} / {:.1} | {share:.0} |", largest(&left[k]), rms(&left[k])).unwrap();
             }
             let [direct, plate, bar] = printed.next().unwrap();
             writeln!(table, " {direct} {plate} {bar} |").unwrap();
@@ -395,7 +395,7 @@ fn compare() -> Compared {
     let [of_direct, of_plate, of_bar, whole] = all.each_ref().map(|values| rms(values));
     writeln!(
         table,
-        "| mean of the plates | | – / {whole:.1} | – | {of_direct:.1} | {:.1} | – | {of_plate:.1} | {:.1} | – | {of_bar:.1} | {:.1} | 80.5 83.8 51.1 |",
+        "| mean of the plates | | – / {whole:.1} | – / {of_direct:.1} | {:.1} | – / {of_plate:.1} | {:.1} | – / {of_bar:.1} | {:.1} | 80.5 83.8 51.1 |",
         means[0], means[1], means[2]
     )
     .unwrap();
@@ -447,57 +447,61 @@ type Told<'a> = (usize, &'a str, (usize, [f64; 3]));
 fn page(compared: &Compared, tools: &[Told<'_>]) -> String {
     let mut out = String::from(
         "# Direct measurement, hole plates and ball-bar compared\n\n\
-         Spaan 1995 (ch. 3) calibrated one machine in three ways and held all of them against the same five hole plates, which none had seen. This is\n\
-         the same in simulation, with plans of `ncfix plan` and fits as of `ncfix calibrate`. `NCFIX_WRITE_DOCS=1 cargo test plan_compared` writes\n\
-         this page; the test fails where it is not what the program finds.\n\n\
-         The machine is `samples/machines/maho700s.toml` without weight and drift, with all 18 functions, and with what no cubic function can follow:\n\
-         pitch errors of 1.5 µm (X) and 1 µm (Z) every 12 mm, bows of the fourth order of 4 µm in EYX and EXZ, and the tilt of Y that depends on X.\n\
-         The model is the same for all: cubic functions of the 18 components, squareness in the slopes of Y and Z, 51 parameters, less what the\n\
-         measurements cannot tell, or only so badly that its uncertainty alone is more than 10 µm at the tip.\n\n\
-         | method | plans | instrument | not determined |\n| --- | --- | --- | --- |\n",
+         Spaan 1995 (ch. 3) calibrated one machine in three ways. He tested each result on the same five hole plates, which were not used for\n\
+         calibration. This page repeats the comparison in simulation, with plans from `ncfix plan` and the fit of `ncfix calibrate`.\n\
+         `NCFIX_WRITE_DOCS=1 cargo test plan_compared` writes this page.\n\n\
+         The machine is `samples/machines/maho700s.toml` without weight and drift, with all 18 component errors. It also has errors that no cubic\n\
+         function can represent:\n\n\
+         - pitch errors of 1.5 µm (X) and 1 µm (Z) with a period of 12 mm;\n\
+         - bows of the fourth order of 4 µm in EYX and EXZ;\n\
+         - the tilt of Y that depends on X.\n\n\
+         The model is the same for all methods: cubic functions of the 18 components, with the squareness errors as slopes of Y and Z. It has\n\
+         51 parameters. Parameters are omitted if the measurements cannot determine them, or if their uncertainty alone exceeds 10 µm at the tip.\n\n\
+         | method | plans | standard uncertainties | not determined |\n| --- | --- | --- | --- |\n",
     );
     let rows = [
-        ("direct", "`laser`, 6 components of each axis, 36 targets, 2 runs", "0.5 µm, 0.5 µrad, squares off by 2 µrad"),
+        ("direct", "`laser`, 6 components of each axis, 36 targets, 2 runs", "0.5 µm, 0.5 µrad; squares with an error of 2 µrad"),
         (
             "hole plates",
-            "`plate`, 9 × 9 holes of 50 mm, three planes, two tools each",
-            "0.7 µm; place and rotation unknown",
+            "`plate`, 9 × 9 holes at 50 mm, three planes, two tools each",
+            "0.7 µm; position and rotation of the plate unknown",
         ),
         (
             "ball-bar",
-            "`sphere --variant spaan`, as far as it is within the travel",
-            "0.5 µm, rods off by 1 µm; centres unknown",
+            "`sphere --variant spaan`, the part within the travel",
+            "0.5 µm; rod lengths with an error of 1 µm, centers unknown",
         ),
     ];
     for ((name, plans, instrument), lost) in rows.iter().zip(&compared.lost) {
         writeln!(out, "| {name} | {plans} | {instrument} | {} |", listed(lost)).unwrap();
     }
     out.push_str(
-        "\nMeasured: largest and root of the mean square, µm. For each method largest and root of the mean square of what is left, µm, and the\n\
-         efficiency, %. Last the efficiencies that are printed (Tables 3.2, 3.3, 3.4: direct, plate, ball-bar); of another machine, so that only\n\
-         their order can be compared.\n\n\
-         | plate | direction | measured | direct | | % | plates | | % | ball-bar | | % | printed |\n\
-         | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+        "\nEach pair is the maximum and the RMS, in µm: measured before correction, and the residual for each method. The efficiency in % follows.\n\
+         The last column gives Spaan's published efficiencies (Tables 3.2, 3.3, 3.4: direct, plate, ball-bar). They are from another machine,\n\
+         so compare only the order.\n\n\
+         | plate | direction | measured | direct | % | plates | % | ball-bar | % | published, % |\n\
+         | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
     );
     out.push_str(&compared.table);
     let shares = |shares: &[f64]| shares.iter().map(|share| format!("{share:.0} %")).collect::<Vec<_>>().join(" and ");
     let kept: Vec<f64> = compared.diagonals.iter().map(|shares| shares[1]).collect();
     writeln!(
         out,
-        "\nThe limit matters. With all terms kept whose uncertainty moves the tip by up to 0.1 mm, the plates fit plates as well, but of the diagonals they say\n\
-         {} in place of {}: sums of terms that cancel each other in the planes of the plates do not cancel beside them. Efficiencies of plates\n\
-         alone do not tell how good a model is elsewhere: hold out diagonals as well, and look at the column of effects and uncertainties.",
-        shares(&compared.loose),
+        "\nThe limit of 10 µm matters. If terms with an uncertainty of up to 0.1 mm at the tip are kept, the model of the hole plates still fits plates.\n\
+         On the diagonals its efficiency falls from {} to {}. Terms that cancel in the planes of the plates do not\n\
+         cancel elsewhere. The efficiency on plates alone is no evidence for other places. Hold out diagonals too, and compare the effects of\n\
+         the parameters with their uncertainties.",
         shares(&kept),
+        shares(&compared.loose),
     )
     .unwrap();
     out.push_str(
         "\
          \n## One tool vector or two\n\n\
-         The roll of the axis that carries the spindle, ECZ, moves no tip that is in line with the spindle. Plates in three planes, at\n\
-         one place or two in each, all measured with every tool; all 51 parameters. A stylus to the side tells all\n\
-         of it with the second place only, and only where it is as long as the other: between tools that differ by 40 mm in length as well the\n\
-         difference is 120 ECZ + 40 EAZ.\n\n\
+         ECZ, the roll of the axis that carries the spindle, does not move a tip in line with the spindle. Plates were measured in three planes, at\n\
+         one or two places each, with every tool. The model has all 51 parameters. A lateral stylus determines ECZ completely only with two\n\
+         places, and only if both styli have the same length. If their lengths differ by 40 mm, only the sum\n\
+         120 ECZ + 40 EAZ is determined.\n\n\
          | places | tools | determined, of 51 | variance inflation of ECZ1, ECZ2, ECZ3 |\n| --- | --- | --- | --- |\n",
     );
     for (places, name, (rank, roll)) in tools {
