@@ -1,4 +1,4 @@
-//! The cycle: one set-point in, one correction out. It does not allocate or wait, and its duration does not depend on the input.
+//! The cycle: one set-point in, one correction out. It does not allocate or wait, and the number of its operations has a fixed limit.
 
 use super::dosing::Dosing;
 use super::sense::Senses;

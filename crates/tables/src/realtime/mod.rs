@@ -7,8 +7,7 @@
 //! ```
 //!
 //! The correction is looked up at the uncompensated set-point and not at the measured position: [`stability`] shows why. A [`ring`] in shared
-//! memory connects the cycle to a control in another process, [`LatencyHistogram`] counts how long cycles took.
-
+//! memory connects the cycle to a control in another process, [`LatencyHistogram`] counts the durations of cycles.
 //!
 //! ```
 //! use std::time::Duration;
