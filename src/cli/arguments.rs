@@ -194,7 +194,8 @@ pub(super) enum Command {
 /// Machine file and set-up files.
 #[derive(Clone, Debug, Default, Args)]
 pub(super) struct MachineChoice {
-    /// Machine file (default: NCFIX_MACHINE, else the nearest ncfix.toml above the program, else above the working folder)
+    /// Machine file (default: NCFIX_MACHINE, else the nearest ncfix.toml in or above the folder of the input file, else in or above the working
+    /// folder)
     #[arg(long, value_name = "M.toml")]
     pub(super) machine: Option<PathBuf>,
     /// Zero offsets and tools that override the machine file: TOML, or data of the control (TOA, UFR, RPA, GUD, INI); repeatable, the last one wins
@@ -211,7 +212,7 @@ pub(super) struct ProgramChoice {
     /// Largest number of executed blocks (default: 10 million, or 20 times those of the program if more)
     #[arg(long, value_name = "N")]
     pub(super) max_blocks: Option<u64>,
-    /// Levels of / blocks to skip, as switched on at the control: 0 or 0,3 or all
+    /// Levels of / blocks to skip, as set at the control: 0 or 0,3 or all
     #[arg(long, value_name = "LEVELS", value_parser = value::skip_levels)]
     pub(super) skip: Option<value::SkipLevels>,
     /// Axis positions before the first block, for programs that begin with an incremental move or an arc (machine coordinates, mm, deg; other axes:

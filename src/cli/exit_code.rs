@@ -25,13 +25,17 @@ pub enum ExitCode {
     Interrupted = 130,
 }
 
-/// Exit statuses of every command, with their meaning for a script.
+/// Exit statuses of most commands, with their meaning for a script.
 const OF_ALL: &[(ExitCode, &str)] = &[
     (ExitCode::Done, "success (possibly with warnings)"),
     (ExitCode::Usage, "usage error, or a file cannot be read or written"),
-    (ExitCode::NotUnderstood, "program not understood; nothing was written"),
+    (ExitCode::NotUnderstood, "program or control data not understood; nothing was written"),
     (ExitCode::Refused, "refused because of another error; nothing was written"),
 ];
+
+/// Exit statuses of commands that read neither a program nor a machine file.
+const OF_TEXTS: &[(ExitCode, &str)] =
+    &[(ExitCode::Done, "success"), (ExitCode::Usage, "usage error, or a file cannot be read or written")];
 
 /// Exit statuses of `ncfix diff`, whose results are statuses too.
 const OF_DIFF: &[(ExitCode, &str)] = &[
@@ -61,7 +65,11 @@ impl ExitCode {
         let talks = matches!(name, "feed" | "resume");
         let further = if talks { OF_LINK } else { &[] };
         let last = if talks || name == "realtime" { OF_LONG } else { &[] };
-        let own = if name == "diff" { OF_DIFF } else { OF_ALL };
+        let own = match name {
+            "diff" => OF_DIFF,
+            "explain" | "completions" | "man" => OF_TEXTS,
+            _ => OF_ALL,
+        };
         own.iter().chain(further).chain(last).copied()
     }
 

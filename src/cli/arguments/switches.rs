@@ -17,7 +17,10 @@ pub(super) fn add(command: Command) -> Command {
     };
     command
         .arg(switch(QUIET, "Print only errors").conflicts_with(VERBOSE))
-        .arg(switch(VERBOSE, "Also print the files read and how each was found, the dialect and why, and the version"))
+        .arg(switch(
+            VERBOSE,
+            "Also print the version, the files read and how each was found, and the dialect of a program with the reason",
+        ))
 }
 
 /// Verbosity chosen by the switches.

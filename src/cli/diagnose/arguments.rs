@@ -12,14 +12,15 @@ Each measurement is a table NAME.csv with its description NAME.toml beside it: d
 numeric column: feed_mm_min, t_s, T_NAME_C, humidity.
 
 A cause is named only if it remains significant with the autocorrelation of the readings and the number of candidates tested, and if it also improves \
-runs or set-ups that it was not found in. A cause that the data of --holdout does not confirm is not named. See docs/reference/diagnose.md.
+the prediction of runs or set-ups that were not used to find it. A cause that the data of --hold-out does not confirm is not named. See \
+docs/reference/diagnose.md.
 
 --hypothesis tests a term of your own: its amount, the evidence for or against it, its gain on unseen readings, its rivals. docs/reference/terms.md has \
 the grammar.
 
 Examples:
   ncfix diagnose circles.csv --machine mill.toml
-  ncfix diagnose circles.csv --machine mill.toml --holdout circles_2.csv -o extended.toml
+  ncfix diagnose circles.csv --machine mill.toml --hold-out circles_2.csv -o extended.toml
   ncfix diagnose circles.csv --machine mill.toml --report circles.html
   ncfix diagnose grid.csv --machine mill.toml --hypothesis \"EXX ~ Y^2\" --hypothesis \"backlash EXX\"
   ncfix diagnose warm.csv plate.csv --machine mill.toml --json";
@@ -34,7 +35,7 @@ pub(in crate::cli) struct DiagnoseArguments {
     /// Machine file and set-up files.
     pub(in crate::cli) machine: MachineChoice,
     /// Measurements that are not searched for causes but must confirm those found
-    #[arg(long, alias = "hold-out", value_name = "DATA.csv", num_args = 1..)]
+    #[arg(long = "hold-out", alias = "holdout", value_name = "DATA.csv", num_args = 1..)]
     pub(in crate::cli) holdout: Vec<PathBuf>,
     /// Hypothesis to test, for example "EXX ~ Y^2" or "backlash EXX"; may be given several times
     #[arg(long, value_name = "TERM")]

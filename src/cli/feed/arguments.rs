@@ -25,7 +25,7 @@ Links: grbl, marlin, heidenhain-fe1, … (docs/reference/feed.md), or your own p
 Examples:
   ncfix feed part.ngc --machine mill.toml --link grbl --dry-run
   ncfix feed part.ngc --machine mill.toml --link grbl --port /dev/ttyUSB0 --sensors sensors.toml
-  ncfix feed part.h --machine mill.toml --link heidenhain-fe1 --port /dev/ttyS0 --rapids-only
+  ncfix feed part.pm --machine mill.toml --link heidenhain-fe1 --port /dev/ttyS0 --rapids-only
   ncfix feed part.ngc --machine mill.toml --link linuxcnc --port tcp:192.168.1.20:5007 --json";
 
 /// `ncfix feed`.

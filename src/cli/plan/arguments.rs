@@ -91,7 +91,7 @@ pub(in crate::cli) struct PlanArguments {
     /// Angle of a straight piece on the sphere, deg (default: 0.1)
     #[arg(long, value_name = "DEG", value_parser = above_zero)]
     pub(in crate::cli) chord: Option<f64>,
-    /// Variant of the kind
+    /// Variant; see Kinds below
     #[arg(long, value_name = "NAME")]
     pub(in crate::cli) variant: Option<String>,
     /// Position of a ball in the workpiece frame (F at the zero pose), mm; once for every ball

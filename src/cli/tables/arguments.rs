@@ -84,7 +84,7 @@ pub(in crate::cli) struct TablesArguments {
     /// Name of an axis at the control, such as X=AX1; repeatable
     #[arg(long, value_name = "AXIS=NAME", value_parser = axis_name)]
     pub(in crate::cli) axis_name: Vec<(Axis, String)>,
-    /// Output of a table multiplied by another one: the product instead of its own value, or added to it (default: by the file or the machine file,
+    /// Rule of the control for multiplied tables: only the product, or the product plus the own value (default: by the file or the machine file,
     /// else instead)
     #[arg(long, value_enum)]
     pub(in crate::cli) multiplication: Option<MultiplicationChoice>,
