@@ -13,7 +13,7 @@ pub(super) use super::diagnose::arguments::DiagnoseArguments;
 pub(super) use super::diff::arguments::DiffArguments;
 pub(super) use super::feed::arguments::{FeedArguments, ResumeArguments};
 pub(super) use super::figures::arguments::FiguresArguments;
-pub(super) use super::fix::arguments::{CompensationChoice, CorrectionChoice, RotaryChoice};
+pub(super) use super::fix::arguments::{CompensationChoice, CorrectionChoice, PoseRotaryChoice, RotaryChoice};
 pub(super) use super::load::arguments::LoadArguments;
 pub(super) use super::machine::arguments::{
     MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice,

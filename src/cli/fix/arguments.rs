@@ -137,12 +137,23 @@ impl CorrectionChoice {
     }
 }
 
-impl RotaryChoice {
-    /// Correction of rotary axes without an operation.
+/// Rotary axes at single poses: readings and set-points belong to no operation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(in crate::cli) enum PoseRotaryChoice {
+    /// Correct the rotary axes too
+    #[default]
+    #[value(alias = "auto")]
+    Correct,
+    /// Leave the rotary axes unchanged; correct only the tip position
+    Hold,
+}
+
+impl PoseRotaryChoice {
+    /// Correction of rotary axes for the library.
     pub(in crate::cli) fn solve(self) -> Solve {
         match self {
-            RotaryChoice::Auto | RotaryChoice::Correct => Solve::Full,
-            RotaryChoice::Hold => Solve::PositionOnly,
+            PoseRotaryChoice::Correct => Solve::Full,
+            PoseRotaryChoice::Hold => Solve::PositionOnly,
         }
     }
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::arguments::{MachineChoice, RotaryChoice, StateChoice};
+use crate::cli::arguments::{MachineChoice, PoseRotaryChoice, StateChoice};
 use crate::cli::fix::arguments::MOST_CORRECTION;
 use crate::cli::value;
 
@@ -33,9 +33,9 @@ pub(in crate::cli) struct MeasuredArguments {
     #[command(flatten)]
     /// Condition of the machine.
     pub(in crate::cli) state: StateChoice,
-    /// Correction of the rotary axes
+    /// Readings of the rotary axes
     #[arg(long, value_enum, default_value_t)]
-    pub(in crate::cli) rotary: RotaryChoice,
+    pub(in crate::cli) rotary: PoseRotaryChoice,
     /// Largest correction allowed, with unit; larger ones are refused
     #[arg(long, value_name = "LENGTH", default_value = MOST_CORRECTION, value_parser = value::positive_length_mm)]
     pub(in crate::cli) max_correction: f64,

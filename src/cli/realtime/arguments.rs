@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use clap::Args;
 
-use crate::cli::arguments::{MachineChoice, RotaryChoice, StateChoice};
+use crate::cli::arguments::{MachineChoice, PoseRotaryChoice, StateChoice};
 use crate::cli::value;
 use crate::tool::ToolVector;
 use ncfix_base::geometry::Vector;
@@ -45,7 +45,7 @@ pub(in crate::cli) struct RealtimeArguments {
     pub(in crate::cli) tool: Option<ToolVector>,
     /// Correction of the rotary axes
     #[arg(long, value_enum, default_value_t)]
-    pub(in crate::cli) rotary: RotaryChoice,
+    pub(in crate::cli) rotary: PoseRotaryChoice,
     /// Largest change of a linear axis correction per set-point, µm; off for no limit
     #[arg(long, value_name = "UM|off", default_value = "1", value_parser = value::dose)]
     pub(in crate::cli) dose_um: f64,
