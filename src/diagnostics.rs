@@ -165,7 +165,7 @@ impl<'a> Located<'a> {
         self.as_data().line
     }
 
-    /// Its column, from 1, in characters; in a line that is no UTF-8, in bytes.
+    /// Its column, from 1, in characters; in a line that is not UTF-8, in bytes.
     ///
     /// ```
     /// # use ncfix::prelude::*;

@@ -1,5 +1,5 @@
-//! ncfix reads a part program, executes it into a flat stream of simple moves, adds the corrections that the measured error
-//! model of one machine asks for, and writes a program for exactly this machine.
+//! ncfix reads a part program and executes it into a flat stream of simple moves. It adds the corrections for the measured errors of one machine, and
+//! writes a program for this machine only.
 //!
 //! ```
 //! use ncfix::prelude::*;
@@ -17,8 +17,8 @@
 //! [`prelude`] has the names of the library. Lengths are mm, angles rad and times s unless a name states another unit. Everything that holds data is `Send` and
 //! `Sync`.
 //!
-//! Only functions with *file* in their name, [`DataSet::read`] and [`Tables::read`] read files. Subprograms of a program from a file are read when it runs; the
-//! reason is logged with [`log`].
+//! Functions with *file* in their name, [`DataSet::read`] and [`Tables::read`] read files. Other functions read no file, except that running a program from a
+//! file reads its subprograms. If one cannot be read, the reason is logged with [`log`].
 //!
 //! Everything streams: no stage holds the path, so an endless program can be fed and memory is bounded by the program text. `ARCHITECTURE.md` of the project is
 //! the map of its crates, `docs/explanation/theory.md` has the formulas with their sources.

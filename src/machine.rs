@@ -151,7 +151,7 @@ impl Machine {
     /// ```
     ///
     /// # Panics
-    /// Never: the tests read it.
+    /// Never; a test reads the built-in file.
     #[must_use]
     #[expect(clippy::expect_used, reason = "the machine is part of the program, and a test reads it")]
     pub fn demo() -> Machine {

@@ -22,7 +22,7 @@ const SAMPLE_MM: f64 = 1.0;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum DialectChoice {
-    /// That of the machine's control, or else the one detected from the file name or the first lines.
+    /// Detected from the file name or the first lines. Parsing uses the detected dialect; running uses the dialect of the machine's control if it has one.
     #[default]
     Guess,
     /// Siemens Sinumerik 840D, 828D.

@@ -26,11 +26,11 @@ use ncfix_tables::tables::{Format, Formats, Scheme, Schemes};
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct Registry {
-    /// Sources of error, kinds of motion errors, presets of parameters: what a machine file may say of errors.
+    /// Error sources, kinds of motion errors and presets of parameters: the entries of a machine file for errors.
     pub model: ModelRegisters,
-    /// Kinds of measurement.
+    /// Instruments: kinds of measurement.
     pub instruments: Instruments,
-    /// Kinds of faults of the data.
+    /// Checks for faults of the data.
     pub checks: Checks,
     /// Causes that a diagnosis searches for.
     pub causes: Causes,
@@ -49,7 +49,7 @@ pub struct Registry {
 }
 
 impl Registry {
-    /// Adds a source of error, with its sections of the machine file.
+    /// Adds an error source, with its sections of the machine file.
     ///
     /// ```
     /// use ncfix::extend::source::{ErrorModel, ErrorSource, MachineFileReading, SourceInfo};
@@ -126,7 +126,7 @@ impl Registry {
         Registry { model: self.model.with_preset(preset), ..self }
     }
 
-    /// Adds a kind of measurement; the built-in `probe` shows what a kind consists of.
+    /// Adds an instrument: a kind of measurement. The built-in `probe` is an example.
     ///
     /// ```
     /// use ncfix::extend::instrument::Instrument;
@@ -141,7 +141,7 @@ impl Registry {
         Registry { instruments: self.instruments.with(kind), ..self }
     }
 
-    /// Adds a check for a kind of data defect. It runs after those that are there.
+    /// Adds a check for a fault of the data. It runs after the existing checks.
     ///
     /// ```
     /// use ncfix::extend::instrument::DefectCheck;
@@ -210,7 +210,7 @@ impl Registry {
         Registry { schemes: self.schemes.with(scheme), ..self }
     }
 
-    /// Adds a detector of a dialect. It is asked after those that are there.
+    /// Adds a detector of a dialect. The file extension decides before the lines of the file; of several detectors that match, the one added first decides.
     ///
     /// ```
     /// use ncfix::extend::dialect::{Detector, find};

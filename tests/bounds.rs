@@ -199,14 +199,14 @@ fn met(row: &str) -> Vec<(&'static Language, String, &'static str, usize)> {
     };
     match row {
         "length of a block" => all(&|_| "X".to_owned() + &"0".repeat(5000), "E0109"),
-        "brackets and signs within each other" => all(&|language| nested(language, 66), "E0107"),
+        "nested brackets and signs" => all(&|language| nested(language, 66), "E0107"),
         "operators of an expression, Fanuc, RS274/NGC and Grundig" => [&FANUC, &RS274, &GRUNDIG]
             .map(|language| (language, assigned(language, &["1"; 600].join("+")), "E0107", 1))
             .to_vec(),
         "operators of an expression, Sinumerik" => {
             vec![(&SINUMERIK, assigned(&SINUMERIK, &["1"; 600].join("+")), "E0107", 1)]
         }
-        "control structures within each other, Sinumerik" => {
+        "nested control structures, Sinumerik" => {
             vec![(&SINUMERIK, "IF TRUE\n".repeat(40) + &"ENDIF\n".repeat(40), "E0107", 33)]
         }
         // The place is that of the whole file, or of the part behind the last one that is read.
@@ -242,7 +242,7 @@ fn met(row: &str) -> Vec<(&'static Language, String, &'static str, usize)> {
             vec![(&SINUMERIK, "X2 F=1EX308".into(), "E0210", 1), (&SINUMERIK, "S=-1EX308 M3".into(), "E0210", 1)]
         }
         "turns of a helix, Sinumerik" => vec![(&SINUMERIK, "G2 X2 I1 J0 TURN=1000".into(), "E0210", 1)],
-        "elements of arrays, local, Sinumerik" => vec![(&SINUMERIK, "DEF REAL AR[999999999]".into(), "E0207", 1)],
+        "elements of local arrays, Sinumerik" => vec![(&SINUMERIK, "DEF REAL AR[999999999]".into(), "E0207", 1)],
         "blocks made of texts (EXECSTRING)" => {
             vec![(&SINUMERIK, "DEF INT II\nFOR II=1 TO 10001\nEXECSTRING(\"R1=\"<<II)\nENDFOR".into(), "E0201", 3)]
         }
@@ -348,8 +348,8 @@ fn every_limit_of_programs_is_met_with_its_finding() {
             "bytes of a stream",
             "coefficient of an error function",
             "ends of a travel",
-            "finest bend of an error that is followed, linear",
             "shortest travel",
+            "smallest sampling distance for the curvature of an error, linear",
         ]
     );
 }

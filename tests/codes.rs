@@ -14,10 +14,10 @@ use crate::support::repository;
 fn page() -> String {
     let mut text = String::from(
         "# Codes\n\nWhat ncfix knows of each dialect, made from the tables in [`grammars`](../../grammars/) that the program itself reads. \
-         *execute* codes\nare executed, so that only positions are left of them; *keep* codes change no position and are passed on in their \
-         place; *display*\ncodes concern the screen and are left out; *refuse* codes are known and refused, because they change positions or \
-         feeds in a way\nthat is not executed. The other words of the Sinumerik say more closely what is executed. `axes` are all axes. \
-         M codes that are not\nlisted are the machine builder's and are passed on.\n",
+         *execute* codes\nare executed, so only positions remain of them. *keep* codes change no position and are passed on in their \
+         place. *display*\ncodes concern the screen and are omitted. *refuse* codes are known and refused, because they change positions or \
+         feeds in a way\nthat is not executed. The effects of the other words (`motion`, `frame` …) name what is executed. `axes` are all \
+         axes. M codes that are not\nlisted belong to the machine builder and are passed on.\n",
     );
     for dialect in DIALECTS {
         writeln!(text, "\n## {}\n", dialect.title).unwrap();

@@ -92,7 +92,7 @@ impl<'a> Correction<'a> {
     /// ```
     ///
     /// # Errors
-    /// If the program cannot be parsed, refused or cannot be corrected, or `out` refuses the text. The text must not be used then.
+    /// If the program cannot be parsed, is refused, or cannot be corrected, or `out` refuses the text. The text must not be used then.
     pub fn write_to(&self, out: &mut (dyn Write + Send)) -> Result<CorrectionReport, Error> {
         let started = Instant::now();
         let mut found = Diagnostics::default();
@@ -191,7 +191,7 @@ impl<'a> Correction<'a> {
     /// ```
     ///
     /// # Errors
-    /// If the program cannot be parsed or refused; the pieces say what is met while it runs.
+    /// If the program cannot be parsed or is refused. Errors of the run are items of the pieces.
     pub fn pieces(&self) -> Result<Pieces<'_>, Error> {
         let mut found = Diagnostics::default();
         let prepared = if self.program.was_corrected_before(&mut found) { None } else { self.prepare(&mut found)? };

@@ -161,7 +161,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// If the program cannot be parsed or refused.
+    /// If the program cannot be parsed or is refused.
     pub fn feed(
         &self,
         machine: &Machine,
@@ -182,7 +182,8 @@ impl Program {
 }
 
 impl Transfer {
-    /// Runs the program without sending anything: whatever is wrong in it, lines that the link cannot take, and whether the link keeps up with the motion.
+    /// Runs the program without sending anything. Reports errors of the program, lines that the link cannot take, and a link that is too slow for the
+    /// motion.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -196,7 +197,7 @@ impl Transfer {
     /// ```
     ///
     /// # Errors
-    /// If something forbids to send it.
+    /// If the program must not be sent.
     pub fn forecast(&self) -> Result<Before, Error> {
         let mut found = Diagnostics::default();
         let before = self.survey("", None, &mut found)?;
@@ -207,8 +208,8 @@ impl Transfer {
         }
     }
 
-    /// Sends the program over a port, with the sensors that are read meanwhile, and keeps a journal, which must not be there yet or be that of a job that
-    /// is done. It returns when the transfer has ended, however it did.
+    /// Sends the program over a port, reads the sensors at the same time, and writes a journal. The journal file must not exist, or must be that of a
+    /// finished job. Returns when the transfer has ended, with or without success.
     ///
     /// ```
     /// use ncfix::prelude::*;
