@@ -81,7 +81,7 @@ pub(in crate::cli) struct DosingChoice {
     /// Interval between readings of the temperatures, s
     #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = value::seconds)]
     pub(in crate::cli) every: Duration,
-    /// Take the condition at the start of the job as that of the workpiece zero: drift is relative to it
+    /// Take the start of the job as the time when the workpiece zero was set: drift is relative to it
     #[arg(long, conflicts_with = "zero_time", requires = "sensors")]
     pub(in crate::cli) zero_now: bool,
     /// Change the thermal correction only on rapid moves
