@@ -40,7 +40,7 @@ use ncfix_model::ParameterName;
 use ncfix_model::name::{DIRECTIONS, ErrorKind, ErrorName};
 pub(in crate::diagnose) use unnamed::CAUSE as UNNAMED;
 
-/// What kind of effect it is, as programs read it.
+/// Kind of an effect, as programs read it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum EffectKind {
@@ -48,13 +48,13 @@ pub enum EffectKind {
     Location,
     /// An error of the motion of an axis: scale, straightness, angle.
     Motion,
-    /// One that repeats with a pitch.
+    /// An error that repeats with a period.
     Periodic,
-    /// Play of the own axis.
+    /// Backlash of the axis itself.
     Backlash,
-    /// Play across the axis.
+    /// Backlash across the axis.
     LateralPlay,
-    /// A peak behind a turn.
+    /// A reversal spike.
     ReversalSpike,
     /// An error of one axis that depends on another one.
     Cross,
@@ -64,17 +64,17 @@ pub enum EffectKind {
     Following,
     /// Deflection by acceleration.
     Dynamic,
-    /// Readings and positions of different instants.
+    /// Readings and positions recorded at different times.
     Delay,
     /// Displacement with a temperature.
     ThermalDrift,
-    /// A scale that grows with a temperature.
+    /// Thermal expansion of a scale.
     ThermalExpansion,
     /// An angle between axes that changes with a temperature.
     ThermalSquareness,
     /// Displacement with time.
     Drift,
-    /// An error that was another one in earlier files.
+    /// An error that has changed between files.
     Earlier,
     /// Weight of the workpiece.
     Load,
@@ -82,60 +82,60 @@ pub enum EffectKind {
     Setup,
     /// The probe.
     Probe,
-    /// A sensor of temperature.
+    /// A temperature sensor.
     Sensor,
     /// Single readings.
     Outlier,
-    /// The program that was measured.
+    /// The measured program.
     Program,
-    /// None that has a name.
+    /// An effect without a known cause.
     Unknown,
-    /// Of a cause that a caller brings, by a name of its own: small letters and hyphens, as `beam-sag`.
+    /// The effect of a cause of another crate, with its name: small letters and hyphens, such as `beam-sag`.
     Own(&'static str),
 }
 
-/// What can be done about it.
+/// Remedy for an effect.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Correctable {
-    /// A corrected program takes it away.
+    /// A corrected program removes it.
     Program,
-    /// With live readings while it runs only.
+    /// Only a correction with live readings during the run removes it.
     Live,
     /// Reported only.
     #[default]
     No,
 }
 
-/// A cause: what it is called, and the function that says what it may be here.
+/// A cause: its name, and the function that proposes its candidates.
 #[derive(Debug)]
 pub struct Cause {
-    /// Its name. No other cause of a register has it.
+    /// Its name, unique in a registry.
     pub name: &'static str,
-    /// Which effect it makes.
+    /// Its effect.
     pub effect: EffectKind,
-    /// What makes it: a sentence for people.
+    /// Its origin: a sentence for people.
     pub made_by: &'static str,
-    /// What shows it.
+    /// Its evidence: a sentence for people.
     pub shown_by: &'static str,
-    /// Which measurement tells it from what it is confused with.
+    /// The measurement that separates it from similar causes.
     pub separate_by: &'static str,
-    /// What can be done about it.
+    /// Its remedy.
     pub correctable: Correctable,
-    /// What it may be here; see [`Propose::propose`].
+    /// Proposes its candidates; see [`Propose::propose`].
     pub propose: fn(&Scene<'_>, &mut Vec<Candidate>),
 }
 
-/// Proposes what a cause would do to readings. `&'static Cause` does it by its function; implement it for what has to know more than the readings.
+/// Proposes the effects of a cause on readings. `&'static Cause` uses its function; implement this trait for a cause that needs its own data.
 pub trait Propose: Send + Sync {
     /// The cause: the same static at every call, and that of its candidates.
     fn cause(&self) -> &'static Cause;
 
-    /// Pushes a candidate for everything that it may be here: for each axis, length, sensor. It is called once for a diagnosis, before the search. The
-    /// search finds the amount of each column, and takes a candidate only where it explains more than chance among all that were proposed, also in
-    /// readings that were not used: many candidates make each one less likely, so propose what the columns of the measurements can show. Where a driver is not
-    /// there, propose nothing.
+    /// Pushes a candidate for each form that the cause can have: each axis, length, sensor. It is called once per diagnosis, before the search. The
+    /// search finds the amount of each column. It accepts a candidate only if its gain is significant for the number of candidates proposed, also in
+    /// readings that were not used. Many candidates make each one less likely, so propose only effects that the measurements can show. If a driver is
+    /// missing, propose nothing.
     fn propose(&self, scene: &Scene<'_>, out: &mut Vec<Candidate>);
 }
 
@@ -155,7 +155,7 @@ impl<P: Propose + 'static> From<P> for Box<dyn Propose> {
     }
 }
 
-/// The causes that a diagnosis looks for: [`Register::default`](ncfix_base::register::Register::default) are those that are built in.
+/// The causes that a diagnosis searches for: [`Register::default`](ncfix_base::register::Register::default) contains the built-in ones.
 pub type Causes = Register<dyn Propose>;
 
 impl Registered for dyn Propose {
@@ -170,7 +170,7 @@ impl Registered for dyn Propose {
     }
 }
 
-/// Those that are built in.
+/// Built-in causes.
 pub(in crate::diagnose) const BUILT_IN: &[&Cause] = &[
     &location::CAUSE,
     &motion::CAUSE,
@@ -207,10 +207,10 @@ pub(in crate::diagnose) const BUILT_IN: &[&Cause] = &[
     &unnamed::CAUSE,
 ];
 
-/// Location errors of linear axes as they are named where several names mean the same.
+/// Preferred names of location errors of linear axes that have several names.
 const USUAL: [&str; 3] = ["EC0Y", "EB0Z", "EA0Z"];
 
-/// What a row has of a driver: the factor of a deviation. Amounts are well told where it is near one.
+/// Weight of a row for a driver: the factor of a deviation. Keep it near 1, so that amounts are well determined.
 #[derive(Clone)]
 pub struct Weight(Arc<dyn Fn(&SceneRow) -> f64 + Send + Sync>);
 
@@ -225,12 +225,12 @@ impl Weight {
         Weight::new(move |row| values.get(row.set).and_then(|own| own.get(row.number)).map_or(0.0, |value| of(*value)))
     }
 
-    /// The same for weights that are clones of each other.
+    /// Key, equal for weights that are clones of each other.
     pub(in crate::diagnose) fn key(&self) -> usize {
         Arc::as_ptr(&self.0).cast::<()>() as usize
     }
 
-    /// Its value; 0 where it is not finite: a row that does not say is no evidence.
+    /// Its value; 0 if it is not finite, because such a row is no evidence.
     #[must_use]
     pub fn of(&self, row: &SceneRow) -> f64 {
         let value = (self.0)(row);
@@ -244,30 +244,30 @@ impl fmt::Debug for Weight {
     }
 }
 
-/// How a candidate extends the model.
+/// Extension of the model by a candidate.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Term {
     /// By parameters, one for each column.
     Parameters(Vec<ParameterName>),
-    /// By what a function makes of the amounts: entries of a source of error of one's own.
+    /// By a function of the amounts: entries of an error source of another crate.
     File(FileTerm),
-    /// Not: it is no error of the machine, or none that has an entry in the machine file.
+    /// None: it is not an error of the machine, or has no entry in the machine file.
     None,
 }
 
-/// Makes changes of the machine file from the amounts of the columns of a candidate, mm or rad per unit of their weights; or says why they cannot be
-/// written, in a sentence without a full stop.
+/// Makes changes of the machine file from the amounts of the columns of a candidate, mm or rad per unit of their weights. If they cannot be written, it
+/// gives the reason, in a sentence without a full stop.
 #[derive(Clone)]
 pub struct FileTerm(Arc<MakesChanges>);
 
-/// From amounts to changes, or why there are none.
+/// From amounts to changes, or the reason for none.
 type MakesChanges = dyn Fn(&[f64]) -> Result<Vec<Change>, String> + Send + Sync;
 
 impl FileTerm {
     /// The changes for these amounts.
     ///
     /// # Errors
-    /// Why there are none.
+    /// The reason if there are none.
     pub fn changes(&self, amounts: &[f64]) -> Result<Vec<Change>, String> {
         (self.0)(amounts)
     }
@@ -286,32 +286,32 @@ impl fmt::Debug for FileTerm {
     }
 }
 
-/// What the readings would have in addition.
+/// A candidate: the additional effect on the readings.
 #[derive(Clone, Debug)]
 pub struct Candidate {
     /// Its cause.
     pub cause: &'static Cause,
-    /// ISO 230-1 name where there is one, else axes or a direction: `EYY`, `XY`, `Z`.
+    /// ISO 230-1 name if it has one, else axes or a direction: `EYY`, `XY`, `Z`.
     pub parameter: String,
-    /// What it depends on, by columns of the table: `X`, `X_dir`, `T_nose_C`, `t_s`.
+    /// Its drivers, by columns of the table: `X`, `X_dir`, `T_nose_C`, `t_s`.
     pub drivers: Vec<String>,
-    /// A number that goes with it and was searched: a period, a length, a time constant, with its unit.
+    /// A number that was searched with it: a period, a length, a time constant, with its unit.
     pub constant: Option<(f64, &'static str)>,
-    /// The sensor of temperature, where it is one.
+    /// The temperature sensor, if it has one.
     pub sensor: Option<String>,
-    /// Its columns, each a sum; an amount of each column is found.
+    /// Its columns, each a sum. The search finds the amount of each column.
     pub columns: Vec<Vec<(Through, Weight)>>,
-    /// Where each column stands for, in the order of `drivers`: the amounts are the values of a shape at these points. Empty where columns have a meaning
-    /// of their own.
+    /// The points that each column stands for, in the order of `drivers`: the amounts are the values of a shape at these points. Empty if the columns
+    /// have another meaning.
     pub points: Vec<Vec<f64>>,
-    /// The drivers of such a shape by row of the scene, where they are searched for: a place in the workpiece is no position of an axis.
+    /// The values of the drivers of such a shape, by row of the scene: a place in the workpiece is not a position of an axis.
     pub along: Vec<(String, Arc<Vec<f64>>)>,
-    /// How it extends the model.
+    /// Its extension of the model.
     pub term: Term,
 }
 
 impl Candidate {
-    /// With one column.
+    /// A candidate with one column.
     #[must_use]
     pub fn one(cause: &'static Cause, parameter: impl fmt::Display, through: Through, weight: Weight) -> Candidate {
         Candidate {
@@ -327,14 +327,14 @@ impl Candidate {
         }
     }
 
-    /// The same with what it depends on.
+    /// Adds its drivers.
     #[must_use]
     pub fn driven_by(mut self, drivers: &[&dyn fmt::Display]) -> Candidate {
         self.drivers = drivers.iter().map(ToString::to_string).collect();
         self
     }
 
-    /// How far-fetched it is: of those that explain as much as each other the least is named.
+    /// Plausibility rank: among equally good candidates, the one with the lowest rank is named.
     #[must_use]
     pub fn far_fetched(&self) -> u32 {
         let of_effect = match self.cause.effect {

@@ -52,8 +52,8 @@ pub struct Instrument {
     pub columns: &'static [&'static str],
 }
 
-/// What the readings of a kind of measurement are of. Descriptions, plans, figures and causes decide by it, never by the name of the kind: one of a
-/// caller that says what it measures is treated like those that are built in.
+/// Measured quantity of an instrument. Descriptions, plans, figures and causes depend on it, never on the name of the instrument. So an instrument of
+/// another crate is treated like a built-in one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Measurand {
