@@ -1,11 +1,11 @@
-//! Causes: one file each, and the register of them ([`Causes`]), which a caller extends.
+//! Causes: one file each, and their registry ([`Causes`]), which a caller can extend.
 //!
-//! A cause looks at a [`Scene`] and proposes [`Candidate`]s: what the readings would have in addition if it were at work. It says what reveals it, with
-//! what it is confused and which measurement tells them apart, and what a program can do about it. A candidate that is accepted extends the
-//! model by its [`Term`]; one without is reported only.
+//! A cause examines a [`Scene`] and proposes [`Candidate`]s: the additional effects on the readings if the cause is present. It states its evidence,
+//! the measurement that separates it from similar causes, and its remedy. An accepted candidate extends the model by its [`Term`]; a candidate without
+//! a term is only reported.
 //!
-//! To add one from another crate, write a static [`Cause`] with its function, or a type that implements [`Propose`] where it has to know something;
-//! give it to [`Causes::with`](ncfix_base::register::Register::with) and the register to [`diagnose_with`](super::diagnose_with).
+//! To add a cause from another crate, write a static [`Cause`] with its function, or a type that implements [`Propose`] if it needs its own data.
+//! Pass it to [`Causes::with`](ncfix_base::register::Register::with) and the registry to [`diagnose_with`](super::diagnose_with).
 
 mod backlash;
 pub mod catalogue;
