@@ -9,7 +9,7 @@ use ncfix_metrology::decompose::Smooth;
 
 /// End of `ncfix decompose --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
-A trace is a table NAME.csv with its description NAME.toml (kind = \"trace\") beside it: t_s, set-points X Y Z A C, encoders X_enc …, the tool displacement \
+A trace is a table NAME.csv with its description NAME.toml (kind = \"trace\") in the same folder: t_s, set-points X Y Z A C, encoders X_enc …, the tool displacement \
 from a ball dx_um dy_um dz_um, and feed_mm_min and run for several runs along one path. The description may name the XML file saved by a Sinumerik \
 with Diagnostics › Trace (control = \"f1000.xml\") and its signals. See docs/reference/decompose.md.
 
@@ -22,7 +22,7 @@ Examples:
 /// `ncfix decompose`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct DecomposeArguments {
-    /// Traces, each with its description NAME.toml beside it; all runs must follow one path
+    /// Traces, each with its description NAME.toml in the same folder; all runs must follow one path
     #[arg(value_name = "TRACE.csv", required = true)]
     pub(in crate::cli) traces: Vec<PathBuf>,
     #[command(flatten)]

@@ -8,7 +8,7 @@ use crate::cli::arguments::{MachineChoice, PageChoice};
 
 /// End of `ncfix diagnose --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
-Each measurement is a table NAME.csv with its description NAME.toml beside it: docs/reference/data-files.md. Errors may depend on every \
+Each measurement is a table NAME.csv with its description NAME.toml in the same folder: docs/reference/data-files.md. Errors may depend on every \
 numeric column: feed_mm_min, t_s, T_NAME_C, humidity.
 
 A cause is named only if it remains significant with the autocorrelation of the readings and the number of candidates tested, and if it also improves \
@@ -28,7 +28,7 @@ Examples:
 /// `ncfix diagnose`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct DiagnoseArguments {
-    /// Tables of readings, each with its description NAME.toml beside it
+    /// Tables of readings, each with its description NAME.toml in the same folder
     #[arg(value_name = "DATA.csv", required = true)]
     pub(in crate::cli) data: Vec<PathBuf>,
     #[command(flatten)]

@@ -20,7 +20,7 @@ Examples:
 /// `ncfix iso230`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct FiguresArguments {
-    /// Tables of readings, each with its description NAME.toml beside it
+    /// Tables of readings, each with its description NAME.toml in the same folder
     #[arg(value_name = "DATA.csv", required = true)]
     pub(in crate::cli) data: Vec<PathBuf>,
     #[command(flatten)]

@@ -29,7 +29,7 @@ Kinds:
   load     weights on the table; --variant level: an axis, plate: grid of holes
            --force --place --variant --axis --component --range --points --runs --centre --plane --every --clearance --feed --dwell --line
 
-PLAN.csv gets the poses with empty readings, PLAN.toml beside it the description. The program has axis positions in machine coordinates, without \
+PLAN.csv gets the poses with empty readings, PLAN.toml in the same folder gets the description. The program has axis positions in machine coordinates, without \
 zero offset and tool length compensation; it stops (M0) for mounting the instrument. Run it first without an instrument.
 
 Examples:
@@ -43,7 +43,7 @@ pub(in crate::cli) struct PlanArguments {
     /// Kind of measurement: ballbar, sphere, probe, laser, drift, plate or load
     #[arg(value_name = "KIND", value_parser = kind)]
     pub(in crate::cli) kind: &'static PlanKind,
-    /// Table of poses; its description (.toml) is written beside it
+    /// Table of poses; its description (.toml) goes into the same folder
     #[arg(short, long, value_name = "PLAN.csv")]
     pub(in crate::cli) output: PathBuf,
     /// NC program that runs the poses, in the dialect of the machine's control

@@ -24,10 +24,10 @@ Examples:
 /// `ncfix simulate`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct SimulateArguments {
-    /// Planned measurement, with its description PLAN.toml beside it; or a part program
+    /// Planned measurement, with its description PLAN.toml in the same folder; or a part program
     #[arg(value_name = "PLAN.csv|PROGRAM")]
     pub(in crate::cli) plan: PathBuf,
-    /// Table to write; its description is written beside it
+    /// Table to write; its description goes into the same folder
     #[arg(short, long, value_name = "MEASURED.csv")]
     pub(in crate::cli) output: PathBuf,
     #[command(flatten)]
