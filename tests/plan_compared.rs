@@ -460,7 +460,11 @@ fn page(compared: &Compared, tools: &[Told<'_>]) -> String {
          | method | plans | standard uncertainties | not determined |\n| --- | --- | --- | --- |\n",
     );
     let rows = [
-        ("direct", "`laser`, 6 components of each axis, 36 targets, 2 runs", "0.5 µm, 0.5 µrad; squares with an error of 2 µrad"),
+        (
+            "direct",
+            "`laser`, 6 components of each axis, 36 targets, 2 runs",
+            "0.5 µm, 0.5 µrad; squares with an error of 2 µrad",
+        ),
         (
             "hole plates",
             "`plate`, 9 × 9 holes at 50 mm, three planes, two tools each",
