@@ -12,7 +12,8 @@ use ncfix_metrology::results::calibration::{
     prepare,
 };
 use ncfix_metrology::results::measurement::{Measurement, Purpose};
-use ncfix_metrology::results::parameters;
+use ncfix_metrology::results::parameters::{self, ModelText};
+use ncfix_metrology::results::stated::{StatedStart, start_with_terms};
 use ncfix_model::ErrorModel;
 
 /// Options of a calibration. `CalibrationOptions::default()` gives the options of `ncfix calibrate` without arguments; no parameter is chosen yet.
@@ -252,6 +253,24 @@ pub(crate) fn text_of(
     head.extend(used.iter().map(line_of));
     machine_text((start, &chosen.registry.model), errors, fit, &head)
         .map_err(|reason| Error::usage(format!("cannot write into the text of {}: {reason}", start.name())))
+}
+
+/// The parameters of a model, and with stated terms the start that holds them, fitted to the first `used` of the measurements; `None` if there are errors.
+pub(crate) fn with_terms(
+    chosen: &Machine,
+    start: &Source,
+    model: ModelText,
+    (all, used): (&[Measurement], usize),
+    findings: &mut Diagnostics,
+) -> Option<(Vec<Parameter>, Option<StatedStart>)> {
+    let Some(terms) = model.terms else { return Some((model.parameters, None)) };
+    let sets: Vec<_> = all.iter().take(used).map(|one| one.data.clone()).collect();
+    let mut found = Vec::new();
+    let file = (start, &chosen.registry.model);
+    let of = (&chosen.machine, &chosen.errors);
+    let grown = start_with_terms(file, of, (&terms, model.parameters), &sets, &mut found);
+    findings.extend(found, std::slice::from_ref(&terms));
+    grown.map(|grown| (grown.parameters.clone(), Some(grown)))
 }
 
 /// The line about a measurement in such a head.

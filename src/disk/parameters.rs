@@ -87,7 +87,7 @@ pub(crate) fn choose_model(
     Ok(is_sound.then_some(found))
 }
 
-/// Whether a text names a parameter of the geometry or of an effect.
+/// True for a text that names a parameter of the geometry or of an effect.
 fn is_named(text: &str, errors: &ErrorModel) -> bool {
     text.parse::<ParameterName>().is_ok() || !effect::named(&effect::effect_parameters(errors), text).is_empty()
 }

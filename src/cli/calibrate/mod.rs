@@ -2,7 +2,7 @@
 
 pub(in crate::cli) mod arguments;
 
-use crate::calibration::text_of;
+use crate::calibration::{text_of, with_terms};
 use crate::cli::arguments::CalibrateArguments;
 use crate::cli::atomic_writes::AtomicWrites;
 use crate::cli::exit_code::ExitCode;
@@ -15,15 +15,10 @@ use crate::cli::pages::{self, Pages};
 use crate::cli::progress::Progress;
 use crate::cli::stop::Stop;
 use crate::cli::{parameters, print, state, tell};
-use crate::machine::Machine;
-use ncfix_base::source::{FileId, Source};
-use ncfix_metrology::calibrate::Parameter;
+use ncfix_base::source::FileId;
 use ncfix_metrology::calibrate::candidates::PiecewisePolynomials;
-use ncfix_metrology::measure::data::DataSet;
 use ncfix_metrology::results::calibration::{CalibrationSettings, CalibrationStart, check_sizes, prepare};
-use ncfix_metrology::results::measurement::Measurement;
 use ncfix_metrology::results::parameters::ModelText;
-use ncfix_metrology::results::stated::{StatedStart, start_with_terms};
 use ncfix_report::calibration::CalibrationReport;
 use ncfix_report::{json, page};
 
@@ -32,8 +27,7 @@ const MACHINE: FileId = FileId(0);
 
 /// Calibrates.
 pub(in crate::cli) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Stop> {
-    let goes_out = is_standard_stream(&arguments.output);
-    one_stream(arguments.json, goes_out)?;
+    one_stream(arguments.json, is_standard_stream(&arguments.output))?;
     let mut findings = Findings::default();
     let mut report = CalibrationReport { version: env!("CARGO_PKG_VERSION"), ..CalibrationReport::default() };
     report.found.model.clone_from(&arguments.model);
@@ -55,7 +49,7 @@ pub(in crate::cli) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, St
     }
     findings.draw();
     result?;
-    if !report.found.parameters.is_empty() || report.found.selection.is_some() {
+    if !report.found.parameters.is_empty() || report.found.selection.is_some() || !report.found.terms.is_empty() {
         tell(&report.table());
     }
     if findings.has_errors() {
@@ -104,9 +98,7 @@ fn calibrate(
         }
         all.extend(read);
     }
-    let Some(ModelText { mut parameters, terms }) = parameters.filter(|_| !findings.has_errors()) else {
-        return Ok(());
-    };
+    let Some(model) = parameters.filter(|_| !findings.has_errors()) else { return Ok(()) };
     if chosen.state.is_some() {
         all.iter_mut().for_each(|one| one.data.fill_in(&chosen.condition));
     }
@@ -118,16 +110,10 @@ fn calibrate(
         significance: arguments.significance,
         with_readings: arguments.page.is_wanted(),
     };
-    let grown = match terms {
-        Some(terms) => {
-            let grown = grow(&chosen, &start, (&terms, parameters), &all, arguments.data.len(), findings);
-            let Some(grown) = grown else { return Ok(()) };
-            parameters = grown.parameters.clone();
-            report.found.terms.clone_from(&grown.terms);
-            Some(grown)
-        }
-        None => None,
+    let Some((parameters, grown)) = with_terms(&chosen, &start, model, (&all, arguments.data.len()), findings) else {
+        return Ok(());
     };
+    report.found.terms = grown.as_ref().map_or_else(Vec::new, |grown| grown.terms.clone());
     let (from, errors) = grown.as_ref().map_or((&start, &chosen.errors), |grown| (&grown.source, &grown.errors));
     begin.errors = errors;
     let sources = measurement::sources_of(&all);
@@ -135,23 +121,16 @@ fn calibrate(
     let prepared = prepare(begin, settings, all, arguments.data.len(), parameters, &mut found, &mut report.found);
     findings.extend(found, &sources);
     let Some(prepared) = prepared else { return Ok(()) };
-    let candidates = match &arguments.select {
-        Some(words) => {
-            let data = prepared.data();
-            let pieces = PiecewisePolynomials { spacing_mm: arguments.knots, degree: arguments.degree };
-            let choice = (words.as_str(), pieces);
-            let found = parameters::candidates(choice, &chosen.machine, errors, &data, findings)?;
-            if found.is_none() {
-                return Ok(());
-            }
-            found
-        }
-        None => None,
-    };
-    let mut line = Progress::new();
+    let pieces = PiecewisePolynomials { spacing_mm: arguments.knots, degree: arguments.degree };
+    let mut select =
+        |words| parameters::candidates((words, pieces), &chosen.machine, errors, &prepared.data(), findings);
+    let candidates = arguments.select.as_deref().map(&mut select).transpose()?;
+    if candidates.as_ref().is_some_and(Option::is_none) {
+        return Ok(());
+    }
+    let (mut line, mut found) = (Progress::new(), Vec::new());
     let mut progress = |share: f64| line.share("repetitions", share);
-    let mut found = Vec::new();
-    let fit = prepared.fit(candidates.as_deref(), &mut progress, &mut found, &mut report.found);
+    let fit = prepared.fit(candidates.flatten().as_deref(), &mut progress, &mut found, &mut report.found);
     line.clear();
     findings.extend(found, &sources);
     let Some(fit) = fit.filter(|_| !findings.has_errors()) else { return Ok(()) };
@@ -159,21 +138,4 @@ fn calibrate(
     files.add(target, text.as_bytes())?;
     report.output = Some(arguments.output.display().to_string());
     Ok(())
-}
-
-/// The start with the terms that are stated; `None` if there are errors.
-fn grow(
-    chosen: &Machine,
-    start: &Source,
-    (terms, parameters): (&Source, Vec<Parameter>),
-    all: &[Measurement],
-    used: usize,
-    findings: &mut Findings,
-) -> Option<StatedStart> {
-    let sets: Vec<DataSet> = all.iter().take(used).map(|one| one.data.clone()).collect();
-    let mut found = Vec::new();
-    let from = (start, &chosen.registry.model);
-    let grown = start_with_terms(from, (&chosen.machine, &chosen.errors), (terms, parameters), &sets, &mut found);
-    findings.extend(found, std::slice::from_ref(terms));
-    grown
 }

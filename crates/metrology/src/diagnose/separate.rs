@@ -176,7 +176,7 @@ fn told_apart(pair: [EffectKind; 2]) -> (Option<&'static str>, Option<Separating
         ("lines at two heights, and at the ends of the other axis", SeparatingPlan::Heights)
     } else if both(EffectKind::Motion) {
         (
-            "the same lines with a second tool length, and at a second height: angles grow with the arm, straightness does not",
+            "the same lines at two positions of the other axes, and with a second tool length: the effect of an angle grows with its arm, that of a displacement does not",
             SeparatingPlan::Heights,
         )
     } else if both(EffectKind::Location) {

@@ -420,15 +420,16 @@ fn verdict(
     }
 }
 
-/// Whether the readings show only a part of a shape: its size over the places is not determined, or far beyond its effect on them.
+/// True if the readings show only a part of a shape: its size over the places is not determined, or far beyond its effect on them.
 fn absorbed(candidate: &Candidate, size: &Size, alone: f64) -> bool {
     let is_shape = candidate.columns.len() > 1
         && matches!(
             candidate.cause.effect,
             EffectKind::Motion | EffectKind::Cross | EffectKind::Drift | EffectKind::Unknown
         );
-    let is_length = size.unit == "um" && !size::is_angle(candidate);
-    is_shape && is_length && (size.u95 >= size.value.abs() || size.value.abs() > FAR * um_from_mm(alone))
+    is_shape
+        && !size::is_angle(candidate)
+        && (size.u95 >= size.value.abs() || size.value.abs() > FAR * um_from_mm(alone))
 }
 
 /// What a small share more of each time constant would do, per share.

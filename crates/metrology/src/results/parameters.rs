@@ -38,7 +38,7 @@ pub struct ModelText {
     pub terms: Option<Source>,
 }
 
-/// Whether a line of a model states a term: parameters have no spaces, signs or points but those of effects.
+/// True for a line of a model that states a term: parameters have no spaces, signs or points but those of effects.
 #[must_use]
 pub fn states_term(text: &str) -> bool {
     let is_component = |name: &str| name.parse::<ErrorName>().is_ok();

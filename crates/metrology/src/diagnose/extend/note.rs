@@ -40,13 +40,15 @@ pub fn lines(
 ) -> Vec<String> {
     let mut out = vec![format!("{HEAD} {}; {}", size(one), remedy(&one.candidate))];
     let p = if one.chance < LEAST_P { format!("p < {LEAST_P:e}") } else { format!("p = {:.0e}", one.chance) };
+    let sure =
+        one.probability.map_or_else(String::new, |sure| format!(", probability {:.0} %", (100.0 * sure).floor()));
     let unseen = if files.held_out.is_empty() {
         "left out in turn".to_owned()
     } else {
         format!("held out, {}", files.held_out.join(", "))
     };
     out.push(format!(
-        "  from {}; on readings not used ({unseen}) the residual is {:.0} % smaller; {p}",
+        "  from {}; on readings not used ({unseen}) the residual is {:.0} % smaller; {p}{sure}",
         files.used.join(", "),
         100.0 * one.gain_unseen
     ));

@@ -54,7 +54,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     }
 }
 
-/// Whether a temperature has other values from a row on than before it: then it may be the driver of a step.
+/// True if a temperature has other values from a row on than before it: then it may be the driver of a step.
 fn parts_by(values: &[f64], row: usize) -> bool {
     let ends = |values: &[f64]| {
         let all = values.iter().copied().filter(|value| value.is_finite());

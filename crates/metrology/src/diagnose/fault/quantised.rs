@@ -20,7 +20,7 @@ const WIDE: f64 = 0.8;
 /// Readings at least.
 const COUNT: usize = 20;
 
-/// What the steps of the displays leave in the readings of a scene, root of the mean square, mm or rad: no noise is less.
+/// Noise from the steps of the displays in the readings of a scene, root of the mean square, mm or rad: no noise is less.
 pub(in crate::diagnose) fn least_noise(scene: &Scene<'_>, is_angle: bool) -> f64 {
     let finest = if is_angle { FINEST * 1e-3 } else { FINEST };
     let of = |data: &DataSet| {

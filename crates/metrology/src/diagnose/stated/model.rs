@@ -53,7 +53,7 @@ pub fn stated_model(
     kept.extend(subjects.iter().flatten().map(|one| (taken(one.number), 0.0)));
     let found = Settled::open(&mut field, [&own, &held_out], (causes, bare, used)).verdict_of(&kept);
     let key = |one: &Candidate| one.columns.first().and_then(|parts| parts.first()).map(|(_, weight)| weight.key());
-    let of = |one: Result<super::subject::Subject, String>| {
+    let of = |one: Result<super::subject::StatedSubject, String>| {
         let one = one?;
         let candidate = field.candidates.get(one.number).ok_or("it has no effect")?;
         if let Term::Parameters(names) = &candidate.term {

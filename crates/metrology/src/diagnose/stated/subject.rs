@@ -21,7 +21,7 @@ const FAINT: f64 = 0.3;
 const VARIANTS: usize = 6;
 
 /// A hypothesis with the number of its candidate among those of the field.
-pub(super) struct Subject {
+pub(super) struct StatedSubject {
     pub(super) number: usize,
     pub(super) units: Vec<AmountUnit>,
     pub(super) variants: usize,
@@ -30,7 +30,7 @@ pub(super) struct Subject {
 }
 
 /// The candidate of a hypothesis, or why these readings have none.
-pub(super) fn subject(one: &StatedHypothesis, outcome: &mut Settled<'_, '_, '_>) -> Result<Subject, String> {
+pub(super) fn subject(one: &StatedHypothesis, outcome: &mut Settled<'_, '_, '_>) -> Result<StatedSubject, String> {
     let scene = outcome.field.scene;
     let (number, units, variants) = match &one.statement {
         StatedContent::Sum(through, terms) => {
@@ -48,7 +48,7 @@ pub(super) fn subject(one: &StatedHypothesis, outcome: &mut Settled<'_, '_, '_>)
     };
     visible(outcome, number, !units.is_empty(), &units)?;
     let stand_ins = stand_ins(outcome, number);
-    Ok(Subject { number, units, variants, stand_ins })
+    Ok(StatedSubject { number, units, variants, stand_ins })
 }
 
 pub(super) fn enter(field: &mut Field<'_, '_>, candidate: Candidate) -> usize {
@@ -194,7 +194,7 @@ fn stand_ins(outcome: &Settled<'_, '_, '_>, number: usize) -> Vec<usize> {
 }
 
 /// Amounts of the terms; of a named cause its size.
-pub(super) fn amounts(name: &str, subject: &Subject, accepted: &AcceptedCause) -> Vec<TermAmount> {
+pub(super) fn amounts(name: &str, subject: &StatedSubject, accepted: &AcceptedCause) -> Vec<TermAmount> {
     if subject.units.is_empty() {
         let size = &accepted.size;
         let (term, unit) = (name.to_owned(), size.unit.to_owned());

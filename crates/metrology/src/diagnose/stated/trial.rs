@@ -16,7 +16,7 @@ use super::super::search::Taken;
 use super::super::shape::{Driver, driver};
 use super::super::verdict::{DiagnosedCauses, Settled, class, diagnose_then};
 use super::form::{StatedHypothesis, TermAmount};
-use super::subject::{Subject, amounts, subject};
+use super::subject::{StatedSubject, amounts, subject};
 use ncfix_base::geometry::AXES;
 use ncfix_base::numeric::both;
 
@@ -125,7 +125,7 @@ fn of_all(
     note: &mut dyn FnMut(&str, f64),
 ) -> StatedTrials {
     let mut trials: Vec<HypothesisTrial> = Vec::new();
-    let mut subjects: Vec<(usize, Subject)> = Vec::new();
+    let mut subjects: Vec<(usize, StatedSubject)> = Vec::new();
     for (place, one) in stated.iter().enumerate() {
         note("hypotheses", place as f64 / stated.len().max(1) as f64);
         let mut trial = HypothesisTrial { text: one.text.clone(), ..HypothesisTrial::default() };
@@ -166,7 +166,7 @@ fn name_of(one: &Candidate) -> String {
 
 fn judge(
     trial: &mut HypothesisTrial,
-    subject: &Subject,
+    subject: &StatedSubject,
     outcome: &Settled<'_, '_, '_>,
     note: &mut dyn FnMut(&str, f64),
 ) {
@@ -227,7 +227,7 @@ fn judge(
 /// Evidence alone, beside the findings, and of rivals in its place.
 fn evidence(
     trial: &mut HypothesisTrial,
-    subject: &Subject,
+    subject: &StatedSubject,
     outcome: &Settled<'_, '_, '_>,
     (beside, rivals, replaced): (&[usize], &[usize], &[usize]),
 ) {
@@ -266,7 +266,7 @@ fn evidence(
 /// Gain on the data held out, else on parts that are left out in turn.
 fn gain(
     trial: &mut HypothesisTrial,
-    subject: &Subject,
+    subject: &StatedSubject,
     outcome: &Settled<'_, '_, '_>,
     (others, with): (&[(Taken, f64)], &[usize]),
     note: &mut dyn FnMut(&str, f64),
@@ -301,7 +301,7 @@ fn gain(
 }
 
 /// Probabilities of combinations of visible hypotheses beside the findings that stand for none of them, with even odds of each.
-fn combinations(subjects: &[(usize, Subject)], outcome: &Settled<'_, '_, '_>) -> Vec<StatedSet> {
+fn combinations(subjects: &[(usize, StatedSubject)], outcome: &Settled<'_, '_, '_>) -> Vec<StatedSet> {
     if subjects.is_empty() {
         return Vec::new();
     }
