@@ -50,6 +50,7 @@ pub(crate) fn xyz_machine() -> Machine {
         gud: BTreeMap::new(),
         strain: None,
         servo: None,
+        measured: None,
         tools: Vec::new(),
     }
 }

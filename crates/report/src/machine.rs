@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use ncfix_base::geometry::AXES;
-use ncfix_machine::machine::{AxisData, Machine};
+use ncfix_machine::machine::{AxisData, Machine, MeasuredRanges};
 use ncfix_model::{Effect, ErrorModel};
 
 /// Returns the page: chain, axes, zero offsets, tools, error functions. Lengths in mm, angles in degrees.
@@ -89,11 +89,46 @@ pub fn table(machine: &Machine, errors: &ErrorModel) -> String {
             line(&format!("{sensor:<28}{} °C", decimal(reference_c)));
         }
     }
+    if let Some(measured) = &machine.measured {
+        line("");
+        line("measured");
+        measured_rows(measured).iter().for_each(|row| line(row));
+    }
     if let Some(strain) = &machine.strain {
         line("");
         line(&format!("strain      a gauge along {}", strain.axis));
     }
     out
+}
+
+/// Formats the measured ranges, a row for each.
+fn measured_rows(measured: &MeasuredRanges) -> Vec<String> {
+    let mut rows = Vec::new();
+    let mut row = |name: &str, text: &str| rows.push(format!("{name:<12}{text}"));
+    let range = |[low, high]: [f64; 2], unit: &str| format!("{} … {} {unit}", decimal(low), decimal(high));
+    for (axis, &ends) in &measured.axes {
+        let (ends, unit) = if axis.is_rotary() { (ends.map(f64::to_degrees), "deg") } else { (ends, "mm") };
+        row(&axis.to_string(), &range(ends, unit));
+    }
+    if let Some(ends) = measured.tool_length_mm {
+        row("tool length", &range(ends, "mm"));
+    }
+    for (sensor, &ends) in &measured.temperatures_c {
+        row(sensor, &range(ends, "°C"));
+    }
+    if let Some(ends) = measured.load_n {
+        row("load", &range(ends, "N"));
+    }
+    if let Some(date) = &measured.date {
+        row("date", date);
+    }
+    if !measured.instruments.is_empty() {
+        row("instruments", &measured.instruments.join(", "));
+    }
+    if let Some(residual_um) = measured.residual_um {
+        row("residual", &format!("{} µm of the holdout data", decimal(residual_um)));
+    }
+    rows
 }
 
 /// Formats the lowest and highest position of an axis.

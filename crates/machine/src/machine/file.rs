@@ -12,7 +12,7 @@ use ncfix_base::source::Source;
 use super::condition::file::PLAUSIBLE_C;
 use super::zero_offset::{check_name, read_zero_offsets};
 use super::{ActiveTables, AxisData, Control, Lever, Machine, Spindle, ToolChange, Topology};
-use super::{active, opaque, orientation, servo, setting, strain, tool};
+use super::{active, measured, opaque, orientation, servo, setting, strain, tool};
 
 pub use super::document::Document as MachineFile;
 pub use super::section::{Section, nearest};
@@ -32,6 +32,7 @@ pub const SECTIONS: &[&str] = &[
     "sensor",
     "strain",
     "servo",
+    "measured",
     "system",
     "gud",
 ];
@@ -63,6 +64,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     let gud = setting::read(root.section("gud"), false, &mut findings);
     let strain = root.section("strain").and_then(|section| strain::read(section, axis_set, &mut findings));
     let servo = root.section("servo").and_then(|section| servo::read(section, &axes, axis_set, &mut findings));
+    let measured = root.section("measured").map(|section| measured::read(section, axis_set, &mut findings));
     // Other modules have their own sections; the last reader reports unknown ones.
     let keys: Vec<&str> = root.keys().collect();
     keys.into_iter().for_each(|key| root.accept(key));
@@ -99,6 +101,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
         gud,
         strain,
         servo,
+        measured,
     };
     (sound.then_some(machine), findings)
 }

@@ -16,6 +16,7 @@ mod grundig_control;
 mod iso_control;
 mod kinematics;
 mod macro_control;
+mod measured;
 mod opaque;
 mod orientation;
 pub mod origin;
@@ -40,6 +41,7 @@ pub use grundig_control::{GrundigControl, ScaledAxes};
 pub use iso_control::{DecimalPoint, IncrementSystem, IsoControl, LengthAxis, OneAxis};
 pub use kinematics::Kinematics;
 pub use macro_control::MacroControl;
+pub use measured::MeasuredRanges;
 pub use opaque::{AllowedSynchronised, Opaque};
 pub use servo::{AxisServo, Servo};
 pub use setting::Setting;
@@ -92,6 +94,8 @@ pub struct Machine {
     pub strain: Option<StrainGauge>,
     /// Servo behavior of the axes at feed.
     pub servo: Option<Servo>,
+    /// Ranges in which the errors were measured; `None` if the file does not state them.
+    pub measured: Option<MeasuredRanges>,
 }
 
 /// Data of one axis.

@@ -155,6 +155,14 @@ impl<'a> Section<'a> {
         })
     }
 
+    /// Reads a date: year, month and day.
+    pub fn date(&mut self, key: &str) -> Option<&'a str> {
+        self.value(key, "a date such as \"2026-11-27\"", |item| match &item.value {
+            TomlValue::Text(text) if is_date(text) => Some(text.as_str()),
+            _ => None,
+        })
+    }
+
     /// Reads a list of finite numbers.
     pub fn numbers(&mut self, key: &str) -> Option<Vec<f64>> {
         let numbers: Vec<f64> = self.value(key, "a list of finite numbers", |item| match &item.value {
@@ -319,6 +327,14 @@ impl<'a> Section<'a> {
         }
         findings.append(&mut self.findings);
     }
+}
+
+/// True for a date such as `2026-11-27`.
+fn is_date(text: &str) -> bool {
+    let numbers: Option<Vec<u32>> = text.split('-').map(|part| part.parse().ok()).collect();
+    let has_form =
+        text.bytes().enumerate().all(|(at, byte)| (at == 4 || at == 7) == (byte == b'-')) && text.len() == 10;
+    has_form && matches!(numbers.as_deref(), Some([_, 1..=12, 1..=31]))
 }
 
 /// Returns the candidate that begins with the word, or that differs from it only by case or by at most a third of its letters (two at most) added, removed or
