@@ -6,10 +6,12 @@ use crate::disk::hash::short_hash;
 use crate::error::Error;
 use crate::machine::Machine;
 use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::MeasuredRanges;
 use ncfix_metrology::calibrate::{Fit, Parameter};
+use ncfix_metrology::measure::ranges::measured_ranges;
 use ncfix_metrology::results::calibration::{
-    CalibrationResult as Found, CalibrationSettings, CalibrationStart, EstimateReport, check_sizes, machine_text,
-    prepare,
+    CalibrationResult as Found, CalibrationSettings, CalibrationStart, EstimateReport, check_sizes, holdout_um,
+    machine_text, prepare,
 };
 use ncfix_metrology::results::measurement::{Measurement, Purpose};
 use ncfix_metrology::results::parameters::{self, ModelText};
@@ -76,6 +78,7 @@ pub struct Calibration {
     fit: Fit,
     start: Machine,
     head: Vec<String>,
+    measured: MeasuredRanges,
     diagnostics: Diagnostics,
 }
 
@@ -129,7 +132,8 @@ impl Calibration {
             (Some(fit), Some(prepared)) if !diagnostics.has_errors() => {
                 let mut head = vec![format!("parameters {}", options.parameters.join(" "))];
                 head.extend(prepared.used().iter().map(line_of));
-                Ok(Calibration { found, fit, start: machine.clone(), head, diagnostics })
+                let measured = measured_by(machine, prepared.used(), &found);
+                Ok(Calibration { found, fit, start: machine.clone(), head, measured, diagnostics })
             }
             _ => Err(Error::found(diagnostics)),
         }
@@ -187,7 +191,9 @@ impl Calibration {
     /// ```
     #[must_use]
     pub fn machine(&self) -> Machine {
-        Machine { errors: self.fit.errors.clone(), ..self.start.clone() }
+        let mut machine = Machine { errors: self.fit.errors.clone(), ..self.start.clone() };
+        machine.machine.measured = Some(self.measured.clone());
+        machine
     }
 
     /// The text of a machine file with what was found, and a head that says from which data; `text` is that of the machine file which the calibration began
@@ -214,7 +220,8 @@ impl Calibration {
         let source = source.map_err(|_| fault("it is too long".into()))?;
         // A name may have any character; a comment ends with its line.
         let head: Vec<String> = self.head.iter().map(|line| line.replace(char::is_control, " ")).collect();
-        machine_text((&source, &self.start.registry.model), &self.start.errors, &self.fit, &head).map_err(fault)
+        let found = (&self.fit, &self.measured);
+        machine_text((&source, &self.start.registry.model), &self.start.errors, found, &head).map_err(fault)
     }
 
     /// The parameters of the machine, each with its standard uncertainty, in the order of the options.
@@ -244,14 +251,15 @@ pub(crate) fn text_of(
     (chosen, errors): (&Machine, &ErrorModel),
     (original, start): (&Source, &Source),
     model: &str,
-    fit: &Fit,
+    (fit, found): (&Fit, &Found),
     used: &[Measurement],
 ) -> Result<String, Error> {
     let condition = chosen.state.as_ref().map_or_else(String::new, |hash| format!(", condition ({hash})"));
     let hash = short_hash([original.bytes()]);
     let mut head = vec![format!("model {}, began with {} ({hash}){condition}", in_line(model), in_line(start.name()))];
     head.extend(used.iter().map(line_of));
-    machine_text((start, &chosen.registry.model), errors, fit, &head)
+    let measured = measured_by(chosen, used, found);
+    machine_text((start, &chosen.registry.model), errors, (fit, &measured), &head)
         .map_err(|reason| Error::usage(format!("cannot write into the text of {}: {reason}", start.name())))
 }
 
@@ -271,6 +279,11 @@ pub(crate) fn with_terms(
     let grown = start_with_terms(file, of, (&terms, model.parameters), &sets, &mut found);
     findings.extend(found, std::slice::from_ref(&terms));
     grown.map(|grown| (grown.parameters.clone(), Some(grown)))
+}
+
+/// The measured ranges of a machine after a calibration from these measurements.
+fn measured_by(machine: &Machine, used: &[Measurement], found: &Found) -> MeasuredRanges {
+    measured_ranges(&machine.machine, used.iter().map(|one| &one.data), holdout_um(found))
 }
 
 /// The line about a measurement in such a head.

@@ -52,6 +52,7 @@ pub(crate) fn measurement(kind: &str, free: &[Free]) -> DataSet {
         has_senses: true,
         name: kind.to_owned(),
         kind: Instruments::default().find(kind).copied().unwrap(),
+        date: None,
         sigma: None,
         sigma_rad: None,
         free: free.to_vec(),

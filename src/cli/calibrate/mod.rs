@@ -134,7 +134,7 @@ fn calibrate(
     line.clear();
     findings.extend(found, &sources);
     let Some(fit) = fit.filter(|_| !findings.has_errors()) else { return Ok(()) };
-    let text = text_of((&chosen, errors), (&start, from), &arguments.model, &fit, prepared.used())?;
+    let text = text_of((&chosen, errors), (&start, from), &arguments.model, (&fit, &report.found), prepared.used())?;
     files.add(target, text.as_bytes())?;
     report.output = Some(arguments.output.display().to_string());
     Ok(())

@@ -110,6 +110,7 @@ mod tests {
         vec![DataSet {
             name: String::new(),
             kind: &crate::measure::kind::TRACE,
+            date: None,
             sigma: None,
             sigma_rad: None,
             free: Vec::new(),

@@ -85,6 +85,7 @@ pub fn measurement(machine: &Machine, trace: &Trace, of: Of<'_>, place: Place) -
     Ok(DataSet {
         name: trace.name.clone(),
         kind: &kind::TRACE,
+        date: None,
         sigma: None,
         sigma_rad: None,
         free: vec![Free::Offset],

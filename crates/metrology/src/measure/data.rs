@@ -31,6 +31,8 @@ pub struct DataSet {
     pub name: String,
     /// Kind of the measurement.
     pub kind: &'static Instrument,
+    /// Date of the measurement, `2026-11-27`, if the description states it.
+    pub date: Option<String>,
     /// Standard uncertainty of a length reading, mm; `None` if it is to be estimated.
     pub sigma: Option<f64>,
     /// Standard uncertainty of an angle reading, rad; `None` if it is to be estimated.

@@ -4,7 +4,7 @@
 //! measurement with its description. [`kind`] has one file per kind of measurement, with its columns and equations. [`simulate`] does the inverse,
 //! with [`noise`]; [`plan`] makes measurements without readings, with the path of the axes to them. [`mode`] removes the corrections from measured
 //! positions (measurement mode), [`iso230`] has the figures of the acceptance tests. [`strain`] reads a strain gauge, [`weighing`] determines the
-//! load from it, [`copies`] detects tables with identical readings. [`trace`] has the recordings of a control and an instrument during motion.
+//! load from it, [`copies`] detects tables with identical readings, [`ranges`] states which positions and conditions they cover. [`trace`] has the recordings of a control and an instrument during motion.
 
 pub mod circles;
 pub mod copies;
@@ -14,6 +14,7 @@ pub mod kind;
 pub mod mode;
 pub mod noise;
 pub mod plan;
+pub mod ranges;
 pub mod reading;
 pub mod simulate;
 pub mod strain;

@@ -14,8 +14,8 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::Vector;
 use ncfix_base::number::{micrometers, significant};
 use ncfix_base::source::Source;
-use ncfix_base::units::um_from_mm;
-use ncfix_machine::machine::{Condition, Machine};
+use ncfix_base::units::{Unit, um_from_mm};
+use ncfix_machine::machine::{Condition, Machine, MeasuredRanges};
 use ncfix_model::{ErrorModel, Model, ModelRegisters, file, write};
 
 /// Residual in standard uncertainties of the instrument above which the model is poor.
@@ -247,19 +247,32 @@ impl PreparedFit<'_> {
 /// Beginning of a header line of an earlier calibration.
 const HEAD: &str = "# calibrated:";
 
-/// The text of a machine file with the parameters of a fit. Header lines with their origin replace those of an earlier calibration.
+/// The residual of the held-out readings of lengths, root mean square, µm; `None` without such readings.
+#[must_use]
+pub fn holdout_um(result: &CalibrationResult) -> Option<f64> {
+    let own = result.data.iter().filter(|one| one.is_held_out && one.unit == Unit::Um && one.readings > 0);
+    let [squares, count] = own.fold([0.0, 0.0], |[squares, count], one| {
+        let readings = one.readings as f64;
+        [squares + readings * one.left_rms * one.left_rms, count + readings]
+    });
+    // Nanometres suffice in a file that people read.
+    (count > 0.0).then(|| ((squares / count).sqrt() * 1e3).round() / 1e3)
+}
+
+/// The text of a machine file with the parameters of a fit and the measured ranges. Header lines with their origin replace those of an earlier calibration.
 ///
 /// # Errors
 /// The reason why it cannot be written, as a part of a sentence.
 pub fn machine_text(
     (start, registers): (&Source, &ModelRegisters),
     before: &ErrorModel,
-    fit: &Fit,
+    (fit, measured): (&Fit, &MeasuredRanges),
     head: &[String],
 ) -> Result<String, String> {
     let old = std::str::from_utf8(start.bytes()).map_err(|_| "it is not UTF-8")?;
     let errors = &fit.errors;
     let body = write::write(old, before, errors).map_err(|reason| reason.0)?;
+    let body = measured.written_into(&body).ok_or("measured is no section")?;
     let head = head.iter().map(|line| format!("{HEAD} {line}"));
     let kept = body.lines().skip_while(|line| line.starts_with(HEAD)).map(str::to_owned);
     let text: String = head.chain(kept).map(|line| line + "\n").collect();

@@ -5,6 +5,7 @@ use crate::calibrate::{Fit, FitOptions, Parameter, fit};
 use crate::diagnose::extend::{Anchor, Change, again, cleaned, effect_of_others, note};
 use crate::diagnose::{DiagnosedCauses, Scene, levels, residuals};
 use crate::measure::data::DataSet;
+use crate::measure::ranges::measured_ranges;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::Machine;
@@ -137,6 +138,9 @@ impl ExtensionJob<'_> {
         let fitted = self.fitted(&read, &parameters, grown, findings);
         let errors = fitted.as_ref().map_or(&read, |fitted| &fitted.errors);
         let changed = write::write(&grown.text, &read, errors).map_err(|reason| (reason.0, SECTIONS))?;
+        let used = self.scene.sets.iter().take(self.used);
+        let ranges = measured_ranges(self.machine, used, None);
+        let changed = ranges.written_into(&changed).ok_or(("measured is no section".to_owned(), SECTIONS))?;
         let out = self.noted(&changed, grown, fitted.as_ref());
         let written = load(from, &out).ok_or(("the result is not a valid machine file".to_owned(), SECTIONS))?;
         for parameter in &parameters {

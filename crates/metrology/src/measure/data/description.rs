@@ -125,6 +125,7 @@ fn read_measurement(name: &str, section: &mut Section<'_>, instruments: &Instrum
     let sigma = section.number_where("sigma_um", "a number above 0", |um| um > 0.0).map(mm_from_um);
     let sigma_rad = section.number_where("sigma_urad", "a number above 0", |urad| urad > 0.0).map(rad_from_urad);
     let free = section.texts("free");
+    let date = section.date("date").map(str::to_owned);
     let kind = kind?;
     let mut unknowns = Vec::new();
     for (index, word) in free.unwrap_or_default().iter().enumerate() {
@@ -141,6 +142,7 @@ fn read_measurement(name: &str, section: &mut Section<'_>, instruments: &Instrum
     Some(DataSet {
         name: name.to_owned(),
         kind,
+        date,
         sigma,
         sigma_rad,
         free: unknowns,

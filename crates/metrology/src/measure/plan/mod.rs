@@ -239,6 +239,7 @@ fn empty(kind: &'static super::kind::Instrument, free: &[super::data::Free]) -> 
         has_senses: true,
         name: kind.name.to_owned(),
         kind,
+        date: None,
         sigma: None,
         free: free.to_vec(),
         artefact: super::data::Setup::default(),
