@@ -4,10 +4,11 @@
 //! 230-1 ([`name`]), and the effects of other sources ([`source`], one file each). The [`Accumulator`] adds up their contributions in one condition of the
 //! machine. [`Model`] is machine and sum prepared for evaluation; [`Model::actual`] is the only forward function, and [`Model::solve`] inverts it.
 //! [`Model::on_intervals`] and [`Model::solve_in_cycle`] are their counterparts for the cycle of a control. [`preset`] lists the parameters ([`parameter`])
-//! of a model. This crate contains neither programs nor instruments.
+//! of a model. [`coverage`] compares positions and conditions with the measured ranges. This crate contains neither programs nor instruments.
 
 mod accumulator;
 mod body;
+pub mod coverage;
 mod cyclic;
 mod dead_band;
 mod features;

@@ -42,6 +42,12 @@ impl Code {
         if self.0.starts_with('W') { Severity::Warning } else { Severity::Error }
     }
 
+    /// True if it names a gap in the ranges that were measured.
+    #[must_use]
+    pub fn is_coverage(self) -> bool {
+        matches!(self.0, "W0316" | "W0317" | "W0318" | "W0319" | "W0320" | "E0322")
+    }
+
     /// True if the program text itself was not understood (exit status 3, not 4).
     #[must_use]
     pub fn is_language(self) -> bool {
@@ -378,6 +384,11 @@ of a backlash is unknown (W0308).";
     OTHER_FEED = "E0321" "corrected program has another feed"
 "The pieces of a move have the feed of the move: the same number in the same feed mode, otherwise the same duration within 5 %. Only
 --feed-limit lowers feeds, and the stamp states it.";
+    NOT_COVERED = "E0322" "coverage by measurements is required and incomplete"
+"With --require-coverage, a program is only released if measurements support its correction: every axis that moves has measured
+errors, and positions, tool lengths, temperatures and the load are within the ranges of [measured] in the machine file. The message
+states the gap. Nothing was written. Measure the missing range and calibrate, change the program, or correct without
+--require-coverage after a person has looked at the warnings (W0316 to W0320).";
 
     BAD_TOML = "E0401" "machine file is not TOML"
 "The file breaks the rules of TOML 1.0 at this place.";
@@ -618,6 +629,23 @@ tolerance. This program has no such stamp: it was not written by ncfix, or the s
 known; the tolerance of --promised, or 1 µm, is assumed.";
     PROMISE_ASSUMED = "W0315" "tolerance of the correction assumed"
 "The stamp of the corrected program does not state its tolerance. The tolerance of --promised is used, or 1 µm, the default of ncfix fix.";
+    AXIS_WITHOUT_ERRORS = "W0316" "axis without measured errors"
+"The axis moves while the tool cuts, and the machine file has neither an error that depends on it nor its range in [measured]. Its
+errors are unknown, not zero: the correction leaves them on the workpiece, and the predicted residual does not contain them. Measure
+the axis and calibrate. If it was measured and has no error worth a correction, state its range in [measured].";
+    BEYOND_MEASURED = "W0317" "position beyond the measured range"
+"An axis goes beyond the range of [measured] in the machine file or, without it, beyond the positions of a table of this axis. The
+error model is extrapolated there: a polynomial may rise steeply, a table keeps its last value. The message states how far, and the
+part of the error at the tool tip that no measurement supports. Only feed moves count, unless the program has none.";
+    TOOL_BEYOND_MEASURED = "W0318" "tool length beyond the measured ones"
+"Angular errors and rotary axes move the tool tip in proportion to the tool length. This tool is longer or shorter than all tools with
+which the machine was measured ([measured] tool_length_mm), so its error is extrapolated.";
+    RANGE_NOT_STATED = "W0319" "measured range of an axis not stated"
+"The machine file has a section [measured] without the range of this axis, which moves and has errors. Whether they hold at these
+positions is unknown. Add the range, as docs/reference/machine-file.md describes.";
+    STATE_BEYOND_MEASURED = "W0320" "temperature or load beyond the measured range"
+"A temperature or the weight on the table is beyond the range in which its effect was measured ([measured] temperature_C, load_N). The
+effect is extrapolated by the error model.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be detected.";
     TWO_DRIFTS = "W0402" "two models of the drift"

@@ -4,6 +4,7 @@
 //! **axis commands** (mm, rad). The text form adds the tool vector, so it shows positions of the tool center point. Elements of one executed block follow
 //! each other; the first has [`Element::starts_block`].
 
+pub mod extent;
 mod feed_unit;
 mod motion_mode;
 mod text;

@@ -1,0 +1,163 @@
+//! Extent of a stream: range of the positions of each axis, and shortest and longest tool, where the program cuts.
+//!
+//! Feed moves count, from their start to their end. Rapid moves count only in a program without feed moves, because a retract to the end of the travel makes
+//! no surface.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use super::motion_mode::MotionMode;
+use super::{Element, Kind, Move};
+use ncfix_base::geometry::{AXES, Arc, Axis, AxisSet, AxisVector, Vector};
+
+/// Ranges of the positions and tools of a stream, collected element by element.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathExtent {
+    feed: Reach,
+    rapid: Reach,
+    /// Last position, and the axes whose position is known there.
+    last: AxisVector,
+    known: AxisSet,
+    tool_mm: Vector,
+}
+
+/// Positions and tools of one kind of moves.
+#[derive(Clone, Debug, PartialEq)]
+struct Reach {
+    low: AxisVector,
+    high: AxisVector,
+    axes: AxisSet,
+    /// Shortest and longest tool, from the gauge point of the spindle to the tip, mm.
+    tools_mm: Option<[Vector; 2]>,
+}
+
+impl Default for Reach {
+    fn default() -> Reach {
+        Reach {
+            low: AxisVector([f64::INFINITY; AXES.len()]),
+            high: AxisVector([f64::NEG_INFINITY; AXES.len()]),
+            axes: AxisSet::EMPTY,
+            tools_mm: None,
+        }
+    }
+}
+
+impl Reach {
+    fn position(&mut self, position: &AxisVector, axes: AxisSet) {
+        for axis in axes.iter() {
+            self.low[axis] = self.low[axis].min(position[axis]);
+            self.high[axis] = self.high[axis].max(position[axis]);
+        }
+        self.axes = self.axes.union(axes);
+    }
+
+    fn coordinate(&mut self, axis: Axis, position: f64) {
+        self.low[axis] = self.low[axis].min(position);
+        self.high[axis] = self.high[axis].max(position);
+    }
+
+    fn tool(&mut self, tool_mm: Vector) {
+        let [shortest, longest] = self.tools_mm.get_or_insert([tool_mm; 2]);
+        let length_mm = tool_mm.norm();
+        if length_mm < shortest.norm() {
+            *shortest = tool_mm;
+        }
+        if length_mm > longest.norm() {
+            *longest = tool_mm;
+        }
+    }
+
+    /// Adds the points of an arc at which one of its two axes turns back.
+    fn arc(&mut self, arc: &Arc, start: &AxisVector, end: &AxisVector) {
+        let [abscissa, ordinate, _] = arc.plane.axes();
+        let radius_mm = arc.radius_mm(start).max(arc.radius_mm(end));
+        let sweep_rad = arc.sweep_rad(start, end).abs();
+        let start_rad = (start[ordinate] - arc.center_mm[1]).atan2(start[abscissa] - arc.center_mm[0]);
+        let quarters = [(abscissa, 0, 1.0), (ordinate, 1, 1.0), (abscissa, 0, -1.0), (ordinate, 1, -1.0)];
+        let mut angle_rad = 0.0;
+        for (axis, row, sense) in quarters {
+            let turned_rad = if arc.clockwise { start_rad - angle_rad } else { angle_rad - start_rad };
+            if turned_rad.rem_euclid(TAU) <= sweep_rad {
+                self.coordinate(axis, arc.center_mm[row] + sense * radius_mm);
+            }
+            angle_rad += FRAC_PI_2;
+        }
+    }
+}
+
+impl Default for PathExtent {
+    fn default() -> PathExtent {
+        PathExtent {
+            feed: Reach::default(),
+            rapid: Reach::default(),
+            last: AxisVector::ZERO,
+            known: AxisSet::EMPTY,
+            tool_mm: Vector::zeros(),
+        }
+    }
+}
+
+impl PathExtent {
+    /// Adds an element.
+    pub fn see(&mut self, element: &Element) {
+        match &element.kind {
+            Kind::Move(motion) => self.motion(motion),
+            Kind::Setup(setup) => self.tool_mm = setup.tool_mm,
+            Kind::Lost(axes) => self.known = self.known.difference(*axes),
+            _ => {}
+        }
+    }
+
+    fn motion(&mut self, motion: &Move) {
+        let is_feed = !motion.rapid && motion.motion_mode != MotionMode::Reference;
+        let reach = if is_feed { &mut self.feed } else { &mut self.rapid };
+        reach.position(&self.last, self.known.intersection(motion.known));
+        reach.position(&motion.target, motion.known);
+        if let Some(arc) = &motion.arc {
+            reach.arc(arc, &self.last, &motion.target);
+        }
+        reach.tool(self.tool_mm);
+        self.last = motion.target;
+        self.known = motion.known;
+    }
+
+    fn reach(&self) -> &Reach {
+        if self.feed.axes.is_empty() { &self.rapid } else { &self.feed }
+    }
+
+    /// Returns the axes whose position is known, with their lowest and highest position, mm or rad.
+    pub fn axes(&self) -> impl Iterator<Item = (Axis, [f64; 2])> + '_ {
+        let reach = self.reach();
+        reach.axes.iter().map(|axis| (axis, [reach.low[axis], reach.high[axis]]))
+    }
+
+    /// Returns the shortest and the longest tool, from the gauge point of the spindle to the tip, in F at the zero pose, mm; `None` without moves.
+    #[must_use]
+    pub fn tools_mm(&self) -> Option<[Vector; 2]> {
+        self.reach().tools_mm
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ncfix_base::geometry::Plane;
+
+    fn at(x: f64, y: f64) -> AxisVector {
+        AxisVector([x, y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    }
+
+    #[test]
+    fn an_arc_reaches_beyond_its_ends() {
+        // From 0 to 90 degrees clockwise: three quarters of a circle of radius 10 about 100, 50.
+        let arc = Arc { plane: Plane::XY, clockwise: true, center_mm: [100.0, 50.0], extra_turns: 0 };
+        let mut reach = Reach::default();
+        reach.arc(&arc, &at(110.0, 50.0), &at(100.0, 60.0));
+        assert_eq!([reach.low[Axis::X], reach.high[Axis::X]], [90.0, 110.0]);
+        assert_eq!([reach.low[Axis::Y], reach.high[Axis::Y]], [40.0, 60.0]);
+        let mut short = Reach::default();
+        let arc = Arc { clockwise: false, ..arc };
+        short.arc(&arc, &at(110.0, 50.0), &at(100.0, 60.0));
+        // A quarter turns back nowhere but at its ends.
+        assert!(short.low[Axis::X] > 109.0 && short.low[Axis::Y] > 59.0, "{short:?}");
+    }
+}

@@ -1,0 +1,126 @@
+//! Diagnostics about gaps of the coverage.
+
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::number::micrometers;
+use ncfix_base::units::um_from_mm;
+
+use super::{Coverage, CoverageGap, GapKind};
+
+/// Sizes below this are not worth a number, µm.
+const LEAST_UM: f64 = 0.01;
+
+impl Coverage {
+    /// Returns a diagnostic for each gap: a warning, or an error if coverage is required, which unknown ranges do not fulfil either.
+    #[must_use]
+    pub fn diagnostics(&self, is_required: bool) -> Vec<Diagnostic> {
+        let mut found = Vec::new();
+        let mut say = |code: Code, message: String, help: String| {
+            let code = if is_required { Code::NOT_COVERED } else { code };
+            found.push(Diagnostic::nowhere(code, message, help));
+        };
+        if is_required && !self.is_stated {
+            let message = "the machine file does not state in which ranges its errors were measured";
+            let help = "add [measured] to the machine file: ncfix calibrate -o writes it from the data";
+            say(Code::NOT_COVERED, message.into(), help.into());
+        }
+        if let Some((axes, verb, them, _)) = self.subjects(GapKind::NoErrors) {
+            let message = format!("{axes} {verb}, and the machine file has no error of {them}");
+            let help = format!("measure {axes} and calibrate; until then errors of {them} remain on the workpiece");
+            say(GapKind::NoErrors.code(), message, help);
+        }
+        if let Some((axes, verb, _, they)) = self.subjects(GapKind::RangeNotStated) {
+            let message = format!("{axes} {verb}, and [measured] does not state in which range {they} measured");
+            let help = format!("add the range of {axes} to [measured] of the machine file");
+            say(GapKind::RangeNotStated.code(), message, help);
+        }
+        for gap in &self.gaps {
+            if let Some((message, help)) = sentence(gap) {
+                say(gap.kind.code(), message, help);
+            }
+        }
+        found
+    }
+
+    /// Returns the axes of a kind of gaps as a subject, with its verb and its pronouns.
+    fn subjects(&self, kind: GapKind) -> Option<(String, &'static str, &'static str, &'static str)> {
+        let of_kind = self.gaps.iter().filter(|gap| gap.kind == kind);
+        let axes: Vec<String> = of_kind.filter_map(|gap| Some(gap.axis?.to_string())).collect();
+        Some(match axes.as_slice() {
+            [] => return None,
+            [one] => (one.clone(), "moves", "it", "it was"),
+            [first @ .., last] => (format!("{} and {last}", first.join(", ")), "move", "them", "they were"),
+        })
+    }
+}
+
+impl CoverageGap {
+    /// Returns the unit in which people read it: `mm`, `deg`, `C`, `N`.
+    #[must_use]
+    pub fn unit(&self) -> &'static str {
+        unit(self.kind, self.is_angle())
+    }
+
+    /// Returns a value in that unit.
+    #[must_use]
+    pub fn shown(&self, value: f64) -> f64 {
+        if self.is_angle() { value.to_degrees() } else { value }
+    }
+
+    fn is_angle(&self) -> bool {
+        self.axis.is_some_and(|axis| axis.is_rotary())
+    }
+}
+
+fn unit(kind: GapKind, is_angle: bool) -> &'static str {
+    match kind {
+        GapKind::Temperature => "C",
+        GapKind::Load => "N",
+        _ if is_angle => "deg",
+        _ => "mm",
+    }
+}
+
+/// Returns message and help of a gap that is not about an axis as a whole.
+fn sentence(gap: &CoverageGap) -> Option<(String, String)> {
+    let measured = gap.measured?;
+    let [low, high] = measured.map(|end| decimal(gap.shown(end)));
+    let ends = if measured[0] < measured[1] { format!("{low} to {high}") } else { low };
+    let used = decimal(gap.shown(if gap.beyond > 0.0 { gap.used[1] } else { gap.used[0] }));
+    let far = decimal(gap.shown(gap.beyond.abs()));
+    let size = gap.size_mm.map(um_from_mm).filter(|um| *um >= LEAST_UM);
+    let size = size.map_or_else(String::new, |um| format!("; {} of the error there are extrapolated", micrometers(um)));
+    let unit = gap.unit();
+    Some(match gap.kind {
+        GapKind::NoErrors | GapKind::RangeNotStated => return None,
+        GapKind::Position => {
+            let axis = gap.axis?;
+            let range = match gap.table {
+                Some(name) => format!("the table of {name}, {ends} {unit}"),
+                None => format!("the measured range, {ends} {unit}"),
+            };
+            let message = format!("{axis} {used} {unit} is {far} {unit} beyond {range}{size}");
+            (message, format!("move the workpiece, or measure {axis} to {used} {unit}"))
+        }
+        GapKind::ToolLength => {
+            let than = if gap.beyond > 0.0 { "longer" } else { "shorter" };
+            let message = format!("a tool of {used} mm is {far} mm {than} than the measured ones, {ends} mm{size}");
+            (message, "measure with a tool of this length, or choose another tool".to_owned())
+        }
+        GapKind::Temperature => {
+            let sensor = gap.sensor.as_deref().unwrap_or_default();
+            let message = format!("{sensor} at {used} °C is {far} K beyond the measured range, {ends} °C{size}");
+            (message, "wait for the usual temperature, or measure in this condition".to_owned())
+        }
+        GapKind::Load => {
+            let message = format!("a load of {used} N is {far} N beyond the measured range, {ends} N{size}");
+            (message, "measure with a weight of this size".to_owned())
+        }
+    })
+}
+
+/// Formats a number with up to three decimals, without trailing zeros.
+fn decimal(value: f64) -> String {
+    let text = format!("{value:.3}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".into() } else { text.to_owned() }
+}
