@@ -33,6 +33,7 @@ mod check;
 mod compare;
 mod condition;
 mod correction;
+mod coverage;
 mod data;
 mod diagnosis;
 mod diagnostics;

@@ -149,6 +149,8 @@ pub struct Options {
     pub compensation: Compensation,
     /// The feed is lowered where the path deviation of the axes would exceed this, mm; needs `[servo]` in the machine file.
     pub feed_limit_mm: Option<f64>,
+    /// True if a program whose positions, tools or condition are beyond the measured ranges of the machine is refused.
+    pub require_coverage: bool,
     /// Threads to work in, 1 to 3; `None`: as many as help. The output does not depend on it.
     pub threads: Option<usize>,
 }
@@ -169,6 +171,7 @@ impl Default for Options {
             max_correction_mm,
             compensation: Compensation::default(),
             feed_limit_mm: None,
+            require_coverage: false,
             threads: None,
         }
     }

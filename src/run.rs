@@ -20,6 +20,7 @@ use ncfix_language::exec::{Execution, Library, NoLibrary, Options, Radius, Rapid
 use ncfix_language::syntax::sinumerik::Macros;
 use ncfix_language::syntax::{self, Program};
 use ncfix_machine::machine::file::nearest;
+use ncfix_machine::snc::extent::PathExtent;
 use ncfix_machine::snc::{Element, Kind};
 use ncfix_path::emit;
 
@@ -239,6 +240,7 @@ pub(crate) struct Running<'a> {
     loaded: Rc<RefCell<Vec<PathBuf>>>,
     length: usize,
     moves: bool,
+    extent: PathExtent,
 }
 
 impl<'a> Running<'a> {
@@ -261,7 +263,7 @@ impl<'a> Running<'a> {
         };
         let length = opened.source.bytes().len();
         let execution = Execution::new(opened.program, machine, library, options);
-        Running { execution, watch: None, loaded, length, moves: false }
+        Running { execution, watch: None, loaded, length, moves: false, extent: PathExtent::default() }
     }
 
     /// The run with an observer of its progress.
@@ -289,6 +291,11 @@ impl<'a> Running<'a> {
         self.moves
     }
 
+    /// Range of the positions and tools so far.
+    pub(crate) fn extent(&self) -> &PathExtent {
+        &self.extent
+    }
+
     /// The files of the subprograms that were read.
     pub(crate) fn files(&self) -> Vec<PathBuf> {
         self.loaded.borrow().clone()
@@ -301,6 +308,9 @@ impl Iterator for Running<'_> {
     fn next(&mut self) -> Option<Self::Item> {
         let item = self.execution.next();
         self.moves |= matches!(&item, Some(Ok(Element { kind: Kind::Move(_), .. })));
+        if let Some(Ok(element)) = &item {
+            self.extent.see(element);
+        }
         match &item {
             Some(Ok(element)) if element.starts_block => {
                 if let Some(watch) = &mut self.watch {

@@ -85,6 +85,7 @@ fn json_has_the_documented_keys() {
         "max_at_file",
         "backup",
         "review",
+        "coverage",
         "verdict",
         "output",
         "machine",

@@ -54,6 +54,7 @@ mod compensation_laws;
 mod condition_log;
 mod controls;
 mod correction;
+mod coverage;
 mod cycles;
 mod dead_band;
 mod decompose;

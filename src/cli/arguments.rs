@@ -258,6 +258,9 @@ pub(super) struct FixArguments {
     /// Write an HTML page that shows all changes, for review before the program runs (the page of `ncfix diff --html`)
     #[arg(long, value_name = "PAGE.html")]
     pub(super) review: Option<PathBuf>,
+    /// Refuse the program if its positions, tools or condition are beyond the measured ranges of the machine file
+    #[arg(long)]
+    pub(super) require_coverage: bool,
     /// Number of threads, 1 to 3 (default: automatic); the output does not depend on it
     #[arg(long, value_name = "N", value_parser = value::threads)]
     pub(super) threads: Option<usize>,
@@ -276,6 +279,7 @@ impl FixArguments {
             },
             feed_limit_mm: self.feed_limit,
             threads: self.threads,
+            require_coverage: self.require_coverage,
             ..self.correction.options()
         }
     }

@@ -87,7 +87,14 @@ impl Program {
     /// If one of both is not understood, or they are no pair.
     pub fn verify(&self, corrected: &Program, machine: &Machine) -> Result<VerificationReport, Error> {
         let mut found = Diagnostics::default();
-        let pair = Pair { programs: [self, corrected], machine, promised: None, at_feed: false, watch: None };
+        let pair = Pair {
+            programs: [self, corrected],
+            machine,
+            promised: None,
+            at_feed: false,
+            requires_coverage: false,
+            watch: None,
+        };
         match pair.verify(&mut found, &mut |_| ())? {
             Some(outcome) => Ok(verification(Some(&outcome), &found)),
             None => Err(Error::found(found)),
@@ -113,7 +120,14 @@ impl Program {
     /// If one of both is not understood, or they are no pair.
     pub fn compare(&self, corrected: &Program, machine: &Machine) -> Result<Review, Error> {
         let mut found = Diagnostics::default();
-        let pair = Pair { programs: [self, corrected], machine, promised: None, at_feed: false, watch: None };
+        let pair = Pair {
+            programs: [self, corrected],
+            machine,
+            promised: None,
+            at_feed: false,
+            requires_coverage: false,
+            watch: None,
+        };
         let Some((trace, outcome)) = pair.trace(false, &mut found)? else { return Err(Error::found(found)) };
         let Some(text) = outcome.sources[1].first() else { return Err(Error::found(found)) };
         let (wanted, names) = (CompareOptions::default(), [self.name().to_owned(), corrected.name().to_owned()]);
@@ -148,6 +162,7 @@ impl Pair<'_> {
                 found.add(Diagnostic::nowhere(Code::OFF_PROMISE, message, "correct the program with ncfix fix"), &[]);
             }
         }
+        found.extend(outcome.refused.iter().cloned(), &[]);
         found.extend(outcome.differences.iter().cloned(), &outcome.sources[1]);
         Ok(Some(outcome))
     }
@@ -207,12 +222,15 @@ impl Pair<'_> {
 pub(crate) fn verification(outcome: Option<&Outcome>, found: &Diagnostics) -> VerificationReport {
     let before = outcome.map(|outcome| spread(&outcome.comparison.before));
     let after = outcome.map(|outcome| spread(&outcome.comparison.after));
-    let verdict =
-        outcome.map(|_| Verdict::of(&Review { before, after, diagnostics: found.json(), ..Review::default() }));
+    let coverage = outcome.map(|outcome| outcome.coverage.clone());
+    let diagnostics = found.json();
+    let verdict = outcome
+        .map(|_| Verdict::of(&Review { before, after, diagnostics, coverage: coverage.clone(), ..Review::default() }));
     let [original_at_feed, corrected_at_feed] =
         outcome.and_then(|outcome| outcome.at_feed.clone()).map_or([None, None], |pair| pair.map(Some));
     VerificationReport {
         verdict,
+        coverage,
         before,
         after,
         samples: outcome.map_or(0, |outcome| outcome.comparison.samples),

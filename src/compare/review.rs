@@ -71,6 +71,7 @@ impl ComparedPrograms<'_> {
             before: Some(spread(&self.outcome.comparison.before)),
             after: Some(spread(&self.outcome.comparison.after)),
             limits: limits.into_iter().collect(),
+            coverage: Some(self.outcome.coverage.clone()),
             provenance: self.provenance(),
             diagnostics: findings.json(),
             ..Review::default()

@@ -9,6 +9,7 @@ use super::header::Header;
 use super::{differences, stamp};
 use crate::channel::{Filler, Taker, channel};
 use crate::correction::servo;
+use crate::coverage;
 use crate::diagnostics::Diagnostics;
 use crate::error::Error;
 use crate::machine::Machine;
@@ -22,6 +23,7 @@ use ncfix_machine::machine::Kinematics;
 use ncfix_machine::snc::{Element, Origin};
 use ncfix_path::emit;
 use ncfix_path::path::{self, Feeds, Follow, Grouping, ProgramDifference};
+use ncfix_report::coverage::CoverageReport;
 use ncfix_report::json::AtFeed;
 
 /// Two programs and how they are executed.
@@ -33,6 +35,8 @@ pub(crate) struct Pair<'a> {
     pub(crate) promised: Option<f64>,
     /// True if both are also passed through the servo model of the machine.
     pub(crate) at_feed: bool,
+    /// True if gaps of the coverage are errors.
+    pub(crate) requires_coverage: bool,
     /// Makes the observer of the progress in the original.
     pub(crate) watch: Option<fn() -> Box<dyn Watch>>,
 }
@@ -107,6 +111,7 @@ impl Pair<'_> {
             let how = How {
                 of_path: path::How { grouping, feeds, promise },
                 at_feed: self.at_feed,
+                requires_coverage: self.requires_coverage,
                 start: self.programs[0].reading().start,
                 assumed: if is_marked { assumed } else { "" },
             };
@@ -134,6 +139,7 @@ fn send(mut running: Running<'_>, to: Filler<Item>) -> Vec<Source> {
 struct How {
     of_path: path::How,
     at_feed: bool,
+    requires_coverage: bool,
     start: Option<AxisVector>,
     /// The settings of the corrected program before its first move.
     assumed: &'static str,
@@ -215,6 +221,9 @@ fn walk(
     }
     match result {
         Ok(comparison) => {
+            let (coverage, gaps) = coverage::of_run(chosen, original.extent(), how.requires_coverage);
+            let (refused, noted) = if how.requires_coverage { (gaps, Vec::new()) } else { (Vec::new(), gaps) };
+            findings.extend(noted, &[]);
             let machine = MachineUsed {
                 name: chosen.machine.name.clone(),
                 model: chosen.hash.clone(),
@@ -228,8 +237,19 @@ fn walk(
                 };
                 [pair.0.finish(of(0)), pair.1.finish(of(1))]
             });
-            Some(Outcome { comparison, max_at, sources, increments, beyond, machine, at_feed: fed, differences: told })
-                .filter(|_| !findings.has_errors())
+            Some(Outcome {
+                comparison,
+                max_at,
+                sources,
+                increments,
+                beyond,
+                machine,
+                at_feed: fed,
+                coverage,
+                refused,
+                differences: told,
+            })
+            .filter(|_| !findings.has_errors())
         }
         Err(mut partings) => {
             // Where a program could not be executed to its end, that it does not match the other one is no news; that it parts before that is, and a line
@@ -279,6 +299,10 @@ pub(crate) struct Outcome {
     pub(crate) differences: Vec<Diagnostic>,
     /// The path deviations at feed of both, if requested.
     pub(crate) at_feed: Option<[AtFeed; 2]>,
+    /// The coverage of the original by the measured ranges.
+    pub(crate) coverage: CoverageReport,
+    /// The gaps that are not allowed.
+    pub(crate) refused: Vec<Diagnostic>,
 }
 
 /// On which machine they were executed.

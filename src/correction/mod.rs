@@ -12,6 +12,7 @@ use std::panic::resume_unwind;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use crate::coverage;
 use crate::diagnostics::Diagnostics;
 use crate::disk::hash::short_hash;
 use crate::error::Error;
@@ -291,6 +292,7 @@ impl<'a> Prepared<'a> {
     ) -> Result<io::Result<bool>, Error> {
         let (correction, threads) = (self.correction, self.threads);
         let Correction { program, machine, model, options } = correction;
+        let is_required = options.require_coverage;
         let (running, writing, numbers) = self.start()?;
         let mut running = match watch {
             Some(watch) => running.watched(watch),
@@ -317,6 +319,11 @@ impl<'a> Prepared<'a> {
         let sources = running.sources();
         for stamped in sources.iter().skip(1).filter(|source| emit::is_stamped(source.bytes())) {
             found.add(corrected_before(stamped), sources);
+        }
+        if running.moves() && !found.has_errors() {
+            let (coverage, gaps) = coverage::of_run(machine, running.extent(), is_required);
+            report.coverage = Some(coverage);
+            found.extend(gaps, &[]);
         }
         note(&passed.prediction, &running, report);
         if let Some(finding) = worse(&passed.prediction, options.tolerance_mm) {

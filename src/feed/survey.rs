@@ -1,6 +1,7 @@
 //! The first run of a program that is fed: all findings, every line held against the link, the forecast.
 
 use crate::correction::corrected_before;
+use crate::coverage;
 use crate::diagnostics::Diagnostics;
 use crate::disk::hash::short_hash;
 use crate::error::Error;
@@ -146,6 +147,9 @@ pub(crate) fn walk(
         look(Step::Line(&line));
     }
     let sources = corrector.elements().sources();
+    if is_good {
+        found.extend(coverage::of_run(&job.machine, corrector.elements().extent(), false).1);
+    }
     findings.extend(found, sources);
     for stamped in sources.iter().skip(1).filter(|source| emit::is_stamped(source.bytes())) {
         findings.add(corrected_before(stamped), sources);

@@ -4,6 +4,7 @@ pub(crate) mod reread;
 
 use std::path::{Path, PathBuf};
 
+use crate::coverage::of_ranges;
 use crate::diagnostics::Diagnostics;
 use crate::disk::files::{self, is_standard_stream};
 use crate::disk::table_files::tool_remark;
@@ -13,6 +14,7 @@ use crate::tool::ToolVector;
 use ncfix_base::geometry::Axis;
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::ActiveTables;
+use ncfix_model::coverage::UsedRanges;
 use ncfix_tables::results::made::{Filling, MadeTables, make, misfits};
 use ncfix_tables::results::request::{TablesRequest, region};
 use ncfix_tables::results::result::TablesResult;
@@ -156,6 +158,9 @@ impl Tables {
                 return Ok(None);
             }
         };
+        let used =
+            UsedRanges { axes: request.region.ranges.iter().copied().collect(), tools_mm: Some([request.tool_mm; 2]) };
+        found.extend(of_ranges(machine, &used).diagnostics(false), &[]);
         let notes = notes(machine, &request, format, &made);
         result.check = Some(made.checked);
         found.extend(misfits(format, &made.tables, &request.wiring), &[]);

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
+use super::coverage::CoverageReport;
 use super::json::{AtFeed, FeedLimit, Finding, RemainingReport, SpreadReport};
 use super::number::{counted, duration, grouped, micrometers, significant};
 use super::verdict::Verdict;
@@ -45,6 +46,8 @@ pub struct CorrectionReport {
     pub backup: Option<String>,
     /// Review page; `null` if none was requested or written.
     pub review: Option<String>,
+    /// Coverage by the measured ranges of the machine; `null` if the program was refused.
+    pub coverage: Option<CoverageReport>,
     /// Verdict on running the program, as on the page.
     pub verdict: Option<Verdict>,
     /// Name of the machine.
@@ -107,6 +110,9 @@ impl CorrectionReport {
         row("blocks", &format!("{} in, {} out", grouped(self.blocks_in), grouped(self.blocks_out)));
         row("time", &duration(self.seconds));
         row("machine", &self.machine);
+        if let Some(coverage) = &self.coverage {
+            row("coverage", &coverage.words());
+        }
         if let Some(output) = &self.output {
             row("written", output_name(output));
         }
@@ -223,7 +229,8 @@ mod tests {
             output: Some("out.mpf".into()),
             backup: Some("part.mpf.bak".into()),
             review: Some("review.html".into()),
-            verdict: Some(Verdict::default()),
+            coverage: Some(CoverageReport { is_complete: true, is_stated: true, gaps: Vec::new() }),
+            verdict: Some(Verdict { is_covered: true, ..Verdict::default() }),
             machine: "demo".into(),
             diagnostics: Vec::new(),
         }
@@ -241,6 +248,7 @@ mod tests {
         blocks       1,234 in, 2,345 out
         time         0.12 s
         machine      demo
+        coverage     within the measured ranges
         written      out.mpf
         original     part.mpf.bak
         review       review.html

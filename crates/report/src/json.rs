@@ -137,6 +137,8 @@ pub struct AtFeed {
 pub struct VerificationReport {
     /// Verdict on running the corrected program; `null` if the programs were not compared.
     pub verdict: Option<super::verdict::Verdict>,
+    /// Coverage by the measured ranges of the machine; `null` if the programs were not compared.
+    pub coverage: Option<super::coverage::CoverageReport>,
     /// Errors of the original program.
     pub before: Option<SpreadReport>,
     /// Errors of the corrected program.

@@ -5,6 +5,7 @@
 pub mod calibration;
 mod component;
 pub mod correction;
+pub mod coverage;
 pub mod decomposition;
 pub mod diagnosis;
 mod excerpt;

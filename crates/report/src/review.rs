@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::correction::error_rows;
+use super::coverage::CoverageReport;
 use super::json::{Finding, SpreadReport};
 use super::number::{counted, grouped, micrometers, significant};
 use super::verdict::Verdict;
@@ -51,6 +52,8 @@ pub struct Review {
     pub after: Option<SpreadReport>,
     /// Limits, and whether they are met.
     pub limits: Vec<Limit>,
+    /// Coverage by the measured ranges of the machine; `null` if the programs were not compared.
+    pub coverage: Option<CoverageReport>,
     /// Verdict on running it, with reasons.
     pub verdict: Verdict,
     /// Provenance: versions and hashes.

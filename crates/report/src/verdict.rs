@@ -6,7 +6,7 @@ use super::correction::push_row;
 use super::json::Finding;
 use super::number::{counted, grouped, micrometers};
 use super::review::Review;
-use ncfix_base::diagnostic::Severity;
+use ncfix_base::diagnostic::{Code, Severity};
 
 /// Grade of a verdict or reason; a larger one is worse.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -40,6 +40,8 @@ pub struct Reason {
 pub struct Verdict {
     /// Worst grade of the reasons.
     pub grade: Grade,
+    /// True if the machine file states the measured ranges and the program stays within them.
+    pub is_covered: bool,
     /// Reasons, the worst first.
     pub reasons: Vec<Reason>,
 }
@@ -53,6 +55,13 @@ impl Grade {
             Grade::Warn => "warn",
             Grade::Bad => "bad",
         }
+    }
+}
+
+impl Reason {
+    /// True if it is a gap in the measured ranges.
+    fn is_gap(&self) -> bool {
+        self.code.and_then(Code::find).is_some_and(|row| row.code.is_coverage())
     }
 }
 
@@ -101,18 +110,28 @@ impl Verdict {
                 format!("{} with a different feed{}", counted(review.other_feeds, "piece"), by.unwrap_or_default()),
             );
         }
+        let coverage = review.coverage.as_ref();
+        let is_covered = coverage.is_some_and(|coverage| coverage.is_complete);
+        if coverage.is_some_and(|coverage| !coverage.is_stated) {
+            let text = "the machine file does not state the measured ranges: the errors are assumed to hold at all positions of the program";
+            say(Grade::Ok, text.into());
+        } else if is_covered {
+            say(Grade::Ok, "all positions are within the measured ranges".into());
+        }
         let of_finding = |finding: &Finding| {
             let text = format!("{} {}", finding.code, finding.message);
             Reason { grade: grade_of(finding), text, code: Some(finding.code) }
         };
         reasons.extend(review.diagnostics.iter().map(of_finding));
-        reasons.sort_by_key(|reason| std::cmp::Reverse(reason.grade));
-        Verdict { grade: reasons.iter().map(|reason| reason.grade).max().unwrap_or_default(), reasons }
+        // Among equals, gaps of the coverage come first: they limit every number that follows.
+        reasons.sort_by_key(|reason| (std::cmp::Reverse(reason.grade), !reason.is_gap()));
+        Verdict { grade: reasons.iter().map(|reason| reason.grade).max().unwrap_or_default(), is_covered, reasons }
     }
 
-    /// Returns the objections to running it, without diagnostics, which are shown separately.
+    /// Returns the objections to running it: gaps of the coverage, and those that are not diagnostics, which are shown separately.
     pub fn doubts(&self) -> impl Iterator<Item = &str> {
-        let against = self.reasons.iter().filter(|reason| reason.grade > Grade::Ok && reason.code.is_none());
+        let is_shown = |reason: &Reason| reason.code.is_none() || reason.is_gap();
+        let against = self.reasons.iter().filter(move |reason| reason.grade > Grade::Ok && is_shown(reason));
         against.map(|reason| reason.text.as_str())
     }
 
@@ -131,7 +150,8 @@ impl Verdict {
     #[must_use]
     pub fn sentence(&self) -> &'static str {
         match self.grade {
-            Grade::Ok => "nothing found against running it",
+            Grade::Ok if self.is_covered => "nothing found against running it",
+            Grade::Ok => "nothing found against running it; measured ranges not stated",
             Grade::Warn => "check it before it runs",
             Grade::Bad => "should not run",
         }

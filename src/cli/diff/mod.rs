@@ -103,7 +103,8 @@ fn compare(
         return Ok(None);
     };
     let (promised, watch) = (arguments.promised, Some(progress::watch as fn() -> _));
-    Ok(Pair { programs, machine: &machine, promised, at_feed: false, watch }.trace(has_places, findings)?)
+    let pair = Pair { programs, machine: &machine, promised, at_feed: false, requires_coverage: false, watch };
+    Ok(pair.trace(has_places, findings)?)
 }
 
 /// Options of the comparison.

@@ -200,6 +200,7 @@ impl<'a> Job<'a> {
             machine,
             promised: None,
             at_feed: false,
+            requires_coverage: false,
             watch: Some(progress::watch),
         };
         let allowed_um = um_from_mm(arguments.correction.max_correction);

@@ -66,6 +66,7 @@ fn compare(
         machine: &machine,
         promised: arguments.promised,
         at_feed: arguments.at_feed,
+        requires_coverage: arguments.require_coverage,
         watch: Some(progress::watch),
     };
     Ok(pair.verify(findings, see)?)
