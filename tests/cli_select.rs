@@ -75,5 +75,5 @@ fn what_is_no_candidate_is_refused() {
     run(&["--select", "EXX", "--significance", "60%"]).exits(2).says("up to 50");
     run(&["--select", "motion", "--knots", "1mm"]).exits(2).says("can be tested");
     run(&["--knots", "100mm"]).exits(2).says("--select");
-    run(&[]).exits(2).says("neither a file nor a preset");
+    run(&[]).exits(2).says("neither a file, nor a preset");
 }

@@ -11,7 +11,6 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::Vector;
 
 use super::Load;
-use super::file::READABLE_C;
 
 /// Meaning of a column.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,7 +74,7 @@ pub enum OfDead {
     Empty,
 }
 
-/// Reads a cell of a temperature or of a load; a load column updates `load`. `None` if the column holds something else or the cell is empty.
+/// Reads a cell of a temperature or of a load; a load column updates `load`. Temperatures are plausible within a range, °C. `None` if the column holds something else or the cell is empty.
 ///
 /// # Errors
 /// A diagnostic if the cell is not a number, or is not plausible for a machine.
@@ -85,19 +84,19 @@ pub fn read_cell(
     column: &ConditionColumn,
     sign: DecimalSign,
     load: &mut Load,
-    of_dead: OfDead,
+    (of_dead, [low, high]): (OfDead, [f64; 2]),
 ) -> Result<Option<f64>, Diagnostic> {
     if matches!(column, ConditionColumn::Time | ConditionColumn::Other) || row.text(index).is_empty() {
         return Ok(None);
     }
     let value = row.number(index, sign)?;
     let fault = |message: String, help: &str| Err(Diagnostic::at(Code::DATA_CELL, row.place(index), message, help));
-    let [low, high] = READABLE_C;
     match column {
         ConditionColumn::Sensor(_) if !(low..=high).contains(&value) && of_dead == OfDead::Empty => return Ok(None),
         ConditionColumn::Sensor(_) if !(low..=high).contains(&value) => {
-            let help = "leave the cell empty where a sensor has no reading; temperatures are -60 to 400 °C";
-            return fault(format!("{value} °C is not a plausible temperature"), help);
+            let help =
+                format!("leave the cell empty where a sensor has no reading; temperatures are {low} to {high} °C");
+            return fault(format!("{value} °C is not a plausible temperature"), &help);
         }
         ConditionColumn::Force if value < 0.0 => {
             return fault(format!("{value} N is not a valid weight"), "write the weight in N, 0 for an empty table");

@@ -19,6 +19,7 @@ use ncfix_base::pattern::{RegexSet, patterns};
 use ncfix_base::source::Source;
 
 use super::columns::{ConditionColumn, NO_LOAD, OfDead, check_load, read_cell};
+use super::file::PLAUSIBLE_C;
 use super::{Condition, ConditionLog, Load};
 
 /// Maximum number of diagnostics; more are of no use.
@@ -132,7 +133,7 @@ impl Readings {
         };
         let last = self.load;
         for (index, (column, trace)) in self.columns.iter().zip(&mut self.traces).enumerate() {
-            match read_cell(row, index, column, self.sign, &mut self.load, self.of_dead) {
+            match read_cell(row, index, column, self.sign, &mut self.load, (self.of_dead, PLAUSIBLE_C)) {
                 Ok(Some(value)) if matches!(column, ConditionColumn::Sensor(_)) => trace.add(time_s, value),
                 Ok(None) if matches!(column, ConditionColumn::Sensor(_)) && !row.text(index).is_empty() => {
                     let value = String::from_utf8_lossy(row.text(index)).into_owned();

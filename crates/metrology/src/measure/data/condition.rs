@@ -12,6 +12,7 @@ use ncfix_base::csv::{DecimalSign, Row, Table};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_machine::machine::condition::ConditionLog;
 use ncfix_machine::machine::condition::columns::{ConditionColumn, NO_LOAD, OfDead, check_load, read_cell};
+use ncfix_machine::machine::condition::file::READABLE_C;
 use ncfix_machine::machine::{Condition, Load};
 
 /// Reads the conditions of one table, row by row.
@@ -104,7 +105,7 @@ impl Conditions {
         let mut findings = Vec::new();
         let mut temperatures = vec![None; self.columns.len()];
         for (index, (column, found)) in self.columns.iter().zip(&mut temperatures).enumerate() {
-            match read_cell(row, index, column, sign, &mut self.load, self.of_dead) {
+            match read_cell(row, index, column, sign, &mut self.load, (self.of_dead, READABLE_C)) {
                 Ok(value) if matches!(column, ConditionColumn::Sensor(_)) => {
                     *found = value;
                     if value.is_none() && !self.has_time && row.text(index).is_empty() {
