@@ -23,9 +23,9 @@ const RUNS: usize = 4;
 const COUNT: usize = 5;
 /// The next runs have less than this of it.
 const NEXT: f64 = 0.4;
-/// A temperature differs from that of the first cycle by this, K, and by so many times its range there.
-const WARMER_K: f64 = 2.0;
-const WARMER: f64 = 2.0;
+/// A temperature that stands still, K, and one that was left because something was switched, K: heaters reach this within minutes, a machine that warms up within hours.
+const STILL_K: f64 = 2.0;
+const SWITCHED_K: f64 = 10.0;
 /// In units of the noise at least.
 const SIZE: f64 = 1.5;
 
@@ -35,8 +35,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
         let found = first_run(trail, data).or_else(|| {
             let change = change(trail, data).filter(|change| is_early(trail, change))?;
             let sensors = view.sensors.get(set)?;
-            let is_warmer = |sensor: &Sensor| parts_by(&sensor.values, change.row);
-            if sensors.iter().any(is_warmer) {
+            if sensors.iter().any(|sensor: &Sensor| is_switched(&sensor.values, change.row)) {
                 return None;
             }
             Some((change.row.checked_sub(1)?, evidence(&change)))
@@ -54,16 +53,15 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     }
 }
 
-/// True if a temperature has other values from a row on than before it: then it may be the driver of a step.
-fn parts_by(values: &[f64], row: usize) -> bool {
-    let ends = |values: &[f64]| {
-        let all = values.iter().copied().filter(|value| value.is_finite());
-        all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
-    };
-    let (before, after) = values.split_at(row.min(values.len()));
-    let ([low, high], from) =
-        (ends(before), super::median(after.iter().copied().filter(|value| value.is_finite()).collect()));
-    from - high > WARMER_K.max(WARMER * (high - low)) || low - from > WARMER_K.max(WARMER * (high - low))
+/// True if a temperature stood still until a row and has left it by as many rows later: something was switched on, and may be the cause of a step.
+fn is_switched(values: &[f64], row: usize) -> bool {
+    let known = |values: &[f64]| -> Vec<f64> { values.iter().copied().filter(|value| value.is_finite()).collect() };
+    let before = known(values.get(..row).unwrap_or_default());
+    let after = known(values.get(row..(2 * row).min(values.len())).unwrap_or_default());
+    let [low, high] =
+        before.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &value| [low.min(value), high.max(value)]);
+    let reached = super::median(after);
+    high - low < STILL_K && (reached - high > SWITCHED_K || low - reached > SWITCHED_K)
 }
 
 /// Whether a step parts the first cycle from the others.
