@@ -163,7 +163,7 @@ fn an_axis_without_a_stated_range_is_named() {
     let own = "[measured]\nX_mm = [0, 700]\nA_deg = [-60, 60]\nC_deg = [0, 360]\n";
     let shop = shop(own, &program(300.0, 20.0, 90.0));
     let run = fix(&shop, "").exits(0);
-    run.says("warning[W0319]").says("Y and Z move, and [measured] does not state in which range they were measured");
+    run.says("warning[W0319]").says("Y moves, and [measured] does not state in which range it was measured");
 }
 
 #[test]

@@ -231,6 +231,8 @@ fn file(language: &str) -> &'static str {
 /// The machine file of a language, with errors that stretch X and tilt Y where they are wanted.
 fn machine_text(language: &str, has_errors: bool) -> String {
     let text = fs::read_to_string(repository(&format!("tests/cases/machines/{language}.toml"))).unwrap();
+    // Without an entry of Z, each motion of Z is a warning.
+    let text = text + "[[motion]]\ncomponent = \"EZZ\"\nkind = \"polynomial\"\ncoefficients = [0, 0]\n";
     let errors = "
 [[motion]]
 component = \"EXX\"
