@@ -23,9 +23,9 @@ const RUNS: usize = 4;
 const COUNT: usize = 5;
 /// The next runs have less than this of it.
 const NEXT: f64 = 0.4;
-/// A temperature that stands still, K, and one that was left because something was switched, K: heaters reach this within minutes, a machine that warms up within hours.
+/// A temperature that stands still, K, and one that was left because something was switched, K: heaters reach this within minutes, bearings and motors hardly ever.
 const STILL_K: f64 = 2.0;
-const SWITCHED_K: f64 = 10.0;
+const SWITCHED_K: f64 = 30.0;
 /// In units of the noise at least.
 const SIZE: f64 = 1.5;
 

@@ -21,8 +21,8 @@ pub enum ModelTerm {
     Changes(Vec<Change>, Vec<TermAmount>),
 }
 
-/// Fits stated terms to all readings of a scene, beside the parameters of a model; `bare` has the readings without any model. The outcome for each term is its part of the model, or why there
-/// is none.
+/// Fits stated terms to all readings of a scene, beside the parameters of a model; `bare` has the readings without any model. The outcome for each term is its part of the model, or the
+/// reason why it cannot be fitted.
 #[must_use]
 pub fn stated_model(
     stated: &[StatedHypothesis],
