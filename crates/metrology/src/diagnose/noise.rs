@@ -29,7 +29,7 @@ const MATTERS: f64 = 0.5;
 const STATED: f64 = 1.5;
 /// without correlations, and neighbours differ by this share of what white noise has.
 const WHITE: f64 = 0.8;
-/// A residual that is more than so many times the noise of repeats is no noise, whatever its order: of ten degrees of freedom each, a ratio of variances of 4 has a chance of 2 %.
+/// A residual beyond this multiple of the noise of repeats is no noise, whatever its order: of ten degrees of freedom each, a ratio of variances of 4 has a chance of 2 %.
 const BEYOND: f64 = 2.0;
 /// What rounding leaves, mm or rad.
 const NOTHING: f64 = 1e-9;

@@ -25,7 +25,7 @@ impl Price {
         self.each * rank as f64
     }
 
-    /// The same for a shape without any choice among its columns: it is chosen once.
+    /// Worth of a shape without any choice among its columns: it is chosen once.
     pub(super) fn worth_whole(self, squares: f64, gain: &Gain) -> f64 {
         self.worth(squares, gain) + self.choice * gain.rank.saturating_sub(1) as f64
     }

@@ -25,7 +25,7 @@ use ncfix_base::units::um_from_mm;
 
 /// Rounds of taking such readings out.
 const ROUNDS: usize = 3;
-/// A shape whose size is so many times the range of its effect on the readings is absorbed.
+/// A shape is absorbed if its size is this multiple of the range of its effect on the readings.
 const FAR: f64 = 3.0;
 /// Gains that differ by less than one part in so many are the same.
 const ROUNDED: f64 = 1e6;

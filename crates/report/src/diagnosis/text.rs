@@ -31,7 +31,7 @@ const LEAST_SHOWN: f64 = 0.01;
 const MORE_THAN_ALL_OTHERS: f64 = 0.5;
 /// Up to this residual, neighbouring readings show all of it; the uncertainty of their differences is about as large with 30 readings.
 const LITTLE_MORE: f64 = 1.2;
-/// A residual that is so many times the noise is no noise.
+/// A residual beyond this multiple of the noise is no noise.
 const NOISY: f64 = 2.0;
 /// Probabilities above this are not shown as a number: the assumptions are not known that well.
 const MOST_SHOWN: f64 = 0.99;
@@ -113,7 +113,7 @@ impl DiagnosisReport {
             let is_known = found.noise_from != NoiseFrom::Neighbours;
             if !found.unexplained.structure && !is_known && found.before.rms_um > LITTLE_MORE * found.noise_um {
                 return format!(
-                    "No cause stands out from the scatter of neighbouring readings, {} {unit}. Next: measure the same positions again, which shows the noise of a reading.",
+                    "No cause exceeds the scatter of neighbouring readings, {} {unit}. Next: measure the same positions again, which shows the noise of a reading.",
                     significant(found.noise_um)
                 );
             }
