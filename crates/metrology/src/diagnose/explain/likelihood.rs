@@ -565,7 +565,12 @@ impl Setups {
 #[cfg(test)]
 mod tests {
     use super::*;
+
     use crate::diagnose::bench;
+
+    fn at(likelihood: &Likelihood<'_>, set: &[usize], scale: f64) -> f64 {
+        likelihood.at(&likelihood.tridiagonal(set), scale)
+    }
 
     /// Logarithm of the density of a normal distribution with a covariance, but for its constant.
     fn density(covariance: DMatrix<f64>, values: &DVector<f64>) -> f64 {
@@ -609,11 +614,11 @@ mod tests {
                 (vec![0, 1], vec![(line.as_slice(), sizes[0]), (bow.as_slice(), sizes[1])]),
             ] {
                 let expected = density(covariance(&columns, scale), &readings) - none;
-                let own = likelihood.at(&set, scale) - likelihood.at(&[], scale);
+                let own = at(&likelihood, &set, scale) - at(&likelihood, &[], scale);
                 assert!((own - expected).abs() < 1e-3 * expected.abs().max(1.0), "{set:?} {scale}: {own} {expected}");
             }
             let gain = likelihood.gains(&[0], scale)[1];
-            let both = likelihood.at(&[0, 1], scale) - likelihood.at(&[0], scale);
+            let both = at(&likelihood, &[0, 1], scale) - at(&likelihood, &[0], scale);
             assert!((gain - both).abs() < 1e-9 * both.abs().max(1.0), "{gain} {both}");
             let outside = likelihood
                 .best_with_others(&[(vec![0], 0.0), (vec![], -1e9)], scale, &[1], &|number| groups[number].clone())[0];
@@ -625,8 +630,10 @@ mod tests {
                 is_of_instrument: false,
             };
             let one = Likelihood::new(&scene, &weights, std::slice::from_ref(&together), white);
-            let (at_once, own) =
-                (one.at(&[0], scale) - one.at(&[], scale), likelihood.at(&[0, 1], scale) - likelihood.at(&[], scale));
+            let (at_once, own) = (
+                at(&one, &[0], scale) - at(&one, &[], scale),
+                at(&likelihood, &[0, 1], scale) - at(&likelihood, &[], scale),
+            );
             assert!((at_once - own).abs() < 1e-9 * own.abs().max(1.0), "{at_once} {own}");
             assert!((one.gains(&[], scale)[0] - own).abs() < 1e-9 * own.abs().max(1.0));
             // A more exact machine: all sizes are smaller, those of an instrument stay.
@@ -634,10 +641,10 @@ mod tests {
             let smaller = [0.4 * sizes[0], 0.4 * sizes[1]];
             let both = [(line.as_slice(), smaller[0]), (bow.as_slice(), smaller[1])];
             let expected = density(covariance(&both, scale), &readings) - none;
-            let own = likelihood.at(&[0, 1], scale) - likelihood.at(&[], scale);
+            let own = at(&likelihood, &[0, 1], scale) - at(&likelihood, &[], scale);
             assert!((own - expected).abs() < 1e-3 * expected.abs().max(1.0), "{own} {expected}");
             let gain = likelihood.gains(&[0], scale)[1];
-            let both = own - (likelihood.at(&[0], scale) - likelihood.at(&[], scale));
+            let both = own - (at(&likelihood, &[0], scale) - at(&likelihood, &[], scale));
             assert!((gain - both).abs() < 1e-9 * both.abs().max(1.0), "{gain} {both}");
             let bow_of_instrument = ColumnGroup { is_of_instrument: true, ..groups[1].clone() };
             let mixed = [groups[0].clone(), bow_of_instrument];
@@ -645,10 +652,10 @@ mod tests {
             of_both.factor = 0.4;
             let columns = [(line.as_slice(), smaller[0]), (bow.as_slice(), sizes[1])];
             let expected = density(covariance(&columns, scale), &readings) - none;
-            let own = of_both.at(&[0, 1], scale) - of_both.at(&[], scale);
+            let own = at(&of_both, &[0, 1], scale) - at(&of_both, &[], scale);
             assert!((own - expected).abs() < 1e-3 * expected.abs().max(1.0), "{own} {expected}");
             let outside = of_both.best_with_others(&[(vec![0], 0.0)], scale, &[1], &|number| mixed[number].clone())[0];
-            let gain = of_both.at(&[0, 1], scale) - of_both.at(&[0], scale);
+            let gain = at(&of_both, &[0, 1], scale) - at(&of_both, &[0], scale);
             assert!((outside - gain).abs() < 1e-9 * gain.abs().max(1.0), "{outside} {gain}");
             likelihood.factor = 1.0;
         }
