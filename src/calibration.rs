@@ -317,9 +317,12 @@ fn chosen(machine: &Machine, names: &[String], found: &mut Diagnostics) -> Resul
         let (named, diagnostics) = parameters::read(&source, &machine.machine, &machine.errors);
         found.extend(diagnostics, std::slice::from_ref(&source));
         if named.terms.is_some() {
-            return Err(Error::usage(
-                "a stated term needs the text of the machine file: test it with DiagnosisOptions::hypotheses, or fit it with ncfix calibrate --model".into(),
-            ));
+            let terms: Vec<&str> =
+                names.iter().map(String::as_str).filter(|name| parameters::states_term(name)).collect();
+            return Err(Error::usage(format!(
+                "'{}' is no preset and no parameter; a stated term needs the text of the machine file: test it with DiagnosisOptions::hypotheses, or fit it with ncfix calibrate --model",
+                terms.join("', '")
+            )));
         }
         all.extend(named.parameters.into_iter().filter(|one| !all.contains(one)).collect::<Vec<_>>());
     }
