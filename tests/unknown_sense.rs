@@ -12,7 +12,9 @@ fn corrected(program: &str, more: &[&str]) -> (String, Vec<String>) {
     let shop = Shop::new().file("m.toml", MACHINE).file("p.mpf", program);
     let base = ["p.mpf", "-o", "out.mpf", "--machine", "m.toml", "--json"];
     let run = shop.run(base.iter().chain(more)).exits(0);
-    (shop.text("out.mpf"), run.codes())
+    // The machine has errors of one axis, and a program that moves others is warned of that.
+    let codes = run.codes().into_iter().filter(|code| code != "W0316").collect();
+    (shop.text("out.mpf"), codes)
 }
 
 /// The table lags by 6 µm and an overshoot goes a quarter of that further: 7.5 µm back from 100 + 3 µm, then forward.
