@@ -127,3 +127,21 @@ fn a_hot_end_is_a_sound_sensor() {
     assert_eq!((&first["effect"], &first["sensor"]), (&"thermal-drift".into(), &"T_end_C".into()), "{report}");
     assert!((number(first, "value") - 0.1).abs() < 0.01, "{first}");
 }
+
+#[test]
+fn a_file_with_a_cause_that_is_not_sure_waits_for_a_measurement() {
+    // In these samples, the yaw of X explains the readings more often than its positioning does.
+    let sample =
+        |name: &str| crate::support::repository(&format!("samples/measurements/{name}.csv")).display().to_string();
+    let (bar, laser, demo) = (sample("ball_bar"), sample("laser"), crate::support::machine("demo"));
+    let shop = Shop::new();
+    let call = ["diagnose", &bar, &laser, "--machine", &demo, "-o", "out.toml"];
+    let report = shop.run(call.into_iter().chain(["--json"])).exits(0).json();
+    let unsure = |one: &Value| one["extends"] == true && one["probability"].as_f64().is_some_and(|own| own < 0.5);
+    assert!(report["findings"].as_array().unwrap().iter().any(unsure), "{report}");
+    let run = shop.run(["diagnose", &bar, &laser, "--machine", &demo, "-o", "again.toml"]).exits(0);
+    let text = run.stdout + &run.stderr;
+    let first = text.lines().next().unwrap_or_default();
+    assert!(first.contains("Next: measure what separates the explanations"), "{first}");
+    assert!(first.contains("Another explanation of these readings is more probable"), "{first}");
+}

@@ -87,14 +87,7 @@ impl Program {
     /// If one of both is not understood, or they are no pair.
     pub fn verify(&self, corrected: &Program, machine: &Machine) -> Result<VerificationReport, Error> {
         let mut found = Diagnostics::default();
-        let pair = Pair {
-            programs: [self, corrected],
-            machine,
-            promised: None,
-            at_feed: false,
-            requires_coverage: false,
-            watch: None,
-        };
+        let pair = Pair::of([self, corrected], machine);
         match pair.verify(&mut found, &mut |_| ())? {
             Some(outcome) => Ok(verification(Some(&outcome), &found)),
             None => Err(Error::found(found)),
@@ -120,14 +113,7 @@ impl Program {
     /// If one of both is not understood, or they are no pair.
     pub fn compare(&self, corrected: &Program, machine: &Machine) -> Result<Review, Error> {
         let mut found = Diagnostics::default();
-        let pair = Pair {
-            programs: [self, corrected],
-            machine,
-            promised: None,
-            at_feed: false,
-            requires_coverage: false,
-            watch: None,
-        };
+        let pair = Pair::of([self, corrected], machine);
         let Some((trace, outcome)) = pair.trace(false, &mut found)? else { return Err(Error::found(found)) };
         let Some(text) = outcome.sources[1].first() else { return Err(Error::found(found)) };
         let (wanted, names) = (CompareOptions::default(), [self.name().to_owned(), corrected.name().to_owned()]);

@@ -41,6 +41,13 @@ pub(crate) struct Pair<'a> {
     pub(crate) watch: Option<fn() -> Box<dyn Watch>>,
 }
 
+impl<'a> Pair<'a> {
+    /// An original and its corrected program, without any choice of a person.
+    pub(crate) fn of(programs: [&'a Program; 2], machine: &'a Machine) -> Pair<'a> {
+        Pair { programs, machine, promised: None, at_feed: false, requires_coverage: false, watch: None }
+    }
+}
+
 impl Pair<'_> {
     /// Opens both programs and walks them side by side; `None` if there are errors.
     ///

@@ -143,7 +143,7 @@ impl DiagnosisReport {
             significant(largest.rms_um),
             significant(found.before.rms_um),
             self.next_step(largest)
-        ) + &self.more_probable(largest)
+        ) + &self.more_probable(self.unsure().unwrap_or(largest))
     }
 
     /// Returns a sentence if another explanation is more probable than those that contain a cause: then its readings do not decide.
@@ -162,11 +162,17 @@ impl DiagnosisReport {
         }
     }
 
+    /// Returns a cause of the extended machine file that is less probable than another explanation: the file must wait for a measurement.
+    fn unsure(&self) -> Option<&CauseReport> {
+        self.found.findings.iter().find(|one| one.extends && !self.more_probable(one).is_empty())
+    }
+
     /// Returns the next step after this result.
     fn next_step(&self, largest: &CauseReport) -> String {
         let findings = &self.found.findings;
         let is_correctable = |one: &&CauseReport| one.correctable == Correctable::Program;
-        if let Some(how) = largest.separate_by.as_ref().filter(|_| !self.more_probable(largest).is_empty()) {
+        let unsure = self.unsure().or(Some(largest).filter(|one| !self.more_probable(one).is_empty()));
+        if let Some(how) = unsure.and_then(|one| one.separate_by.as_ref()) {
             return format!("measure what separates the explanations: {how}");
         }
         if let Some(path) = &self.output {
