@@ -377,3 +377,20 @@ fn cutting_speeds_in_feet_are_refused() {
     assert_eq!(codes("G90 G71\nG96 S300 M4\nG97 S500\nG70 S600\nM30"), [""; 0]);
     assert_eq!(codes("G90 G70\nG97 S300 M4\nM30"), [""; 0]);
 }
+
+#[test]
+fn no_entry_passes_on_a_word_that_exchanges_axes() {
+    // Passed on, the corrections of X would go to the axis that moved as X before.
+    for word in ["GEOAX(1,Y,2,X)", "TRAILON(V,X)", "TRANSMIT", "EGON(X)"] {
+        let name = word.split('(').next().unwrap();
+        let machine = format!(
+            "{}\n[[opaque]]\nname = \"{name}\"\nmoves = false\n",
+            std::fs::read_to_string("samples/machines/demo.toml").unwrap()
+        );
+        let program = format!("G90 G17 G71 G500 T1 D1 M6\nG0 X50 Y50 Z100\n{word}\nG1 X60 F500\nM30\n");
+        let shop = crate::support::Shop::new().file("m.toml", machine).file("p.mpf", program);
+        let run = shop.run(["p.mpf", "--machine", "m.toml", "-o", "out.mpf"]).exits(4);
+        assert!(run.stderr.contains("E0201") && run.stderr.contains(name), "{}", run.stderr);
+        assert!(!shop.path("out.mpf").exists());
+    }
+}

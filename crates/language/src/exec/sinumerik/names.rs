@@ -56,6 +56,10 @@ pub(super) fn resolve(program: &Program, dialect: &'static Dialect, control: &Co
             {
                 return Meaning::Address(address);
             }
+            // Passed on as a program, such a word would move other axes than those that are corrected.
+            if let Some(row) = row.filter(|row| row.treatment == Treatment::Refuse) {
+                return Meaning::Kept(row);
+            }
             if let Some(moves) = control.opaque_moves(name) {
                 return Meaning::Opaque { moves };
             }
