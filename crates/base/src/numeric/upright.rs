@@ -43,6 +43,17 @@ impl Upright {
             let [one, two] = [&self.columns[a], &self.columns[b]];
             f64::from(u8::from(a == b)) - out.iter().map(|&row| at(one, row) * at(two, row)).sum::<f64>()
         });
+        if count == 0 {
+            let amount = other.map_or(0.0, |other| {
+                let own = zeroed(other);
+                let squares = dot(&own, &own);
+                if squares > 0.0 { dot(&own, &zeroed(values)) / squares } else { 0.0 }
+            });
+            return (
+                other.map_or(vec![0.0; values.len()], |other| other.iter().map(|one| amount * one).collect()),
+                amount,
+            );
+        }
         let parts = inner.symmetric_eigen();
         let shares = parts.eigenvalues.map(|value| if value > DEPENDENT { 1.0 / value } else { 0.0 });
         let solve = &parts.eigenvectors * DMatrix::from_diagonal(&shares) * parts.eigenvectors.transpose();
