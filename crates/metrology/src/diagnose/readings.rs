@@ -197,18 +197,32 @@ pub fn residuals(models: [&Scene<'_>; 2], used: usize, explained: &[f64]) -> [Op
     })
 }
 
-/// What a model leaves of the measurements that are used and of those held out beside the set-ups, root of the mean square in units of the
-/// uncertainty of each reading, so that lengths and angles count alike; readings that are far from the others do not count.
+/// Residuals that two models of one scene leave of the measurements that are used and of those held out, beside the set-ups: root of the mean square in units of the uncertainty of each
+/// reading, so that lengths and angles count alike. Both are over the same readings. One does not count if it is far from the others with both models: an error of a single axis makes its readings
+/// far from those of the others until the model has it.
 #[must_use]
-pub fn levels(scene: &Scene<'_>, used: usize) -> [f64; 2] {
-    let field = Field::bare(scene);
-    let (used, held_out) = weights(scene, used);
-    let values: Vec<f64> = scene.items.iter().map(|item| item.left).collect();
-    [used, held_out].map(|mut weights| {
-        let left = projected(&field, &weights, &values);
-        drop_far(scene, &mut weights, &left);
-        let left = projected(&field, &weights, &values);
-        let of = |place: usize| Some(left.get(place)? * weights.items.get(place)?);
-        rms(counts(scene, &weights).into_iter().filter_map(of))
-    })
+pub fn levels(scenes: [&Scene<'_>; 2], used: usize) -> [[f64; 2]; 2] {
+    let fields = scenes.map(Field::bare);
+    let all = |k: usize| -> Vec<f64> { scenes[k].items.iter().map(|item| item.left).collect() };
+    let (own, held_out) = weights(scenes[0], used);
+    let by_part = [own, held_out].map(|mut weights| {
+        let without_far = [0, 1].map(|k| {
+            let mut own = weights.clone();
+            let left = projected(&fields[k], &own, &all(k));
+            drop_far(scenes[k], &mut own, &left);
+            own
+        });
+        for (place, weight) in weights.items.iter_mut().enumerate() {
+            if without_far.iter().all(|own| own.items.get(place) == Some(&0.0)) {
+                *weight = 0.0;
+            }
+        }
+        [0, 1].map(|k| {
+            let left = projected(&fields[k], &weights, &all(k));
+            let of = |place: usize| Some(left.get(place)? * weights.items.get(place)?);
+            rms(counts(scenes[k], &weights).into_iter().filter_map(of))
+        })
+    });
+    let [own, held_out] = by_part;
+    [0, 1].map(|k| [own[k], held_out[k]])
 }

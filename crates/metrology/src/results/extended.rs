@@ -2,6 +2,7 @@
 
 use super::not_identified;
 use crate::calibrate::{Fit, FitOptions, Parameter, fit};
+use crate::diagnose::cause::range;
 use crate::diagnose::extend::{Anchor, Change, again, cleaned, effect_of_others, note};
 use crate::diagnose::{DiagnosedCauses, Scene, levels, residuals};
 use crate::measure::data::DataSet;
@@ -11,7 +12,7 @@ use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::Machine;
 use ncfix_machine::machine::edit::Edit;
 use ncfix_model::motion::EntryFunction;
-use ncfix_model::name::ErrorKind;
+use ncfix_model::name::{ErrorKind, ErrorName};
 use ncfix_model::parameter::ComponentTerm;
 use ncfix_model::{ErrorModel, ModelRegisters, ParameterName, file, write};
 
@@ -137,6 +138,8 @@ impl ExtensionJob<'_> {
         let parameters = again(&original, &read, &changes);
         let fitted = self.fitted(&read, &parameters, grown, findings);
         let errors = fitted.as_ref().map_or(&read, |fitted| &fitted.errors);
+        let even = self.without_means([&original, errors], &parameters);
+        let errors = even.as_ref().unwrap_or(errors);
         let changed = write::write(&grown.text, &read, errors).map_err(|reason| (reason.0, SECTIONS))?;
         let used = self.scene.sets.iter().take(self.used);
         let ranges = measured_ranges(self.machine, used, None);
@@ -150,6 +153,40 @@ impl ExtensionJob<'_> {
             }
         }
         self.helps(&written, grown).map(|()| out)
+    }
+
+    /// The same errors where angles of linear axes have gained no mean over the positions that were measured: it is a squareness (ISO 230-1), of which the readings may say nothing. `None` if there
+    /// is no such angle, or the readings do determine it.
+    fn without_means(&self, [old, new]: [&ErrorModel; 2], parameters: &[Parameter]) -> Option<ErrorModel> {
+        let mut angles: Vec<ErrorName> = parameters
+            .iter()
+            .filter_map(|one| match one {
+                Parameter::Geometry(name) if matches!(name.term, ComponentTerm::Coefficient(1..)) => {
+                    Some(name.component)
+                }
+                _ => None,
+            })
+            .filter(|name| name.direction.is_rotation() && name.axis().is_some_and(|axis| !axis.is_rotary()))
+            .collect();
+        angles.sort_unstable();
+        angles.dedup();
+        let mut out = new.clone();
+        for &component in &angles {
+            let [low, high] = range(self.scene, component.axis()?)?;
+            let coefficient = |degree| ParameterName { component, term: ComponentTerm::Coefficient(degree) };
+            let mean = |errors: &ErrorModel| -> f64 {
+                let of = |degree: u8| {
+                    let next = i32::from(degree) + 1;
+                    coefficient(degree).get(errors) * (high.powi(next) - low.powi(next))
+                        / (f64::from(next) * (high - low))
+                };
+                (1..=HIGHEST_DEGREE).map(of).sum()
+            };
+            let constant = coefficient(0);
+            constant.set(&mut out, constant.get(new) - (mean(new) - mean(old)));
+        }
+        let [before, after] = self.levels([new, &out], &[]);
+        (!angles.is_empty() && after[0] <= SAME * before[0] && after[1] <= SAME * before[1]).then_some(out)
     }
 
     /// All parameters fitted together; `None` if they keep the values of the search.
@@ -185,7 +222,7 @@ impl ExtensionJob<'_> {
     fn fit(&self, read: &ErrorModel, parameters: &[Parameter], data: &[DataSet]) -> Result<Fit, String> {
         let found = fit(self.machine, read, parameters, data, FitOptions { robust: true });
         let found = found.map_err(not_identified::words)?;
-        let (level, of_search) = (self.level(&found.errors), self.level(read));
+        let [of_search, level] = self.levels([read, &found.errors], &[]);
         if level[0] > LOST * of_search[0] {
             return Err("the residual was larger than with the values of the search".into());
         }
@@ -227,13 +264,13 @@ impl ExtensionJob<'_> {
         out
     }
 
-    fn level(&self, errors: &ErrorModel) -> [f64; 2] {
-        self.level_without(errors, &[])
-    }
-
-    /// The level of readings less an amount for each, mm or rad.
-    fn level_without(&self, errors: &ErrorModel, away: &[f64]) -> [f64; 2] {
-        self.with_errors(errors, away).map_or([f64::INFINITY; 2], |scene| levels(&scene, self.used))
+    /// The levels of readings less an amount for each, mm or rad, with two models.
+    fn levels(&self, errors: [&ErrorModel; 2], away: &[f64]) -> [[f64; 2]; 2] {
+        let scenes = errors.map(|errors| self.with_errors(errors, away));
+        match &scenes {
+            [Some(one), Some(other)] => levels([one, other], self.used),
+            _ => [[f64::INFINITY; 2]; 2],
+        }
     }
 
     /// The readings under other errors, less an amount for each, mm or rad; `None` if they do not determine the set-ups.
@@ -251,8 +288,7 @@ impl ExtensionJob<'_> {
     fn helps(&self, errors: &ErrorModel, grown: &Grown) -> Result<(), NotWritten> {
         let holds: Vec<bool> = grown.anchors.iter().map(Result::is_ok).collect();
         let away = effect_of_others(self.found, self.scene, &holds);
-        let before = self.level_without(&self.scene.errors, &away);
-        let after = self.level_without(errors, &away);
+        let [before, after] = self.levels([&self.scene.errors, errors], &away);
         let which = if after[0].is_infinite() {
             "the data"
         } else if after[0] > before[0] {
@@ -267,6 +303,10 @@ impl ExtensionJob<'_> {
     }
 }
 
+/// Highest degree of a polynomial that a finding writes.
+const HIGHEST_DEGREE: u8 = 6;
+/// Readings say nothing of a change if the residual grows by less, as a ratio.
+const SAME: f64 = 1.001;
 /// Largest accepted ratio of the residual to that of the search.
 const LOST: f64 = 1.01;
 
