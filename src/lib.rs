@@ -55,6 +55,7 @@ mod steps;
 mod support_file;
 mod tables;
 mod tool;
+mod travel_trial;
 mod watch;
 
 #[doc(hidden)]

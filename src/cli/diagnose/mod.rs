@@ -15,6 +15,7 @@ use crate::cli::pages::{self, Pages};
 use crate::cli::progress::Progress;
 use crate::cli::stop::Stop;
 use crate::cli::{measurement, print, tell};
+use crate::travel_trial::tried;
 use ncfix_base::source::{FileId, Source};
 use ncfix_metrology::results::diagnosis::{self, DiagnosisSettings, SCHEMA};
 use ncfix_metrology::results::hypotheses;
@@ -129,7 +130,7 @@ fn find(
     );
     progress.clear();
     let written = match (target, made) {
-        (Some(target), Some(Some(made))) => made.text(&mut found).map(|text| (target, text)),
+        (Some(to), Some(Some(new))) => tried(new, file.as_ref(), &mut report.found, &mut found).map(|text| (to, text)),
         _ => None,
     };
     findings.extend(found, &sources);

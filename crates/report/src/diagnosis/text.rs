@@ -212,8 +212,15 @@ impl DiagnosisReport {
         } else {
             ""
         };
+        let travel = written.travel.map_or(String::new(), |travel| {
+            format!(
+                " Lines through the whole travel, corrected with it and verified: {} → {} µm RMS by its model.",
+                significant(travel.before_rms_um),
+                significant(travel.after_rms_um)
+            )
+        });
         Some(format!(
-            "The extended machine file {holds} {count} of {}: residual {} → {} {unit} RMS{held_out}.{cancels}",
+            "The extended machine file {holds} {count} of {}: residual {} → {} {unit} RMS{held_out}.{cancels}{travel}",
             self.found.findings.len(),
             significant(written.before_rms_um),
             significant(written.after_rms_um)
@@ -464,6 +471,9 @@ impl CauseText for CauseReport {
         let mut depends = self.drivers.join(", ");
         if let Some(period) = self.period {
             let _ = write!(depends, ", every {}", significant(period));
+        }
+        if let (Some([last, first]), Some(axis)) = (self.threshold_mm, &self.threshold_axis) {
+            let _ = write!(depends, ", on one side of {axis} {} to {} mm", significant(last), significant(first));
         }
         if let Some(lag) = self.lag_s.filter(|lag| *lag > 0.0) {
             let _ = write!(depends, ", delayed by {} s", significant(lag));
