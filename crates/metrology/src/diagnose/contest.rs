@@ -279,12 +279,13 @@ fn family(one: &Candidate) -> Family {
         EffectKind::LateralPlay if is_angle => Family::AngularPlay,
         EffectKind::LateralPlay => Family::LateralPlay,
         EffectKind::ReversalSpike => Family::Spike,
+        EffectKind::Cross if one.threshold.is_some() => Family::Threshold,
         EffectKind::Cross if is_angle => Family::CrossAngle,
         EffectKind::Cross => Family::Cross,
         EffectKind::ServoMismatch | EffectKind::Following | EffectKind::Delay => Family::Lag,
         EffectKind::Dynamic if is_by_acceleration(one) => Family::Deflection,
         EffectKind::Dynamic => Family::Dynamic,
-        EffectKind::ThermalDrift => Family::Drift,
+        EffectKind::ThermalDrift | EffectKind::SpindleSpeed => Family::Drift,
         EffectKind::ThermalExpansion => Family::Expansion,
         EffectKind::ThermalSquareness => Family::ThermalSquareness,
         EffectKind::Drift => Family::Creep,
@@ -390,9 +391,9 @@ impl Field<'_, '_> {
             }
         }
         let mut outside: Vec<usize> = Vec::new();
-        let mut counts: HashMap<(EffectKind, &str), f64> = HashMap::new();
+        let mut counts: HashMap<(Family, EffectKind, &str), f64> = HashMap::new();
         for (number, one) in self.candidates.iter().enumerate() {
-            *counts.entry((one.cause.effect, one.parameter.as_str())).or_insert(0.0) += 1.0;
+            *counts.entry((family(one), one.cause.effect, one.parameter.as_str())).or_insert(0.0) += 1.0;
             // Shapes over the travel stand for these.
             let is_shape = one.cause.effect == EffectKind::Motion && !is_of_rotary(one);
             let is_location = one.cause.effect == EffectKind::Location;
@@ -402,7 +403,7 @@ impl Field<'_, '_> {
         }
         let log_odds = |number: usize| {
             let one = &self.candidates[number];
-            let count = counts.get(&(one.cause.effect, one.parameter.as_str())).copied().unwrap_or(1.0);
+            let count = counts.get(&(family(one), one.cause.effect, one.parameter.as_str())).copied().unwrap_or(1.0);
             family(one).assumption().odds.ln() - count.ln()
         };
         for &number in taken.iter().filter(|&&number| !is_in[number]) {

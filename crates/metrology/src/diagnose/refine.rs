@@ -1,6 +1,6 @@
 //! Periods and time constants moved to where they explain most. Which others the readings show alike is in [`super::mimic`].
 
-use super::cause::{Candidate, EffectKind, periodic, thermal};
+use super::cause::{Candidate, EffectKind, periodic, thermal, with_spindle_speed};
 use super::mimic::RIVAL;
 use super::scene::Through;
 use super::search::Field;
@@ -29,6 +29,16 @@ impl Field<'_, '_> {
             let refined = self.period_near(series, name, axis, first);
             let one = refined.as_ref().unwrap_or(one);
             return self.usual(series, name, axis, one).or(refined);
+        }
+        if let Some(([shortest, longest], ways)) = with_spindle_speed(self.scene, one) {
+            let moved = ways.iter().filter_map(|way| {
+                let with = |lag: f64| way(lag.exp());
+                let moved = self.best_near(series, [shortest.ln(), first.ln(), longest.ln()], &with);
+                moved.or_else(|| way(first))
+            });
+            let gain = |one: &Candidate| series.gain(&self.columns(one)).squares;
+            let best = moved.map(|one| (gain(&one), one)).max_by(|a, b| a.0.total_cmp(&b.0));
+            return best.filter(|(most, _)| *most > gain(one)).map(|(_, one)| one);
         }
         let [shortest, longest] = thermal::around(first)?;
         let with = |lag: f64| thermal::with_lag(self.scene, one, lag.exp());

@@ -112,6 +112,7 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
         EffectKind::Motion if single && is_rotary(candidate) => {
             plain(micro, if is_angle { "urad/rad" } else { "um/rad" })
         }
+        EffectKind::Cross if candidate.threshold.is_some() => of(&range(), micro, unit),
         EffectKind::Cross => {
             let [low, high] = corners(candidate, scene, used);
             of(&mixed(candidate, &low, &high), micro, unit)

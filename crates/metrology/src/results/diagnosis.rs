@@ -116,6 +116,22 @@ pub struct WrittenSizes {
     pub holdout_before_rms_um: Option<f64>,
     /// Root of the mean square of the holdout data with the extended file.
     pub holdout_after_rms_um: Option<f64>,
+    /// Errors along lines through the whole travel, corrected and verified with the extended file; `null` without a written file.
+    pub travel: Option<TravelSizes>,
+}
+
+/// Errors of the tool tip along lines through the whole travel with the longest tool, by the model of the file: as programmed, and corrected.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TravelSizes {
+    /// Root of the mean square as programmed.
+    pub before_rms_um: f64,
+    /// Largest as programmed.
+    pub before_max_um: f64,
+    /// Root of the mean square of the corrected lines.
+    pub after_rms_um: f64,
+    /// Largest of the corrected lines.
+    pub after_max_um: f64,
 }
 
 /// Source of the noise estimate.
@@ -261,6 +277,10 @@ pub struct CauseReport {
     pub lag_s: Option<f64>,
     /// Period, if periodic.
     pub period: Option<f64>,
+    /// Positions of an axis between which it begins, mm, if it acts only on one side of them.
+    pub threshold_mm: Option<[f64; 2]>,
+    /// This axis.
+    pub threshold_axis: Option<String>,
     /// Size: reversal value, amplitude, slope, range over the travel.
     pub value: f64,
     /// Its unit.
@@ -421,6 +441,7 @@ fn written(made: &Extended, unit: UnitKey) -> Option<WrittenSizes> {
         after_rms_um: micro * after,
         holdout_before_rms_um: held_out.map(|[before, _]| micro * before),
         holdout_after_rms_um: held_out.map(|[_, after]| micro * after),
+        travel: None,
     })
 }
 
@@ -527,8 +548,11 @@ fn cause(found: &diagnose::AcceptedCause, scene: &Scene<'_>, used: usize, (micro
         parameter: one.parameter.clone(),
         drivers: one.drivers.clone(),
         sensor: one.sensor.clone(),
-        lag_s: one.sensor.is_some().then(|| one.constant.filter(|(_, unit)| *unit == "s").map_or(0.0, |(lag, _)| lag)),
+        lag_s: (one.sensor.is_some() || one.cause.effect == diagnose::cause::EffectKind::SpindleSpeed)
+            .then(|| one.constant.filter(|(_, unit)| *unit == "s").map_or(0.0, |(lag, _)| lag)),
         period: one.constant.filter(|(_, unit)| ["mm", "deg"].contains(unit)).map(|(period, _)| period),
+        threshold_mm: one.threshold.map(|(_, ends)| ends),
+        threshold_axis: one.threshold.map(|(axis, _)| axis.to_string()),
         value: found.size.value,
         unit: found.size.unit.into(),
         u95: found.size.u95,

@@ -20,8 +20,10 @@ pub(in crate::diagnose) mod periodic;
 pub(in crate::diagnose) mod servo;
 pub(in crate::diagnose) mod setup;
 mod spike;
+mod spindle;
 pub(in crate::diagnose) mod targets;
 pub(in crate::diagnose) mod thermal;
+mod threshold;
 mod unnamed;
 pub(in crate::diagnose) mod vibration;
 
@@ -74,6 +76,8 @@ pub enum EffectKind {
     ThermalSquareness,
     /// Displacement with time.
     Drift,
+    /// Displacement with the speed of the spindle.
+    SpindleSpeed,
     /// An error that has changed between files.
     Earlier,
     /// Weight of the workpiece.
@@ -181,6 +185,7 @@ pub(in crate::diagnose) const BUILT_IN: &[&Cause] = &[
     &spike::CAUSE,
     &periodic::CAUSE,
     &cross::CAUSE,
+    &threshold::CAUSE,
     &servo::MISMATCH,
     &servo::FOLLOWING,
     &servo::DYNAMIC,
@@ -200,6 +205,7 @@ pub(in crate::diagnose) const BUILT_IN: &[&Cause] = &[
     &setup::PROBE,
     &drift::CAUSE,
     &drift::EVENT,
+    &spindle::CAUSE,
     &thermal::DRIFT,
     &thermal::ON,
     &thermal::EXPANSION,
@@ -306,6 +312,8 @@ pub struct Candidate {
     pub points: Vec<Vec<f64>>,
     /// The values of the drivers of such a shape, by row of the scene: a place in the workpiece is not a position of an axis.
     pub along: Vec<(String, Arc<Vec<f64>>)>,
+    /// The axis and the two positions between which it begins, mm, if it acts only on one side of them.
+    pub threshold: Option<(Axis, [f64; 2])>,
     /// Its extension of the model.
     pub term: Term,
 }
@@ -323,6 +331,7 @@ impl Candidate {
             columns: vec![vec![(through, weight)]],
             points: Vec::new(),
             along: Vec::new(),
+            threshold: None,
             term: Term::None,
         }
     }
@@ -352,6 +361,7 @@ impl Candidate {
             EffectKind::ThermalSquareness => 18,
             EffectKind::ReversalSpike => 20,
             EffectKind::Following => 22,
+            EffectKind::SpindleSpeed => 23,
             EffectKind::Drift => 24,
             EffectKind::Dynamic => 26,
             EffectKind::Delay => 28,
@@ -414,6 +424,7 @@ impl fmt::Display for EffectKind {
             EffectKind::ThermalExpansion => "thermal-expansion",
             EffectKind::ThermalSquareness => "thermal-squareness",
             EffectKind::Drift => "drift",
+            EffectKind::SpindleSpeed => "spindle-speed",
             EffectKind::Earlier => "earlier",
             EffectKind::Load => "load",
             EffectKind::Setup => "setup",
@@ -456,6 +467,23 @@ fn spread(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
         Some([low.min(value), high.max(value)])
     })
 }
+
+/// Displacements with the spindle speed as `one`, as functions of the time constant: one for each time at which the speed may change between two readings. With them, the shortest and the longest
+/// time constant to try; `None` for another cause.
+pub(in crate::diagnose) fn with_spindle_speed<'a>(
+    scene: &'a Scene<'_>,
+    one: &'a Candidate,
+) -> Option<([f64; 2], Vec<WithLag<'a>>)> {
+    if one.cause.effect != EffectKind::SpindleSpeed {
+        return None;
+    }
+    let (lag_s, _) = one.constant?;
+    let with = |change: f64| -> WithLag<'a> { Box::new(move |lag_s| spindle::with_lag(scene, one, lag_s, change)) };
+    Some((spindle::around(lag_s), spindle::CHANGES.map(with).into()))
+}
+
+/// A candidate by its time constant, s.
+pub(in crate::diagnose) type WithLag<'a> = Box<dyn Fn(f64) -> Option<Candidate> + 'a>;
 
 /// The name of a direction of F.
 fn tip(direction: usize) -> &'static str {

@@ -33,6 +33,8 @@ pub enum Family {
     Cross,
     /// Rotation of one axis that depends on another one too.
     CrossAngle,
+    /// Displacement of one axis that depends on another one, beyond a position only.
+    Threshold,
     /// Motion error of a rotary axis once and twice a turn.
     Rotary,
     /// Periodic error along an axis.
@@ -167,6 +169,12 @@ pub const ASSUMPTIONS: &[Assumption] = &[
         odds: 0.004,
         source: "Spaan 1995, ch. 2: finite stiffness; rare",
     },
+    Assumption {
+        family: Family::Threshold,
+        size: Size::Um(8.0),
+        odds: 0.002,
+        source: "joints of guides and covers that drag; rarer than a smooth dependence",
+    },
     Assumption { family: Family::Wave, size: Size::Um(5.0), odds: 0.05, source: "scales and screws: 1 to 10 µm" },
     Assumption {
         family: Family::Spike,
@@ -276,7 +284,7 @@ mod tests {
         let mut families: Vec<Family> = ASSUMPTIONS.iter().map(|one| one.family).collect();
         families.sort_unstable();
         families.dedup();
-        assert_eq!((families.len(), ASSUMPTIONS.len(), families.last()), (28, 28, Some(&Family::Unnamed)));
+        assert_eq!((families.len(), ASSUMPTIONS.len(), families.last()), (29, 29, Some(&Family::Unnamed)));
         // 50 µm/m over half of 700 mm; 10 µm; 50 µrad.
         let sizes = [Family::Scale, Family::Backlash, Family::Squareness].map(|family| family.size(700.0));
         assert!(

@@ -103,6 +103,9 @@ impl Law<'_> {
         for &at in self.one.candidate.points.iter().flatten() {
             out.extend([at - step, at, at + step].into_iter().filter(|at| low < *at && *at < high));
         }
+        if let Some((_, ends)) = self.one.candidate.threshold.filter(|(beyond, _)| *beyond == axis) {
+            out.extend(ends);
+        }
         out.sort_by(f64::total_cmp);
         out.dedup_by(|one, other| (*one - *other).abs() < 0.5 * step);
         out

@@ -30,7 +30,7 @@ const MOST_POWER: u8 = 9;
 const MOST_PARTS: usize = 12;
 
 /// Effects that findings are named by.
-const EFFECTS: [EffectKind; 21] = [
+const EFFECTS: [EffectKind; 22] = [
     EffectKind::Location,
     EffectKind::Motion,
     EffectKind::Periodic,
@@ -46,6 +46,7 @@ const EFFECTS: [EffectKind; 21] = [
     EffectKind::ThermalExpansion,
     EffectKind::ThermalSquareness,
     EffectKind::Drift,
+    EffectKind::SpindleSpeed,
     EffectKind::Load,
     EffectKind::Setup,
     EffectKind::Probe,
