@@ -100,7 +100,7 @@ impl Diagnosis {
     }
 
     /// The accepted causes, the largest first: each with its value and expanded uncertainty (95 %), its share of the residual, its gain on validation readings,
-    /// its p-value, equivalent explanations, and whether a corrected program removes it.
+    /// its p-value, other explanations, and whether a corrected program removes it.
     ///
     /// ```
     /// use ncfix::prelude::*;

@@ -9,7 +9,7 @@ use ncfix_metrology::diagnose::cause::Correctable;
 use ncfix_metrology::diagnose::{ExplanationSummary, Gate};
 use ncfix_metrology::results::diagnosis::{CauseReport, InFile, NoiseFrom, ShapePlace};
 
-/// Maximum number of equivalent explanations that are named.
+/// Maximum number of other explanations that are named.
 const RIVALS: usize = 8;
 /// Smallest p-value that is shown as a number.
 const LEAST_P: f64 = 1e-12;
@@ -425,7 +425,7 @@ impl DiagnosisReport {
             let more = one.class.len().saturating_sub(1 + RIVALS);
             let rivals: Vec<&str> = one.class.iter().skip(1).take(RIVALS).map(String::as_str).collect();
             let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
-            let _ = writeln!(out, "   equivalent explanations: {}{rest}", rivals.join(", "));
+            let _ = writeln!(out, "   other explanations: {}{rest}", rivals.join(", "));
         }
         let is_said = |how: &&String| one.extends_why.as_ref().is_some_and(|why| why.contains(how.as_str()));
         if let Some(how) = one.separate_by.as_ref().filter(|how| !is_said(how)) {

@@ -1,4 +1,4 @@
-//! Evidence of one cause, with its equivalent explanations.
+//! Evidence of one cause, with its other explanations.
 
 use super::pictures::{driver_of, mean_lines, means, time_of, title_of};
 use super::{figure, polar, side_by_side};
@@ -10,7 +10,7 @@ use crate::plot::{Chart, PlotSeries, Shape};
 use ncfix_metrology::results::diagnosis::CauseReport;
 use ncfix_metrology::results::readings::{DriverReadings, Set};
 
-/// Maximum number of equivalent explanations that are named.
+/// Maximum number of other explanations that are named.
 const MOST_RIVALS: usize = 24;
 /// Maximum number of drivers that are drawn.
 const MOST_DRIVERS: usize = 3;
@@ -96,9 +96,9 @@ fn words(out: &mut Markup, report: &DiagnosisReport, one: &CauseReport) {
         let more = one.class.len().saturating_sub(1 + MOST_RIVALS);
         let rivals: Vec<&str> = one.class.iter().skip(1).take(MOST_RIVALS).map(String::as_str).collect();
         let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
-        all.push(("equivalent explanations", format!("{}{rest}", rivals.join(", "))));
+        all.push(("other explanations", format!("{}{rest}", rivals.join(", "))));
     } else {
-        all.push(("equivalent explanations", "none: no other candidate explains as much".into()));
+        all.push(("other explanations", "none: no other candidate explains as much".into()));
     }
     if let Some(differs) = differing(&one.by_file) {
         all.push(("file by file", format!("it {differs}")));
