@@ -1,4 +1,4 @@
-//! The readings one by one: what is left of each before and after, and what a finding by itself swings them by.
+//! Residual of each reading before and after the diagnosis, and the effect range of a single finding.
 
 use std::collections::BTreeMap;
 
@@ -7,20 +7,20 @@ use super::noise::is_angle;
 use super::scene::{NO_ROW, Scene};
 use super::search::Weights;
 
-/// What is left of every reading beside its set-up, in the order of [`Scene::items`], mm or rad.
+/// Residuals of all readings after the fit of the set-up unknowns, in the order of [`Scene::items`], mm or rad.
 #[derive(Clone, Debug, Default)]
 pub struct Account {
-    /// By the model.
+    /// Residuals of the model.
     pub before: Vec<f64>,
-    /// By the model with all findings.
+    /// Residuals of the model with all findings.
     pub after: Vec<f64>,
-    /// Whether it counted; what did not is as it was read.
+    /// True for readings that are included. The others have their raw residual.
     pub counts: Vec<bool>,
 }
 
 impl Account {
-    /// Puts together what is left of the data used and of the data held out, each with its weights; `raw` and `explained` are the readings that do
-    /// not count, before and after.
+    /// Combines the residuals of the data used and of the data held out, each with its weights. `raw` and `explained` are the residuals of excluded readings,
+    /// before and after.
     pub(super) fn new(
         scene: &Scene<'_>,
         parts: [(&Weights, &[f64], &[f64]); 2],
@@ -42,8 +42,7 @@ impl Account {
     }
 }
 
-/// By how much a finding alone swings the readings of a set-up: the largest less the smallest of what it does to one of their values, of the set-up
-/// where that is most.
+/// Range of the effect of a finding on the readings of one set-up: largest minus smallest effect, for the value and set-up with the largest range.
 pub(super) fn swing(scene: &Scene<'_>, weights: &Weights, does: &[f64]) -> f64 {
     let of_angles = is_angle(scene);
     let mut ends: BTreeMap<(usize, usize, usize), [f64; 2]> = BTreeMap::new();

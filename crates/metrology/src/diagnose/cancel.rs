@@ -1,7 +1,7 @@
-//! Terms that nearly cancel each other: of two columns that are nearly the same, one is a large amount and the other its opposite. Together they say
-//! what little both differ by; where was not measured they are metres.
+//! Candidates that nearly cancel each other. If two columns are nearly equal, the fit gives one a large amount and the other the opposite amount. Their sum
+//! explains the small difference of the columns. Outside the measured places it can reach meters.
 //!
-//! And terms that readings hardly show: for micrometres that are read they would have to be larger than any machine errs.
+//! This module also rejects candidates to which the readings are insensitive: to explain micrometers, they would exceed any plausible machine error.
 
 use super::cause::{Candidate, range};
 use super::row::{NOWHERE, SceneRow};
@@ -11,17 +11,17 @@ use super::size::weights_at;
 use ncfix_base::geometry::{AXES, Axis};
 use ncfix_base::numeric::Series;
 
-/// A term that does so many times what there is to explain is cancelled by others.
+/// A candidate whose effect exceeds the residual by this factor is cancelled by others.
 const CANCELS: f64 = 3.0;
 
-/// No machine errs so much where readings show little of it, mm and rad.
+/// Largest plausible machine error where the readings are insensitive, mm and rad.
 const ABSURD: [f64; 2] = [1.0, 1e-2];
-/// Readings that show little: so much at most, mm or rad.
+/// Largest RMS residual at which this limit applies, mm or rad.
 const LITTLE: f64 = 0.05;
-/// Rows at which a deviation is looked at.
+/// Maximum number of rows at which a deviation is evaluated.
 const ROWS: usize = 400;
 impl Field<'_, '_> {
-    /// Whether a candidate beside what a series has would be larger than any machine errs, in readings that show little.
+    /// True if a candidate, in addition to the terms of `series`, exceeds any plausible machine error although the residuals are small.
     pub(super) fn is_absurd(&self, number: usize, series: &Series) -> bool {
         let most = |one: &Candidate| match one.columns.first()?.first()?.0 {
             Through::Component(name) => Some(ABSURD[usize::from(name.direction.is_rotation())]),
@@ -37,7 +37,7 @@ impl Field<'_, '_> {
             let all = weights_at(one, row);
             all.iter().zip(&amounts).map(|(weight, amount)| weight * amount).sum::<f64>().abs() > most
         };
-        // What goes with two axes is looked at where both are at their ends: lines show the middle of it only.
+        // A dependence on two axes is evaluated at the ends of both: measured lines cover only its middle.
         let is_beyond = self.scene.rows.iter().step_by(step).any(is_large) || self.corners(one).iter().any(is_large);
         let squares: f64 = self.scene.items.iter().map(|item| item.left * item.left).sum();
         is_beyond && squares < LITTLE * LITTLE * self.scene.items.len() as f64
@@ -45,7 +45,7 @@ impl Field<'_, '_> {
 }
 
 impl Field<'_, '_> {
-    /// Where the axes on which one depends are at the ends of what was measured; none where it depends on anything else.
+    /// Combinations of the measured end positions of both axes of a candidate; empty if it depends on anything else.
     fn corners(&self, one: &Candidate) -> Vec<SceneRow> {
         let axis = |driver: &String| AXES.into_iter().find(|axis| axis.to_string() == *driver);
         let axes: Option<Vec<Axis>> = one.drivers.iter().map(axis).collect();
@@ -66,26 +66,26 @@ impl Field<'_, '_> {
     }
 }
 
-/// What columns of candidates are of those of a basis, in the order in which they were taken: the triangle of their regression.
+/// Triangular factor of the regression on the columns of the candidates, in the order in which they were taken.
 #[derive(Clone, Debug)]
 pub(super) struct Triangle {
-    /// Columns of the basis that are none of candidates.
+    /// Number of basis columns that precede those of the candidates.
     before: usize,
-    /// What there was to explain.
+    /// Sum of squares before the first candidate.
     squares: f64,
-    /// The candidate of each column, and what it is of the columns of the basis behind those.
+    /// For each column: its candidate, and its shares in the basis columns after `before`.
     columns: Vec<(usize, Vec<f64>)>,
-    /// What each of these explains.
+    /// Sum of squares that each column explains.
     explained: Vec<f64>,
 }
 
 impl Triangle {
-    /// Nothing is taken behind what a series has.
+    /// Starts after the columns that a series already has.
     pub(super) fn new(series: &Series) -> Triangle {
         Triangle { before: series.rank(), squares: series.squares(), columns: Vec::new(), explained: Vec::new() }
     }
 
-    /// Takes the columns of a candidate into a series.
+    /// Adds the columns of a candidate to a series.
     pub(super) fn take(&mut self, series: &mut Series, number: usize, columns: &[Vec<f64>]) {
         for column in columns {
             if let Some((shares, explained)) = series.take_with_shares(column) {
@@ -95,7 +95,8 @@ impl Triangle {
         }
     }
 
-    /// The last one that was taken, not one of some, and does much more to the readings beside the set-ups than there was to explain.
+    /// Returns the candidate taken last whose effect on the readings, after the set-up unknowns, far exceeds the sum of squares to explain. Candidates in
+    /// `kept` are skipped.
     pub(super) fn cancelled(&self, kept: &[usize]) -> Option<usize> {
         let count = self.columns.len();
         let mut amounts = self.explained.clone();

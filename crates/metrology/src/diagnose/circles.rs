@@ -1,4 +1,5 @@
-//! Chords and lobes of circles: how many explain most of what is left. What angles that are evenly spaced do not tell from fewer is not looked for.
+//! Chords and lobes of circles: the numbers that explain most of the residual. Numbers that evenly spaced angles cannot distinguish from smaller ones are
+//! excluded.
 
 use std::collections::HashMap;
 
@@ -7,41 +8,41 @@ use super::row::SceneRow;
 use super::scene::Scene;
 use super::seek::SOME;
 
-/// Rows that stay together in it.
+/// Number of consecutive rows that are kept together in a sample.
 const STRETCH: usize = 50;
-/// Chords of a circle that are tried.
+/// Range of tested numbers of chords.
 const CHORDS: std::ops::Range<u32> = 24..720;
-/// Lobes of a circle that are tried: fewer are errors of the axes. Three, too, where all planes have the same.
+/// Range of tested numbers of lobes. Fewer lobes are errors of the axes. Three are tested only as one wave for all planes.
 const LOBES: std::ops::Range<u32> = 4..60;
 const ALIKE_FROM: u32 = 3;
-/// Angles show a number of cycles like none where so much of the mean of exp(i n φ) is left.
+/// A number of cycles is indistinguishable from zero if the mean of exp(i n φ) exceeds this.
 const ALIKE: f64 = 0.95;
 
-/// Some rows on circles.
+/// A sample of the rows on circles.
 #[derive(Clone, Debug)]
 pub(super) struct Circles {
-    /// Of all rows.
+    /// Places on circles, of all rows.
     pub(super) places: circle::Places,
     rows: Vec<usize>,
-    /// Numbers of chords that the angles tell from fewer.
+    /// Numbers of chords that the angles distinguish from smaller ones.
     counts: std::ops::Range<u32>,
-    /// How far inside the chords of each number are there, mm.
+    /// For each number of chords: distance of the chord from the circle at each row, relative to the mean of the set-up, mm.
     chords: Vec<Vec<f64>>,
-    /// The plane, by the direction that stands still, and the angle of each, rad.
+    /// For each row: the plane, given by the direction that stands still, and the angle, rad.
     angles: Vec<(usize, f64)>,
-    /// Planes.
+    /// Planes that occur.
     planes: Vec<usize>,
-    /// Most lobes.
+    /// Upper limit of the number of lobes.
     most: u32,
 }
 
-/// Lobes of circles.
+/// A candidate for lobes of circles.
 #[derive(Clone, Debug)]
 pub(super) struct Lobes {
-    /// Directions that stand still in the planes that have them.
+    /// Planes that have these lobes, given by the direction that stands still.
     pub(super) planes: Vec<usize>,
     pub(super) count: u32,
-    /// Whether all planes have the same.
+    /// True if all planes have the same lobes.
     pub(super) are_alike: bool,
 }
 
@@ -59,11 +60,11 @@ impl Circles {
             .map(|(place, row)| (place, at(angles, row), at(radii, row)))
             .filter(|(_, angle, radius)| angle.is_finite() && radius.is_finite())
             .enumerate()
-            // Neighbours stay together: every so many rows alone one number of chords looks like another.
+            // Consecutive rows are kept together: every n-th row alone would alias numbers of chords.
             .filter(|(count, _)| (count / STRETCH).is_multiple_of((scene.rows.len() / SOME).max(1)))
             .map(|(_, place)| place)
             .collect();
-        // Lengths may be unknowns of set-ups: what all of a circle have says nothing.
+        // Lengths may be unknowns of set-ups, so the mean over a circle carries no information.
         let mut numbers: HashMap<(usize, usize), usize> = HashMap::new();
         let mut setup = |place: usize| {
             let next = numbers.len();
@@ -96,14 +97,14 @@ impl Circles {
         Some(Circles { places: all, rows, counts, chords, angles, planes, most: LOBES.end.min(most) })
     }
 
-    /// How many candidates that are.
+    /// Number of these candidates.
     pub(super) fn count(&self) -> usize {
         let lobes = |from: u32| self.most.saturating_sub(from) as usize;
         let of_all = if self.planes.len() > 1 { lobes(LOBES.start) + lobes(ALIKE_FROM) } else { 0 };
         self.counts.len() + self.planes.len() * lobes(LOBES.start) + of_all
     }
 
-    /// How many lobes explain most in each plane, and in all of them.
+    /// Returns the number of lobes that explains most, for each plane and for all planes together.
     pub(super) fn best_lobes(&self, sums: &[f64], information: &[f64]) -> Vec<Lobes> {
         let of_plane = |plane: usize, count: u32| {
             let mut wave = Wave::default();
@@ -134,7 +135,7 @@ impl Circles {
         out
     }
 
-    /// How many chords explain most. They are as far within as they are: their amount is one.
+    /// Returns the number of chords that explains most. The shape has no free amount: the number of chords defines it.
     pub(super) fn best(&self, sums: &[f64], information: &[f64]) -> Option<u32> {
         let of = |values: &[f64]| -> Vec<f64> {
             self.rows.iter().map(|&row| values.get(row).copied().unwrap_or(0.0)).collect()
@@ -149,7 +150,7 @@ impl Circles {
     }
 }
 
-/// What a cosine and a sine explain: products with what is left, and with each other.
+/// Normal equations of a cosine and a sine: products with the residual, and with each other.
 #[derive(Clone, Copy, Debug, Default)]
 struct Wave {
     right: [f64; 2],
@@ -181,7 +182,7 @@ impl Wave {
     }
 }
 
-/// The number of cycles on a circle that some angles, rad, do not tell from fewer: half of those that they show like none.
+/// Smallest number of cycles on a circle that the angles (rad) cannot distinguish from fewer: half of the first number that is indistinguishable from zero.
 fn told(angles: impl Iterator<Item = f64> + Clone) -> u32 {
     let count = angles.clone().count() as f64;
     let is_like_none = |cycles: &u32| {

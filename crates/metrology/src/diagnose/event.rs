@@ -1,38 +1,38 @@
-//! When something happened that faded: all instants and many times over which it may have faded, in one pass over the rows for each of these.
+//! Finds the time of an event whose effect decays. Tests all times and many time constants, in one pass over the rows for each time constant.
 
 use super::cause;
 use super::scene::Scene;
 
-/// Times over which it may fade, from the shortest to the longest, as shares of the time that was measured.
+/// Number of time constants, and the shortest and longest as shares of the measured time.
 const FADES: u32 = 24;
 const SHORTEST: f64 = 0.01;
 const LONGEST: f64 = 0.5;
-/// Fades that are told apart: 1 + 1/2 + 1/4 … times the number of the shortest, and instants half as far apart as it fades.
+/// Distinguishable candidates per shortest time constant: 1 + 1/2 + 1/4 … over the time constants, with times half a time constant apart.
 const APART: f64 = 4.0;
-/// Rows behind an instant and before it, at least.
+/// Minimum number of rows before and after the event.
 const FEWEST: usize = 5;
 
-/// Rows with times by measurement, the first in time first.
+/// Rows with times for each measurement, in order of time.
 #[derive(Clone, Debug)]
 pub(super) struct Events {
     sets: Vec<Vec<(usize, f64)>>,
     fades: Vec<f64>,
-    /// By set and fade, what is left of an event from each row to the next; the last row has none behind it. Asked for over and over.
+    /// For each measurement and time constant: decay factor from each row to the next, 0 for the last row. Stored, because every search step uses it.
     left: Vec<Vec<Vec<f64>>>,
 }
 
-/// What happened in one measurement.
+/// An event in one measurement.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MeasurementEvent {
     pub(super) set: usize,
-    /// s.
+    /// Time of the event, s.
     pub(super) instant: f64,
-    /// s.
+    /// Time constant of the decay, s.
     pub(super) fade: f64,
 }
 
 impl Events {
-    /// Only where one pose is read over and over: elsewhere what comes with time comes with place.
+    /// Returns `None` unless one pose is measured repeatedly: otherwise time and position are not separable.
     pub(super) fn new(scene: &Scene<'_>) -> Option<Events> {
         let [start, end] = cause::times(scene)?;
         if cause::axes(scene).filter(|&axis| cause::range(scene, axis).is_some()).count() > 1 {
@@ -59,12 +59,12 @@ impl Events {
         Events { sets, fades, left }
     }
 
-    /// How many are told apart: instants that are closer than the time over which it fades are not.
+    /// Number of distinguishable events: times closer than the time constant are not distinguishable.
     pub(super) fn count(&self) -> usize {
         self.sets.len() * (APART / SHORTEST) as usize
     }
 
-    /// The one that explains most beside a constant, by sums of factor times what is left and of squares of factors, by row.
+    /// Returns the event that explains most in addition to a constant. Arguments, per row: sums of factor times residual, and sums of squared factors.
     pub(super) fn best(&self, sums: &[f64], information: &[f64]) -> Option<MeasurementEvent> {
         let of = |values: &[f64], row: usize| values.get(row).copied().unwrap_or(0.0);
         let mut best: Option<(f64, MeasurementEvent)> = None;
@@ -75,7 +75,7 @@ impl Events {
                 continue;
             }
             for (&fade, faded) in self.fades.iter().zip(faded) {
-                // Sums over all rows from one on, each fading from there.
+                // Sums over all rows from this one on, weighted by the decay.
                 let (mut left, mut once, mut twice) = (0.0, 0.0, 0.0);
                 for ((place, &(row, time)), &fades) in rows.iter().enumerate().zip(faded).rev() {
                     left = of(sums, row) + fades * left;

@@ -1,4 +1,4 @@
-//! The gates: chance, size, gain on unseen parts, data held out.
+//! Acceptance tests: significance, size, gain on unseen parts, data held out.
 
 use super::cause::{Candidate, EffectKind};
 use super::fold::{confirmed, counts, worth};
@@ -8,18 +8,18 @@ use super::rejected::{Gate, Rejections};
 use super::search::{Field, Taken, Weights};
 use super::slow;
 
-/// Chance at which a finding is claimed where there is nothing, over all candidates.
+/// Largest accepted p-value of a finding, corrected for the number of candidates.
 pub(super) const LIMIT: f64 = 1e-3;
-/// A finding does this share of the noise to the readings in which it acts at least: less is no cause but what others leave.
+/// Smallest effect of a finding, as a share of the noise in the readings where it acts. A smaller effect may be the residual of other terms.
 const SMALL: f64 = 0.25;
-/// The same of what has no name or goes with time only: of such there are many.
+/// Same limit for unnamed findings and for drift, of which there are many candidates.
 const SMALL_UNNAMED: f64 = 0.4;
-/// Readings in which it acts: beyond this share of the largest.
+/// A finding acts in readings where its effect exceeds this share of its largest effect.
 const ACTS: f64 = 0.05;
-/// Data held out say something of a finding where it does this share of what it does in the data used.
+/// Held-out data test a finding only if its effect there is at least this share of its effect in the data used.
 const EXERCISED: f64 = 0.1;
 
-/// Both gates.
+/// Applies the tests for significance, size and gain on unseen parts.
 pub(super) fn confirm(
     field: &mut Field<'_, '_>,
     weights: &Weights,
@@ -40,7 +40,7 @@ pub(super) fn confirm(
     if kept.len() == count { kept } else { waves_that_stand(field, weights, kept, rejections) }
 }
 
-/// Without waves that only stood beside what did not: where a few places have much of their own, some wave fits what others have left of it.
+/// Removes waves that were significant only in addition to rejected terms. With few places, some wave fits the residual of almost any other term.
 fn waves_that_stand(
     field: &Field<'_, '_>,
     weights: &Weights,
@@ -62,7 +62,7 @@ fn waves_that_stand(
     kept
 }
 
-/// Without those that do nearly nothing.
+/// Removes terms with a negligible effect.
 fn large_enough(field: &Field<'_, '_>, weights: &Weights, judged: Vec<Taken>) -> Vec<Taken> {
     let scene = field.scene;
     let taken: Vec<usize> = judged.iter().map(|term| term.candidate).collect();
@@ -84,9 +84,9 @@ fn large_enough(field: &Field<'_, '_>, weights: &Weights, judged: Vec<Taken>) ->
     judged.into_iter().filter(is_large).collect()
 }
 
-/// Causes that belong to one day or one set-up: other data cannot confirm them.
+/// True for causes that belong to one day or one set-up: other data cannot confirm them.
 fn is_only_here(one: &Candidate) -> bool {
-    // What vibrates has another phase on another day.
+    // The phase of a vibration differs from day to day.
     matches!(
         one.cause.effect,
         EffectKind::Setup
@@ -98,7 +98,7 @@ fn is_only_here(one: &Candidate) -> bool {
     ) || (one.cause.effect == EffectKind::Dynamic && one.drivers.iter().all(|driver| driver == "t_s"))
 }
 
-/// Takes out what the data held out does not confirm, and notes the gains there.
+/// Removes the terms that the held-out data do not confirm, and records their gains there.
 pub(super) fn hold(
     field: &Field<'_, '_>,
     weights: &Weights,
@@ -122,13 +122,13 @@ pub(super) fn hold(
                 rms(counts(scene, on).into_iter().filter_map(|place| does.get(place).copied()))
             };
             let is_drift = field.candidates.get(number).is_some_and(|one| one.cause.effect == EffectKind::Drift);
-            // Another day may go another way, but an explanation that makes its prediction worse is refused.
+            // The drift of another day may differ, but a term that worsens the prediction is rejected.
             let least_gain = if is_drift { 0.0 } else { worth(field, number) };
             let is_local = field.candidates.get(number).is_some_and(is_only_here) && !is_drift;
             if is_local || size(held_out) < EXERCISED * size(weights) {
                 continue;
             }
-            // Others take over what they can, so that only what is its own counts.
+            // The others are fitted again without it, so only its own contribution counts.
             let others: Vec<usize> = taken.iter().copied().filter(|&other| other != number).collect();
             let without = unseen(field, weights, held_out, &others);
             *gain = if without > 0.0 { 1.0 - (with / without).sqrt() } else { 0.0 };
@@ -154,7 +154,7 @@ mod tests {
         let of =
             |effect: EffectKind, driver: &str| bench::candidate(effect, Through::Tip(0), |_| 1.0).driven_by(&[&driver]);
         assert!(is_only_here(&of(EffectKind::Setup, "setup")) && is_only_here(&of(EffectKind::Drift, "t_s")));
-        // What vibrates goes with the clock, what gives way to acceleration does so on every day.
+        // A vibration depends on time only; compliance under acceleration is reproducible.
         assert!(is_only_here(&of(EffectKind::Dynamic, "t_s")) && !is_only_here(&of(EffectKind::Dynamic, "X_acc")));
         assert!(!is_only_here(&of(EffectKind::Motion, "t_s")));
     }

@@ -1,8 +1,8 @@
-//! Many errors of a machine at once: one after the other the first that is taken explains a bit of each, and what is taken then mends it.
+//! Fits many simple errors of a machine at once. A sequential search can start with a wrong term that explains a part of several errors; later terms then
+//! compensate for it.
 //!
-//! All simple errors – locations, polynomials of the motion of axes – are taken at once, the least far-fetched first, those that depend on others not
-//! at all, and those that are not worth their number taken out again, the most far-fetched first. Where that is as good as what was found one after the other
-//! it is what is named.
+//! All simple errors (locations and motion polynomials) are added together, the least complex first; dependent columns are skipped. Terms that do not justify
+//! their penalty are then removed, the most complex first. If the result is equivalent to that of the sequential search, it is preferred.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -17,53 +17,52 @@ use ncfix_model::ParameterName;
 use ncfix_model::name::ErrorName;
 use ncfix_model::parameter::ComponentTerm;
 
-/// So many terms one after the other make it worth trying.
+/// The group is tried from this number of sequentially found terms on.
 const MANY: usize = 3;
-/// As far-fetched as this are angles that are seen as displacements, what two axes do together, what has no name: two simple ones are less so.
+/// Complexity from which two simple errors are simpler: angles that act as displacements, dependences on two axes, unnamed terms.
 const FAR: u32 = 300;
-/// A group has so many times the terms at most.
+/// Maximum number of terms of a group, as a multiple of the sequential terms.
 const MORE: usize = 2;
-/// Degrees of polynomials.
+/// Highest degree of polynomials.
 const DEGREE: u8 = 3;
-/// A column of which less than this share of the square is left beside those before it is no column of its own; beside set-ups of less than the second
-/// nothing is left.
+/// A column is dependent if less than this share of its square remains after the preceding columns. Below the second limit, the set-ups absorb it completely.
 const OWN: f64 = 1e-2;
 const NOTHING: f64 = 1e-9;
-/// Columns that are looked at together.
+/// Number of columns that are processed at once.
 const AT_ONCE: usize = 32;
-/// Candidates at most.
+/// Maximum number of candidates in a group.
 const MOST: usize = 16;
 
 /// A simple error.
 struct Simple {
     name: ErrorName,
-    /// 0 for a location.
+    /// Degree of the polynomial; 0 for a location.
     degree: u8,
     candidate: usize,
-    /// The candidate that has no slope.
+    /// The candidate without the linear term.
     bow: Option<usize>,
 }
 
-/// A column: its name, the candidate that has it and those of lower degrees.
+/// A column: its name, its candidate, and its degree.
 struct Single {
     name: ErrorName,
-    /// 0 for a location.
+    /// Degree of the polynomial; 0 for a location.
     degree: u8,
     candidate: usize,
-    /// What it does beside the set-ups, of unit length, whitened.
+    /// Effect on the readings after the set-up unknowns, whitened, of unit length.
     does: Vec<f64>,
 }
 
-/// One that was looked at beside the set-ups.
+/// A simple error after projection on the set-up unknowns.
 struct Fresh<'s> {
     one: &'s Simple,
     /// As [`Single::does`].
     does: Vec<f64>,
-    /// Whether more than nothing is left of it.
+    /// True if the set-ups do not absorb it completely.
     is_seen: bool,
 }
 
-/// A column without its parts along directions, one after the other.
+/// Returns a column minus its projections on the given directions.
 fn without(mut column: Vec<f64>, directions: &[Vec<f64>]) -> Vec<f64> {
     for other in directions {
         let share = dot(&column, other);
@@ -73,9 +72,9 @@ fn without(mut column: Vec<f64>, directions: &[Vec<f64>]) -> Vec<f64> {
 }
 
 impl Field<'_, '_> {
-    /// What explains the readings better: what was taken one after the other, or a group of simple errors and what is left beside it.
+    /// Returns the better explanation: the sequentially found terms, or a group of simple errors.
     pub(super) fn together(&mut self, weights: &Weights, taken: Vec<usize>) -> Vec<usize> {
-        // Two simple errors at once look like one angle over a part of what was measured.
+        // Over a part of the travel, one angular error looks like two simple errors at once.
         let is_far = |one: &Candidate| one.far_fetched() >= FAR;
         let is_pair =
             |one: &Candidate| is_far(one) && matches!(one.cause.effect, EffectKind::Motion | EffectKind::Cross);
@@ -84,28 +83,28 @@ impl Field<'_, '_> {
             return taken;
         }
         let group = self.group(weights);
-        // One that would not stand beside the others takes the place of nothing.
+        // A term that is not significant beside the others must not replace anything.
         let group: Vec<usize> =
             self.backward(weights, group, LIMIT, &mut |_| {}).into_iter().map(|term| term.candidate).collect();
         if group.is_empty() {
             return taken;
         }
         let group = self.sound_steps(weights, &group, &[]);
-        // Many small ones fit what one of another shape does.
+        // Many small terms can fit the shape of a single other cause.
         if group.len() > MORE * taken.len() {
             return taken;
         }
         let far = taken.iter().filter_map(|&number| self.candidates.get(number)).filter(|one| is_far(one));
         let (count, pairs) = far.fold((0_u32, 0), |(count, pairs), one| (count + 1, pairs + usize::from(is_pair(one))));
         let [one, other] = [&taken, &group].map(|all| self.criterion(weights, all));
-        // What may be two simple errors is that where these explain as much: their number is no reason against them.
+        // A term that may be two simple errors is replaced by them if they explain as much. Their number carries no penalty then.
         let more = other.1.saturating_sub(one.1).min(pairs);
         let price = Price::new(weights.items.iter().filter(|weight| **weight > 0.0).count() as f64, self.tried);
         if other.0 < one.0 + TIE * f64::from(count) + price.of(more) { group } else { taken }
     }
 
-    /// Some with a simple error in the place of one that explains the readings worse – by the memory of the noise, which the search does not know – or of a
-    /// cross-coupling that explains them no better. `None` where there is none.
+    /// Returns the terms with a simple error in place of a simple error that explains the readings worse, or of a cross-coupling that explains them no
+    /// better. The autocorrelation of the noise is included; the search ignores it. `None` if nothing is replaced.
     pub(super) fn better(&self, weights: &Weights, taken: &[usize]) -> Option<Vec<usize>> {
         let is_simple = |one: &Candidate| {
             let is_one = one.columns.len() == 1 && matches!(one.term, Term::Parameters(_));
@@ -113,7 +112,7 @@ impl Field<'_, '_> {
         };
         let is_simple = |number: &usize| self.candidates.get(*number).is_some_and(is_simple);
         let is_cross = |one: &Candidate| one.columns.len() == 1 && one.cause.effect == EffectKind::Cross;
-        // A turn of the carriage that is seen at one arm is a plain play; there is no play that is a bow.
+        // A reversal rotation of the carriage that was seen at one arm is replaced by a plain backlash. No backlash corresponds to a bow.
         let is_play = |one: &Candidate| {
             one.columns.len() == 1 && matches!(one.cause.effect, EffectKind::Backlash | EffectKind::LateralPlay)
         };
@@ -161,7 +160,7 @@ impl Field<'_, '_> {
         (out != taken).then_some(out)
     }
 
-    /// −2 ln of the likelihood and the price of all columns; how many these are.
+    /// Returns −2 ln of the likelihood plus the penalty of all columns, and the number of columns.
     fn criterion(&self, weights: &Weights, taken: &[usize]) -> (f64, usize) {
         let [without, with] = [self.series(weights, &[], 0.0), self.series(weights, taken, 0.0)];
         let rank = with.rank().saturating_sub(without.rank());
@@ -169,18 +168,18 @@ impl Field<'_, '_> {
         (-Price::new(with.count() as f64, self.tried).worth(without.squares(), &gain), rank)
     }
 
-    /// Simple errors that are worth their number beside each other, in the order in which they are named.
+    /// Returns the simple errors that justify their penalty, in the order of their complexity.
     fn group(&self, weights: &Weights) -> Vec<usize> {
         let mut series = self.series(weights, &[], 0.0);
         let left = series.left().to_vec();
         let mut all: Vec<Single> = Vec::new();
         let mut own: Vec<Vec<f64>> = Vec::new();
-        // Components whose slope is that of a location.
+        // Components whose slope equals a location error.
         let mut bent: Vec<ErrorName> = Vec::new();
         for some in self.simple().chunks(AT_ONCE) {
             let mut fresh: Vec<Fresh<'_>> = Vec::new();
             for one in some {
-                // What bends is looked at without its slope: of a line far from zero a square is nearly all slope.
+                // A polynomial of higher degree is used without its linear term: far from zero, a square is nearly linear.
                 let columns = self.candidates.get(one.bow.unwrap_or(one.candidate)).map(|one| self.columns(one));
                 let Some(column) = columns.and_then(|mut all| all.pop()) else { continue };
                 let whitened = series.whitened(&column);
@@ -212,7 +211,7 @@ impl Field<'_, '_> {
         self.pruned(all, (&left, squares), series.count() as f64)
     }
 
-    /// Locations and motions by degree, the least far-fetched first.
+    /// Returns locations and motion polynomials by degree, the least complex first.
     fn simple(&self) -> Vec<Simple> {
         let mut out: Vec<(u32, Simple)> = Vec::new();
         let bow = |name: ErrorName, degree: u8| {
@@ -247,7 +246,7 @@ impl Field<'_, '_> {
         out.into_iter().map(|(_, one)| one).collect()
     }
 
-    /// Takes out what is not worth its price, the most far-fetched first and no degree before higher ones.
+    /// Removes terms that do not justify their penalty, the most complex first. A lower degree is never removed before a higher one.
     fn pruned(&self, all: Vec<Single>, (left, squares): (&[f64], f64), count: f64) -> Vec<usize> {
         let places: Vec<usize> = (0..all.len()).collect();
         let row = |&k: &usize| -> Vec<f64> { all[..=k].iter().map(|other| dot(&all[k].does, &other.does)).collect() };
@@ -270,7 +269,7 @@ impl Field<'_, '_> {
             let worth =
                 |k: usize| price.worth(rest + loss(k), &ncfix_base::numeric::Gain { squares: loss(k), rank: 1 });
             let tops: Vec<usize> = (0..open.len()).filter(|&k| is_top(k)).collect();
-            // The most far-fetched of those that are not worth it; only where there are too many the one that is worth least.
+            // The most complex of the unjustified terms. If all are justified but too many, the one that explains least.
             let out = tops.iter().copied().rfind(|&k| worth(k) <= 0.0);
             let least = || tops.iter().copied().min_by(|&k, &l| loss(k).total_cmp(&loss(l)));
             let Some(k) = out.or_else(|| least().filter(|_| tops.len() > MOST)) else { break };
@@ -287,7 +286,7 @@ impl Field<'_, '_> {
     }
 }
 
-/// The degree of a coefficient of a polynomial.
+/// Returns the degree of a polynomial coefficient.
 fn degree(parameter: &ParameterName) -> Option<u8> {
     match parameter.term {
         ComponentTerm::Coefficient(degree) => Some(degree),

@@ -1,65 +1,64 @@
-//! Readings before and after, of what was used and of what was held out: sizes, Spaan's efficiency, and how sure they are.
+//! Residuals before and after, for the data used and held out: RMS, largest value and Spaan's efficiency, with their intervals.
 //!
-//! Intervals are those of a bootstrap of stretches of rows (Künsch 1989): neighbouring readings stay together, so that slow noise counts for what it is.
+//! Intervals come from a block bootstrap (Künsch 1989): consecutive rows stay together, which preserves slowly varying noise.
 
 use super::fold::counts;
 use super::noise::is_angle;
 use super::scene::Scene;
 use super::search::Weights;
 
-/// Stretches in all, about.
+/// Approximate number of blocks.
 const STRETCHES: usize = 60;
-/// Rows of a stretch at least.
+/// Minimum number of rows in a block.
 const LEAST: usize = 4;
-/// How often is drawn.
+/// Number of bootstrap samples.
 const DRAWS: usize = 400;
-/// Stretches from which an interval of 95 % can be drawn: all of six have the same sign by chance in one case of 64.
+/// Minimum number of blocks for an interval of 95 %: six have the same sign by chance in one case of 64.
 const DRAWN: usize = 6;
-/// A model is worse than none only where it leaves so much more, as a share of the root of the mean square.
+/// Minimum relative excess of the RMS at which a model counts as worse than none.
 const WORSE: f64 = 0.02;
-/// Sums of a stretch.
+/// Sums of one block.
 const SUMS: usize = 10;
-/// Places of the ends of an interval of 95 % among the draws.
+/// Positions of the ends of the 95 % interval among the sorted samples.
 const ENDS: [usize; 2] = [9, 389];
 
-/// Sizes of some readings, mm or rad.
+/// Summary of a set of readings, mm or rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sizes {
-    /// Root of the mean square.
+    /// RMS.
     pub rms: f64,
-    /// Its interval of 95 %.
+    /// Its 95 % interval.
     pub interval: [f64; 2],
-    /// Largest.
+    /// Largest absolute value.
     pub max: f64,
-    /// 1 − Σ|left| / Σ|measured| (Spaan 1995, eq. 3.6).
+    /// Efficiency 1 − Σ|residual| / Σ|measured| (Spaan 1995, eq. 3.6).
     pub efficiency: f64,
 }
 
-/// Readings of a machine without errors, of the model, and of the model with all findings.
+/// Residuals of a machine without errors, of the model, and of the model with all findings.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Compared {
-    /// Of no model.
+    /// Residuals of a machine without errors.
     pub measured: Sizes,
-    /// Of the model.
+    /// Residuals of the model.
     pub before: Sizes,
-    /// With the findings.
+    /// Residuals of the model with all findings.
     pub after: Sizes,
-    /// By how much the root of the mean square falls, as a share, and its interval of 95 %: of lengths and angles together, in units of their
-    /// noise.
+    /// Relative reduction of the RMS and its 95 % interval. Lengths and angles are combined in units of their noise.
     pub gain: (f64, [f64; 2]),
-    /// Whether the model is worse than none, surely.
+    /// True if the model is significantly worse than no model.
     pub is_expired: bool,
-    /// Readings.
+    /// Number of readings.
     pub readings: usize,
 }
 
-/// Compares; all three in the order of the readings, mm or rad.
+/// Compares three sets of residuals, all in the order of the readings, mm or rad.
 pub(super) fn compare(scene: &Scene<'_>, weights: &Weights, of: [&[f64]; 3]) -> Compared {
     let of_angles = is_angle(scene);
     let places: Vec<usize> = counts(scene, weights);
     let has_size = |place: usize| scene.items.get(place).is_some_and(|item| item.is_angle == of_angles);
     let stretch = (places.len() / STRETCHES).max(LEAST);
-    // Sums over stretches: squares and sizes of all three, readings; squares in units of the noise, which lengths and angles share.
+    // Sums over blocks: squares and absolute values of all three, number of readings; squares in units of the noise, which is common to lengths and angles.
     let mut sums: Vec<[f64; SUMS]> = Vec::new();
     let mut last = (usize::MAX, 0);
     let mut most = [0.0_f64; 3];
@@ -135,21 +134,21 @@ mod tests {
     #[test]
     fn intervals_are_those_of_draws_with_replacement_and_efficiency_is_of_sizes() {
         let machine = bench::machine();
-        // 60 stretches of four rows, of which every other one reads 2 and the others nothing; the model halves them, findings take a tenth.
+        // 60 blocks of four rows. Every other row reads 2, the others 0. The model halves the readings, the findings leave a tenth.
         let measured: Vec<f64> = (0..240).map(|row| if row / 4 % 2 == 0 { 2.0 } else { 0.0 }).collect();
         let [before, after] = [0.5, 0.1].map(|share| measured.iter().map(|value| value * share).collect::<Vec<f64>>());
         let sets = [bench::reads_along_x(&machine, &[0.0; 240])];
         let scene = bench::scene(&machine, &sets);
         let found = compare(&scene, &bench::even(&scene), [&measured, &before, &after]);
         assert!((found.measured.rms - 2.0_f64.sqrt()).abs() < 1e-12 && found.measured.max == 2.0);
-        // The share of those with readings is 1/2 with a standard deviation of √(1/4 / 60) = 0.065: 4 · (0.5 ∓ 1.96 · 0.065) are the mean squares.
+        // The share of rows with readings is 1/2 with a standard deviation of √(1/4 / 60) = 0.065. So the mean squares are 4 · (0.5 ∓ 1.96 · 0.065).
         let sigma = (0.25_f64 / 60.0).sqrt();
         for (end, sign) in found.measured.interval.iter().zip([-1.0, 1.0]) {
             let expected = (4.0 * (0.5 + sign * 1.96 * sigma)).sqrt();
             assert!((end - expected).abs() < 0.05, "{end} {expected}");
         }
         assert_eq!([found.before, found.after].map(|sizes| (sizes.efficiency * 1e9).round() / 1e9), [0.5, 0.9]);
-        // Of a model that takes half of everything away nothing depends on what is drawn.
+        // If the model removes half of everything, the result does not depend on the sample.
         assert!((found.gain.0 - 0.8).abs() < 1e-12 && found.gain.1.iter().all(|end| (end - 0.8).abs() < 1e-9));
         assert!(!found.is_expired && found.readings == 240);
     }

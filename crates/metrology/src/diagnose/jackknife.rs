@@ -1,4 +1,4 @@
-//! How much amounts change when a part of the readings is left out: what no model of the noise says, the readings do (Miller 1974).
+//! Uncertainty of amounts from leaving out parts of the readings (Miller 1974). It includes effects that no noise model contains.
 
 use super::cause::{Candidate, EffectKind};
 use super::fold::{NO_PART, repeats, stretches};
@@ -8,11 +8,11 @@ use super::size::{Amounts, Size, size};
 use nalgebra::DMatrix;
 use ncfix_base::numeric::student;
 
-/// Parts at least.
+/// Minimum number of parts.
 const FEWEST: usize = 4;
-/// What a part moves counts in full up to so many times of what it would by noise if all parts told alike.
+/// The change due to a part counts fully up to this multiple of the change that noise would cause with equally informative parts.
 const LEVERAGE: f64 = 4.0;
-/// Chance outside the interval.
+/// Probability outside the interval.
 const OUTSIDE: f64 = 0.05;
 
 /// Amounts of all columns without one part, and their covariance at unit noise.
@@ -22,7 +22,7 @@ pub(super) struct Without {
 }
 
 impl Without {
-    /// Those of one candidate, at this variance of the noise.
+    /// Returns the amounts of one candidate, at this variance of the noise.
     pub(super) fn of(&self, range: &std::ops::Range<usize>, noise: f64) -> Amounts {
         Amounts {
             values: self.values.get(range.clone()).unwrap_or_default().to_vec(),
@@ -34,7 +34,7 @@ impl Without {
     }
 }
 
-/// Amounts of all columns, each without one part: runs or set-ups, else stretches of rows.
+/// Amounts of all columns, each fitted without one part. Parts are runs or set-ups, otherwise blocks of rows.
 pub(super) fn without_parts(
     field: &Field<'_, '_>,
     weights: &Weights,
@@ -67,10 +67,10 @@ pub(super) fn without_parts(
     numbers.iter().map(without).collect()
 }
 
-/// The expanded uncertainty (95 %) of a size by what it is without each part; `None` where parts take with them what shows it.
+/// Returns the expanded uncertainty (95 %) of a size from its values without each part; `None` if too few parts leave the size determined.
 ///
-/// A part on which most of the size rests moves it far by its noise alone: what it moves beyond that counts in proportion (leverage: Bell &
-/// `McCaffrey` 2002). Parts that tell alike are those of Miller.
+/// If one part determines most of the size, its omission changes the size by noise alone. A change beyond that counts in proportion (leverage: Bell &
+/// `McCaffrey` 2002). With equally informative parts this is Miller's jackknife.
 pub(super) fn u95(
     candidate: &Candidate,
     amounts: &Amounts,
@@ -78,7 +78,7 @@ pub(super) fn u95(
     scene: &Scene<'_>,
     used: usize,
 ) -> Option<f64> {
-    // What happened in one part is not in the others.
+    // An effect that exists in one part only is absent from the others.
     if matches!(candidate.cause.effect, EffectKind::Setup | EffectKind::Earlier | EffectKind::Drift) {
         return None;
     }
@@ -87,9 +87,9 @@ pub(super) fn u95(
     scatter([whole.value, whole.u95], &without.iter().map(|size| [size.value, size.u95]).collect::<Vec<_>>())
 }
 
-/// The same of a size and its formal uncertainty, and those without each part.
+/// Returns this uncertainty for a size and its formal uncertainty, and for those without each part.
 fn scatter([whole, formal]: [f64; 2], without: &[[f64; 2]]) -> Option<f64> {
-    // Without a variance it depends on the rest: this part alone told it.
+    // Without a variance, the omitted part alone determined the size.
     let told: Vec<[f64; 2]> = without.iter().copied().filter(|[_, u95]| *u95 > 0.0).collect();
     if told.len() < FEWEST {
         return None;
@@ -110,7 +110,7 @@ mod tests {
     use crate::diagnose::bench;
     use crate::diagnose::scene::Through;
 
-    /// Sums of twelve even numbers (xorshift): normal enough, variance 1.
+    /// Sum of twelve uniform numbers (xorshift): nearly normal, variance 1.
     struct Noise(u64);
 
     impl Noise {
@@ -125,7 +125,7 @@ mod tests {
         }
     }
 
-    /// The mean of parts that weigh differently, noise 1 per reading, each part off by an error of its own.
+    /// Mean of parts with different weights: noise 1 per reading, and an offset of each part.
     fn median_of(weights: &[f64], own: f64) -> f64 {
         let mut random = Noise(11);
         let whole: f64 = weights.iter().sum();
@@ -150,14 +150,14 @@ mod tests {
     fn parts_that_differ_by_their_noise_alone_do_not_widen_it_much() {
         // Student's factor of six parts is 2.57: 1.3 of 1.96.
         assert!((0.9..1.5).contains(&median_of(&[10.0; 6], 0.0)));
-        // One part tells nearly all of it.
+        // One part determines nearly all of it.
         let uneven = median_of(&[1000.0, 1.0, 1.0, 1.0, 1.0, 1.0], 0.0);
         assert!((0.3..3.0).contains(&uneven), "{uneven}");
     }
 
     #[test]
     fn parts_that_do_not_agree_widen_it() {
-        // Each part is off by ten times its noise.
+        // Each part has an offset of ten times its noise.
         let noise = 1.0 / 10_f64.sqrt();
         assert!(median_of(&[10.0; 6], 10.0 * noise) > 7.0);
     }
@@ -172,7 +172,7 @@ mod tests {
 
     #[test]
     fn a_part_counts_in_full_up_to_its_leverage() {
-        // Five parts; without one of them a variance of 17 in place of 1 was told, which is 16 more, where 4 · 1/(5 − 1) = 1 count: its square of 16 as 1.
+        // Five parts. Without one of them, the variance is 17 instead of 1, an excess of 16. Only 4 · 1/(5 − 1) = 1 counts: its square of 16 counts as 1.
         let without = [[14.0, 17.0_f64.sqrt()], [10.0, 1.0], [10.0, 1.0], [10.0, 1.0], [10.0, 1.0]];
         let found = scatter([10.0, 1.0], &without).unwrap();
         // Student's factor of four degrees of freedom is 2.776445; √(1 · 4/5) of it.
@@ -189,7 +189,7 @@ mod tests {
             let columns = field.columns_of(0);
             without_parts(&field, &bench::even(&scene), &columns, 0.0).len()
         };
-        // A run is dealt out to five stretches, of which a short one has as many as readings.
+        // A run is divided into five blocks; a short one has as many blocks as readings.
         assert_eq!([3, 4, 50].map(found), [0, 4, 5]);
     }
 }

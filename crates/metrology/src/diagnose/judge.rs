@@ -1,4 +1,4 @@
-//! Whether candidates stand beside each other: chance, by the memory of what is left.
+//! Backward elimination of candidates: p-values that include the autocorrelation of the residual.
 
 use std::collections::HashMap;
 
@@ -9,15 +9,15 @@ use ncfix_base::geometry::AXIS_COUNT;
 use ncfix_base::numeric::{LeaveOut, Series, fisher, in_parts};
 use ncfix_model::ErrorName;
 
-/// Positions that differ by less than one part in so many, mm or rad, are one.
+/// Positions are equal if they agree to one part in this number, mm or rad.
 const FINE: f64 = 1e3;
-/// Unknowns of a wave: a mean, a period, a sine and a cosine.
+/// Unknowns of a wave: mean, period, sine and cosine.
 const UNKNOWNS: f64 = 4.0;
-/// Readings of a pose are alike where their correlation is beyond so many of its standard deviations.
+/// Readings of a pose are correlated if their correlation exceeds this many of its standard deviations.
 const SURELY: f64 = 2.0;
 
 impl Field<'_, '_> {
-    /// By how much the variances of the amounts of columns are larger than of independent readings, at most.
+    /// Largest factor by which autocorrelation increases the variance of the amounts of a candidate, relative to independent readings.
     pub(super) fn inflation(&self, weights: &Weights, taken: &[usize], others: &[usize], number: usize) -> f64 {
         let order = Order::new(weights);
         let memory = self.memory(weights, taken);
@@ -27,7 +27,7 @@ impl Field<'_, '_> {
         inflation(&order, &of_noise, &series, &columns)
     }
 
-    /// The pose of every reading by which a wave is judged: a number for each that was read more than once.
+    /// Groups the readings by pose: repeated readings of a pose form one group.
     fn poses(&self, weights: &Weights) -> Poses {
         let mut numbers: HashMap<Pose, usize> = HashMap::new();
         let mut members: Vec<Vec<usize>> = Vec::new();
@@ -47,8 +47,8 @@ impl Field<'_, '_> {
         Poses(members)
     }
 
-    /// The chance that some wave of so many fits what places have of their own as well as one that was taken, as if each pose were read once; 0 where
-    /// no pose was read again.
+    /// p-value of a wave if each pose counts as one reading: the probability that one of `waves` waves fits the systematic deviation of each place as well. 0
+    /// if no pose was measured twice.
     pub(super) fn chance_of_places(&self, weights: &Weights, taken: &[usize], number: usize, waves: usize) -> f64 {
         let poses = self.poses(weights);
         let others: Vec<usize> = taken.iter().copied().filter(|&other| other != number).collect();
@@ -64,13 +64,13 @@ impl Field<'_, '_> {
         (waves as f64 * (rest / (rest + gain)).powf(0.5 * freedom.max(0.0))).min(1.0)
     }
 
-    /// The memory of what is left with some candidates.
+    /// Autocorrelation of the residual after the given candidates.
     pub(super) fn memory(&self, weights: &Weights, taken: &[usize]) -> f64 {
         let plain = self.series(weights, taken, 0.0);
         memory_of(weights, &plain, plain.left())
     }
 
-    /// Takes out what does not stand beside the others, the weakest first; `note` gets it.
+    /// Removes the candidates that are not significant beside the others, the weakest first. `note` receives each of them.
     pub(super) fn backward(
         &self,
         weights: &Weights,
@@ -84,7 +84,7 @@ impl Field<'_, '_> {
         let poses = taken.iter().any(is_wave).then(|| self.poses(weights));
         let mut columns: Vec<Vec<Vec<f64>>> = taken.iter().map(|&number| self.columns_of(number)).collect();
         let plain = LeaveOut::new(self.series(weights, &[], 0.0), &columns);
-        // Which of all that were taken is still there.
+        // Numbers of the initial candidates that remain.
         let mut open: Vec<usize> = (0..taken.len()).collect();
         loop {
             let memory = memory_of(weights, plain.whole(), &plain.left(&open));
@@ -105,7 +105,7 @@ impl Field<'_, '_> {
                     inflation = inflation.max(own.times);
                     count = own.count;
                 }
-                // Readings that wander together are as good as fewer that do not.
+                // Autocorrelated readings reduce the effective sample size.
                 let readings = whole.count() as f64;
                 let freedom = (readings / inflation - (beside.rank + gain.rank) as f64).min(count).max(1.0);
                 let rest = (beside.squares - gain.squares).max(0.0) / readings;
@@ -129,20 +129,20 @@ impl Field<'_, '_> {
     }
 }
 
-/// The memory of what is left, whitened without one.
+/// Autocorrelation of the residual, in units of its uncertainty.
 fn memory_of(weights: &Weights, plain: &Series, left: &[f64]) -> f64 {
     let of = |(left, weight): (&f64, &f64)| if *weight > 0.0 { left / weight } else { 0.0 };
     plain.memory_of(&left.iter().zip(&weights.items).map(of).collect::<Vec<f64>>())
 }
 
-/// Axes in thousandths of a mm or a rad, the tool, which value, which component.
+/// Axes in thousandths of a mm or a rad, tool, number of the value, component.
 type Pose = ([i64; AXIS_COUNT], [i64; 3], usize, Option<ErrorName>);
 
-/// Readings of the same pose.
+/// Readings grouped by pose.
 struct Poses(Vec<Vec<usize>>);
 
 impl Poses {
-    /// Squares of means of poses, each as often as it was read.
+    /// Returns the squares of the means of poses, weighted by the number of readings.
     fn squares(&self, left: &[f64]) -> f64 {
         let of = |own: &Vec<usize>| {
             let sum: f64 = own.iter().filter_map(|&place| left.get(place)).sum();
@@ -151,10 +151,10 @@ impl Poses {
         self.0.iter().map(of).sum()
     }
 
-    /// By how much variances grow because what is left is the same whenever a pose is read: then readings of one pose are one, however many there are.
-    /// Among a hundred waves there is one that fits what a few poses have of their own.
+    /// Returns the factor by which variances grow if the residual of a pose repeats: the readings of one pose then count as one reading. Among a hundred
+    /// waves, one fits the deviations of a few poses by chance.
     fn inflation(&self, left: &[f64], columns: &[Vec<f64>]) -> Inflation {
-        // Σ of products of different readings of a pose, and of squares.
+        // Σ of products of different readings of a pose, and Σ of squares.
         let sums = |values: &[f64]| {
             self.0.iter().fold((0.0, 0.0), |sums, places| {
                 let own = || places.iter().filter_map(|&place| values.get(place));
@@ -180,15 +180,15 @@ impl Poses {
     }
 }
 
-/// What readings of a pose are worth together.
+/// Effect of repeated poses on the information in the readings.
 struct Inflation {
-    /// By how much variances grow.
+    /// Factor by which variances grow.
     times: f64,
-    /// Poses beyond the unknowns of a wave, where readings of a pose are surely alike.
+    /// Number of poses minus the unknowns of a wave, if the readings of a pose are significantly correlated; otherwise infinite.
     count: f64,
 }
 
-/// By how much the variances of the amounts of columns beside a basis are larger than of independent readings, at most.
+/// Largest factor by which autocorrelation increases the variance of the amounts of columns after a basis, relative to independent readings.
 fn inflation(order: &Order, of_noise: &[f64], series: &Series, columns: &[Vec<f64>]) -> f64 {
     let mut beside = series.clone();
     let of_column = |column: &Vec<f64>| {

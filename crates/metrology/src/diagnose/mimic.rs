@@ -1,8 +1,8 @@
-//! Waves that the places of readings show like what was found: other periods of a wave, and short waves that look like something smooth.
+//! Waves that are aliases of a finding at the measured places: other periods of a wave, and short waves that look like a smooth shape.
 //!
-//! At places a step apart a wave of frequency ν is the same as one of |ν − k/step|. Every 50 mm, 16 mm (3.125 turns a step) are an eighth of a turn: a
-//! polynomial fits them, and between the places does something else. A pitch that screws have is a rival of a smooth shape where it explains the
-//! readings as well. A shape of many coefficients has any wave as a rival that explains them better with fewer.
+//! At places one step apart, a wave of frequency ν equals one of |ν − k/step|. With steps of 50 mm, a period of 16 mm (3.125 cycles per step) advances by an
+//! eighth of a cycle. A polynomial fits these values, but differs between the places. A usual screw pitch that explains the readings as well is an alias of a
+//! smooth shape. For a shape with many coefficients, any wave that explains the readings better with fewer coefficients is one.
 
 use super::cause::{Candidate, EffectKind, own, periodic};
 use super::doubt::ExtrapolationRisk;
@@ -16,28 +16,29 @@ use ncfix_base::geometry::{AXES, Axis};
 use ncfix_model::motion::EntryFunction;
 use ncfix_model::name::{DIRECTIONS, ErrorName};
 
-/// Pitches of screws, mm (ISO 3408-2), from the coarsest.
+/// Pitches of ball screws, mm (ISO 3408-2), the coarsest first.
 const PITCHES: [f64; 11] = [40.0, 32.0, 25.0, 20.0, 16.0, 12.0, 10.0, 8.0, 6.0, 5.0, 4.0];
-/// A rival explains nearly as much: so much of χ² less at most.
+/// An alias explains nearly as much: the difference of χ² is at most this.
 pub(super) const RIVAL: f64 = 6.0;
-/// A wave is surer than this to be none of what places have of their own.
+/// Largest p-value of a wave against the systematic deviations of single places.
 const BY_CHANCE: f64 = 0.01;
-/// Where a period is not known, mm.
+/// Assumed period if it is not known, mm.
 const MOST_PERIOD: f64 = 40.0;
-/// Peaks that explain this share of the best are looked at in full.
+/// Peaks that explain at least this share of the best are fitted fully.
 const ALIAS: f64 = 0.8;
-/// An amplitude beyond so many times the range of the shape is none: where a wave is nearly the same at all places it may be anything.
+/// An amplitude beyond this multiple of the range of the shape is ignored: if a wave has nearly the same value at all places, its amplitude is not
+/// determined.
 const LARGER: f64 = 2.0;
-/// Coefficients from which on a slow wave of any period is as simple.
+/// Number of coefficients from which a slow wave of any period is as simple.
 const MANY: usize = 3;
-/// Turns over the travel of such, and steps between them.
+/// Cycles over the travel of these waves: range and step.
 const SLOW: [f64; 2] = [0.5, 3.0];
 const STEP: f64 = 0.1;
-/// Steps are even that differ by this share of one at most.
+/// Steps are even if they differ by at most this share of a step.
 const EVEN: f64 = 0.02;
 
 impl Field<'_, '_> {
-    /// Periods that are usual along an axis, mm: those that the machine file has and those of screws.
+    /// Usual periods along an axis, mm: those of the machine file and pitches of screws.
     pub(super) fn pitches(&self, axis: Axis) -> impl Iterator<Item = f64> {
         let of_file = self.scene.errors.motion.iter().filter(move |error| error.name.axis() == Some(axis));
         let of_file = of_file.filter_map(|error| match &error.function {
@@ -47,7 +48,7 @@ impl Field<'_, '_> {
         of_file.chain(PITCHES)
     }
 
-    /// Other periods that a candidate beside some others may as well have: readings at these places do not tell.
+    /// Returns other periods that explain the readings as well as a candidate, in addition to the other terms.
     pub(super) fn aliases(
         &self,
         weights: &Weights,
@@ -81,7 +82,7 @@ impl Field<'_, '_> {
         found
     }
 
-    /// Why a wave through a few places is in doubt: some wave of all that were tried goes through whatever these have of their own.
+    /// Returns the extrapolation risk of a wave through a few places: among all tested waves, one can fit the deviations of the places by chance.
     pub(super) fn wave_doubt(&self, weights: &Weights, taken: &[usize], number: usize) -> Option<ExtrapolationRisk> {
         let one = self.candidates.get(number).filter(|one| one.cause.effect == EffectKind::Periodic)?;
         let (Through::Component(name), _) = *one.columns.first()?.first()? else { return None };
@@ -92,7 +93,8 @@ impl Field<'_, '_> {
         })
     }
 
-    /// Periods, mm, of short waves along the axis of a smooth shape that explain the readings as well, beside some others; the longest first.
+    /// Returns the periods, mm, of short waves that explain the readings as well as a smooth shape along an axis, in addition to other terms; the longest
+    /// first.
     pub(super) fn mimics(
         &self,
         weights: &Weights,
@@ -140,7 +142,7 @@ impl Field<'_, '_> {
     }
 }
 
-/// The component of an error along a linear axis that depends on the place along it alone.
+/// Returns the component of an error along a linear axis that depends only on the position of this axis.
 fn smooth(one: &Candidate) -> Option<(ErrorName, Axis)> {
     let [driver] = one.drivers.as_slice() else { return None };
     let axis = AXES.into_iter().find(|axis| !axis.is_rotary() && axis.to_string() == *driver)?;
@@ -151,12 +153,12 @@ fn smooth(one: &Candidate) -> Option<(ErrorName, Axis)> {
         Through::Tip(direction) => ErrorName::motion(*DIRECTIONS.get(direction)?, axis),
         _ => return None,
     };
-    // Screws and scales repeat along their own axis.
+    // Errors of screws and scales are periodic along their own axis.
     let is_own = name == own(axis) && all.all(|through| through == first);
     (matches!(one.cause.effect, EffectKind::Motion | EffectKind::Unknown) && is_own).then_some((name, axis))
 }
 
-/// The step of evenly spaced places, some of which may be missing, and how far they go.
+/// Returns the step of evenly spaced places, some of which may be missing, and their range.
 fn even(mut places: Vec<f64>) -> Option<(f64, f64)> {
     places.sort_by(f64::total_cmp);
     places.dedup_by(|a, b| (*a - *b).abs() < 1e-3);

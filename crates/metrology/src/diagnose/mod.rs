@@ -1,19 +1,19 @@
-//! Diagnosis: what the model gets wrong, why, and what mending it gains.
+//! Diagnosis: finds the errors that the model lacks, their causes, and how much correcting them improves the prediction.
 //!
 //! ```text
-//! Scene::new(machine, errors, sets)      what is left of every reading, and what a deviation anywhere would do to it
-//! fault::FAULTS                         what is wrong with the data themselves
-//! cause::Causes                          candidates: what readings would have in addition, one file per cause
-//! search, refine, group, cancel          which of them explain what is left
-//! sample, promising                      which of these are worth a look where there are many readings
-//! judge, freedom                         which of these stand beside each other and the memory of the noise
-//! slow                                   which of these stand beside noise that wanders
-//! gates, fold                            which of these also help where they were not found
-//! verdict                                sizes, rivals, shares, noise, what is left; before and after, also on data held out
-//! contest                                whether another set of terms is surely more probable
-//! stated                                 hypotheses that a person states, each tested against the readings
-//! mimic, doubt, volume                    which of them other errors explain as well that would do something else where was not measured
-//! extend                                 what goes into the machine file
+//! Scene::new(machine, errors, sets)      residual of every reading, and its sensitivity to a deviation anywhere in the machine
+//! fault::FAULTS                         faults of the data
+//! cause::Causes                          candidates: the deviations that a cause adds to the readings, one file per cause
+//! search, refine, group, cancel          search for the candidates that explain the residual
+//! sample, promising                      shortlist of candidates if there are many readings
+//! judge, freedom                         backward elimination with the autocorrelation of the residual
+//! slow                                   test against slowly varying noise
+//! gates, fold                            acceptance tests on unseen data
+//! verdict                                sizes, other explanations, shares, noise, residual; before and after, also on data held out
+//! contest                                comparison with other sets of terms by their probability
+//! stated                                 test of the hypotheses that a person states
+//! mimic, doubt, volume                    errors with the same effect on the readings but another effect elsewhere in the travel
+//! extend                                 the extended machine file
 //! ```
 
 mod account;
