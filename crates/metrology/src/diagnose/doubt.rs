@@ -1,9 +1,9 @@
-//! Which findings readings do not tell from other errors that would move the tool otherwise where was not measured.
+//! Extrapolation risk: other errors explain the readings as well, but move the tool differently where nothing was measured.
 //!
-//! Readings of a few places fit several errors alike: on circles that are off the middle a yaw that grows along an axis is a squareness and a scale.
-//! Which of them is named does not matter where was measured, and matters all the more elsewhere. So a finding is held against the rivals of its class,
-//! and against two errors that are less far-fetched, or a few of them where it is far-fetched itself: if these explain the readings as well, and the
-//! correction of the finding would then not help over the whole travel of the machine, it is in doubt.
+//! Readings at a few places can fit several errors: on circles away from the middle, a yaw that grows along an axis looks like a squareness and a scale. At
+//! the measured places it does not matter which one is named; elsewhere it does. So a finding is compared with the other explanations of its class and with
+//! two simpler errors, or with several if it is complex itself. If these explain the readings as well, and correcting the finding would not help over the
+//! whole travel, the finding is in doubt.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -19,34 +19,34 @@ use ncfix_base::numeric::Series;
 use ncfix_base::numeric::sums::dot;
 use ncfix_model::parameter::ComponentTerm;
 
-/// A correction helps where it leaves less than this share of an error.
+/// A correction helps if its residual is less than this share of the error.
 const LEAVES: f64 = 0.8;
-/// Others that would do so many times what the finding does over the travel are none.
+/// Other explanations whose effect over the travel exceeds that of the finding by this factor are ignored.
 const LARGER: f64 = 2.0;
-/// Rivals that are more far-fetched by less than this count.
+/// Other explanations count if their complexity exceeds that of the finding by less than this.
 const AS_FAR: u32 = 100;
-/// Those that are not count where they explain so much of χ² more; then a correction must leave less of them.
+/// More complex ones count if they improve χ² by this much. A correction must then leave a smaller residual.
 const BETTER: f64 = 4.0;
 const HALF: f64 = 0.5;
-/// Several simple errors are less far-fetched than what is so far-fetched: angles that one arm shows, cross-couplings, what has no name.
+/// Several simple errors are simpler than a term of this complexity: angles seen at one arm, cross-couplings, unnamed terms.
 const FAR: u32 = 400;
-/// So many of them.
+/// Maximum number of these errors.
 const MOST: usize = 6;
-/// Lobes that a ball out of round may have; fewer are what slopes and bows do to a circle.
+/// Smallest number of lobes of an out-of-round ball. Slopes and bows of axes cause fewer lobes on a circle.
 const LOBES: std::ops::Range<u32> = 4..13;
-/// Of a column of which less than this share of the square is left beside others these have all.
+/// A column is dependent if less than this share of its square remains after the others.
 const OWN: f64 = 1e-4;
 
-/// Why a finding is in doubt.
+/// Reason why a finding is in doubt.
 #[derive(Clone, Debug)]
 pub struct ExtrapolationRisk {
-    /// Names of errors that together do the same to the readings; none where it is less sure over the travel than it is large.
+    /// Names of errors that together have the same effect on the readings; empty if the uncertainty over the travel exceeds the size.
     pub rivals: Vec<String>,
-    /// What tells it from the first of them.
+    /// Measurement that separates the finding from the first of them.
     pub separate_by: String,
 }
 
-/// A simple error: what it does to readings beside others, and over the travel, per amount.
+/// A simple error: its effect on the readings after the other terms, and over the travel, per amount.
 struct Simple {
     candidate: usize,
     reads: Vec<f64>,
@@ -54,7 +54,7 @@ struct Simple {
 }
 
 impl Field<'_, '_> {
-    /// Why one beside others, with its amounts and its class (itself first), is in doubt.
+    /// Returns the reason why a candidate is in doubt. Arguments: the other terms, its amounts, and its class, itself first.
     pub(super) fn doubt(
         &self,
         weights: &Weights,
@@ -85,7 +85,7 @@ impl Field<'_, '_> {
         let own = series.gain(&self.columns(one)).squares;
         let said = |rivals: &[usize]| {
             let rivals: Vec<&Candidate> = rivals.iter().filter_map(|&number| self.candidates.get(number)).collect();
-            // A slope and a bow of one motion are one motion.
+            // Slope and bow of one motion count as one motion.
             let mut names: Vec<String> = Vec::new();
             for one in &rivals {
                 let name = format!("{} {}", one.cause.effect, one.parameter);
@@ -97,16 +97,16 @@ impl Field<'_, '_> {
         };
         for &rival in class.iter().skip(1) {
             let Some(other) = self.candidates.get(rival).filter(|other| is_of_place(other)) else { continue };
-            // Cross-couplings with and without what each axis does alone are one kind.
+            // Cross-couplings with and without the contribution of each axis count as one kind.
             let are_cross = [one, other].iter().all(|one| one.cause.effect == EffectKind::Cross);
             let is_as_short = are_cross || other.columns.len() <= one.columns.len();
             let [far, of_other] = [one, other].map(Candidate::far_fetched);
             let columns = self.columns(other);
             let is_better = series.gain(&columns).squares > own + BETTER * noise;
-            // A bow with a slope of its own says more by chance; what has no name was found among many.
+            // A bow with a slope fits more by chance; an unnamed term was selected from many candidates.
             let is_any = one.cause.effect == EffectKind::Unknown;
             let is_longer = other.columns.len() == one.columns.len() + 1 && (is_better || is_any);
-            // An angle that is seen at one arm is any displacement that goes the same way.
+            // An angle seen at one arm looks like a displacement with the same dependence.
             let is_angle = far >= FAR && one.cause.effect == EffectKind::Motion;
             let is_simpler = of_other.saturating_add(AS_FAR) < far && (is_as_short || is_longer || is_angle);
             let is_alike = is_as_short && of_other <= far.saturating_add(AS_FAR) && other.parameter != one.parameter;
@@ -114,7 +114,7 @@ impl Field<'_, '_> {
             if is_simpler || is_alike || is_better {
                 let (parts, _) = series.amounts(&columns);
                 let field = sum(&volume.fields(other, is_bounded(other)), &parts);
-                // What is simpler may also do much more than what was found.
+                // A simpler error may also have a much larger effect than the finding.
                 let is_left = is_simpler && leaves(&moves, &field, LEAVES);
                 if harms(&moves, &field) || is_left || (is_better && leaves(&moves, &field, HALF)) {
                     return said(&[rival]);
@@ -149,7 +149,7 @@ impl Field<'_, '_> {
         said(&found)
     }
 
-    /// Whether a turn of a carriage where it reverses may as well be a plain play, which acts alike wherever the tool is.
+    /// True if a reversal rotation of a carriage may as well be a plain backlash, which is independent of the tool position.
     fn turn_in_doubt(&self, one: &Candidate, class: &[usize]) -> Option<ExtrapolationRisk> {
         let is_play = |one: &Candidate| matches!(one.cause.effect, EffectKind::Backlash | EffectKind::LateralPlay);
         if !is_play(one) || one.far_fetched() < FAR {
@@ -163,7 +163,7 @@ impl Field<'_, '_> {
         })
     }
 
-    /// One error that explains more than a simple one and another that was found do together: then it is no chance that both are there.
+    /// Returns an error that explains more than the finding, a simple one and another finding together: then it is unlikely that both exist by chance.
     fn single_instead(
         &self,
         weights: &Weights,
@@ -196,7 +196,7 @@ impl Field<'_, '_> {
         })
     }
 
-    /// Lobes that go round with the angle of circles and explain as much with no more unknowns: they are no errors of axes.
+    /// Returns lobes over the angle of circles that explain as much with no more unknowns: they are not errors of axes.
     fn lobes_instead(&self, series: &Series, one: &Candidate, needed: f64) -> Option<ExtrapolationRisk> {
         let most = one.columns.len() / 2;
         let places = if most > 0 { circle::places(self.scene)? } else { return None };
@@ -222,7 +222,7 @@ impl Field<'_, '_> {
         })
     }
 
-    /// Simple errors that are less far-fetched: locations, slopes of motions and bows.
+    /// Returns the simple errors: locations, slopes of motions and bows.
     fn simpler(&self, than: &Candidate) -> Vec<usize> {
         let is_simple = |&number: &usize| {
             let Some(one) = self.candidates.get(number).filter(|one| one.columns.len() == 1) else { return false };
@@ -240,7 +240,7 @@ impl Field<'_, '_> {
     }
 }
 
-/// Simple errors and what products of them and of readings are.
+/// Simple errors and their products with each other and with the readings.
 struct Rivals<'a> {
     simple: &'a [Simple],
     products: DMatrix<f64>,
@@ -262,7 +262,7 @@ impl<'a> Rivals<'a> {
         Rivals { simple, products, right }
     }
 
-    /// Amounts of some and what they explain; `None` where they are not told apart.
+    /// Returns the amounts of some errors and the sum of squares that they explain; `None` if they are not separable.
     fn amounts(&self, some: &[usize]) -> Option<(Vec<f64>, f64)> {
         let scale: Vec<f64> = some.iter().map(|&k| self.products[(k, k)].sqrt()).collect();
         let matrix =
@@ -285,7 +285,7 @@ impl<'a> Rivals<'a> {
         some.iter().map(|&k| self.simple[k].candidate).collect()
     }
 
-    /// The two that explain most, if that is as much as is needed and a correction would do harm.
+    /// Returns the two errors that explain most, if they explain enough and a correction would do harm.
     fn pair(&self, needed: f64, own: &[f64]) -> Option<Vec<usize>> {
         let count = self.simple.len();
         let pairs = (0..count).flat_map(|k| (0..k).map(move |l| [l, k]));
@@ -297,7 +297,7 @@ impl<'a> Rivals<'a> {
         Some(self.numbers(&best.1))
     }
 
-    /// A few, the next always the one that explains most beside the others.
+    /// Returns a few errors by forward selection: each step adds the one that explains most in addition to the others.
     fn several(&self, needed: f64, own: &[f64]) -> Option<Vec<usize>> {
         let mut some: Vec<usize> = Vec::new();
         while some.len() < MOST {
@@ -314,9 +314,9 @@ impl<'a> Rivals<'a> {
     }
 }
 
-/// Whether the amounts of a shape of several columns are less sure over the travel than it is large.
+/// True if the uncertainty of a shape with several columns over the travel exceeds its size.
 fn is_unsure(one: &Candidate, fields: &[Vec<f64>], amounts: &Amounts, square: f64) -> bool {
-    // A constant that is not told is not written.
+    // A constant that is not identifiable is not written.
     let is_constant = |k: usize| match &one.term {
         Term::Parameters(names) => names.get(k).is_some_and(|name| name.term == ComponentTerm::Coefficient(0)),
         Term::File(_) | Term::None => false,
@@ -328,18 +328,18 @@ fn is_unsure(one: &Candidate, fields: &[Vec<f64>], amounts: &Amounts, square: f6
     told.len() > 1 && EXPANDED * EXPANDED * variance >= square
 }
 
-/// Whether it does not help to correct by one where the other is true, which is no larger than may be.
+/// True if correcting by one error does not help when the other is the true one, and the other is not larger than allowed.
 fn harms(own: &[f64], other: &[f64]) -> bool {
     dot(other, other) <= LARGER * LARGER * dot(own, own) && leaves(own, other, LEAVES)
 }
 
-/// Whether correcting by one leaves so much of the other, or more.
+/// True if the residual after correcting by one error is at least this share of the other.
 fn leaves(own: &[f64], other: &[f64], share: f64) -> bool {
     let left: f64 = own.iter().zip(other).map(|(own, other)| (own - other).powi(2)).sum();
     left > share * share * dot(other, other)
 }
 
-/// A sum of columns times amounts.
+/// Returns the sum of columns times amounts.
 fn sum(columns: &[impl AsRef<[f64]>], amounts: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; columns.first().map_or(0, |column| column.as_ref().len())];
     for (column, amount) in columns.iter().zip(amounts) {
@@ -348,13 +348,13 @@ fn sum(columns: &[impl AsRef<[f64]>], amounts: &[f64]) -> Vec<f64> {
     out
 }
 
-/// Whether it is taken for no more beyond the last places that were measured than there: what bends.
+/// True if the term stays constant beyond the measured places: nonlinear terms.
 fn is_bounded(one: &Candidate) -> bool {
     let is_straight = |term: ComponentTerm| matches!(term, ComponentTerm::Coefficient(0 | 1) | ComponentTerm::Whole);
     !matches!(&one.term, Term::Parameters(names) if names.iter().all(|name| is_straight(name.term)))
 }
 
-/// Whether it is an error of the machine that depends on places alone.
+/// True if it is an error of the machine that depends only on positions.
 fn is_of_place(one: &Candidate) -> bool {
     let is_place = |driver: &String| AXES.iter().any(|axis| axis.to_string() == *driver);
     matches!(one.cause.effect, EffectKind::Location | EffectKind::Motion | EffectKind::Cross | EffectKind::Unknown)

@@ -1,4 +1,4 @@
-//! Noise of the readings, and whether what is left beside it has structure: how many µm, and where.
+//! Noise of the readings, and the test for systematic residuals beyond it: their size and the drivers that they follow.
 
 use std::collections::BTreeMap;
 
@@ -11,74 +11,75 @@ use super::freedom::Order;
 use super::scene::{Scene, SceneReading};
 use super::search::{Field, Weights};
 
-/// Repeated readings beyond the first of each pose that tell the noise.
+/// Minimum number of repeats, beyond the first reading of each pose, that determine the noise.
 const REPEATS: usize = 12;
-/// Repeats that are so many times further apart than those that follow each other wander together: that is no noise of a reading.
+/// Repeats drift if their scatter exceeds that of consecutive ones by this factor. Drift is not noise of a reading.
 const WANDER: f64 = 1.3;
-/// And surely: the ratio of both variances has a standard deviation of one over the root of the number of pairs (von Neumann 1941).
+/// Significance limit of this ratio: the ratio of both variances has a standard deviation of one over the root of the number of pairs (von Neumann 1941).
 const SURELY: f64 = 3.0;
 /// Median of the absolute values of normal noise, in standard deviations.
 pub(super) const MEDIAN: f64 = 0.674_489_750_196_081_7;
-/// Distances in the test of Ljung and Box.
+/// Maximum lag in the Ljung–Box test.
 const DISTANCES: usize = 20;
-/// Chance at which structure is believed.
+/// Largest p-value at which correlation is accepted.
 const LIMIT: f64 = 1e-3;
-/// Structure below this share of the noise is none that matters.
+/// Correlation below this share of the noise is negligible.
 const MATTERS: f64 = 0.5;
-/// What is left is noise where it is more than so many times what is stated,
+/// The residual is noise if it exceeds the stated noise by this factor,
 const STATED: f64 = 1.5;
-/// without correlations, and neighbours differ by this share of what white noise has.
+/// is uncorrelated, and differences of neighbors have at least this share of their value for white noise.
 const WHITE: f64 = 0.8;
-/// A residual beyond this multiple of the noise of repeats is no noise, whatever its order: of ten degrees of freedom each, a ratio of variances of 4 has a chance of 2 %.
+/// A residual beyond this multiple of the noise of repeats is systematic, whatever its order. With ten degrees of freedom each, a variance ratio of 4 has a
+/// p-value of 2 %.
 const BEYOND: f64 = 2.0;
-/// What rounding leaves, mm or rad.
+/// Rounding error, mm or rad.
 const NOTHING: f64 = 1e-9;
-/// Parts of the range of a driver.
+/// Number of parts of the range of a driver.
 const PARTS: usize = 10;
-/// Where structure lies is said for so many drivers.
+/// Maximum number of reported drivers of the residual.
 const PLACES: usize = 4;
-/// A test of F over parts counts for this share of its freedom at least.
+/// Minimum share of the degrees of freedom in an F test over parts.
 const LEAST_FREEDOM: f64 = 4.0;
 
-/// How the noise is known.
+/// Source of the noise estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum NoiseSource {
-    /// Readings of the same pose, sense and set-up.
+    /// Repeated readings of the same pose, direction of approach and set-up.
     Repeats,
-    /// The description of the instrument.
+    /// Description of the instrument.
     Instrument,
-    /// All that is left: it is white and more than the instrument says.
+    /// The whole residual: it is white and larger than stated for the instrument.
     Rest,
-    /// Differences of neighbours.
+    /// Differences of neighboring readings.
     #[default]
     Differences,
 }
 
-/// What is left, beside the noise.
+/// Residual in relation to the noise.
 #[derive(Clone, Debug, Default)]
 pub struct Left {
     /// Standard deviation of a reading, mm or rad.
     pub noise: f64,
-    /// How it is known.
+    /// Source of this value.
     pub source: NoiseSource,
-    /// What the descriptions of the instruments say, mm or rad.
+    /// Noise stated in the descriptions of the instruments, mm or rad.
     pub stated: Option<f64>,
-    /// What is left beyond it, root of the mean square, mm or rad.
+    /// RMS of the residual beyond the noise, mm or rad.
     pub unexplained: f64,
-    /// Chance of correlations like these in noise.
+    /// p-value of the correlations.
     pub chance: f64,
-    /// Whether it is more than noise, and matters.
+    /// True if the residual is systematic and not negligible.
     pub has_structure: bool,
-    /// What it goes with: a driver and the root of the mean square of what goes with it, the largest first.
+    /// Drivers that the residual follows, with the RMS of the dependence, the largest first.
     pub places: Vec<(String, f64)>,
 }
 
-/// Whether angles were read: only where no lengths were.
+/// True if the readings are angles: only if there are no lengths.
 pub(super) fn is_angle(scene: &Scene<'_>) -> bool {
     scene.items.iter().all(|item| item.is_angle)
 }
 
-/// Looks at what is left (mm, rad) behind some candidates.
+/// Analyzes the residual (mm, rad) after some candidates.
 pub(super) fn look(field: &Field<'_, '_>, weights: &Weights, left: &[f64]) -> Left {
     let scene = field.scene;
     let of_angles = is_angle(scene);
@@ -92,7 +93,7 @@ pub(super) fn look(field: &Field<'_, '_>, weights: &Weights, left: &[f64]) -> Le
     let known = described(scene, &places);
     let (mut noise, mut source) = match (repeats(scene, &places, &at), known) {
         (Some(Repeats { noise, follows: None }), _) => (noise, NoiseSource::Repeats),
-        // What lies between them is at work there: its size is not that of the noise.
+        // The cause of the drift acts between repeats, so their scatter is not noise.
         (Some(Repeats { follows: Some(near), .. }), known) => match known.filter(|known| *known >= near) {
             Some(noise) => (noise, NoiseSource::Instrument),
             None => (near, NoiseSource::Differences),
@@ -103,17 +104,17 @@ pub(super) fn look(field: &Field<'_, '_>, weights: &Weights, left: &[f64]) -> Le
     let standard: Vec<f64> =
         left.iter().zip(&weights.items).map(|(left, weight)| if *weight > 0.0 { left * weight } else { 0.0 }).collect();
     let chance = ljung_box(&order, &standard, places.len());
-    // What is white has no shape: where it is more than stated it is noise all the same.
+    // A white residual is not systematic, even if it is larger than the stated noise.
     let white = differences(weights, &places, &at);
     if source == NoiseSource::Instrument && chance >= LIMIT && rms > STATED * noise && white > WHITE * rms {
         (noise, source) = (rms, NoiseSource::Rest);
     }
     if source == NoiseSource::Differences {
-        // Neighbours that show the same step of a display have no difference at all.
+        // Neighbors with the same digit of a display have no difference.
         noise = noise.max(least_noise(scene, of_angles).min(rms));
     }
     let unexplained = (rms * rms - noise * noise).max(0.0).sqrt();
-    // Few readings without correlations may still be further off than their repeats are from each other.
+    // A few uncorrelated readings may still scatter more than their repeats.
     let is_beyond = source == NoiseSource::Repeats && rms > BEYOND * noise;
     Left {
         noise,
@@ -136,7 +137,7 @@ fn described(scene: &Scene<'_>, places: &[usize]) -> Option<f64> {
     (!places.is_empty()).then(|| (squares / places.len() as f64).sqrt())
 }
 
-/// What makes two readings repeats of each other.
+/// Readings with equal keys are repeats of each other.
 fn key(scene: &Scene<'_>, item: &SceneReading) -> Option<Vec<i64>> {
     let row = scene.rows.get(item.row)?;
     let set = scene.sets.get(row.set)?;
@@ -148,18 +149,18 @@ fn key(scene: &Scene<'_>, item: &SceneReading) -> Option<Vec<i64>> {
     key.extend(row.sense.map(i64::from));
     key.extend(one.reading.tool_mm.iter().map(|&value| whole(value)));
     key.push(whole(one.spindle_rad));
-    // Times and temperatures are never the same twice.
+    // Times and temperatures never repeat exactly.
     let of_drivers = set.drivers.iter().filter(|driver| !driver.name.starts_with("T_"));
     key.extend(of_drivers.map(|driver| whole(driver.values.get(row.number).copied().unwrap_or(f64::NAN))));
     Some(key)
 }
 
-/// What repeats say, mm or rad.
+/// Scatter of repeats, mm or rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Repeats {
-    /// Their standard deviation about their means.
+    /// Standard deviation about the means of the groups.
     noise: f64,
-    /// That by those that follow each other, where this is surely less.
+    /// Standard deviation from consecutive repeats, if it is significantly smaller.
     follows: Option<f64>,
 }
 
@@ -173,7 +174,7 @@ fn repeats(scene: &Scene<'_>, places: &[usize], at: &dyn Fn(usize) -> f64) -> Op
     of_groups(groups.values().map(Vec::as_slice))
 }
 
-/// The noise of groups of repeats, each in the order in which they were read.
+/// Returns the noise from groups of repeats, each in the order of measurement.
 fn of_groups<'g>(groups: impl Iterator<Item = &'g [f64]>) -> Option<Repeats> {
     let (mut squares, mut freedom, mut steps) = (0.0, 0, 0.0);
     let mut bends: Vec<f64> = Vec::new();
@@ -200,13 +201,13 @@ fn bend(row: &[f64]) -> f64 {
     }
 }
 
-/// Noise of a reading by second differences: their variance is six times as large.
+/// Returns the noise of a reading from second differences: their variance is six times as large.
 fn of_bends(mut sizes: Vec<f64>) -> Option<f64> {
     let middle = sizes.len() / 2;
     (!sizes.is_empty()).then(|| *sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / (MEDIAN * 6.0_f64.sqrt()))
 }
 
-/// Second differences of neighbours, which smooth functions hardly have.
+/// Second differences of neighbors, in which smooth functions are negligible.
 fn differences(weights: &Weights, places: &[usize], at: &dyn Fn(usize) -> f64) -> f64 {
     let mut series: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     for &place in places {
@@ -215,7 +216,7 @@ fn differences(weights: &Weights, places: &[usize], at: &dyn Fn(usize) -> f64) -
     of_bends(series.values().flat_map(|row| row.windows(3).map(bend).collect::<Vec<_>>()).collect()).unwrap_or(0.0)
 }
 
-/// Ljung & Box 1978: n (n + 2) Σ ρₖ²/(n − k) is χ² where there is nothing but noise.
+/// Ljung & Box 1978: for white noise, n (n + 2) Σ ρₖ²/(n − k) is χ² distributed.
 fn ljung_box(order: &Order, values: &[f64], count: usize) -> f64 {
     let correlations = order.correlations(values);
     let most = correlations.len().min(DISTANCES);
@@ -228,7 +229,7 @@ fn ljung_box(order: &Order, values: &[f64], count: usize) -> f64 {
     fisher::exceeded(n * (n + 2.0) * sum / most as f64, most as f64, 1e9)
 }
 
-/// What is left against every driver: means of parts of its range beyond what noise makes of them.
+/// Returns the dependence of the residual on every driver: means over parts of its range, beyond their noise.
 fn drivers(scene: &Scene<'_>, places: &[usize], at: &dyn Fn(usize) -> f64, noise: f64) -> Vec<(String, f64)> {
     let row_of = |place: usize| scene.items.get(place).and_then(|item| scene.rows.get(item.row));
     let mut all: Vec<(String, Vec<f64>)> = Vec::new();
@@ -264,7 +265,7 @@ fn drivers(scene: &Scene<'_>, places: &[usize], at: &dyn Fn(usize) -> f64, noise
     found
 }
 
-/// Root of the mean square of the means of parts of the range, less what noise makes of them; 0 where they are like noise.
+/// RMS of the means over parts of the range, minus the contribution of the noise; 0 if not significant.
 fn along(values: &[f64], left: &[f64]) -> f64 {
     let mut pairs: Vec<(f64, f64)> =
         values.iter().copied().zip(left.iter().copied()).filter(|(value, _)| value.is_finite()).collect();
@@ -277,7 +278,7 @@ fn along(values: &[f64], left: &[f64]) -> f64 {
     let mut last = (usize::MAX, f64::NAN);
     for (place, (value, left)) in pairs.iter().enumerate() {
         let mut part = place * PARTS / count;
-        // What is the same goes into one part.
+        // Equal values are in one part.
         if value.to_bits() == last.1.to_bits() {
             part = last.0;
         }
@@ -305,7 +306,7 @@ fn along(values: &[f64], left: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Values from −1 to 1 with a variance of 1/3, xorshift.
+    /// Values from −1 to 1 with a variance of 1/3, from xorshift.
     fn white(count: usize) -> Vec<f64> {
         let mut state = 0x2545_f491_4f6c_dd1d_u64;
         let mut next = || {
@@ -323,13 +324,13 @@ mod tests {
         let sigma = 1.0 / 3.0_f64.sqrt();
         let plain = of_groups(noise.chunks(6)).unwrap();
         assert!(plain.follows.is_none() && (plain.noise / sigma - 1.0).abs() < 0.1, "{plain:?}");
-        // One place for hours, and a wave of 200 readings with an amplitude of 8.
+        // One pose for hours, and a wave of 200 readings with an amplitude of 8.
         let wave = |k: usize| 8.0 * (std::f64::consts::TAU * k as f64 / 200.0).sin();
         let waved: Vec<f64> = noise.iter().enumerate().map(|(k, noise)| noise + wave(k)).collect();
         let found = of_groups(std::iter::once(waved.as_slice())).unwrap();
-        // The bends of the wave are 8 (2π/200)² = 0.008.
+        // The second differences of the wave are 8 (2π/200)² = 0.008.
         assert!((found.follows.unwrap() / sigma - 1.0).abs() < 0.15, "{found:?}");
-        // Runs that each have a zero of their own are no wandering within the groups that they make.
+        // Runs with their own zero are no drift within the groups that they form.
         let of_runs: Vec<f64> = noise.iter().enumerate().map(|(k, noise)| noise + 3.0 * noise_of_run(k)).collect();
         let found = of_groups(of_runs.chunks(5)).unwrap();
         assert!(found.follows.is_none(), "{found:?}");
@@ -341,13 +342,13 @@ mod tests {
 
     #[test]
     fn means_of_parts_are_less_by_what_their_noise_makes_of_them() {
-        // Ten parts of ten that are 1 and −1 in turn, in each of them 1/2 more and less.
+        // Ten parts of ten, alternately 1 and −1, with ±1/2 within each.
         let values: Vec<f64> = (0..100).map(f64::from).collect();
         let sign = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
         let left: Vec<f64> = (0..100).map(|k| sign(k / 10) + 0.5 * sign(k)).collect();
         // 100 between parts with nine degrees of freedom, 25 within them with 90: 100 − 9 · 25/90 of 100.
         assert!((along(&values, &left) - 0.975_f64.sqrt()).abs() < 1e-12);
-        // Noise alone is nothing.
+        // Noise alone gives 0.
         assert_eq!(along(&values, &(0..100).map(sign).collect::<Vec<_>>()), 0.0);
     }
 }

@@ -1,33 +1,33 @@
-//! A cause in every file by itself: what acts in one of them only, or differs from one to the next, came between them.
+//! Size of a cause in each file. A cause that acts in one file only, or differs between files, appeared or changed between them.
 //!
-//! Each file scales what the cause does as it was found in all; others stand beside it.
+//! The fit scales the overall effect of the cause in each file, together with the other terms.
 
 use super::cause::{Candidate, EffectKind};
 use super::scene::NO_ROW;
 use super::search::{Field, Weights};
 
-/// Files differ by so many standard deviations,
+/// Minimum difference between files, in standard deviations,
 const SURELY: f64 = 4.0;
-/// and by this share of what the cause is where it is largest.
+/// and as a share of the largest value in a file.
 const MUCH: f64 = 0.5;
-/// A file tells its size to within this share of the largest, one standard deviation.
+/// A file determines the size if one standard deviation is below this share of the largest.
 const TOLD: f64 = 0.2;
 /// Half width of an interval of 95 %, in standard deviations.
 const EXPANDED: f64 = 1.96;
 
-/// How large a cause is in one file, as a share of what it is in all.
+/// Size of a cause in one file, relative to its size in all files.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FileShare {
     /// Number of the measurement.
     pub set: usize,
-    /// Share.
+    /// Relative size.
     pub share: f64,
-    /// Expanded uncertainty (95 %) of it.
+    /// Its expanded uncertainty (95 %).
     pub u95: f64,
 }
 
-/// Shares of the amounts of a candidate by file, where they surely differ: none where they do not. `others` stand beside it, and variances are so many
-/// times those of independent readings.
+/// Relative sizes of a candidate by file if they differ significantly, otherwise empty. `others` are the other terms; `inflation` multiplies the variances of
+/// independent readings.
 pub(super) fn differing(
     field: &Field<'_, '_>,
     weights: &Weights,
@@ -35,7 +35,7 @@ pub(super) fn differing(
     others: &[usize],
     (memory, inflation): (f64, f64),
 ) -> Vec<FileShare> {
-    // What belongs to a day or a set-up is another one in each.
+    // A cause of one day or set-up differs from file to file.
     if matches!(
         candidate.cause.effect,
         EffectKind::Setup
@@ -47,7 +47,7 @@ pub(super) fn differing(
     ) {
         return Vec::new();
     }
-    // Its difference between files has a finding of its own.
+    // A separate finding describes its difference between files.
     let through = |one: &Candidate| one.columns.first().and_then(|parts| parts.first()).map(|(through, _)| *through);
     let is_earlier =
         |other: &Candidate| other.cause.effect == EffectKind::Earlier && through(other) == through(candidate);
@@ -81,7 +81,7 @@ pub(super) fn differing(
     columns.iter().for_each(|column| {
         series.take(column);
     });
-    // What is left when each has its own.
+    // Residual with a separate amount for each file.
     let freedom = series.count().saturating_sub(series.rank()).max(1) as f64;
     let variance = inflation * series.squares() / freedom;
     let sigma = |k: usize| (covariance[(k, k)] * variance).max(0.0).sqrt();

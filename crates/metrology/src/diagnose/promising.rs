@@ -1,4 +1,5 @@
-//! What some candidates would gain, those that a part of the readings shows to be promising: the others are not brought up to date until they are.
+//! Gains of candidates on all readings, computed only for those that a sample of the readings shows to be promising. The others stay outdated until they are
+//! needed.
 
 use std::sync::Arc;
 
@@ -7,19 +8,19 @@ use super::score::{Layout, OwnProducts, Scores, gain};
 use super::search::Field;
 use ncfix_base::numeric::{Gain, Series};
 
-/// So many are looked at in all readings.
+/// Maximum number of candidates that are evaluated on all readings.
 const MOST: usize = 100;
-/// Standard deviations by which one may be better than a part shows.
+/// Margin for the candidates, in standard deviations of the gain that the sample predicts.
 const SURELY: f64 = 2.0;
-/// Directions at once.
+/// Number of directions that are processed at once.
 const AT_ONCE: usize = 8;
-/// Of one that is not looked at.
+/// Gain of a candidate that is not evaluated.
 const NOTHING: Gain = Gain { squares: 0.0, rank: 0 };
 
-/// Which candidates may explain most of all readings by what they explain of a part of them, in units of the noise: `times` as many readings are there in
-/// all, and a column has a `price`.
+/// Returns the candidates that may explain most of all readings, from their gains on a sample, in units of the noise. All readings are `times` as many as the
+/// sample; a column costs `price`.
 pub(super) fn promising(gains: &[Gain], times: f64, price: f64) -> Vec<bool> {
-    // What a part fits of its noise is little of what the others have, and by chance it shows less or more: mean and spread of χ² that is not central.
+    // A fit of noise in the sample gains little in the other readings, and the gain scatters: mean and standard deviation of a noncentral χ².
     let worth = |gain: &Gain| {
         let rank = gain.rank as f64;
         let own = (gain.squares - rank).max(0.0);
@@ -40,7 +41,7 @@ pub(super) fn promising(gains: &[Gain], times: f64, price: f64) -> Vec<bool> {
 }
 
 impl Field<'_, '_> {
-    /// As [`Field::gains_of`], of some candidates; the others gain nothing.
+    /// As [`Field::gains_of`] for some candidates; the others gain nothing.
     pub(super) fn gains_of_some(&self, series: &Series, scores: &mut [Scores; 2], is_in: &[bool]) -> Vec<Gain> {
         let mut gains = Vec::new();
         for scores in scores {
@@ -71,7 +72,7 @@ impl Scores {
         let Some(first) = numbers.iter().map(|&number| self.seen(number)).min() else { return out };
         let end = series.basis().len();
         for start in (first..=end).step_by(AT_ONCE) {
-            // What is left comes behind the last direction.
+            // The products with the residual follow the last direction.
             let behind = (start + AT_ONCE).min(end + 1);
             let all: Vec<Vec<f64>> = (start..behind).map(|place| self.what_is_at(series, place)).collect();
             let open: Vec<usize> =
@@ -101,7 +102,7 @@ impl Scores {
         out
     }
 
-    /// Directions that a candidate is beside.
+    /// Number of directions that a candidate is up to date with.
     fn seen(&self, number: usize) -> usize {
         self.state.own.get(number).and_then(|own: &OwnProducts| own.seen).unwrap_or(self.state.seen)
     }

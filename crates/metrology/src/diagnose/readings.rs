@@ -1,4 +1,4 @@
-//! Readings that count, and what is left of them beside the set-ups.
+//! Readings that are included, and their residuals after the set-up unknowns.
 
 use std::collections::BTreeMap;
 
@@ -7,18 +7,18 @@ use super::noise::MEDIAN;
 use super::scene::{NO_ROW, Scene};
 use super::search::{Field, Weights};
 
-/// A reading further out than this many spreads does not count.
+/// A reading beyond this multiple of the spread is an outlier.
 pub const FAR: f64 = 6.0;
-/// Readings of a file that tell its noise.
+/// Minimum number of readings that determine the noise of a file.
 const FEW: usize = 20;
-/// Files with noise that differs by more than this count each with its own.
+/// Files whose noise differs by more than this factor are weighted separately.
 const UNLIKE: f64 = 2.5;
 
 /// Weights of the measurements that are used, and of those held out.
 pub(super) fn weights(scene: &Scene<'_>, used: usize) -> (Weights, Weights) {
     let rows = scene.rows.len();
     let series = |item: &super::scene::SceneReading| {
-        // Each value of a row is a series of its own, and so is every known distance.
+        // Each value of a row forms its own series, and so does every known distance.
         scene.rows.get(item.row).map_or(usize::MAX, |row| row.sequence * 3 + item.value)
     };
     let mut numbers: BTreeMap<usize, usize> = BTreeMap::new();
@@ -37,7 +37,7 @@ pub(super) fn weights(scene: &Scene<'_>, used: usize) -> (Weights, Weights) {
             *numbers.entry(own).or_insert(count)
         })
         .collect();
-    // Known distances are known of whatever is measured.
+    // Known distances are included in both groups.
     let of = |is_used: bool| Weights {
         items: scene
             .items
@@ -52,7 +52,7 @@ pub(super) fn weights(scene: &Scene<'_>, used: usize) -> (Weights, Weights) {
     (of(true), of(false))
 }
 
-/// What values leave beside the set-ups, mm or rad; 0 for readings that do not count.
+/// Residuals after the set-up unknowns, mm or rad; 0 for excluded readings.
 pub(super) fn projected(field: &Field<'_, '_>, weights: &Weights, values: &[f64]) -> Vec<f64> {
     let mut series = field.series(weights, &[], 0.0);
     series.set_values(values);
@@ -64,7 +64,7 @@ pub(super) fn projected(field: &Field<'_, '_>, weights: &Weights, values: &[f64]
         .collect()
 }
 
-/// What is left with some candidates, mm or rad.
+/// Residuals after some candidates, mm or rad.
 pub(super) fn left_of(field: &Field<'_, '_>, weights: &Weights, taken: &[usize]) -> Vec<f64> {
     let series = field.series(weights, taken, 0.0);
     series
@@ -75,7 +75,7 @@ pub(super) fn left_of(field: &Field<'_, '_>, weights: &Weights, taken: &[usize])
         .collect()
 }
 
-/// Takes readings out that are far from the others of their file. Returns whether there were any.
+/// Excludes outliers within each file. Returns true if there were any.
 pub(super) fn drop_far(scene: &Scene<'_>, weights: &mut Weights, left: &[f64]) -> bool {
     let places = counts(scene, weights);
     let size = |place: &usize| match (left.get(*place), weights.items.get(*place)) {
@@ -91,7 +91,7 @@ pub(super) fn drop_far(scene: &Scene<'_>, weights: &mut Weights, left: &[f64]) -
     let mut far = Vec::new();
     for number in 0..scene.sets.len() {
         let own: Vec<usize> = places.iter().copied().filter(|&place| set(place) == Some(number)).collect();
-        // A few readings say nothing of their noise; two that differ by less are alike.
+        // The noise of a few readings is not determined; noise levels that differ by less are equal.
         let spread = if own.len() < FEW { whole } else { middle(own.iter().map(size).collect()) };
         far.extend(own.into_iter().filter(|place| size(place) > FAR * spread));
     }
@@ -103,7 +103,7 @@ pub(super) fn drop_far(scene: &Scene<'_>, weights: &mut Weights, left: &[f64]) -
     !far.is_empty()
 }
 
-/// Lets readings of files count by their noise, from one reading to the next, where files differ in it by more than what is said of them.
+/// Weights the readings by the noise of their files, from consecutive readings, if the noise of files differs more than stated.
 pub(super) fn even_out(scene: &Scene<'_>, weights: &mut Weights, left: &[f64]) {
     let mut series: BTreeMap<(usize, usize), Vec<f64>> = BTreeMap::new();
     for place in counts(scene, weights) {
@@ -136,7 +136,7 @@ pub(super) fn even_out(scene: &Scene<'_>, weights: &mut Weights, left: &[f64]) {
     }
 }
 
-/// What a candidate does to the readings that count beyond what set-ups take, with the amounts found beside the others.
+/// Effect of a candidate on the included readings after the set-up unknowns, with the amounts fitted together with the other terms.
 pub(super) fn doing(
     field: &Field<'_, '_>,
     train: &Weights,
@@ -162,13 +162,13 @@ pub(super) fn doing(
     projected(field, weights, &values)
 }
 
-/// Root of the mean square; 0 of nothing.
+/// RMS; 0 for no values.
 pub(super) fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0_f64), |(sum, count), value| (sum + value * value, count + 1.0));
     (sum / count.max(1.0)).sqrt()
 }
 
-/// How many readings of the measurements that are used count, and how many unknowns of set-ups they tell.
+/// Returns the number of included readings of the measurements used, and the number of identifiable set-up unknowns.
 #[must_use]
 pub fn freedom_of(scene: &Scene<'_>, used: usize) -> [usize; 2] {
     let (weights, _) = weights(scene, used);
@@ -177,8 +177,8 @@ pub fn freedom_of(scene: &Scene<'_>, used: usize) -> [usize; 2] {
     [of_rows, field.series(&weights, &[], 0.0).rank()]
 }
 
-/// Residuals of two models, root of the mean square, mm or rad: of the measurements that are used, and of those held out; `None` where there is no reading. The
-/// readings are the same for both: without those that are far from the others where everything is `explained`, mm or rad.
+/// Residuals of two models, RMS, mm or rad, for the measurements used and for those held out; `None` without readings. Both models are compared on the same
+/// readings: outliers of the `explained` residuals (mm or rad) are excluded.
 #[must_use]
 pub fn residuals(models: [&Scene<'_>; 2], used: usize, explained: &[f64]) -> [Option<[f64; 2]>; 2] {
     let [scene, _] = models;

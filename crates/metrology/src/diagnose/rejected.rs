@@ -1,5 +1,4 @@
-//! What was tried and is not named: candidates that the search took and a gate stopped, and what the best of every cause would explain of what
-//! is left.
+//! Candidates that were tested and are not named: those that an acceptance test rejected, and the best remaining candidate of every cause.
 
 use serde::Serialize;
 
@@ -8,27 +7,27 @@ use super::parts::{FileShare, differing};
 use super::search::{Field, Taken, Weights};
 use super::size::{Amounts, Size, size};
 
-/// Where a candidate failed.
+/// The acceptance test that rejected a candidate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Gate {
-    /// Chance would make as much.
+    /// Its gain is not significant.
     #[default]
     #[serde(rename = "significance")]
     Chance,
-    /// It does too little where it acts.
+    /// Its effect is too small where it acts.
     #[serde(rename = "too small")]
     Size,
-    /// It does not help on parts that were left out while it was looked for.
+    /// It does not improve unseen parts.
     #[serde(rename = "gain on unseen parts")]
     Unseen,
-    /// The data held out does not confirm it.
+    /// The held-out data do not confirm it.
     #[serde(rename = "held-out data")]
     HeldOut,
 }
 
 impl Gate {
-    /// Its name for programs.
+    /// Its name in JSON.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -40,35 +39,35 @@ impl Gate {
     }
 }
 
-/// A candidate that a gate stopped.
+/// A candidate that an acceptance test rejected.
 #[derive(Clone, Debug)]
 pub struct Rejected {
     /// The candidate.
     pub candidate: Candidate,
-    /// The gate.
+    /// The acceptance test.
     pub gate: Gate,
-    /// Chance of its gain where there is nothing, over all candidates.
+    /// p-value of its gain, corrected for the number of candidates.
     pub chance: f64,
-    /// Share of the root of the mean square of unseen readings that it takes away, where that was tried and could be told.
+    /// Relative reduction of the RMS of unseen readings, if tested and determined.
     pub gain: Option<f64>,
     /// Its size over all files.
     pub size: Size,
-    /// What it is in each file, where files surely differ: that is why those left out do not have it.
+    /// Its size in each file, if the files differ significantly: this explains why the unseen files lack it.
     pub by_file: Vec<FileShare>,
 }
 
-/// What a cause was worth in the end.
+/// Final result for a cause.
 #[derive(Clone, Debug)]
 pub struct TriedCause {
     /// The cause.
     pub cause: &'static Cause,
-    /// How many candidates of it there were.
+    /// Number of its candidates.
     pub candidates: usize,
-    /// Parameter of the best of them that was not taken, and the share of the squares of what is left that it would explain.
+    /// Parameter of its best candidate that was not accepted, and the share of the sum of squares of the residual that it would explain.
     pub best: Option<(String, f64)>,
 }
 
-/// Notes what gates stop: the number of the candidate, gate, chance and gain.
+/// Collects rejections: number of the candidate, acceptance test, p-value and gain.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rejections(Vec<(usize, Gate, f64, Option<f64>)>);
 
@@ -77,7 +76,7 @@ impl Rejections {
         self.0.push((term.candidate, gate, term.chance, gain));
     }
 
-    /// All that were stopped and are not among those taken in the end; of a candidate that was stopped twice the last time.
+    /// Returns the rejected candidates that are not accepted in the end. For a candidate that was rejected twice, the last rejection counts.
     pub(super) fn list(
         &self,
         field: &Field<'_, '_>,
@@ -122,7 +121,7 @@ impl Rejections {
     }
 }
 
-/// Every cause of the catalogue beside what was taken.
+/// Returns every cause of the catalog with its best candidate, in addition to the accepted terms.
 pub(super) fn tried(
     (field, causes): (&Field<'_, '_>, &Causes),
     weights: &Weights,

@@ -1,8 +1,8 @@
-//! A part of many readings: which candidates are worth a look shows in a part of them as well, in a fraction of the time. How much these explain is found by
-//! all readings, so that nothing is lost of what many tell.
+//! A sample of many readings: it shows which candidates are promising, in a fraction of the time. Their gains are then computed on all readings, so no
+//! information is lost.
 //!
-//! A part has readings from all over: one of every few that follow each other in a run, by turns another one of them (the additive recurrence of the
-//! golden section). Evenly spaced ones would show short waves like long ones.
+//! A sample takes one of every few consecutive readings of a run, at varying places (additive recurrence of the golden section). An evenly spaced sample
+//! would alias short waves to long ones.
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -17,26 +17,26 @@ use super::search::{Field, Weights};
 use super::seek::Seek;
 use ncfix_base::numeric::{Gain, Series};
 
-/// So many readings are many.
+/// Number of readings from which a sample is used.
 pub(super) const MANY: usize = 8000;
-/// So many of them are looked at, about.
+/// Approximate number of readings of a sample.
 const PART: usize = 5000;
-/// Of each run so many at least.
+/// Minimum number of readings of each run.
 const OF_RUN: usize = 60;
 /// The golden section.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// A part of the readings of a scene.
+/// A sample of the readings of a scene.
 #[derive(Clone, Debug)]
 pub(super) struct Sample<'a> {
     pub(super) scene: Scene<'a>,
-    /// The rows of all of them that it has.
+    /// Its rows, as numbers among all rows.
     rows: Vec<usize>,
-    /// The same of readings.
+    /// Its readings, as numbers among all readings.
     items: Vec<usize>,
 }
 
-/// Rows from all over; `None` where there are no more readings than are looked at in any case.
+/// Returns the rows of a sample; `None` if there are too few readings to need one.
 pub(super) fn some_rows(scene: &Scene<'_>) -> Option<Vec<usize>> {
     if scene.items.len() <= MANY {
         return None;
@@ -51,7 +51,7 @@ pub(super) fn some_rows(scene: &Scene<'_>) -> Option<Vec<usize>> {
     Some(out)
 }
 
-/// One of every so many rows of a run.
+/// Returns one of every few rows of a run.
 fn of_run(run: &[usize], times: f64) -> Vec<usize> {
     let step = times.min(run.len() as f64 / OF_RUN as f64).max(1.0);
     let groups = (run.len() as f64 / step).ceil() as usize;
@@ -65,7 +65,7 @@ fn of_run(run: &[usize], times: f64) -> Vec<usize> {
 }
 
 impl<'a> Sample<'a> {
-    /// `None` where there are no more readings than are looked at in any case.
+    /// Takes a sample; `None` if there are too few readings to need one.
     pub(super) fn new(scene: &Scene<'a>) -> Option<Sample<'a>> {
         let rows = some_rows(scene)?;
         let (scene, items) = scene.part(&rows);
@@ -79,7 +79,7 @@ impl<'a> Sample<'a> {
     }
 }
 
-/// The candidates of a field beside a part of its readings.
+/// Candidates of a search with a sample of its readings.
 #[derive(Debug)]
 pub(super) struct SearchPart<'s, 'a> {
     sample: &'s Sample<'a>,
@@ -106,22 +106,22 @@ impl<'s, 'a> SearchPart<'s, 'a> {
         SearchPart { sample, field }
     }
 
-    /// The same for another search.
+    /// Continues with another search.
     pub(super) fn beside(&self) -> SearchPart<'s, 'a> {
         SearchPart { sample: self.sample, field: self.field.beside(self.field.candidates.len()) }
     }
 
-    /// The candidates that came since, in the place of those that went.
+    /// Adds the new candidates in place of the removed ones.
     fn follow(&mut self, candidates: &[Candidate]) {
         let known = self.field.layout.count();
         self.field.candidates.truncate(known);
         self.field.candidates.extend_from_slice(candidates.get(known..).unwrap_or_default());
     }
 
-    /// Which candidates are beside a regression on the part; the same on all readings is `whole`.
+    /// State of the candidates after a regression on the sample; `whole` is the regression on all readings.
     fn promising(&self, own: &Series, scores: &mut [Scores; 2], whole: &Series) -> Vec<bool> {
         let count = whole.count() as f64;
-        // Its noise is that of all of them.
+        // The noise is that of all readings.
         let noise = (whole.squares() / count.max(1.0)).max(f64::MIN_POSITIVE);
         let mut gains = self.field.gains_of(own, scores);
         gains.iter_mut().for_each(|gain| gain.squares /= noise);
@@ -135,14 +135,14 @@ impl<'s, 'a> SearchPart<'s, 'a> {
     }
 }
 
-/// Candidates beside what a search has taken: where there are many readings those that are promising in a part of them.
+/// State of the candidates after the terms of a search. If there are many readings, only the candidates that are promising in a sample are up to date.
 pub(super) struct CandidateSample<'s, 'a> {
     part: Option<(Box<SearchPart<'s, 'a>>, Series, [Scores; 2])>,
     whole: [Scores; 2],
 }
 
 impl<'s, 'a> CandidateSample<'s, 'a> {
-    /// Behind some that are taken; takes the part that a field has, which [`CandidateSample::end`] gives back.
+    /// Starts after some terms. Takes the sample of the search, which [`CandidateSample::end`] returns.
     pub(super) fn new(field: &mut Field<'s, 'a>, weights: &Weights, kept: &[usize]) -> CandidateSample<'s, 'a> {
         let whole = field.scores(weights, 0.0);
         let part = field.part.take().map(|mut part| {
@@ -156,7 +156,7 @@ impl<'s, 'a> CandidateSample<'s, 'a> {
         CandidateSample { part, whole }
     }
 
-    /// What each candidate would gain beside what is taken, those that were added to the field since, too.
+    /// Returns the gain of each candidate in addition to the terms, including candidates that were added since.
     pub(super) fn gains(&mut self, field: &Field<'_, '_>, series: &Series) -> Vec<Gain> {
         let Some((part, own, scores)) = &mut self.part else { return field.gains_of(series, &mut self.whole) };
         part.follow(&field.candidates);
@@ -164,7 +164,7 @@ impl<'s, 'a> CandidateSample<'s, 'a> {
         field.gains_of_some(series, &mut self.whole, &is_in)
     }
 
-    /// The same beside one more, which the series has.
+    /// Returns these gains after one more term, which the series already has.
     pub(super) fn gains_behind(&self, field: &Field<'_, '_>, series: &Series, first: usize) -> Vec<Gain> {
         let mut whole = self.whole.clone();
         let Some((part, own, scores)) = &self.part else { return field.gains_of(series, &mut whole) };
@@ -174,7 +174,7 @@ impl<'s, 'a> CandidateSample<'s, 'a> {
         field.gains_of_some(series, &mut whole, &is_in)
     }
 
-    /// One of the field was taken.
+    /// Records that a candidate was taken.
     pub(super) fn take(&mut self, field: &Field<'_, '_>, number: usize) {
         if let Some((part, series, _)) = &mut self.part {
             part.follow(&field.candidates);
@@ -182,14 +182,14 @@ impl<'s, 'a> CandidateSample<'s, 'a> {
         }
     }
 
-    /// The search is over.
+    /// Ends the search.
     pub(super) fn end(self, field: &mut Field<'s, 'a>) {
         field.part = self.part.map(|(part, ..)| part);
     }
 }
 
 impl<'a> Scene<'a> {
-    /// Some of its rows, and which readings these are; known distances stay.
+    /// Restricts a scene to some of its rows. Also returns the numbers of these readings; known distances stay.
     fn part(&self, rows: &[usize]) -> (Scene<'a>, Vec<usize>) {
         let mut numbers = vec![NO_ROW; self.rows.len()];
         rows.iter().enumerate().for_each(|(number, &row)| numbers[row] = number);
@@ -225,13 +225,13 @@ mod tests {
     fn rows_of_a_part_are_from_all_over_and_not_evenly_spaced() {
         let run: Vec<usize> = (0..1200).collect();
         let some = of_run(&run, 4.0);
-        // One of every four that follow each other.
+        // One of every four consecutive readings.
         assert_eq!(some.iter().map(|row| row / 4).collect::<Vec<usize>>(), (0..300).collect::<Vec<usize>>());
         for within in 0..4 {
             let count = some.iter().filter(|row| *row % 4 == within).count();
             assert!((70..=80).contains(&count), "{within}: {count}");
         }
-        // A short run keeps more of them, or all.
+        // Of a short run, more readings or all are taken.
         assert_eq!(of_run(&run[..120], 4.0).len(), OF_RUN);
         assert_eq!(of_run(&run[..50], 4.0), run[..50]);
     }

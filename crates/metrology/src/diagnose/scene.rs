@@ -1,8 +1,7 @@
-//! All readings of some measurements held against a model: what is left of each, what its row depends on, and what a deviation somewhere in the
-//! machine would do to it.
+//! Linearized data: the residual of each reading, the drivers of its row, and its sensitivity to a deviation anywhere in the machine.
 //!
-//! Everything is linear in small deviations: a deviation of the tool from the workpiece acts on a reading by the derivatives that the kind of
-//! measurement gives ([`crate::measure::kind::Equation`]), an error of an axis by the sensitivity of the error model. There is no second formula.
+//! All effects are linear in small deviations. A displacement of the tool relative to the workpiece acts on a reading through the derivatives of the kind of
+//! measurement ([`crate::measure::kind::Equation`]). An error of an axis acts through the sensitivity of the error model. There is no second formula.
 
 use std::collections::HashMap;
 
@@ -15,70 +14,71 @@ use ncfix_model::{ErrorModel, ErrorName, Model};
 
 use super::row::{SceneRow, rows};
 
-/// A reading of this uncertainty where nothing is known of it, mm or rad.
+/// Default uncertainty of a reading, mm or rad.
 const FIRST_SIGMA: f64 = 1e-3;
 
-/// A known distance belongs to no row.
+/// Row number of a known distance, which belongs to no row.
 pub const NO_ROW: usize = usize::MAX;
-/// Its standard uncertainty where nothing is said of it, mm.
+/// Its default standard uncertainty, mm.
 const TIE_SIGMA: f64 = 1e-4;
 
-/// Where a deviation comes in. Signs are those of the machine file: the deviation of the body that an axis moves, also on the workpiece side.
+/// Point of the chain at which a deviation acts. Signs are those of the machine file: deviations of the body that an axis moves, also on the workpiece side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Through {
-    /// A component of the error of an axis, mm or rad.
+    /// Component of the error of an axis, mm or rad.
     Component(ErrorName),
-    /// The tool moves from the workpiece along a direction of F (0, 1, 2), mm.
+    /// Displacement of the tool relative to the workpiece along a direction of F (0, 1, 2), mm.
     Tip(usize),
-    /// The instrument itself: all its readings of lengths (`false`) or of angles (`true`) grow, mm or rad.
+    /// The instrument itself: all its readings of lengths (`false`) or of angles (`true`) increase, mm or rad.
     Reading(bool),
-    /// One value of a reading of several, as the second of `dx dy dz`, mm.
+    /// One of several values of a reading, such as the second of `dx dy dz`, mm.
     Value(usize),
 }
 
-/// One number that was read.
+/// A single measured number.
 #[derive(Clone, Debug)]
 pub struct SceneReading {
     /// Its row among [`Scene::rows`].
     pub row: usize,
-    /// Which of the values of its row.
+    /// Its position among the values of the row.
     pub value: usize,
-    /// What is left: read less predicted, mm or rad.
+    /// Residual: reading minus prediction, mm or rad.
     pub left: f64,
-    /// Standard uncertainty that weighs it, mm or rad.
+    /// Standard uncertainty used as its weight, mm or rad.
     pub sigma: f64,
-    /// Whether an angle was read.
+    /// True if it is an angle.
     pub is_angle: bool,
     by_tip: Vector,
     by_turn: Vector,
-    /// Derivatives by unknowns of the set-ups, with their numbers among all.
+    /// Derivatives with respect to set-up unknowns, with their numbers among all unknowns.
     pub by_unknown: Vec<(usize, f64)>,
 }
 
-/// Measurements and a model.
+/// Measurements with the predictions of a model.
 #[derive(Clone, Debug)]
 pub struct Scene<'a> {
     /// The machine.
     pub machine: &'a Machine,
-    /// What is known of its errors.
+    /// Its error model.
     pub errors: ErrorModel,
     /// The measurements.
     pub sets: &'a [DataSet],
-    /// Their rows.
+    /// Rows of all measurements.
     pub rows: Vec<SceneRow>,
-    /// Their readings in the order of rows.
+    /// Readings in the order of rows.
     pub items: Vec<SceneReading>,
     /// Unknowns of the set-ups.
     pub unknowns: usize,
 }
 
 impl<'a> Scene<'a> {
-    /// Holds measurements against a model, with the unknowns of the set-ups as they fit best.
+    /// Linearizes measurements about a model, with the best fit of the set-up unknowns.
     ///
     /// # Errors
-    /// [`FitError`] where not even these can be told.
+    ///
+    /// [`FitError`] if the set-up unknowns are not identifiable.
     pub fn new(machine: &'a Machine, errors: &ErrorModel, sets: &'a [DataSet]) -> Result<Scene<'a>, FitError> {
-        // What the model lacks is no noise that could tell which rows do not fit.
+        // Errors that the model lacks are not noise, so they must not decide which rows are outliers.
         let found = fit::<Parameter>(machine, errors, &[], sets, FitOptions { robust: false })?;
         let values: Vec<f64> = found.estimates.iter().map(|estimate| estimate.value).collect();
         let mut first = vec![0; sets.len() + 1];
@@ -115,7 +115,7 @@ impl<'a> Scene<'a> {
                 let seen = Seen::new(machine, &model, &observation.reading, &observation.reading.tool_mm);
                 equations.clear();
                 (data.kind.equations)(data, observation, &seen, own, &mut equations);
-                // Probing gives three equations without values.
+                // A probed ball gives three equations without values.
                 let present: Vec<usize> = (0..3).filter(|&k| observation.values[k].is_some()).collect();
                 for (place, equation) in equations.iter().enumerate() {
                     let sigma = if equation.is_angle { data.sigma_rad } else { data.sigma };
@@ -152,7 +152,7 @@ impl<'a> Scene<'a> {
         Ok(scene)
     }
 
-    /// Unknowns that are hardly told explain nothing: they would be taken metres away for it.
+    /// Unknowns that are nearly not identifiable are excluded: a fit would change them by meters.
     fn leave_weak(&mut self) {
         let mut strongest = vec![0.0_f64; self.unknowns];
         for &(unknown, factor) in self.items.iter().flat_map(|item| &item.by_unknown) {
@@ -164,7 +164,7 @@ impl<'a> Scene<'a> {
         self.items.iter_mut().for_each(|item| item.by_unknown.retain(|(unknown, _)| is_told(*unknown)));
     }
 
-    /// What one unit of a deviation does to every reading.
+    /// Effect of one unit of a deviation on every reading.
     #[must_use]
     pub fn factors(&self, through: Through) -> Vec<f64> {
         let model = Model::new(self.machine, &ErrorModel::default());
@@ -189,9 +189,9 @@ impl<'a> Scene<'a> {
         factors
     }
 
-    /// In a set-up that hardly shows a deviation it is not looked for: it would have to be a hundred times as large there, and would be found so.
+    /// Set to zero in a set-up that is insensitive to the deviation: errors of the readings would appear a hundred times as large.
     fn leave_faint(&self, factors: &mut [f64]) {
-        // Lengths and angles apart: they have other units.
+        // Lengths and angles are compared separately, because their units differ.
         let setup = |item: &SceneReading| self.rows.get(item.row).map(|row| (row.set, row.setup, item.is_angle));
         let mut strongest: HashMap<(usize, usize, bool), f64> = HashMap::new();
         let mut most = [0.0_f64; 2];
@@ -214,7 +214,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// What one unit does to the tool in the workpiece frame at a row: displacement and rotation.
+    /// Displacement and rotation of the tool in the workpiece frame per unit of a deviation, at a row.
     fn unit(&self, model: &Model, through: Through, row: usize) -> (Vector, Vector) {
         let nothing = (Vector::zeros(), Vector::zeros());
         let Some(row) = self.rows.get(row) else { return nothing };
@@ -236,7 +236,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The row of a reading.
+    /// Returns the row of a reading.
     #[must_use]
     pub fn row_of(&self, item: &SceneReading) -> Option<&SceneRow> {
         self.rows.get(item.row)

@@ -1,8 +1,8 @@
-//! What every candidate would gain, without projecting its columns anew in every step.
+//! Gains of all candidates, without a new projection of their columns in every step.
 //!
-//! A column is a weight of the row times a factor of the reading. Products of columns with a direction are therefore sums over rows: the factors
-//! are put together once for all columns that come in at the same place, and the weights once for all places. What a column has of its own
-//! falls with every direction that is taken by the square of its share in it, and so does the matrix of products of a candidate's columns.
+//! A column is a weight of the row times a factor of the reading. So its product with a direction is a sum over rows: factors are combined once for all
+//! columns that act at the same point, and weights once for all points. The own part of a column decreases with every direction by the square of its share,
+//! and so does the matrix of products of the columns of a candidate.
 
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
@@ -14,40 +14,40 @@ use super::scene::{NO_ROW, Scene, Through};
 use ncfix_base::numeric::sums::{dot, dot_of_three};
 use ncfix_base::numeric::{Gain, Series, in_parts};
 
-/// A column of which less than this share of its square is left says nothing of its own.
+/// A column with less than this share of its square remaining is dependent.
 const DEPENDENT: f64 = 1e-11;
 
-/// Shares of the pairs.
+/// Shares of the pairs in a direction.
 const HALVES: usize = 2;
 
-/// Rows that are looked at together: tables of weights are far larger than what a processor holds near by.
+/// Number of rows that are processed at once: the tables of weights exceed the processor cache.
 const BLOCK: usize = 512;
-/// Directions at once.
+/// Number of directions that are processed at once.
 const AT_ONCE: usize = 4;
 
-/// A column: numbers of pairs of a table of weights and a place where it comes in.
+/// A column, as indices of pairs of a table of weights and a point where it acts.
 type Column = Vec<usize>;
 
-/// Candidates taken apart into places and weights.
+/// Candidates, decomposed into points and weights.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Layout {
     places: Vec<Through>,
     weights: Vec<Arc<Vec<f64>>>,
-    /// Number of each of these by its key.
+    /// Index of each weight and point by its key.
     numbers: HashMap<usize, usize>,
-    /// Weight and place: many columns are in several candidates.
+    /// Pairs of weight and point: several candidates share columns.
     pub(super) pairs: Vec<(usize, usize)>,
     pub(super) columns: Vec<Vec<Column>>,
 }
 
 impl Layout {
-    /// Takes candidates apart; weights that are shared are computed once, those that are known not at all.
+    /// Decomposes candidates. Shared weights are computed once, cached ones not at all.
     pub(super) fn new(scene: &Scene<'_>, candidates: &[Candidate], known: &KnownTables) -> Layout {
         let mut places = Vec::new();
         let mut place_numbers: HashMap<Through, usize> = HashMap::new();
         let mut closures: Vec<&Weight> = Vec::new();
         let mut weight_numbers: HashMap<usize, usize> = HashMap::new();
-        // By weight, then by place: a table is read once for all places.
+        // Ordered by weight, then by point: a table is read once for all points.
         let mut pair_numbers: BTreeMap<(usize, usize), usize> = BTreeMap::new();
         let parts = candidates.iter().flat_map(|one| one.columns.iter().flatten());
         let of_parts: Vec<(usize, usize)> = parts
@@ -76,12 +76,12 @@ impl Layout {
         Layout { places, weights, numbers: weight_numbers, pairs: pair_numbers.into_keys().collect(), columns }
     }
 
-    /// A weight by row, where it is one of those of its candidates, which live as long.
+    /// Returns a weight by row, if it is one of those of its candidates, which have the same lifetime.
     pub(super) fn table(&self, weight: &Weight) -> Option<&Arc<Vec<f64>>> {
         self.weights.get(*self.numbers.get(&weight.key())?)
     }
 
-    /// The same of some rows.
+    /// Returns these weights for some rows.
     pub(super) fn part(&self, rows: &[usize]) -> Layout {
         let some = |table: &Arc<Vec<f64>>| {
             Arc::new(rows.iter().map(|&row| table.get(row).copied().unwrap_or(0.0)).collect::<Vec<f64>>())
@@ -89,23 +89,23 @@ impl Layout {
         Layout { weights: in_parts(&self.weights, &some), ..self.clone() }
     }
 
-    /// How many candidates it has.
+    /// Number of candidates.
     pub(super) fn count(&self) -> usize {
         self.columns.len()
     }
 }
 
-/// Of a candidate: products of its columns with each other as far as they are their own, the same at first, and with what is left.
+/// State of a candidate: products of its columns after projection (initially without projection), and their products with the residual.
 #[derive(Clone, Debug, Default)]
 pub(super) struct OwnProducts {
     products: Vec<f64>,
     squares: Vec<f64>,
-    /// Columns of the basis beside which this is, where these are others than of the whole state.
+    /// Columns of the basis of this state, if it differs from that of the whole state.
     pub(super) seen: Option<usize>,
 }
 
 impl OwnProducts {
-    /// Without the shares of its columns in a direction.
+    /// Subtracts the shares of its columns in a direction.
     pub(super) fn leave(&mut self, shares: &[f64]) {
         let count = shares.len();
         for (place, product) in self.products.iter_mut().enumerate() {
@@ -114,14 +114,14 @@ impl OwnProducts {
     }
 }
 
-/// What all candidates are beside a basis, and how many columns that has.
+/// State of all candidates after a basis, and the number of its columns.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SearchState {
     pub(super) own: Vec<OwnProducts>,
     pub(super) seen: usize,
 }
 
-/// All candidates beside a basis.
+/// All candidates after a basis.
 #[derive(Clone, Debug)]
 pub(super) struct Scores {
     pub(super) layout: Arc<Layout>,
@@ -132,7 +132,7 @@ pub(super) struct Scores {
 }
 
 impl Scores {
-    /// In a state that was reached before.
+    /// Restores a previous state.
     pub(super) fn at(
         layout: &Arc<Layout>,
         scene: &Scene<'_>,
@@ -145,7 +145,7 @@ impl Scores {
         Scores { layout: Arc::clone(layout), factors, rows, row_count: scene.rows.len(), state }
     }
 
-    /// Nothing is taken yet.
+    /// Starts with an empty basis.
     pub(super) fn new(
         layout: &Arc<Layout>,
         scene: &Scene<'_>,
@@ -153,7 +153,7 @@ impl Scores {
         series: &Series,
     ) -> Scores {
         let mut scores = Scores::at(layout, scene, factors, SearchState::default());
-        // Without memory the products of columns at one place are sums over rows as well.
+        // Without autocorrelation, products of columns at one point are sums over rows too.
         let squares: Vec<Vec<f64>> = if series.memory() == 0.0 {
             let counted = |factors: &Arc<Vec<f64>>| {
                 let mut sums = vec![0.0; scores.row_count];
@@ -173,7 +173,7 @@ impl Scores {
         scores
     }
 
-    /// What was reached.
+    /// Returns the current state.
     pub(super) fn state(self) -> SearchState {
         self.state
     }
@@ -223,7 +223,7 @@ impl Scores {
         out
     }
 
-    /// Sums over the readings of each row of factor times what is at the reading, for every place; with the rows where there is any.
+    /// Returns, for every point, the sums over the readings of each row of factor times value, with the rows where it is not zero.
     fn sums(&self, at: &[f64]) -> (Vec<Vec<f64>>, Range<usize>) {
         let (mut first, mut last) = (self.row_count, 0);
         let mut items = self.rows.len()..0;
@@ -235,7 +235,7 @@ impl Scores {
             }
         }
         let span = first.min(last)..last;
-        // What belongs to one set-up is in a small part of the readings.
+        // A cause of one set-up acts in a small part of the readings.
         let items = items.start.min(items.end)..items.end;
         let rows = self.rows.get(items.clone()).unwrap_or_default();
         let at = at.get(items.clone()).unwrap_or_default();
@@ -253,7 +253,7 @@ impl Scores {
         (in_parts(&self.factors, &sum), span)
     }
 
-    /// Products of pairs with what is at the readings, for each of a few.
+    /// Returns the products of pairs with the values at the readings, for several vectors of values.
     pub(super) fn products(&self, all: &[Vec<f64>], pairs: &[(usize, usize)]) -> Vec<Vec<f64>> {
         let sums: Vec<(Vec<Vec<f64>>, Range<usize>)> = all.iter().map(|at| self.sums(at)).collect();
         let (first, last) = sums.iter().fold((self.row_count, 0), |(first, last), (_, span)| {
@@ -280,7 +280,7 @@ impl Scores {
             }
             out
         };
-        // Whole stretches, so that a table is read once for all its places.
+        // Parts contain whole stretches, so that a table is read once for all its points.
         let share = pairs.len().div_ceil(HALVES).max(1);
         let shares: Vec<_> = pairs.chunks(share).collect();
         let parts: Vec<Vec<Vec<f64>>> = in_parts(&shares, &|part| of_some(part));
@@ -288,7 +288,7 @@ impl Scores {
         (0..all.len()).map(whole).collect()
     }
 
-    /// What each candidate would gain beside the basis of a series, which only grows from one call to the next.
+    /// Returns the gain of each candidate in addition to the basis of a series, which only grows between calls.
     pub(super) fn gains(&mut self, series: &Series) -> Vec<Gain> {
         let of = |products: &[f64], column: &Column| -> f64 { column.iter().filter_map(|&k| products.get(k)).sum() };
         let fresh = series.basis().get(self.state.seen..).unwrap_or_default();
@@ -326,13 +326,13 @@ pub(super) fn gain(own: &OwnProducts, left: Vec<f64>) -> Gain {
     without_those_before(own.products.clone(), &own.squares, left)
 }
 
-/// What columns gain whose products with each other (row by row) and with what is left are these.
+/// Returns the gain of columns from their products with each other (row by row) and with the residual.
 pub(super) fn gained(products: Vec<f64>, left: Vec<f64>) -> Gain {
     let squares: Vec<f64> = (0..left.len()).map(|k| products[k * left.len() + k]).collect();
     without_those_before(products, &squares, left)
 }
 
-/// By Cholesky's decomposition, leaving out columns that depend on those before them.
+/// Uses a Cholesky decomposition that skips dependent columns.
 fn without_those_before(mut products: Vec<f64>, squares: &[f64], mut left: Vec<f64>) -> Gain {
     let count = left.len();
     let mut total = Gain { squares: 0.0, rank: 0 };
