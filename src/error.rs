@@ -93,7 +93,7 @@ impl Error {
         self.diagnostics.errors().next().map(|one| one.code())
     }
 
-    /// The findings, including warnings; empty if a file cannot be read or an argument is wrong.
+    /// The diagnostics, including warnings; empty if a file cannot be read or an argument is wrong.
     ///
     /// ```
     /// # use ncfix::prelude::*;

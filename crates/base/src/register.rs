@@ -1,12 +1,12 @@
-//! Registers: the known entries of one kind (error sources, causes, formats …) by name, which a caller can extend.
+//! Registries: the known entries of one kind (error sources, causes, formats …) by name, which a caller can extend.
 //!
-//! A register is a value: no register is global, and each function that needs one gets it as an argument. Built-in entries are added by the same
+//! A registry is a value: no registry is global, and each function that needs one gets it as an argument. Built-in entries are added by the same
 //! [`Register::with`] as those of a caller.
 
 use std::fmt;
 use std::sync::Arc;
 
-/// Entry type of a register: implemented for the trait object or the type of an entry.
+/// Entry type of a registry: implemented for the trait object or the type of an entry.
 pub trait Registered {
     /// Name of an entry in messages: `source of error`.
     const KIND: &'static str;
@@ -17,7 +17,7 @@ pub trait Registered {
     /// Returns the built-in entries, in the order in which tables show them.
     fn built_in() -> Vec<Box<Self>>;
 
-    /// Returns why two entries cannot both be in one register, other than by their names: a sentence without a full stop.
+    /// Returns why two entries cannot both be in one registry, other than by their names: a sentence without a full stop.
     fn conflict(&self, _other: &Self) -> Option<String> {
         None
     }
@@ -39,7 +39,7 @@ impl fmt::Display for Refused {
 impl std::error::Error for Refused {}
 
 impl<T: ?Sized + Registered> Register<T> {
-    /// Returns a register without entries.
+    /// Returns a registry without entries.
     #[must_use]
     pub fn empty() -> Register<T> {
         Register(Vec::new())
@@ -48,7 +48,7 @@ impl<T: ?Sized + Registered> Register<T> {
     /// Adds an entry.
     ///
     /// # Panics
-    /// If [`Self::try_with`] refuses it: two entries with the same name are a bug of the program that builds the register.
+    /// If [`Self::try_with`] refuses it: two entries with the same name are a bug of the program that builds the registry.
     #[must_use]
     pub fn with(self, entry: impl Into<Box<T>>) -> Register<T> {
         match self.try_with(entry) {

@@ -41,7 +41,7 @@ pub use parameter::ParameterName;
 pub use preset::{Preset, Presets};
 pub use source::{Effect, ErrorSource, SourceInfo, Sources};
 
-/// Error-related content that a machine file may have: registers that a caller can extend.
+/// Error-related content that a machine file may have: registries that a caller can extend.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct ModelRegisters {

@@ -12,7 +12,7 @@ use super::Severity;
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Code(pub(super) &'static str);
 
-/// Row of the register.
+/// Row of the registry.
 #[derive(Clone, Copy, Debug)]
 pub struct CodeRow {
     /// Code.

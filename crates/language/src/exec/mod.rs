@@ -1,9 +1,9 @@
 //! Executes a program as the control would and yields the flat stream, lazily and in bounded memory.
 //!
-//! Each family of languages has its own executor in a folder of its name. Common parts are here: the outlet that converts paths into moves (radius
-//! compensation and roundings in `contour`, five-axis transformations in `five_axis`), and the ledger of files, diagnostics and calls. Diagnostics
-//! are items of the stream too. After an error the execution continues, so that one run reports all errors; its output then only serves further
-//! diagnostics.
+//! A *family* is a group of dialects with one executor, in a folder of its name: Sinumerik, Grundig, or `iso` (Fanuc and RS274/NGC). Common parts are in
+//! `core`: the motion sink, which converts paths into moves (radius compensation and roundings in `contour`, five-axis transformations in `five_axis`), and
+//! the run state with files, diagnostics and calls. Diagnostics are items of the stream too. After an error the execution continues, so that one run
+//! reports all errors; its output then only serves further diagnostics.
 
 mod core;
 mod grundig;

@@ -60,7 +60,7 @@ pub struct Machine {
     pub name: String,
     /// Order of the bodies from workpiece to tool.
     pub topology: Topology,
-    /// Dialect of its programs, as written (`sinumerik`); the register of dialects resolves it.
+    /// Dialect of its programs, as written (`sinumerik`); the registry of dialects resolves it.
     pub controller: String,
     /// Reference temperature of the model, °C.
     pub reference_temperature_c: f64,

@@ -1,5 +1,4 @@
-//! What is sought by what is left, since there is too much of it to try each in full: periods in position and in time, chords of circles, shapes
-//! without a name.
+//! Screening for candidates that are too many to fit each one: periods in position and in time, chords of circles, unnamed shapes.
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -15,27 +14,27 @@ use ncfix_base::geometry::Axis;
 use ncfix_base::numeric::both;
 use ncfix_model::name::{DIRECTIONS, ErrorName};
 
-/// Rows of which a first look is had.
+/// Number of rows in the first pass.
 pub(super) const SOME: usize = 1500;
-/// Cycles within a run, at most.
+/// Maximum number of cycles within a run.
 const MOST_CYCLES: f64 = 1000.0;
-/// Bins for a cycle of the highest frequency.
+/// Number of bins for a cycle of the highest frequency.
 const PER_CYCLE: f64 = 8.0;
-/// So many times the length of a run is transformed, nothing behind it.
+/// Length of the transform as a multiple of a run; the rest is zero.
 const PADDED: usize = 4;
-/// Pieces of a run.
+/// Number of sections of a run.
 const PIECES: f64 = 32.0;
-/// Cycles within a run, at least: fewer are drift.
+/// Minimum number of cycles within a run: fewer are drift.
 const CYCLES: f64 = 8.0;
-/// Slower than this nothing vibrates, s.
+/// Longest period of a vibration, s.
 const SLOWEST: f64 = 20.0;
 /// All directions of the tool.
 const TIPS: [Through; 3] = [Through::Tip(0), Through::Tip(1), Through::Tip(2)];
 
-/// Factors of places by reading.
+/// Factors of each point, by reading.
 pub(super) type Factors = HashMap<Through, Arc<Vec<f64>>>;
 
-/// All of it; nothing by default.
+/// Data for all screenings; empty by default.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Seek {
     sweeps: Vec<(Axis, Sweep)>,
@@ -45,14 +44,14 @@ pub(super) struct Seek {
     empirical: Empirical,
 }
 
-/// Rows by runs with times.
+/// Rows grouped by runs with times.
 #[derive(Clone, Debug)]
 struct Clock {
-    /// Of each row: its run, when.
+    /// For each row: its run and its time.
     rows: Vec<(usize, f64)>,
-    /// When each run starts.
+    /// Start of each run.
     starts: Vec<f64>,
-    /// Runs of a first look.
+    /// Runs of the first pass.
     some: Vec<bool>,
     length: f64,
     fastest: f64,
@@ -78,12 +77,12 @@ impl Seek {
         }
     }
 
-    /// Positions of an axis whose periods are sought.
+    /// Positions of an axis that are screened for periods.
     pub(super) fn sweep(&self, axis: Axis) -> Option<&Sweep> {
         self.sweeps.iter().find(|(own, _)| *own == axis).map(|(_, sweep)| sweep)
     }
 
-    /// Where all of this comes in.
+    /// Points at which all these candidates act.
     pub(super) fn places(&self) -> Vec<Through> {
         let names =
             self.sweeps.iter().flat_map(|(axis, _)| DIRECTIONS.map(|direction| ErrorName::motion(direction, *axis)));
@@ -93,7 +92,7 @@ impl Seek {
         places
     }
 
-    /// How many candidates that are.
+    /// Number of these candidates.
     pub(super) fn count(&self) -> usize {
         let sweeps: usize = self.sweeps.iter().map(|(_, sweep)| sweep.count() * DIRECTIONS.len()).sum();
         let time = self.time.as_ref().map_or(0, |clock| 3 * clock.count());
@@ -102,7 +101,7 @@ impl Seek {
         sweeps + time + chords + events + self.empirical.count()
     }
 
-    /// The most promising of each for what is left, unwhitened, with 1/σ of the readings and what a column must explain.
+    /// Returns the most promising candidate of each kind for an unwhitened residual, with 1/σ of the readings and the minimum that a column must explain.
     pub(super) fn propose(
         &self,
         scene: &Scene<'_>,
@@ -120,7 +119,7 @@ impl Seek {
         out
     }
 
-    /// Periods and chords.
+    /// Returns periods and chords.
     fn named(&self, scene: &Scene<'_>, factors: &Factors, left: &[f64], weights: &[f64]) -> Vec<Candidate> {
         let mut out = Vec::new();
         let products = |place: Through| -> Vec<f64> {
@@ -169,7 +168,7 @@ impl Seek {
     }
 }
 
-/// What each reading says of a deviation at a place: squares of factors by 1/σ.
+/// Information of each reading about a deviation at a point: squares of factor times 1/σ.
 pub(super) fn information_of(factors: &Factors, place: Through, weights: &[f64]) -> Vec<f64> {
     let of = |factors: &Arc<Vec<f64>>| {
         factors.iter().zip(weights).map(|(factor, weight)| (factor * weight).powi(2)).collect()
@@ -201,7 +200,7 @@ impl Clock {
         if !(length > 0.0 && step > 0.0) {
             return None;
         }
-        // Runs from all over, until there are enough rows.
+        // Runs distributed over all data, until there are enough rows.
         let share = (SOME as f64 / rows.len() as f64).min(1.0);
         let mut sum = 1.0;
         let some = (0..runs)
@@ -238,7 +237,7 @@ impl Clock {
         ((self.fastest - self.slowest()) / self.step()).max(0.0) as usize + 1
     }
 
-    /// The frequency that explains most, Hz: first of some runs each for itself, then of more and more of the time together.
+    /// Returns the frequency that explains most, Hz: first for some runs separately, then over longer and longer times.
     fn best(&self, sums: &[f64]) -> Option<f64> {
         let runs = self.starts.len();
         let step = 1.0 / (PER_CYCLE * self.fastest);
@@ -260,7 +259,7 @@ impl Clock {
             powers.iter_mut().zip(of_run).for_each(|(sum, power)| *sum += power);
         }
         let mut frequency = hertz * sweep::top(&powers, from..until + 1);
-        // What is left, turned back by this frequency, in short pieces: frequencies near by turn them a little.
+        // Residual demodulated with this frequency, in short sections: a nearby frequency changes their phase slowly.
         let piece = self.length / PIECES;
         let mut pieces: Vec<(f64, [f64; 2])> = Vec::new();
         let mut last = (usize::MAX, 0);
@@ -310,7 +309,7 @@ mod tests {
     #[test]
     fn a_vibration_is_found_at_its_frequency() {
         let machine = bench::machine();
-        // 20 readings a second for 50 s, from a time on that is none of whole cycles.
+        // 20 readings per second for 50 s, starting at a time that is not a multiple of the period.
         let time = |row: usize| 7.3 + 0.05 * row as f64;
         let cells: Vec<(f64, String)> = (0..1000).map(|row| (0.1 * row as f64, format!(",{}", time(row)))).collect();
         let cells: Vec<(f64, &str)> = cells.iter().map(|(x, t)| (*x, t.as_str())).collect();

@@ -1,4 +1,4 @@
-//! Rivals that the data cannot separate, and the one measurement that would: never one that the data are.
+//! Measurements that separate a cause from its other explanations. A proposed measurement differs from those in the data.
 
 use std::collections::BTreeMap;
 
@@ -10,29 +10,29 @@ use crate::measure::kind::Measurand;
 use ncfix_base::geometry::{AXES, Axis, Vector};
 use ncfix_model::name::{DIRECTIONS, ErrorKind, ErrorName};
 
-/// Steps in the shortest period.
+/// Number of steps in the shortest period.
 const STEPS: f64 = 3.0;
-/// A step that shows all pitches of screws, mm.
+/// A step that shows all pitches of ball screws, mm.
 const MOST_STEP: f64 = 2.0;
-/// A line has a point for so many mm where waves are looked for: with uneven steps they tell a pitch of a sixth of them.
+/// Distance of points in a plan for waves, mm: with uneven steps, they resolve a pitch of a sixth of it.
 const FINE: f64 = 20.0;
-/// A feed at which lags are small, mm/min, and the column of those that were run.
+/// A feed at which lags are small, mm/min, and the column of feeds.
 const SLOW: f64 = 500.0;
 const FEED: &str = "feed_mm_min";
-/// The column of spindle speeds.
+/// Column of spindle speeds.
 const SPEED: &str = "spindle_rpm";
-/// Lengths, feeds and speeds that differ by less than this share are one.
+/// Lengths, feeds and speeds are equal if they differ by less than this share.
 const OTHER: f64 = 0.1;
-/// By how much a second tool is longer, mm.
+/// Additional length of a second tool, mm.
 const LONGER: f64 = 60.0;
-/// A grid has so many steps over this share of the travel.
+/// Number of steps of a grid, over this share of the travel.
 const HOLES: f64 = 4.0;
 const WIDE: f64 = 0.8;
 
-/// What tells a cause from its first rival, and the command that plans it where there is one.
+/// Returns the measurement that separates a cause from its first other explanation, and the command that plans it, if there is one.
 pub(super) fn separating(scene: &Scene<'_>, one: &Candidate, rival: &Candidate) -> String {
     let (sentence, plan) = told_apart([one.cause.effect, rival.cause.effect]);
-    // An offset or a tilt of a rotary axis, or of the spindle, shows where that axis turns.
+    // An offset or a tilt of a rotary axis or of the spindle shows when that axis turns.
     let turns = |candidate: &Candidate| {
         let name = candidate.columns.iter().flatten().find_map(|(through, _)| match through {
             Through::Component(name) if name.kind == ErrorKind::Location => Some(*name),
@@ -46,7 +46,7 @@ pub(super) fn separating(scene: &Scene<'_>, one: &Candidate, rival: &Candidate) 
     } else {
         (sentence, plan)
     };
-    // What has a place of its own says where, else its rival.
+    // A cause with a place gives it; otherwise that of the other explanation is used.
     let around = Around::new(scene, one).or_else(|| Around::new(scene, rival));
     let sentence = sentence.unwrap_or(one.cause.separate_by);
     let Some(plan) = plan else { return sentence.to_owned() };
@@ -55,7 +55,7 @@ pub(super) fn separating(scene: &Scene<'_>, one: &Candidate, rival: &Candidate) 
     if !measured.has(plan) {
         return with_command(sentence.to_owned(), around.command(plan));
     }
-    // That was measured already: another view of the same errors.
+    // The data contain this measurement already: another view of the same errors.
     let other = OTHERS.iter().find(|(_, other)| !measured.has(*other) && around.command(*other).is_some());
     match other {
         Some((sentence, plan)) => with_command((*sentence).to_owned(), around.command(*plan)),
@@ -66,7 +66,7 @@ pub(super) fn separating(scene: &Scene<'_>, one: &Candidate, rival: &Candidate) 
 const BALLS: &str =
     "the balls again with a second tool length: the effect of a tilt grows with the arm, that of an offset does not";
 
-/// Measurements that show the same errors from another side, the most telling first.
+/// Measurements that show the same errors in another way, the most informative first.
 const OTHERS: [(&str, SeparatingPlan); 5] = [
     (
         "the same poses with a second tool length: angles grow with the arm, displacements do not",
@@ -77,11 +77,11 @@ const OTHERS: [(&str, SeparatingPlan); 5] = [
     ("the line of the axis in both directions", SeparatingPlan::Line),
     ("circles of another radius", SeparatingPlan::SmallCircles),
 ];
-/// Where nothing else is left.
+/// Fallback if no other measurement remains.
 const AGAIN: &str =
     "the same measurement again, with more readings: the data are too few or too noisy to separate them";
 
-/// Every command that may be said of what may be at work in a scene.
+/// Returns every command that may be proposed for the possible causes in a scene.
 #[must_use]
 pub fn commands(causes: &Causes, scene: &Scene<'_>) -> Vec<String> {
     let mut all = propose(causes, scene);
@@ -113,27 +113,27 @@ fn with_command(sentence: String, command: Option<String>) -> String {
 /// Kinds of measurements that `ncfix plan` writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SeparatingPlan {
-    /// Circles in both senses.
+    /// Circles in both directions.
     Circles,
-    /// The same at another feed, with another radius.
+    /// Circles at another feed, with another radius.
     SlowCircles,
     SmallCircles,
-    /// A line in uneven steps, forth and back.
+    /// A line in uneven steps, in both directions.
     Line,
-    /// The same at another feed.
+    /// A line at another feed.
     SlowLine,
-    /// The same in many steps.
+    /// A line in many steps.
     FineLine,
     /// A grid of holes, also with a longer tool.
     Grid,
     Heights,
     /// Balls on the table in poses of the rotary axes, with a longer tool.
     Balls,
-    /// Speeds of the spindle by chance.
+    /// Random speeds of the spindle.
     Drift,
 }
 
-/// What tells causes of two effects apart, in whatever order; the plan that does it.
+/// Returns the measurement that separates causes of two effects, in either order, and its plan.
 fn told_apart(pair: [EffectKind; 2]) -> (Option<&'static str>, Option<SeparatingPlan>) {
     let is = |a, b| pair == [a, b] || pair == [b, a];
     let both = |a| pair == [a, a];
@@ -214,12 +214,12 @@ fn told_apart(pair: [EffectKind; 2]) -> (Option<&'static str>, Option<Separating
     (Some(sentence), Some(plan))
 }
 
-/// Where an error is, and what a plan must know.
+/// Place of an error, and the data that a plan needs.
 struct Around {
-    /// Its own axis, linear, and where it goes.
+    /// The linear axis of the error, and its range.
     axis: Axis,
     travel: [f64; 2],
-    /// The component of its motion.
+    /// Component of its motion.
     name: Option<ErrorName>,
     /// Linear axes of the plane in which it shows, and the shorter travel.
     plane: &'static str,
@@ -281,11 +281,11 @@ impl Around {
         })
     }
 
-    /// The command that writes a plan; `None` where the axis has none.
+    /// Returns the command that writes a plan; `None` if the axis has none.
     fn command(&self, plan: SeparatingPlan) -> Option<String> {
         let tool = hundredths(self.tool_mm);
         let tool = if tool > 0.0 { format!(" --tool {tool}") } else { String::new() };
-        // Half of what was run, or a slow one.
+        // Half of the measured feed, or a slow one.
         let feed = self.feed.map_or(SLOW, |feed| (feed / 2.0).max(1.0).round());
         let component = match self.name.filter(|name| name.axis() == Some(self.axis)) {
             Some(name) => format!(" --component {name}"),
@@ -324,7 +324,7 @@ impl Around {
     }
 }
 
-/// Which kinds of measurements a scene has.
+/// Returns the kinds of measurements in a scene.
 struct Measured {
     circles: bool,
     radii: bool,
@@ -396,7 +396,7 @@ impl Measured {
     }
 }
 
-/// Some sequence of rows turns one way in a plane, and some other one the other way.
+/// True if one sequence of rows turns in one direction in a plane, and another in the opposite one.
 fn turns_both_ways(rows: &[&SceneRow], plane: &[Axis]) -> bool {
     let [first, second] = plane else { return false };
     let mut areas: BTreeMap<usize, f64> = BTreeMap::new();
@@ -408,12 +408,12 @@ fn turns_both_ways(rows: &[&SceneRow], plane: &[Axis]) -> bool {
     areas.values().any(|area| *area > 0.0) && areas.values().any(|area| *area < 0.0)
 }
 
-/// A wave with another period, by the name of its component.
+/// A wave of the same component with another period.
 pub(super) fn every(parameter: &str, period: f64) -> String {
     format!("{parameter} every {} mm", hundredths(period))
 }
 
-/// What tells a wave from one of a shorter period that is the same at the places that were measured.
+/// Returns the measurement that separates a wave from a shorter one that is equal at the measured places.
 pub(super) fn steps(scene: &Scene<'_>, one: &Candidate, shortest: f64) -> String {
     let longest = one.constant.map_or(shortest, |(period, _)| period.max(shortest));
     let step = hundredths((shortest / STEPS).min(MOST_STEP));

@@ -1,4 +1,4 @@
-//! The shape of a finding: how large it is over what it depends on, and in words where it acts.
+//! Shape of a finding: its size over its drivers, and a description of where it acts.
 
 use super::cause::EffectKind;
 use super::row::SceneRow;
@@ -8,26 +8,26 @@ use super::verdict::AcceptedCause;
 use ncfix_base::geometry::AXES;
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 
-/// Places along a driver alone, and along each of two.
+/// Maximum number of places along a single driver, and along each of two.
 const ALONE: usize = 13;
 const TOGETHER: usize = 9;
-/// It acts beyond this share of its largest.
+/// A finding acts where its size exceeds this share of its largest size.
 const ACTS: f64 = 0.05;
-/// It acts in a part of a driver only where so many of the rows are outside.
+/// It acts in a part of a driver only if at least this share of the rows is outside.
 const OUTSIDE: f64 = 0.08;
-/// Where it acts it depends on the driver that says where only if that explains this share of its variance.
+/// Minimum share of its variance that the driver must explain within that part.
 const DEPENDS: f64 = 0.3;
-/// Parts of the range of a driver for that.
+/// Number of parts of the range of a driver for this test.
 const PARTS: usize = 8;
 
-/// What something depends on, by row of the scene.
+/// A driver, by row of the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Driver {
-    /// The column of the table.
+    /// Column of the table.
     pub name: String,
-    /// Its unit; empty for senses and for what is not known.
+    /// Its unit; empty for directions of motion and unknown units.
     pub unit: &'static str,
-    /// Its values, as the table has them; NaN where it says nothing.
+    /// Its values in the units of the table; NaN if missing.
     pub values: Vec<f64>,
 }
 
@@ -37,7 +37,7 @@ impl Driver {
     }
 }
 
-/// The unit of a column of numbers, by its name.
+/// Returns the unit of a column of numbers, by its name.
 #[must_use]
 pub fn unit_of(name: &str) -> &'static str {
     const UNITS: [(&str, &str); 9] = [
@@ -57,7 +57,7 @@ pub fn unit_of(name: &str) -> &'static str {
     UNITS.iter().find(|(ending, _)| name.ends_with(ending)).map_or("", |(_, unit)| unit)
 }
 
-/// A driver by its name: a position, a sense, time or a column of numbers; `None` where no row has it.
+/// Returns a driver by its name: a position, a direction of motion, time or a column of numbers; `None` if no row has it.
 #[must_use]
 pub fn driver(scene: &Scene<'_>, name: &str) -> Option<Driver> {
     let column = |row: &SceneRow| {
@@ -77,7 +77,7 @@ pub fn driver(scene: &Scene<'_>, name: &str) -> Option<Driver> {
     values.iter().any(|value| value.is_finite()).then(|| Driver { name: name.to_owned(), unit: unit_of(name), values })
 }
 
-/// What a finding depends on.
+/// Returns the drivers of a finding.
 #[must_use]
 pub fn drivers(one: &AcceptedCause, scene: &Scene<'_>) -> Vec<Driver> {
     let searched = |(name, values): &(String, std::sync::Arc<Vec<f64>>)| {
@@ -91,7 +91,7 @@ pub fn drivers(one: &AcceptedCause, scene: &Scene<'_>) -> Vec<Driver> {
     one.candidate.along.iter().map(searched).collect()
 }
 
-/// How large a finding is where it comes in, by row of the scene, µm or µrad.
+/// Size of a finding at the point where it acts, by row of the scene, µm or µrad.
 #[must_use]
 pub fn deviations(one: &AcceptedCause, scene: &Scene<'_>) -> Vec<f64> {
     let micro = if is_angle(&one.candidate) { urad_from_rad(1.0) } else { um_from_mm(1.0) };
@@ -102,7 +102,7 @@ pub fn deviations(one: &AcceptedCause, scene: &Scene<'_>) -> Vec<f64> {
     scene.rows.iter().map(of).collect()
 }
 
-/// The shape over what it depends on, one driver or two: means over places that were measured. `used` measurements were used.
+/// Returns the shape over one or two drivers: means over measured places. The first `used` measurements were used.
 #[must_use]
 pub fn shape(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Vec<(Vec<f64>, f64)> {
     let all = drivers(one, scene);
@@ -122,7 +122,7 @@ pub fn shape(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Vec<(Vec<f6
         cell.1 += deviations.get(row).copied().unwrap_or(0.0);
         cell.2 += 1.0;
     }
-    // Rows of a grid lie on common lines: a mean of each line, not of each cell.
+    // Rows of a grid lie on common lines: one mean for each line, not for each cell.
     let mut lines: Vec<std::collections::BTreeMap<usize, [f64; 2]>> =
         vec![std::collections::BTreeMap::new(); all.len()];
     for (key, (sums, _, count)) in &cells {
@@ -141,7 +141,7 @@ pub fn shape(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Vec<(Vec<f6
     cells.into_iter().map(|(key, (_, sum, count))| (at(&key), sum / count)).collect()
 }
 
-/// Rows that were used and say all drivers.
+/// Rows of the used measurements that have all drivers.
 fn rows(scene: &Scene<'_>, used: usize, drivers: &[Driver]) -> Vec<usize> {
     let is_known = |row: &usize| {
         drivers.iter().all(|driver| driver.values.get(*row).is_some_and(|value| value.is_finite()))
@@ -150,13 +150,13 @@ fn rows(scene: &Scene<'_>, used: usize, drivers: &[Driver]) -> Vec<usize> {
     (0..scene.rows.len()).filter(is_known).collect()
 }
 
-/// The number of the place of each row along a driver: its values where they are few, else equal parts of its range.
+/// Returns the number of the place of each row along a driver: its values if they are few, else equal parts of its range.
 fn places(driver: &Driver, rows: &[usize], most: usize) -> Vec<usize> {
     let value = |row: &usize| driver.values.get(*row).copied().unwrap_or(0.0);
     let mut values: Vec<f64> = rows.iter().map(value).collect();
     values.sort_by(f64::total_cmp);
     let (low, high) = (values.first().copied().unwrap_or(0.0), values.last().copied().unwrap_or(0.0));
-    // A machine does not stand where it was told to the last digit.
+    // A machine reaches its target only approximately.
     let near = (high - low) * 1e-3;
     let mut different: Vec<f64> = Vec::new();
     for value in values {
@@ -181,7 +181,7 @@ fn value_share(value: f64, low: f64, high: f64) -> f64 {
     if high > low { ((value - low) / (high - low)).clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// What is known of a finding without a name, in a sentence; `None` for those that have one.
+/// Describes an unnamed finding in a sentence; `None` for named ones.
 #[must_use]
 pub fn sentence(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Option<String> {
     if one.candidate.cause.effect != EffectKind::Unknown {
@@ -207,7 +207,8 @@ pub fn sentence(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Option<S
             senses.push(format!("turns over with the sense of {}", driver.name.trim_end_matches("_dir")));
             continue;
         }
-        // Where set-ups have a zero of their own, that of a function of one driver is anywhere: the usual level is none only where it is there mostly.
+        // If set-ups have a free zero, the zero of a function of one driver is arbitrary. Its most frequent value counts as zero only if it is the value at
+        // most places.
         let is_usual = !is_alone || acting.len() < rows.len() / 2;
         let limit = limit(driver, &rows, &acting).filter(|_| is_usual);
         if limit.is_none() || explained(driver, &acting, &deviations) > DEPENDS {
@@ -220,7 +221,7 @@ pub fn sentence(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Option<S
         _ if one.candidate.parameter.is_empty() => "an error of the readings".to_owned(),
         _ => format!("an error {}", one.candidate.parameter),
     };
-    // One driver that says both where and how much is named once.
+    // A single driver that describes both place and size is named once.
     let is_one = depends.len() == 1 && is_alone;
     let limits: Vec<String> = limits
         .into_iter()
@@ -237,7 +238,7 @@ pub fn sentence(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Option<S
     Some(format!("unknown: {place} that {}; shape attached", parts.join(" and ")))
 }
 
-/// Where it acts along a driver, where that is not everywhere.
+/// Describes the part of a driver where it acts, if it does not act everywhere.
 fn limit(driver: &Driver, rows: &[usize], acting: &[usize]) -> Option<(String, String)> {
     let value = |row: &usize| value_of(driver, *row);
     let low = acting.iter().map(value).fold(f64::INFINITY, f64::min);
@@ -247,7 +248,7 @@ fn limit(driver: &Driver, rows: &[usize], acting: &[usize]) -> Option<(String, S
         rows.iter().map(value).filter(|value| *value > high).collect(),
     ];
     let is_outside = |rest: &Vec<f64>| rest.len() as f64 > OUTSIDE * rows.len() as f64;
-    // Between the last place without it and the first one with it.
+    // Limit between the last place without it and the first one with it.
     let from = f64::midpoint(low, below.iter().copied().fold(f64::NEG_INFINITY, f64::max));
     let to = f64::midpoint(high, above.iter().copied().fold(f64::INFINITY, f64::min));
     let round = |value: f64| rounded(value, rows.iter().map(value_in(driver)));
@@ -265,7 +266,7 @@ fn value_in(driver: &Driver) -> impl Fn(&usize) -> f64 + '_ {
     move |row| value_of(driver, *row)
 }
 
-/// A limit is no better known than a hundredth of the range.
+/// A limit is rounded to a hundredth of the range.
 fn rounded(value: f64, all: impl Iterator<Item = f64>) -> String {
     let (low, high) =
         all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
@@ -277,7 +278,7 @@ fn rounded(value: f64, all: impl Iterator<Item = f64>) -> String {
     format!("{:.decimals$}", (value / step).round() * step)
 }
 
-/// Share of the variance of a deviation in some rows that means over parts of a driver explain.
+/// Share of the variance of a deviation that its means over parts of a driver explain, in some rows.
 fn explained(driver: &Driver, rows: &[usize], deviations: &[f64]) -> f64 {
     let places = places(driver, rows, PARTS);
     let at = |row: &usize| deviations.get(*row).copied().unwrap_or(0.0);
@@ -303,9 +304,9 @@ mod tests {
             let driver = Driver { name: "X".into(), unit: "mm", values: values.to_vec() };
             places(&driver, &(0..values.len()).collect::<Vec<_>>(), most)
         };
-        // A thousandth of the range is no other place.
+        // A thousandth of the range is not a different place.
         assert_eq!(of(&[10.0, 0.0, 0.009, 5.0, 10.0], 5), [2, 0, 0, 1, 2]);
-        // Four parts of 100 where five places are too few.
+        // Four parts of 100, because five places are too few.
         assert_eq!(of(&[0.0, 24.0, 26.0, 49.0, 51.0, 74.0, 76.0, 100.0], 5), [0, 0, 1, 1, 2, 2, 3, 3]);
     }
 }

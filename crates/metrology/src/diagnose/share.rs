@@ -1,23 +1,23 @@
-//! Which part of what was explained each finding has: what is lost without it (leave one out), and its fair part (Shapley 1953), the mean of
-//! what it adds over all orders in which findings could have been added.
+//! Shares of the findings in the explained part of the residual: the loss without each finding, and its fair share (Shapley 1953). The fair share is the mean
+//! of its contributions over all orders in which the findings could be added.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::search::{Field, Weights};
 
-/// Findings of which all sets are tried.
+/// Maximum number of findings for which all subsets are evaluated.
 const MOST: usize = 10;
 
-/// Of one finding, as shares of the squares of what the model leaves.
+/// Shares of one finding in the sum of squares of the residual of the model.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct VarianceShare {
-    /// What comes back without it.
+    /// Increase of the residual without it.
     pub alone: f64,
-    /// Its fair part.
+    /// Its fair share.
     pub fair: f64,
 }
 
-/// Of all findings.
+/// Returns the shares of all findings.
 pub(super) fn shares(field: &Field<'_, '_>, weights: &Weights, taken: &[usize]) -> Vec<VarianceShare> {
     let count = taken.len();
     let mut series = field.series(weights, &[], 0.0);
@@ -38,7 +38,7 @@ pub(super) fn shares(field: &Field<'_, '_>, weights: &Weights, taken: &[usize]) 
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let gram = DMatrix::from_fn(columns.len(), columns.len(), |a, b| dot(&columns[a], &columns[b]));
     let right = DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, &left)));
-    // What a set of findings explains.
+    // Part that a set of findings explains.
     let explained = |set: u32| {
         let own: Vec<usize> = (0..columns.len()).filter(|&k| set >> owners[k] & 1 == 1).collect();
         if own.is_empty() {
@@ -46,7 +46,7 @@ pub(super) fn shares(field: &Field<'_, '_>, weights: &Weights, taken: &[usize]) 
         }
         let small = DMatrix::from_fn(own.len(), own.len(), |a, b| gram[(own[a], own[b])]);
         let part = DVector::from_iterator(own.len(), own.iter().map(|&k| right[k]));
-        // Columns that say the same share it.
+        // Findings with the same columns share their contribution.
         let eigen = small.symmetric_eigen();
         let most = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
         let turned = eigen.eigenvectors.transpose() * part;
@@ -54,7 +54,7 @@ pub(super) fn shares(field: &Field<'_, '_>, weights: &Weights, taken: &[usize]) 
         eigen.eigenvalues.iter().zip(turned.iter()).map(of).sum::<f64>() / whole
     };
     if count > MOST {
-        // All sets are too many; the fair part is between what is lost without it and what it explains by itself.
+        // There are too many subsets. The fair share lies between the loss without the finding and its contribution alone.
         let all = (1_u32 << count.min(31)) - 1;
         let every = explained(all);
         let of = |k: usize| {
@@ -92,7 +92,7 @@ mod tests {
     use crate::diagnose::cause::EffectKind;
     use crate::diagnose::scene::Through;
 
-    /// Readings of 1 µm along X in some rows; three findings say those of the first row, one more those of each other row.
+    /// Readings of 1 µm along X in some rows. Three findings explain those of the first row; one further finding explains each other row.
     fn of(rows: usize) -> Vec<VarianceShare> {
         let machine = bench::machine();
         let sets = [bench::reads_along_x(&machine, &vec![1.0; rows])];
@@ -104,7 +104,7 @@ mod tests {
         shares(&field, &bench::even(&scene), &(0..rows + 2).collect::<Vec<_>>())
     }
 
-    /// The first three are alone and fair as said, and of the others each is all of its row.
+    /// Checks the shares of the first three findings. Each of the others explains all of its row.
     fn check(found: &[VarianceShare], first: [f64; 2], other: f64) {
         for (k, share) in found.iter().enumerate() {
             let [alone, fair] = if k < 3 { first } else { [other; 2] };
@@ -115,7 +115,7 @@ mod tests {
     #[test]
     fn those_that_say_the_same_share_it() {
         let found = of(8);
-        // Nothing is lost without one of the three, which have a third each of their row.
+        // Without one of the three, nothing is lost; each has a third of the row.
         check(&found, [0.0, 1.0 / 24.0], 1.0 / 8.0);
     }
 

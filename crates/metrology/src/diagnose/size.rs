@@ -1,4 +1,4 @@
-//! The size of a finding as people name it: a reversal value, an amplitude, a slope or the range over the travel that was measured.
+//! Size of a finding in the usual form: a reversal value, an amplitude, a slope or the range over the measured travel.
 
 use super::cause::{Candidate, EffectKind, Term, setup};
 use super::row::SceneRow;
@@ -6,11 +6,11 @@ use super::scene::{Scene, Through};
 use ncfix_base::geometry::{AXES, Axis};
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 
-/// 95 % of a normal distribution, in standard deviations.
+/// Half width of an interval of 95 % of a normal distribution, in standard deviations.
 pub(crate) const EXPANDED: f64 = 1.96;
 /// mm/s² in m/s², and s in ms.
 const THOUSAND: f64 = 1e3;
-/// Parts in a million: µm/m, µrad.
+/// Parts per million: µm/m, µrad.
 const MILLION: f64 = 1e6;
 
 /// A size with its unit.
@@ -18,23 +18,23 @@ const MILLION: f64 = 1e6;
 pub struct Size {
     /// Its value.
     pub value: f64,
-    /// Expanded uncertainty (95 %).
+    /// Its expanded uncertainty (95 %).
     pub u95: f64,
-    /// `um`, `urad`, `um/m`, `ms` …
+    /// Its unit: `um`, `urad`, `um/m`, `ms` …
     pub unit: &'static str,
 }
 
 /// Amounts of the columns of a candidate, and their covariance.
 #[derive(Clone, Debug, Default)]
 pub struct Amounts {
-    /// mm, rad, per unit of the driver.
+    /// Amounts in mm or rad, per unit of the driver.
     pub values: Vec<f64>,
-    /// Row by row.
+    /// Covariance by rows.
     pub covariance: Vec<Vec<f64>>,
 }
 
 impl Amounts {
-    /// A linear form of them: value and standard deviation.
+    /// Returns the value and standard deviation of a linear form of the amounts.
     pub(super) fn form(&self, factors: &[f64]) -> (f64, f64) {
         let value = self.values.iter().zip(factors).map(|(value, factor)| value * factor).sum();
         let mut variance = 0.0;
@@ -51,12 +51,12 @@ impl Amounts {
     }
 }
 
-/// The weights of the columns of a candidate at a row.
+/// Returns the weights of the columns of a candidate at a row.
 pub(super) fn weights_at(candidate: &Candidate, row: &SceneRow) -> Vec<f64> {
     candidate.columns.iter().map(|parts| parts.first().map_or(0.0, |(_, weight)| weight.of(row))).collect()
 }
 
-/// Whether its deviation is an angle.
+/// True if its deviation is an angle.
 pub(crate) fn is_angle(candidate: &Candidate) -> bool {
     match candidate.columns.first().and_then(|parts| parts.first()) {
         Some((Through::Component(name), _)) => name.direction.is_rotation(),
@@ -65,7 +65,7 @@ pub(crate) fn is_angle(candidate: &Candidate) -> bool {
     }
 }
 
-/// The size of a candidate with these amounts over the rows of the measurements that were used.
+/// Returns the size of a candidate with these amounts, over the rows of the measurements used.
 pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, used: usize) -> Size {
     let is_angle = is_angle(candidate);
     let (micro, unit) = if is_angle { (urad_from_rad(1.0), "urad") } else { (um_from_mm(1.0), "um") };
@@ -86,7 +86,7 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
         return Size { value: count, u95: 0.5, unit };
     }
     if matches!(candidate.constant, Some((_, "lobes"))) {
-        // Of the plane that has most of them.
+        // Uses the plane with the largest number.
         let of = |first: usize| amplitude(amounts, first, micro, unit);
         let all = (0..amounts.values.len()).step_by(2).map(of);
         return all.max_by(|a, b| a.value.total_cmp(&b.value)).unwrap_or_default();
@@ -94,7 +94,7 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
     match candidate.cause.effect {
         EffectKind::Periodic => amplitude(amounts, 0, micro, unit),
         EffectKind::Dynamic if candidate.constant.is_some() => amplitude(amounts, 0, micro, unit),
-        // The step from one octant to the next.
+        // Step from one octant to the next.
         EffectKind::Dynamic if candidate.parameter.is_empty() => {
             let step = plain(micro, unit);
             Size { value: step.value.abs(), ..step }
@@ -104,7 +104,7 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
         }
         EffectKind::Location | EffectKind::Earlier => plain(micro, unit),
         EffectKind::Backlash | EffectKind::LateralPlay => {
-            // The full reversal value, where it is largest.
+            // Full reversal value at the place where it is largest.
             let at = peak(candidate, amounts, &mut rows().filter(|row| sense_of(candidate, row) > 0.0));
             of(&at.unwrap_or(first.clone()), 2.0 * micro, unit)
         }
@@ -118,7 +118,7 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
             of(&mixed(candidate, &low, &high), micro, unit)
         }
         EffectKind::Following if candidate.parameter.len() > 1 => {
-            // What shrinks circles is the square of the lag.
+            // The shrinkage of circles is proportional to the square of the lag.
             let (value, sigma) = amounts.form(&first);
             let lag = value.abs().sqrt();
             let u95 = if lag > 0.0 { EXPANDED * sigma / (2.0 * lag) } else { EXPANDED * sigma.sqrt() };
@@ -128,13 +128,13 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
         EffectKind::ServoMismatch | EffectKind::Following | EffectKind::Delay => plain(THOUSAND, "ms"),
         EffectKind::Probe if candidate.drivers.iter().any(|driver| driver == "feed_mm_min") => plain(THOUSAND, "ms"),
         EffectKind::ThermalDrift => plain(micro, "um/K"),
-        // What grows with the axis: errors are those of the moving body, which a table goes the other way round.
+        // Slope along the axis. Errors are those of the moving body, and a table moves against its coordinate.
         EffectKind::ThermalExpansion => plain(MILLION * sense_along(candidate, scene), "um/(m K)"),
         EffectKind::ThermalSquareness => plain(MILLION, "urad/K"),
         EffectKind::Setup if candidate.cause.name == setup::SCALE.name => {
             plain(MILLION, if candidate.sensor.is_some() { "um/(m K)" } else { "um/m" })
         }
-        // The largest of all set-ups.
+        // Largest value of all set-ups.
         EffectKind::Setup if candidate.parameter == "rotation" => {
             let size = |k: &usize| amounts.values.get(*k).copied().unwrap_or(0.0).abs();
             let most = (0..amounts.values.len()).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(0);
@@ -147,7 +147,7 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
     }
 }
 
-/// Whether the body that an axis moves goes with its coordinate (1) or against it (−1).
+/// Returns 1 if the body that an axis moves moves with its coordinate, −1 if it moves against it.
 fn sense_along(candidate: &Candidate, scene: &Scene<'_>) -> f64 {
     let data = component_axis(candidate).and_then(|axis| scene.machine.axis(axis));
     let along = data.and_then(|data| data.direction.get(data.axis.dimension()).copied()).unwrap_or(1.0);
@@ -177,14 +177,14 @@ fn sense_of(candidate: &Candidate, row: &SceneRow) -> f64 {
     component_axis(candidate).map_or(1.0, |axis| row.sense_of(axis))
 }
 
-/// The weights where it is largest.
+/// Returns the weights at the largest deviation.
 fn peak(candidate: &Candidate, amounts: &Amounts, rows: &mut dyn Iterator<Item = &SceneRow>) -> Option<Vec<f64>> {
     let of = |row: &SceneRow| weights_at(candidate, row);
     let all = rows.map(of).map(|weights| (amounts.form(&weights).0.abs(), weights));
     all.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, weights)| weights)
 }
 
-/// Weights where it is highest less those where it is lowest.
+/// Returns the weights at the highest deviation minus those at the lowest.
 fn range(candidate: &Candidate, amounts: &Amounts, rows: &mut dyn Iterator<Item = &SceneRow>) -> Vec<f64> {
     let zero = vec![0.0; amounts.values.len()];
     let mut ends: Option<[(f64, Vec<f64>); 2]> = None;
@@ -205,7 +205,7 @@ fn range(candidate: &Candidate, amounts: &Amounts, rows: &mut dyn Iterator<Item 
     ends.map_or(zero, |[low, high]| high.1.iter().zip(&low.1).map(|(high, low)| high - low).collect())
 }
 
-/// The ends of what was measured, as rows.
+/// Returns the rows at the ends of the measured range.
 fn corners(candidate: &Candidate, scene: &Scene<'_>, used: usize) -> [Option<SceneRow>; 2] {
     let _ = candidate;
     let mut rows = scene.rows.iter().filter(|row| row.set < used);
@@ -220,7 +220,7 @@ fn corners(candidate: &Candidate, scene: &Scene<'_>, used: usize) -> [Option<Sce
     [Some(low), Some(high)]
 }
 
-/// What two axes do together between the ends: a quarter of the difference of the differences.
+/// Interaction of two axes between the ends of their ranges: a quarter of the difference of the differences.
 fn mixed(candidate: &Candidate, low: &Option<SceneRow>, high: &Option<SceneRow>) -> Vec<f64> {
     let axis_of = |name: &String| AXES.into_iter().find(|axis| axis.to_string() == *name);
     let axes: Vec<Axis> = candidate.drivers.iter().filter_map(axis_of).take(2).collect();

@@ -1,8 +1,8 @@
-//! Whether what was found stands beside noise that wanders slowly: by the likelihood, with the noise found anew beside every choice.
+//! Significance of the findings against slowly varying noise, by the likelihood. The noise is estimated again for every set of terms.
 //!
-//! What many terms leave of a slow wander looks white, so that each of them looks sure beside the others. Here terms come in one by one, the surest first,
-//! and what they do not explain may be white noise and a slow process together (autoregressive of first order; near to 1 it is a random walk).
-//! A term that explains all of a wander makes the process vanish and gains much; one that only follows a part of it gains what a chance match does.
+//! Many terms together can follow slow noise; their residual then looks white, and each looks significant beside the others. Here terms are added one by one,
+//! the most significant first. The residual may be the sum of white noise and a slow process (first-order autoregressive; near 1 it is a random walk). A term
+//! that explains all slow variation removes this process and gains much. A term that follows it only in part gains as much as a chance match.
 
 use ncfix_base::numeric::{fisher, in_parts};
 
@@ -10,23 +10,23 @@ use super::cause::{Candidate, EffectKind};
 use super::fold::counts;
 use super::search::{Field, Taken, Weights};
 
-/// Memories from row to row that are tried, and variances of what is new in a row beside white noise.
+/// Tested autocorrelations from row to row, and tested variances of the innovation relative to white noise.
 const MEMORIES: [f64; 4] = [0.8, 0.95, 0.99, 0.999];
 const FRESH: [f64; 7] = [1e-3, 4e-3, 0.016, 0.06, 0.25, 1.0, 4.0];
-/// The same where there are many readings.
+/// Tested values if there are many readings.
 const MEMORIES_OF_MANY: [f64; 3] = [0.9, 0.98, 0.999];
 const FRESH_OF_MANY: [f64; 4] = [2e-3, 0.016, 0.12, 1.0];
-/// So many are many.
+/// Number of readings from which these values are used.
 const MANY: usize = 8000;
-/// Named ones that are held against one without a name, at most.
+/// Maximum number of named causes that are compared with an unnamed one.
 const MOST: usize = 60;
-/// A column of which less than this share of its square is left says nothing of its own.
+/// A column with less than this share of its square remaining is dependent.
 const DEPENDENT: f64 = 1e-9;
 
-/// The readings that count, series behind series.
+/// The included readings, one series after the other.
 struct Rows {
     places: Vec<usize>,
-    /// Place in its series.
+    /// Position in its series.
     within: Vec<usize>,
     longest: usize,
 }
@@ -59,14 +59,14 @@ impl Rows {
     }
 }
 
-/// A kind of noise: white, and a slow process of this memory and this variance of what is new in a row.
+/// A noise model: white noise plus a slow process with this autocorrelation and this variance of its innovation.
 #[derive(Clone, Copy)]
 struct Kind {
     memory: f64,
     fresh: f64,
 }
 
-/// Products of columns beside the unknowns of set-ups, the last one that of the readings, with one kind of noise.
+/// Products of columns after the set-up unknowns, under one noise model. The last column is that of the readings.
 struct Products {
     matrix: Vec<f64>,
     side: usize,
@@ -75,7 +75,7 @@ struct Products {
 }
 
 impl Products {
-    /// Innovations by Kalman's filter: what each reading has beyond what those before it foretell.
+    /// Innovations of a Kalman filter: each reading minus its prediction from the preceding ones.
     fn new(kind: Kind, rows: &Rows, (unknowns, columns): (&[Vec<f64>], &[Vec<f64>])) -> Products {
         let mut variance = kind.fresh / (1.0 - kind.memory * kind.memory);
         let mut steps = Vec::with_capacity(rows.longest);
@@ -132,7 +132,7 @@ impl Products {
         }
     }
 
-    /// −2 ln of the likelihood with some columns, but for a constant, and how many of them say something of their own.
+    /// Returns −2 ln of the likelihood with some columns, up to a constant, and the number of independent columns.
     fn left(&self, columns: &[usize], count: f64) -> (f64, usize) {
         let mut matrix = self.matrix.clone();
         let rank =
@@ -143,7 +143,7 @@ impl Products {
     }
 }
 
-/// Takes a column out of all products. Returns whether it says something of its own.
+/// Eliminates a column from all products. Returns true if it is independent.
 fn take_out(matrix: &mut [f64], side: usize, k: usize, whole: f64) -> bool {
     let pivot = matrix[k * side + k];
     if !(pivot > DEPENDENT * whole && whole > 0.0) {
@@ -157,9 +157,9 @@ fn take_out(matrix: &mut [f64], side: usize, k: usize, whole: f64) -> bool {
     true
 }
 
-/// Candidates beside all kinds of noise.
+/// Candidates under all noise models.
 struct Slow {
-    /// Readings.
+    /// The readings.
     count: f64,
     /// Columns of each candidate.
     own: Vec<Vec<usize>>,
@@ -190,7 +190,7 @@ impl Slow {
         Slow { count: rows.places.len() as f64, own, all }
     }
 
-    /// −2 ln of the likelihood of some of them, but for a constant, with the noise that suits them best, and how many columns say something of their own.
+    /// Returns −2 ln of the likelihood of some candidates, up to a constant, with the best noise model, and the number of independent columns.
     fn best(&self, taken: &[usize]) -> (f64, usize) {
         let columns: Vec<usize> = taken.iter().filter_map(|&k| self.own.get(k)).flatten().copied().collect();
         let each = self.all.iter().map(|products| products.left(&columns, self.count));
@@ -198,8 +198,8 @@ impl Slow {
     }
 }
 
-/// The same with what has no name as what has one, where beside noise that wanders this says as much for its number of unknowns: a shape over two drivers
-/// follows a wander that goes with none of them, and takes with it what goes with one.
+/// Replaces unnamed terms by named ones with at least as much evidence under slowly varying noise. A shape over two drivers can follow noise that depends on
+/// neither of them, and then hides a cause that depends on one.
 pub(super) fn named(field: &Field<'_, '_>, weights: &Weights, mut judged: Vec<Taken>) -> Vec<Taken> {
     for k in 0..judged.len() {
         let rivals =
@@ -231,7 +231,7 @@ pub(super) fn named(field: &Field<'_, '_>, weights: &Weights, mut judged: Vec<Ta
     judged
 }
 
-/// Named candidates that act where one without a name does, and depend on a part of what it depends on.
+/// Returns the named candidates that act at the same point as an unnamed one and depend on some of its drivers.
 fn named_of(field: &Field<'_, '_>, one: &Candidate) -> Vec<usize> {
     let through = |one: &Candidate| one.columns.first().and_then(|parts| parts.first()).map(|(through, _)| *through);
     let is_rival = |other: &Candidate| {
@@ -250,7 +250,7 @@ fn named_of(field: &Field<'_, '_>, one: &Candidate) -> Vec<usize> {
         .collect()
 }
 
-/// Those that stand, with the chance of each where that is larger than it was; `note` gets the others.
+/// Returns the significant terms, each with the larger of its p-values; `note` receives the others.
 pub(super) fn stand(
     field: &Field<'_, '_>,
     weights: &Weights,
@@ -272,7 +272,7 @@ pub(super) fn stand(
             let with: Vec<usize> = taken.iter().chain(more).copied().collect();
             let (left, rank) = best(&with);
             let rank = rank.saturating_sub(rank_before) as f64;
-            // Others may only help together with one that stands: their number counts as well.
+            // A term may be significant only together with another one: then the number of both counts.
             let tried = (field.tried as f64).powi(i32::try_from(more.len()).unwrap_or(1));
             (fisher::exceeded((before - left) / rank.max(1.0), rank, 1e9) * tried).min(1.0)
         };
@@ -331,7 +331,7 @@ mod tests {
         let rivals = |drivers: &[&str]| named_of(&field, &of(EffectKind::Unknown, drivers));
         assert_eq!(rivals(&["T_a_C", "t_s"]), [0]);
         assert_eq!(rivals(&["T_a_C", "T_b_C", "t_s"]), [0, 1]);
-        // One driver alone has been looked at with its name; places are not slow.
+        // A single driver was tested with its name already; positions do not vary slowly.
         assert_eq!(rivals(&["T_a_C"]), [0; 0]);
         assert_eq!(rivals(&["T_a_C", "X"]), [0; 0]);
     }
@@ -346,7 +346,7 @@ mod tests {
             let tip = Through::Tip(0);
             let mut named = bench::candidate(EffectKind::ThermalDrift, tip, move |row| temperature(row.number));
             named.drivers = vec!["T_a_C".into()];
-            // Beside the temperature also what goes with it more and more.
+            // An increasing part depends on the temperature and on a second driver.
             let mut shape = bench::candidate(EffectKind::Unknown, tip, move |row| temperature(row.number));
             shape.drivers = vec!["T_a_C".into(), "t_s".into()];
             let mut more =

@@ -1,10 +1,10 @@
-//! Periods in position: which one of many a residual has, without trying each in full.
+//! Periods in position: finds the period that explains most of a residual, without a fit of each one.
 //!
-//! For readings r with factors f at positions x, what a sine and a cosine of a frequency explain beside a constant follows from Σ f r exp(2πi x ν)
-//! and Σ f² exp(2πi x ν) at ν and 2ν. Positions are put into bins that are fine beside the shortest period, and one Fourier transform gives both sums
-//! for all periods at once. What comes out is a proposal: how much it explains is found in full.
+//! For readings r with factors f at positions x, the gain of a sine and a cosine over a constant follows from Σ f r exp(2πi x ν) and Σ f² exp(2πi x ν) at ν
+//! and 2ν. Positions are sorted into bins that are short compared with the shortest period. One Fourier transform then gives both sums for all periods. The
+//! result is a proposal; a full fit determines its gain.
 //!
-//! Places that are evenly spaced show a period and its aliases alike: periods below two steps are not looked for there. Where steps differ, they tell.
+//! Evenly spaced places cannot distinguish a period from its aliases, so periods below two steps are excluded. Uneven steps can distinguish them.
 
 use std::f64::consts::TAU;
 use std::fmt;
@@ -13,39 +13,39 @@ use std::sync::Arc;
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 
-/// Bins over the travel.
+/// Number of bins over the travel.
 const BINS: usize = 8192;
-/// Bins of the transform: the travel and so many times nothing behind it, so that no peak falls between two frequencies.
+/// Number of bins of the transform: a multiple of the travel, padded with zeros, so that peaks between two frequencies are found.
 const LENGTH: usize = 4 * BINS;
-/// Cycles over the travel, at least: fewer are smooth.
+/// Minimum number of cycles over the travel: fewer are smooth shapes.
 const FEWEST: f64 = 3.0;
-/// At most: a tenth of a radian for half of a bin.
+/// Maximum: half a bin is a tenth of a radian.
 const MOST: f64 = 250.0;
-/// Periods that are told apart for one cycle more over the travel.
+/// Number of distinguishable periods per cycle over the travel.
 const STEPS: f64 = 3.0;
-/// Places show a wave of a frequency like a constant where this share of the square of the mean of exp(2πi x ν) is left.
+/// A wave is indistinguishable from a constant if the square of the mean of exp(2πi x ν) over the places exceeds this.
 const ALIKE: f64 = 0.98;
-/// The same as far as bins tell.
+/// Same limit for binned positions.
 const NEARLY_ALIKE: f64 = 0.8;
-/// Places at least, and cycles for each of them at most: a few places show anything as some wave.
+/// Minimum number of places, and maximum number of cycles per place: with few places, some wave fits anything.
 const FEWEST_PLACES: usize = 8;
 const PER_PLACE: f64 = 6.0;
-/// Sine and cosine must say something of their own: the product of both shares of the squares.
+/// Sine and cosine must be independent: minimum product of their remaining squares.
 const TOLD: f64 = 0.02;
-/// Peaks at most.
+/// Maximum number of peaks.
 const PEAKS: usize = 12;
 
-/// A Fourier transform of real numbers with nothing behind them.
+/// Fourier transform of real numbers, padded with zeros.
 #[derive(Clone)]
 pub(super) struct FourierTransform(Arc<dyn Fft<f64>>);
 
 impl FourierTransform {
-    /// To so many frequencies.
+    /// Number of frequencies.
     pub(super) fn new(length: usize) -> FourierTransform {
         FourierTransform(FftPlanner::new().plan_fft_forward(length.max(1)))
     }
 
-    /// How many.
+    /// Number of values.
     pub(super) fn length(&self) -> usize {
         self.0.len()
     }
@@ -75,17 +75,17 @@ impl fmt::Debug for FourierTransform {
 pub(super) struct Sweep {
     travel: f64,
     most: f64,
-    /// Cycles over the travel that the places show like a constant, the fewest; infinite where steps differ.
+    /// Smallest number of cycles over the travel that is indistinguishable from a constant; infinite for uneven steps.
     replica: f64,
     bins: Vec<u32>,
     transform: FourierTransform,
 }
 
-/// Cycles over the travel of a frequency of the transform.
+/// Returns the cycles over the travel of a frequency of the transform.
 const STEP: f64 = (BINS - 1) as f64 / LENGTH as f64;
 
 impl Sweep {
-    /// By positions, one for each reading; `None` where they are too few for any period.
+    /// Takes one position for each reading; `None` if there are too few for any period.
     pub(super) fn new(positions: &[f64]) -> Option<Sweep> {
         let mut places: Vec<f64> = positions.iter().copied().filter(|place| place.is_finite()).collect();
         places.sort_by(f64::total_cmp);
@@ -107,17 +107,17 @@ impl Sweep {
         (most > FEWEST && travel > 0.0).then(|| Sweep { travel, most, replica, bins: bins(), transform })
     }
 
-    /// The range of the positions.
+    /// Range of the positions.
     pub(super) fn travel(&self) -> f64 {
         self.travel
     }
 
-    /// How many periods it tells apart.
+    /// Number of distinguishable periods.
     pub(super) fn count(&self) -> usize {
         ((self.most - FEWEST) * STEPS) as usize + 1
     }
 
-    /// Periods that evenly spaced places show like one of them, the longest first.
+    /// Returns the aliases of a period on evenly spaced places, the longest first.
     pub(super) fn aliases(&self, period: f64) -> Vec<f64> {
         let cycles = self.travel / period;
         if !self.replica.is_finite() {
@@ -128,13 +128,13 @@ impl Sweep {
         all.filter(|other| (FEWEST..MOST).contains(other)).map(|other| self.travel / other).collect()
     }
 
-    /// The period that explains most: of f r and f² by reading, mm.
+    /// Returns the period that explains most, from f r and f² by reading, mm.
     pub(super) fn best(&self, products: &[f64], information: &[f64]) -> f64 {
         let gains = self.gains(products, information, self.most);
         self.travel / (STEP * top(&gains, first()..gains.len().saturating_sub(1)))
     }
 
-    /// Periods that explain at least a share of what the best does, also those that the steps do not tell from it, the best first.
+    /// Returns the periods that explain at least a share of the best gain, including their aliases, the best first.
     pub(super) fn peaks(&self, products: &[f64], information: &[f64], share: f64) -> Vec<f64> {
         let gains = self.gains(products, information, MOST);
         let at = |place: usize| gains.get(place).copied().unwrap_or(0.0);
@@ -147,7 +147,7 @@ impl Sweep {
         peaks.into_iter().map(|k| self.travel / (STEP * top(&gains, k..k + 1))).collect()
     }
 
-    /// What the waves of all frequencies up to some cycles explain beside a constant.
+    /// Returns the gains of waves of all frequencies up to a number of cycles, in addition to a constant.
     fn gains(&self, products: &[f64], information: &[f64], most: f64) -> Vec<f64> {
         let mut bins = vec![Complex::new(0.0, 0.0); BINS];
         for ((&bin, product), own) in self.bins.iter().zip(products).zip(information) {
@@ -156,7 +156,7 @@ impl Sweep {
                 sum.im += own;
             }
         }
-        // Both are real: the transform of each is one half of what it is at a frequency and at its negative.
+        // Both inputs are real: their transforms are separated by the symmetry of positive and negative frequencies.
         let all = self.transform.of(bins);
         let both = |k: usize| {
             let one = all.get(k).copied().unwrap_or_default();
@@ -171,7 +171,7 @@ impl Sweep {
             if whole <= 0.0 {
                 return 0.0;
             }
-            // Beside a constant, which set-ups take up.
+            // A constant is included, because set-ups absorb it.
             let cosines = 0.5 * (whole + second.re) - first.re * first.re / whole;
             let sines = 0.5 * (whole - second.re) - first.im * first.im / whole;
             let mixed = 0.5 * second.im - first.re * first.im / whole;
@@ -186,12 +186,13 @@ impl Sweep {
     }
 }
 
-/// The first frequency that is a period.
+/// Returns the first frequency that counts as a period.
 fn first() -> usize {
     (FEWEST / STEP).ceil() as usize
 }
 
-/// The fewest cycles over a travel that places (shares of it) show like a constant, as evenly spaced ones do; infinite where there are none.
+/// Returns the smallest number of cycles over a travel that is indistinguishable from a constant at some places (shares of the travel); infinite if every
+/// number is distinguishable.
 fn replica(transform: &FourierTransform, places: &[f64]) -> f64 {
     let count = places.len() as f64;
     let mut bins = vec![0.0; BINS];
@@ -217,7 +218,7 @@ fn replica(transform: &FourierTransform, places: &[f64]) -> f64 {
     f64::INFINITY
 }
 
-/// Where the largest of some values is, between them as a parabola has it.
+/// Returns the position of the maximum of some values, interpolated by a parabola.
 pub(super) fn top(powers: &[f64], range: std::ops::Range<usize>) -> f64 {
     let at = |place: usize| powers.get(place).copied().unwrap_or(0.0);
     let start = range.start;
@@ -245,7 +246,7 @@ mod tests {
 
     #[test]
     fn uneven_steps_tell_a_period_below_two_of_them() {
-        // ISO 230-2 wants steps that differ: here by thirds of a step, forwards and backwards.
+        // ISO 230-2 requires uneven steps: here they differ by thirds of a step, in both directions.
         let positions: Vec<f64> =
             (0..21).map(|k| 33.0 * f64::from(k) + [0.0, 9.0, -7.0, 4.0, -10.0][k as usize % 5]).collect();
         let sweep = Sweep::new(&positions).unwrap();

@@ -1,4 +1,4 @@
-//! The verdict: findings with their sizes, rivals and what they gain, and what is left.
+//! Verdict of a diagnosis: findings with their sizes, other explanations and gains, and the residual.
 
 use super::account::{Account, swing};
 use super::cause::{Candidate, Cause, Causes, EffectKind, earlier, periodic, thermal};
@@ -23,93 +23,91 @@ use super::size::{self, Amounts, EXPANDED, Size, size};
 use super::volume::Volume;
 use ncfix_base::units::um_from_mm;
 
-/// Rounds of taking such readings out.
+/// Maximum number of rounds of outlier exclusion.
 const ROUNDS: usize = 3;
 /// A shape is absorbed if its size is this multiple of the range of its effect on the readings.
 const FAR: f64 = 3.0;
-/// Gains that differ by less than one part in so many are the same.
+/// Gains are equal if they agree to one part in this number.
 const ROUNDED: f64 = 1e6;
-/// A share of a time constant.
+/// Relative step of a time constant for its derivative.
 const LONGER: f64 = 0.02;
-/// Rounds of searching again behind what was found.
+/// Maximum number of further searches after the first findings.
 const AGAIN: usize = 2;
 
-/// What was found.
+/// A finding.
 #[derive(Clone, Debug)]
 pub struct AcceptedCause {
     /// The candidate.
     pub candidate: Candidate,
     /// Amounts of its columns, mm, rad, per unit of the driver.
     pub amounts: Amounts,
-    /// Its size as people name it.
+    /// Its size in the usual form.
     pub size: Size,
     /// True if set-ups or other terms absorb most of it: the size is that of its visible part, and a program must not use it.
     pub is_partly_visible: bool,
-    /// Root of the mean square of what it does to the readings beyond what set-ups take, mm or rad.
+    /// RMS of its effect on the readings after the set-up unknowns, mm or rad.
     pub rms: f64,
-    /// What it does to each reading that was used, beyond what set-ups take, in the order of [`Scene::items`], mm or rad.
+    /// Its effect on each reading used, after the set-up unknowns, in the order of [`Scene::items`], mm or rad.
     pub doing: Vec<f64>,
-    /// By how much it alone swings the readings of a set-up: the largest less the smallest, mm or rad.
+    /// Range of its effect on the readings of a set-up: largest minus smallest, mm or rad.
     pub alone: f64,
-    /// Chance of this where there is nothing, over all candidates.
+    /// p-value, corrected for the number of candidates.
     pub chance: f64,
-    /// Share of the root of the mean square of readings that were not used which it takes away: of the data held out, or with the
-    /// selection repeated without them.
+    /// Relative reduction of the RMS of unseen readings: the data held out, or parts left out of a repeated selection.
     pub gain_unseen: f64,
-    /// Probability that it is there: the sum over all explanations that have it; `None` where this was not compared.
+    /// Probability of the finding: the sum over all explanations that contain it; `None` if it was not compared.
     pub probability: Option<f64>,
-    /// Which part of all it explains.
+    /// Its shares in the explained part.
     pub share: VarianceShare,
-    /// Candidates that explain it nearly as well: cause and parameter, the best first, itself first.
+    /// Candidates that explain nearly as much: cause and parameter, itself first, then the best.
     pub class: Vec<(&'static Cause, String)>,
-    /// Other periods, mm, that a wave may as well have, or periods of waves that do what a smooth shape does: at the places that were measured they
-    /// are the same.
+    /// Other periods, mm: aliases of a wave, or waves that look like a smooth shape at the measured places.
     pub aliases: Vec<f64>,
-    /// Why a program must not be moved by it: other errors do the same to the readings, and something else where was not measured.
+    /// Reason why a program must not correct it: other errors have the same effect on the readings but another effect elsewhere.
     pub doubt: Option<ExtrapolationRisk>,
-    /// What it is in each file, where files surely differ.
+    /// Its size in each file, if the files differ significantly.
     pub by_file: Vec<FileShare>,
-    /// The measurement that tells it from the first of them.
+    /// Measurement that separates it from its first other explanation.
     pub separate_by: Option<String>,
 }
 
 /// A diagnosis.
 #[derive(Clone, Debug)]
 pub struct DiagnosedCauses {
-    /// The data that were used.
+    /// Data that were used.
     pub used: Compared,
-    /// The data that were held out.
+    /// Data that were held out.
     pub held_out: Option<Compared>,
-    /// Findings, the largest first.
+    /// Findings, the largest gain on unseen readings first.
     pub findings: Vec<AcceptedCause>,
-    /// What the data held out does not confirm.
+    /// Causes that the held-out data did not confirm.
     pub not_confirmed: Vec<Candidate>,
-    /// What a gate stopped, those that were not confirmed too.
+    /// Candidates that an acceptance test rejected, including those that were not confirmed.
     pub rejected: Vec<Rejected>,
-    /// Every cause, and what the best of it would explain of what is left.
+    /// Every cause, with the part of the residual that its best candidate would explain.
     pub causes: Vec<TriedCause>,
-    /// The readings before and after.
+    /// Residuals of the readings before and after.
     pub account: Account,
-    /// Readings that did not count: numbers of measurement and row.
+    /// Excluded readings: numbers of measurement and row.
     pub outliers: Vec<(usize, usize)>,
-    /// What is left behind all findings.
+    /// Residual after all findings, in relation to the noise.
     pub left: noise::Left,
     /// The most probable explanations.
     pub explanations: Vec<ExplanationSummary>,
-    /// Candidates that were tried.
+    /// Number of candidates tested.
     pub tried: usize,
-    /// Correlation of neighbouring residuals.
+    /// Correlation of consecutive residuals.
     pub memory: f64,
 }
 
-/// Finds what the model lacks from the first measurements of a scene, as many as are `used`, and holds it against the others. `bare` are the
-/// readings of a scene of the same measurements with a machine without errors. `note` gets what is done and how much of it.
+/// Finds the errors that the model lacks in the first `used` measurements of a scene, and tests them on the others. `bare` are the readings of the same
+/// measurements on a machine without errors. `note` receives the current step and its progress.
 #[must_use]
 pub fn diagnose(scene: &Scene<'_>, bare: &Scene<'_>, used: usize, note: &mut dyn FnMut(&str, f64)) -> DiagnosedCauses {
     diagnose_with(&Causes::default(), scene, bare, used, note)
 }
 
-/// Finds what the model lacks as [`diagnose`] does, among these causes.
+/// Diagnoses as [`diagnose`] does, with only these causes.
 #[must_use]
 pub fn diagnose_with(
     causes: &Causes,
@@ -121,9 +119,9 @@ pub fn diagnose_with(
     diagnose_then(causes, scene, (bare, used), note, &mut |_, _| {})
 }
 
-/// The outcome of a search with all by which it was judged, for terms that are tried beside it.
+/// Result of a search with the data of its tests, for terms that are tested in addition.
 pub(super) struct Settled<'f, 's, 'a> {
-    /// Candidates; those of the outcome are among them.
+    /// Candidates, including those of the result.
     pub(super) field: &'f mut Field<'s, 'a>,
     /// Readings that were used.
     pub(super) weights: &'f Weights,
@@ -131,7 +129,7 @@ pub(super) struct Settled<'f, 's, 'a> {
     pub(super) held_out: &'f Weights,
     /// Accepted candidates with their gains on unseen readings.
     pub(super) kept: &'f [(Taken, f64)],
-    /// Number of measurements that were used.
+    /// Number of measurements used.
     pub(super) used: usize,
     causes: &'f Causes,
     bare: &'f Scene<'f>,
@@ -139,7 +137,8 @@ pub(super) struct Settled<'f, 's, 'a> {
 }
 
 impl<'f, 's, 'a> Settled<'f, 's, 'a> {
-    /// A search that has not found anything: the first of the weights are of the readings used, the second of those held out; all measurements up to `used` were used.
+    /// A search without findings. The first weights are those of the readings used, the second those of the readings held out; the first `used` measurements
+    /// were used.
     pub(super) fn open(
         field: &'f mut Field<'s, 'a>,
         [weights, held_out]: [&'f Weights; 2],
@@ -148,7 +147,7 @@ impl<'f, 's, 'a> Settled<'f, 's, 'a> {
         Settled { field, weights, held_out, kept: &[], used, causes, bare, chosen: &[] }
     }
 
-    /// The verdict with other candidates than those that were accepted.
+    /// Returns the verdict for other candidates than those accepted.
     pub(super) fn verdict_of(&self, kept: &[(Taken, f64)]) -> DiagnosedCauses {
         let rejections = Rejections::default();
         let of = (self.used, Vec::new(), &rejections);
@@ -156,10 +155,10 @@ impl<'f, 's, 'a> Settled<'f, 's, 'a> {
     }
 }
 
-/// Gets the outcome of a search, and where to note its own steps.
+/// Receives the result of a search, and a function that reports progress.
 pub(super) type AfterSearch<'t> = dyn FnMut(Settled<'_, '_, '_>, &mut dyn FnMut(&str, f64)) + 't;
 
-/// Finds what the model lacks as [`diagnose_with`] does; `then` gets the outcome with all by which it was judged.
+/// Diagnoses as [`diagnose_with`] does; `then` receives the result with the data of its tests.
 pub(super) fn diagnose_then(
     causes: &Causes,
     scene: &Scene<'_>,
@@ -220,7 +219,8 @@ pub(super) fn diagnose_then(
         let again = stand(&mut field, &weights, &all, &mut rejections, note);
         let of_again: Vec<usize> = again.iter().map(|(term, _)| term.candidate).collect();
         let squares = |taken: &[usize]| field.series(&weights, taken, 0.0).squares();
-        // A term without a gain on readings that were left out is no explanation: then the terms of the search may be better after all, if they are likely.
+        // A term of the comparison without a gain on unseen readings is no explanation. The terms of the search are then preferred if they are probable
+        // enough.
         let is_likely = chosen.iter().all(Chosen::is_likely);
         if (outcome.is_whole && again.len() == all.len()) || !is_likely || squares(&of_again) <= squares(&numbers) {
             (kept, chosen) = (again, all);
@@ -251,7 +251,7 @@ pub(super) fn diagnose_then(
     found
 }
 
-/// Terms of the contest that also gain on readings that were not used.
+/// Returns the terms of the comparison that also improve unseen readings.
 fn stand(
     field: &mut Field<'_, '_>,
     weights: &Weights,
@@ -266,7 +266,7 @@ fn stand(
     confirmed(field, weights, judged, &mut selections, &mut out, &mut |share| note("held-out parts", share))
 }
 
-/// What all causes may be in a scene.
+/// Returns the candidates of all causes in a scene.
 pub(super) fn propose(causes: &Causes, scene: &Scene<'_>) -> Vec<Candidate> {
     let mut candidates = Vec::new();
     causes.iter().for_each(|cause| cause.propose(scene, &mut candidates));
@@ -287,7 +287,7 @@ fn verdict(
         taken.iter().filter_map(|&number| field.candidates.get(number)).map(|one| field.columns(one)).collect();
     let flat: Vec<Vec<f64>> = columns.iter().flatten().cloned().collect();
     let (amounts, _) = field.series(weights, &[], memory).amounts(&flat);
-    // Amounts are as unsure as the time constants leave them.
+    // The uncertainty of the time constants increases that of the amounts.
     let with_slopes: Vec<Vec<f64>> = flat.iter().cloned().chain(slopes(field, &taken, &columns, &amounts)).collect();
     let (_, covariance) = field.series(weights, &[], memory).amounts(&with_slopes);
     let without_parts = without_parts(field, weights, &flat, memory);
@@ -335,7 +335,7 @@ fn verdict(
             Some(shortest) => Some(separate::steps(scene, candidate, *shortest)),
             None => rival.map(|rival| separating(scene, candidate, rival)),
         };
-        // A term of the contest is held against all explanations.
+        // A term of the comparison is compared with all explanations.
         let of_chosen = chosen.iter().find(|one| one.candidate == term.candidate).map(|one| {
             let rivals = one.harmful.clone()?;
             let named = |one: &&Candidate| {
@@ -354,11 +354,11 @@ fn verdict(
                 .and_then(|volume| field.doubt(weights, volume, (term.candidate, &others), (&amounts, &class), scatter))
                 .or_else(|| field.wave_doubt(weights, &taken, term.candidate))
         };
-        // Held against all explanations, and against its class; what has another field than those that are compared against its class alone.
+        // Compared with all explanations and with its class. Effects that the comparison does not cover are compared with their class only.
         let effect = candidate.cause.effect;
         let is_compared = matches!(effect, EffectKind::Location | EffectKind::Motion | EffectKind::Backlash);
         let doubt = of_chosen.flatten().filter(|_| is_compared).or_else(by_class);
-        // Itself, with other periods, others.
+        // Itself, its other periods, and the other explanations.
         let mut names: Vec<(&'static Cause, String)> = class
             .iter()
             .filter_map(|&number| field.candidates.get(number))
@@ -379,7 +379,7 @@ fn verdict(
             probability: None,
             gain_unseen: *gain,
             share,
-            // What makes a correction unsafe comes first.
+            // The reason that makes a correction unsafe comes first.
             separate_by: doubt.as_ref().map(|doubt| doubt.separate_by.clone()).or(separate_by),
             class: names,
             aliases,
@@ -387,7 +387,7 @@ fn verdict(
             candidate: candidate.clone(),
         });
     }
-    // By what each gains where it was not found: terms that nearly cancel each other are large and gain little.
+    // Order of the gain on unseen readings: terms that nearly cancel each other are large but gain little.
     findings.sort_by(|a, b| b.gain_unseen.total_cmp(&a.gain_unseen).then(b.rms.total_cmp(&a.rms)));
     let dropped = |weights: &Weights, is_used: bool| -> Vec<(usize, usize)> {
         let items =
@@ -420,7 +420,7 @@ fn verdict(
     }
 }
 
-/// True if the readings show only a part of a shape: its size over the places is not determined, or far beyond its effect on them.
+/// True if the readings show only a part of a shape: its size over the places is not determined, or far exceeds its effect on them.
 fn absorbed(candidate: &Candidate, size: &Size, alone: f64) -> bool {
     let is_shape = candidate.columns.len() > 1
         && matches!(
@@ -432,7 +432,7 @@ fn absorbed(candidate: &Candidate, size: &Size, alone: f64) -> bool {
         && (size.u95 >= size.value.abs() || size.value.abs() > FAR * um_from_mm(alone))
 }
 
-/// What a small share more of each time constant would do, per share.
+/// Returns the derivative of the effect with respect to the relative change of each time constant.
 fn slopes(field: &Field<'_, '_>, taken: &[usize], columns: &[Vec<Vec<f64>>], amounts: &[f64]) -> Vec<Vec<f64>> {
     let mut out = Vec::new();
     let mut place = 0;
@@ -453,7 +453,7 @@ fn slopes(field: &Field<'_, '_>, taken: &[usize], columns: &[Vec<Vec<f64>>], amo
     out
 }
 
-/// Where each of some groups of columns is among all.
+/// Returns the range of the columns of each group among all columns.
 fn ranges(lengths: impl Iterator<Item = usize>) -> Vec<std::ops::Range<usize>> {
     lengths
         .scan(0, |place, length| {
@@ -463,13 +463,13 @@ fn ranges(lengths: impl Iterator<Item = usize>) -> Vec<std::ops::Range<usize>> {
         .collect()
 }
 
-/// Whether a scene only has readings of angles: then sizes are rad.
+/// True if a scene has only readings of angles: then sizes are in rad.
 #[must_use]
 pub fn reads_angles(scene: &Scene<'_>) -> bool {
     is_angle(scene)
 }
 
-/// Who explains nearly as much in the place of one, itself first.
+/// Returns the candidates that explain nearly as much in place of one, itself first.
 pub(super) fn class(
     field: &Field<'_, '_>,
     weights: &Weights,
@@ -486,8 +486,8 @@ pub(super) fn class(
         .filter(|(place, gain)| *place != number && (own - gain.squares) / noise < RIVAL && gain.squares > 0.5 * own)
         .map(|(place, gain)| (gain.squares, place))
         .collect();
-    // The simplest first: that some with more unknowns explain a bit more says nothing. As good as each other are those that differ by the rounding of sums
-    // only: they stay in the order of the catalogue.
+    // The simplest comes first, because a slightly larger gain with more unknowns is no evidence. Candidates that differ only by rounding stay in the order
+    // of the catalog.
     let rounded = |gain: f64| (gain / own.max(f64::MIN_POSITIVE) * ROUNDED).round();
     let far = |number: usize| field.candidates.get(number).map_or(u32::MAX, Candidate::far_fetched);
     rivals.sort_by(|a, b| far(a.1).cmp(&far(b.1)).then(rounded(b.0).total_cmp(&rounded(a.0))));

@@ -1,4 +1,4 @@
-//! What errors do to the tool anywhere in the travel of the machine, beyond what moves the workpiece as a whole.
+//! Effects of errors on the tool over the travel of the machine, except displacements of the workpiece as a whole.
 
 use std::collections::HashMap;
 
@@ -9,26 +9,26 @@ use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
 use ncfix_base::numeric::sums::dot;
 use ncfix_model::{ErrorModel, Model};
 
-/// Places along the travel of a linear axis, and along what was measured of a rotary one.
+/// Number of places along the travel of a linear axis, and along the measured range of a rotary axis.
 const LINEAR: usize = 7;
 const ROTARY: usize = 3;
-/// Tool lengths that differ by less than this share are one.
+/// Tool lengths are equal if they differ by less than this share.
 const OTHER_LENGTH: f64 = 0.1;
-/// Of a direction of which less than this share is left the others have all.
+/// A direction with less than this share remaining is dependent on the others.
 const OWN: f64 = 1e-6;
 
-/// Places all over the travel.
+/// Places distributed over the travel.
 pub(super) struct Volume {
     places: Vec<SceneRow>,
-    /// Between where and where was measured.
+    /// Lowest and highest measured positions.
     low: AxisVector,
     high: AxisVector,
     model: Model,
-    /// Directions of fields that move the workpiece as a whole, of unit length.
+    /// Fields that displace the workpiece as a whole, of unit length.
     rigid: Vec<Vec<f64>>,
 }
 
-/// Tools with which a program will be cut: the shortest and the longest that was measured with, and, if only one length was, half of it and one and a half.
+/// Assumed tools of programs: the shortest and the longest measured tool. If only one length was measured, half of it and one and a half times it.
 fn tools(scene: &Scene<'_>, counts: &impl Fn(&SceneRow) -> bool) -> Vec<[f64; 3]> {
     let length = |tool: &[f64; 3]| Vector::from(*tool).norm();
     let mut all: Vec<[f64; 3]> = scene.rows.iter().filter(|row| counts(row)).map(|row| row.tool_mm).collect();
@@ -41,7 +41,7 @@ fn tools(scene: &Scene<'_>, counts: &impl Fn(&SceneRow) -> bool) -> Vec<[f64; 3]
 }
 
 impl Volume {
-    /// Of the machine of a scene, with the tools of the rows that count and others; `None` where there is no row.
+    /// Builds the places of a scene, with the tools of the included rows and others; `None` without rows.
     pub(super) fn new(scene: &Scene<'_>, counts: impl Fn(&SceneRow) -> bool) -> Option<Volume> {
         let mut rows = scene.rows.iter().filter(|row| counts(row));
         let first = rows.next()?;
@@ -89,8 +89,8 @@ impl Volume {
         Some(volume)
     }
 
-    /// What each column of a candidate does per amount: displacements of the tip at all places. A law that the file has as a table stays beyond the last
-    /// places that were measured what it is there.
+    /// Returns the displacements of the tip at all places per amount of each column of a candidate. A term that the file holds as a table stays constant
+    /// beyond the last measured places.
     pub(super) fn fields(&self, candidate: &Candidate, is_table: bool) -> Vec<Vec<f64>> {
         let mut known: HashMap<Through, Vec<Vector>> = HashMap::new();
         let mut out = Vec::new();
@@ -109,13 +109,13 @@ impl Volume {
         out
     }
 
-    /// Numbers of a field that belong to one tool; those of the others follow.
+    /// Count of values of a field for one tool; those of the next tool follow.
     pub(super) fn numbers_of_a_tool(&self) -> usize {
         let first = self.places.first().map(|row| row.tool_mm);
         3 * self.places.iter().take_while(|row| Some(row.tool_mm) == first).count()
     }
 
-    /// The nearest place that was measured.
+    /// Returns the nearest measured place.
     fn within(&self, row: &SceneRow) -> SceneRow {
         let mut out = row.clone();
         AXES.into_iter()

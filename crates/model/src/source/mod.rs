@@ -1,4 +1,4 @@
-//! Error sources: one file each, and their register ([`Sources`]), which a caller can extend.
+//! Error sources: one file each, and their registry ([`Sources`]), which a caller can extend.
 //!
 //! A source reads its sections of the machine file into effects. An [`Effect`] contributes to the location and motion errors of the axes, depending on the
 //! condition of the machine. It also exposes its parameters, so that they can be listed, varied and fitted.
@@ -27,7 +27,7 @@ use super::motion::MotionKinds;
 /// Name and sections of a source: one static for each source, to which its effects refer.
 #[derive(Debug)]
 pub struct SourceInfo {
-    /// Name in tables: `load`. It is unique in a register.
+    /// Name in tables: `load`. It is unique in a registry.
     pub name: &'static str,
     /// Short description for people: `workpiece weight`.
     pub title: &'static str,
@@ -41,7 +41,7 @@ pub struct SourceInfo {
 /// Error source: reads its sections of the machine file into effects.
 ///
 /// A caller adds one with [`Sources::with`](ncfix_base::register::Register::with) and reads the machine file with
-/// [`file::load_with`](crate::file::load_with). A section of a source that is not in the register is unknown.
+/// [`file::load_with`](crate::file::load_with). A section of a source that is not in the registry is unknown.
 pub trait ErrorSource: Send + Sync {
     /// Returns its description: always the same static, which its effects return, too.
     fn info(&self) -> &'static SourceInfo;
@@ -171,7 +171,7 @@ impl Clone for Box<dyn Effect> {
 
 impl PartialEq for dyn Effect {
     fn eq(&self, other: &Self) -> bool {
-        // A name is unique in a register, and every `Debug` output is complete.
+        // A name is unique in a registry, and every `Debug` output is complete.
         self.source().name == other.source().name && format!("{self:?}") == format!("{other:?}")
     }
 }

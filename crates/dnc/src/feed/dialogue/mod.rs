@@ -115,7 +115,7 @@ pub struct Protocol {
 }
 
 impl PartialEq for Protocol {
-    /// Two protocols are equal if their names are: names are unique in a register.
+    /// Two protocols are equal if their names are: names are unique in a registry.
     fn eq(&self, other: &Self) -> bool {
         self.name == other.name
     }

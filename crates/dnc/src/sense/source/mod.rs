@@ -1,4 +1,4 @@
-//! Sources of readings: one file for each kind, and their register ([`SensorSources`]), which a caller can extend.
+//! Sources of readings: one file for each kind, and their registry ([`SensorSources`]), which a caller can extend.
 //!
 //! To add a kind from another crate, implement [`SensorSource`] and pass it to [`SensorSources::with`](ncfix_base::register::Register::with). Then read the
 //! sensor file with [`Config::read_with`](super::Config::read_with).

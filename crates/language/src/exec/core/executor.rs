@@ -8,10 +8,10 @@ use ncfix_machine::snc::Element;
 
 /// The executor of a language.
 pub(in crate::exec) trait Executor {
-    /// The ledger of the run.
+    /// The run state.
     fn ledger(&self) -> &RunState;
 
-    /// The ledger, and the elements that are final.
+    /// The run state, and the elements that are final.
     fn books(&mut self) -> (&mut RunState, &mut VecDeque<Element>);
 
     /// Executes a block.

@@ -19,7 +19,7 @@ use ncfix_machine::snc::{Element, Origin};
 
 /// The functions that a family of languages provides to the core.
 pub(in crate::exec) trait Execute: Family {
-    /// The state of the control, and the outlet.
+    /// The state of the control, and the motion sink.
     type Channel<'a>: HasOutlet<'a>;
     /// State of a run in addition to the channel.
     type Run;

@@ -18,13 +18,15 @@
 //!
 //! # Parts of a family
 //!
+//! A family is a group of dialects with one executor, such as Fanuc and RS274/NGC.
+//!
 //! 1. **A tree.** Its grammar lives in `syntax`; [`program::ProgramText`] and [`program::Statement`] give the core the blocks with their lines,
 //!    numbers and skip levels.
 //! 2. **Types**, [`family::Family`]: the derived data of a file, calls, and the data of a level.
-//! 3. **A channel**: plain state and an [`motion_sink::MotionSink`]. The state consists of [`modal::Modes`] with the family's motion modes,
+//! 3. **A channel**: plain state and a [`motion_sink::MotionSink`]. The state consists of [`modal::Modes`] with the family's motion modes,
 //!    [`modal::CodesInForce`] with its other groups and their codes at the start, a [`tool::ToolState`] with its length, a [`tool::ToolTable`] with
 //!    the edge data of its control, and a [`position::Position`]. The family itself gathers words, evaluates values, and executes a block in the
-//!    order of the control; motions become a [`path::Path`] with a [`contour::ContourRequest`] and go to the outlet.
+//!    order of the control; motions become a [`path::Path`] with a [`contour::ContourRequest`] and go to the motion sink.
 //! 4. **Functions**, [`interpreter::Execute`]: the effect of a block, the search and start of calls, and the meaning of an end.
 //!
 //! In return the core counts blocks and ends endless programs, skips blocks by level, sets the origin of each element, and repeats sections. It
@@ -63,7 +65,7 @@
 //!
 //! The gatherer of a family converts diameters: internally there are radii. The working plane is ZX. Nose radius compensation is radius compensation
 //! about a center that [`contour`] shifts by the vector of the tip. G71 to G73 and related cycles read a contour between two blocks: those blocks are
-//! executed into a list of paths in place of the outlet, and the cycle derives its steps from them. Execution continues with `AfterBlock::Goto` after
+//! executed into a list of paths in place of the motion sink, and the cycle derives its steps from them. Execution continues with `AfterBlock::Goto` after
 //! the last block. Threads are moves with `MotionMode::Thread`. Feed per turn and constant cutting speed are state that moves already carry.
 
 pub(in crate::exec) mod arc;

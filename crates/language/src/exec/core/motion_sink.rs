@@ -21,13 +21,13 @@ const MOST_NOTED: usize = 20;
 /// Maximum number of tool registers that are listed there.
 const MOST_REGISTERS: usize = 1000;
 
-/// Types that have an outlet.
+/// Types that have a motion sink.
 pub(in crate::exec) trait HasOutlet<'a> {
-    /// The outlet.
+    /// The motion sink.
     fn outlet(&mut self) -> &mut MotionSink<'a>;
 }
 
-/// The outlet of an executor.
+/// The motion sink of an executor: it receives paths and elements, and queues the resulting moves.
 pub(in crate::exec) struct MotionSink<'a> {
     pub(in crate::exec) machine: &'a Machine,
     /// Kinematics of the machine, once a transformation was active.

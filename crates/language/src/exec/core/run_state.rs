@@ -25,7 +25,7 @@ pub(in crate::exec) enum Stage {
     Finished,
 }
 
-/// The ledger of a run.
+/// State of a run: files, diagnostics, call chains and progress.
 pub(in crate::exec) struct RunState {
     /// All files of the run so far, by [`FileId`].
     pub(in crate::exec) sources: Vec<Source>,
@@ -51,7 +51,7 @@ impl RunState {
         self.errors > 0
     }
 
-    /// The ledger for a main program with `blocks` blocks.
+    /// The run state of a main program with `blocks` blocks.
     pub(in crate::exec) fn new(main: Source, blocks: usize, options: &Options) -> RunState {
         RunState {
             sources: vec![main],

@@ -92,7 +92,7 @@ impl Family for Toy {
     type Level = ();
 }
 
-/// The state: parameters, shift, depth of the cycle, position; and the outlet.
+/// The state: parameters, shift, depth of the cycle, position; and the motion sink.
 struct Channel<'a> {
     outlet: MotionSink<'a>,
     standing: InForce,

@@ -1,4 +1,4 @@
-//! Straight motions, and their path to the outlet.
+//! Straight motions, and their path to the motion sink.
 
 use super::channel::Channel;
 use super::modal::Modal;

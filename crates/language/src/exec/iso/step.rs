@@ -1,4 +1,4 @@
-//! One motion: from its target to the outlet.
+//! One motion: from its target to the motion sink.
 
 use super::channel::Channel;
 use super::channel::Warned;

@@ -1,4 +1,4 @@
-//! Kinds of measurement: one file each, and their register ([`Instruments`]), which a caller may extend.
+//! Kinds of measurement: one file each, and their registry ([`Instruments`]), which a caller may extend.
 //!
 //! A kind reads its columns and predicts its readings: [`Instrument::equations`] receives the tool pose from the error model – the one forward function –
 //! and returns reading minus prediction, with the derivatives by the tool pose and by the unknowns of the set-up. To add one from another crate,
@@ -24,7 +24,7 @@ use super::reading::Reading;
 /// A kind of measurement. Defaults exist for unused functions: [`zeros`], [`no_ties`].
 #[derive(Debug)]
 pub struct Instrument {
-    /// Its name in the description: `kind = "ballbar"`. Unique in a register.
+    /// Its name in the description: `kind = "ballbar"`. Unique in a registry.
     pub name: &'static str,
     /// Its title.
     pub title: &'static str,

@@ -1,4 +1,4 @@
-//! The file formats of the controls: one file each, and their register ([`Formats`]), which a caller may extend.
+//! The file formats of the controls: one file each, and their registry ([`Formats`]), which a caller may extend.
 //!
 //! To add one from another crate, write a static [`Format`] with its functions and pass it to
 //! [`Formats::with`](ncfix_base::register::Register::with).

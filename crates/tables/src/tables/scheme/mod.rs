@@ -1,4 +1,4 @@
-//! The schemes that fill tables from the error model: one file each, and their register ([`Schemes`]), which a caller may extend.
+//! The schemes that fill tables from the error model: one file each, and their registry ([`Schemes`]), which a caller may extend.
 
 mod assembly;
 mod auto;

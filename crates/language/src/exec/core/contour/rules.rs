@@ -3,12 +3,12 @@
 //! An executor keeps a [`ContourModal`], created by [`ContourModal::fanuc`], [`ContourModal::rs274`] or [`ContourModal::grundig`] (Sinumerik:
 //! `default`). The blocks set
 //! * [`ContourModal::side`] by G40, G41, G42,
-//! * [`ContourModal::activation`], incremented at each G41, G42 (G41.1, G42.1): RS274/NGC restarts after G40 without a motion between,
-//! * [`ContourModal::leaves_along`] in the block of G40 with I J only (Fanuc): the direction, rotated as the frame rotates the plane,
-//! * [`ContourModal::reach`] by G43 and G44 (Grundig), `End` again by G40, G41, G42.
+//! * [`ContourModal::activation`], incremented at each G41, G42 (G41.1, G42.1), because RS274/NGC starts again at a G41 that follows G40 without a motion,
+//! * [`ContourModal::leaves_along`] in a block of G40 with I and J (Fanuc): the direction in which the tool leaves, rotated with the frame,
+//! * [`ContourModal::reach`] by G43 and G44 (Grundig); G40, G41 and G42 set it to `End` again.
 //!
-//! Each motion then enters the stage with [`ContourRequest::of`], which uses the active radius. A motion may bypass the stage only if
-//! [`ContourModal::is_plain`] is `true` and the stage holds nothing: the stage may wait for the motion off the contour.
+//! Each motion then enters the contour stage with [`ContourRequest::of`], which uses the active radius. A motion may bypass the stage only if
+//! [`ContourModal::is_plain`] is `true` and the stage is empty. Otherwise the stage may still need the motion that leaves the contour.
 
 use super::contour_request::{Approach, ContourModal, ContourRequest, FeedAt, Reach, Rules, Side};
 use ncfix_base::source::{FileId, Span};

@@ -33,7 +33,7 @@ pub(super) struct Cycle {
     pub(super) steps: fn(&CycleWords, &At) -> Result<Vec<Step>, CycleFault>,
 }
 
-/// The register of cycles.
+/// The registry of cycles.
 pub(super) const CYCLES: &[Cycle] = &[
     Cycle { number: 81, title: "drilling", needs: b"YZ", steps: drill::steps },
     Cycle { number: 83, title: "deep-hole drilling", needs: b"YZK", steps: peck::steps },
