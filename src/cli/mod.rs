@@ -163,7 +163,7 @@ fn deliver(
     findings.draw();
     result?;
     if findings.has_errors() {
-        tell(&format!("{}; nothing was written\n", findings.count()));
+        tell(&format!("{}; no result\n", findings.count()));
     } else if goes_out {
         tell(&page);
     } else {

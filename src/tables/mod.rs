@@ -11,6 +11,7 @@ use crate::disk::table_files::tool_remark;
 use crate::error::Error;
 use crate::machine::Machine;
 use crate::tool::ToolVector;
+use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::ActiveTables;
@@ -160,7 +161,12 @@ impl Tables {
         };
         let used =
             UsedRanges { axes: request.region.ranges.iter().copied().collect(), tools_mm: Some([request.tool_mm; 2]) };
-        found.extend(of_ranges(machine, &used).diagnostics(false), &[]);
+        let mut gaps = of_ranges(machine, &used).diagnostics(false);
+        // Tables have a range instead of a workpiece that can be moved.
+        for gap in gaps.iter_mut().filter(|gap| gap.code == Code::BEYOND_MEASURED) {
+            gap.help = gap.help.replace("move the workpiece", "limit the tables with --range");
+        }
+        found.extend(gaps, &[]);
         let notes = notes(machine, &request, format, &made);
         result.check = Some(made.checked);
         found.extend(misfits(format, &made.tables, &request.wiring), &[]);

@@ -7,7 +7,7 @@ use crate::cli::findings::Findings;
 use crate::cli::stop::Stop;
 use crate::cli::{machine_choice, print, program, progress, tell};
 use ncfix_report::json;
-use ncfix_report::number::grouped;
+use ncfix_report::number::counted;
 
 /// Checks a program.
 pub(in crate::cli) fn run(arguments: &CheckArguments) -> Result<ExitCode, Stop> {
@@ -25,7 +25,7 @@ pub(in crate::cli) fn run(arguments: &CheckArguments) -> Result<ExitCode, Stop> 
             (false, _) => "not understood".to_owned(),
             (true, false) if arguments.syntax_only => "understood".to_owned(),
             (true, false) => "understood, not executed to the end".to_owned(),
-            (true, true) => format!("understood and executed, {} elements", grouped(elements)),
+            (true, true) => format!("understood and executed, {}", counted(elements, "element")),
         };
         tell(&format!("{}: {done}; {}\n", arguments.input.display(), findings.count()));
     }

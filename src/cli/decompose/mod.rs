@@ -56,7 +56,7 @@ pub(in crate::cli) fn run(arguments: &DecomposeArguments) -> Result<ExitCode, St
         }
     }
     if findings.has_errors() {
-        tell(&format!("{}; nothing was decomposed\n", findings.count()));
+        tell(&format!("{}; nothing was written\n", findings.count()));
     }
     Ok(findings.exit_code())
 }

@@ -62,7 +62,7 @@ pub fn make(
     };
     let refused = |why: String, help: String| Box::new(Diagnostic::nowhere(Code::TABLES_DO_NOT_FIT, why, help));
     let (name, tables) = match filling.scheme {
-        Some(scheme) => (scheme.name, scheme.tables(&task).map_err(|why| refused(why, help(&task)))?),
+        Some(scheme) => (scheme.name, scheme.tables(&task).map_err(|why| refused(why, help(&task, ANOTHER)))?),
         None => {
             let (best, tried) = scheme::choose_with(filling.schemes, &task);
             result.aim = Some(aim(filling.tolerance_mm));
@@ -70,7 +70,7 @@ pub fn make(
             let Some((scheme, tables)) = best else {
                 let tried: Vec<String> = result.tried.iter().map(said).collect();
                 let why = format!("no scheme reaches {}: {}", aim(filling.tolerance_mm), tried.join("; "));
-                return Err(refused(why, help(&task)));
+                return Err(refused(why, help(&task, &larger(&result.tried))));
             };
             (scheme.name, tables)
         }
@@ -96,7 +96,7 @@ pub fn make(
 /// The limits of a format's control that tables exceed, one diagnostic each.
 #[must_use]
 pub fn misfits(format: &Format, tables: &Tables, wiring: &Wiring) -> Vec<Diagnostic> {
-    let help = "try --scheme auto, fewer --points or a larger --tolerance; ncfix tables --list shows the limits";
+    let help = "try fewer --points, a larger --tolerance or another --scheme; ncfix tables --list shows the limits";
     let faults = format.faults_of(tables, wiring).into_iter();
     faults.map(|fault| Diagnostic::nowhere(Code::TABLES_DO_NOT_FIT, fault, help)).collect()
 }
@@ -134,10 +134,20 @@ fn plays(task: &Task<'_>) -> Vec<String> {
     task.region.axes().filter(has_play).filter(|_| is_left).map(|axis| axis.to_string()).collect()
 }
 
+/// Advice for a stated scheme.
+const ANOTHER: &str = "try --scheme auto or a larger --tolerance";
+
+/// Returns the advice for `--scheme auto`: the tolerance that the best of the tried schemes reaches.
+fn larger(tried: &[TriedScheme]) -> String {
+    match tried.iter().filter_map(|one| one.rms_um).min_by(f64::total_cmp) {
+        Some(rms_um) => format!("try --tolerance {:.2}um or larger", (rms_um / scheme::AIM * 100.0).ceil() / 100.0),
+        None => "try a larger --tolerance".to_owned(),
+    }
+}
+
 /// The help text for tables that do not fit.
-fn help(task: &Task<'_>) -> String {
-    let mut help =
-        "ncfix tables --list shows what each format holds; try --scheme auto or a larger --tolerance".to_owned();
+fn help(task: &Task<'_>, advice: &str) -> String {
+    let mut help = format!("ncfix tables --list shows what each format holds; {advice}");
     if task.target.machine.axes.iter().flatten().any(|data| data.axis.is_rotary()) {
         help += "; --orientation six-rows or off asks for less of the rotary axes, --range for a part of the travel";
     }
@@ -173,7 +183,7 @@ fn idle(checked: &TablesCheck, task: &Task<'_>) -> (String, String) {
         return (why, "choose a smaller --tolerance, or use no tables".into());
     }
     let why = format!("all values would be 0 in the digits of {}, and the tip is off by {left}", task.format.title);
-    (why, help(task))
+    (why, help(task, "try another --scheme or --format"))
 }
 
 /// `0.95 µm, 5 % below the tolerance`

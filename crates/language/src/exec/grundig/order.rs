@@ -98,7 +98,7 @@ pub(super) fn check_supported(codes: &'static CodeTable, gathered: &Gathered) ->
     let Some(code) = gathered.codes.iter().find(|code| is_left(code.number)) else { return Ok(()) };
     let known = codes.g(usize::from(code.number)).map_or("unknown code", |entry| entry.meaning);
     let message = format!("G{} ({known}) is not supported", code.number);
-    let help = "the program cannot be corrected with it; program its effect directly";
+    let help = "remove it and program its effect directly";
     Err(fault(Code::NOT_SUPPORTED, code.span, message, help))
 }
 

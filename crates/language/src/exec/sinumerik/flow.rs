@@ -94,7 +94,7 @@ pub(super) fn block(
         Body::Unsupported(span) => {
             let shown = String::from_utf8_lossy(loaded.program.source.slice(span)).to_ascii_uppercase();
             let message = format!("{shown} is not supported yet");
-            return Err(at(span, Code::NOT_SUPPORTED, message, "the program cannot be corrected with it"));
+            return Err(at(span, Code::NOT_SUPPORTED, message, "remove it; program in plain coordinates"));
         }
     })
 }

@@ -258,7 +258,7 @@ impl Gatherer<'_> {
             }
             CodeEffect::Execute | CodeEffect::Refuse => {
                 let message = format!("{} ({}) is not supported yet", entry.name, entry.meaning);
-                return Err(fault(Code::NOT_SUPPORTED, span, message, "the program cannot be corrected with it"));
+                return Err(fault(Code::NOT_SUPPORTED, span, message, "remove it; program in plain coordinates"));
             }
         }
         Ok(())
@@ -348,7 +348,7 @@ impl Gatherer<'_> {
         let is_exponent = before.last().is_some_and(u8::is_ascii_digit)
             && text.strip_prefix(['e', 'E']).is_some_and(|power| power.parse::<i16>().is_ok());
         let help =
-            if is_exponent { "write an exponent with EX: X1EX-7" } else { "the program cannot be corrected with it" };
+            if is_exponent { "write an exponent with EX: X1EX-7" } else { "remove it; program in plain coordinates" };
         fault(Code::NOT_SUPPORTED, word.span, format!("{shown} is not supported yet"), help)
     }
 

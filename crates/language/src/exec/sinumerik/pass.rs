@@ -102,7 +102,7 @@ impl Gatherer<'_> {
                 let shown = String::from_utf8_lossy(self.source(word.span)).into_owned();
                 let shown: String = shown.chars().take(40).collect();
                 let message = format!("{shown}: {}", row.meaning);
-                return Err(fault(Code::NOT_SUPPORTED, word.span, message, "the program cannot be corrected with it"));
+                return Err(fault(Code::NOT_SUPPORTED, word.span, message, "remove it; program in plain coordinates"));
             }
             _ => out.verbatim.push(self.text(word, row.unit)?),
         }
