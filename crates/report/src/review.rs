@@ -195,7 +195,7 @@ impl Review {
         let [length, line] = self.longest_line;
         row("longest line", &format!("{length} bytes, line {line} of the corrected program"));
         if let Some(step) = &self.largest_step {
-            let at = place(step.line, step.file.as_deref());
+            let at = place(step.line, Some(step.file.as_deref().unwrap_or("the original")));
             row("largest step", &format!("{} from one piece to the next, at {at}", micrometers(step.um)));
         }
         if !self.axes.is_empty() {
@@ -361,7 +361,7 @@ impl TextReview {
         for (address, one) in &self.words {
             let _ = writeln!(
                 out,
-                "  {address:<4} {:>9} times, by up to {:+.6} at line {}",
+                "  {address:<4} {:>9} times, by up to {:+.6} at line {} of the original",
                 grouped(one.count),
                 one.max,
                 one.max_line

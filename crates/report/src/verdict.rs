@@ -160,7 +160,7 @@ impl Verdict {
 
 /// Reasons why moves stay unchanged; true if that is intended.
 pub const LEFT: [(&str, bool); 4] = [
-    ("without an error of an increment", true),
+    ("with an error smaller than one increment", true),
     ("before the axes were stated", false),
     ("rapid", true),
     ("that are not corrected", false),

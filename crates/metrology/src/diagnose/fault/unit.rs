@@ -14,11 +14,29 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
 
 /// Factors and what they are.
 const FACTORS: [(f64, &str, &str); 4] = [
-    (1e-3, "factor 0.001", "millimetres in a column of micrometres"),
+    (1e-3, "factor 0.001", "millimeters in a column of micrometers"),
     (1e3, "factor 1000", "a thousandth of its unit"),
-    (1.0 / 25.4, "factor 1/25.4", "thousandths of an inch in a column of micrometres"),
-    (25.4, "factor 25.4", "micrometres taken for thousandths of an inch and converted"),
+    (1.0 / 25.4, "factor 1/25.4", "thousandths of an inch in a column of micrometers"),
+    (25.4, "factor 25.4", "micrometers taken for thousandths of an inch and converted"),
 ];
+
+/// Returns the unit in which readings with this factor seem to be.
+fn seems(factor: f64, is_angle: bool) -> &'static str {
+    match (factor < 1.0, factor.ln().abs() > INCREDIBLE) {
+        (true, true) if is_angle => "in milliradians",
+        (true, true) => "in millimeters",
+        (false, true) if is_angle => "in nanoradians",
+        (false, true) => "in nanometers",
+        (true, false) => "in thousandths of an inch",
+        (false, false) => "converted from thousandths of an inch",
+    }
+}
+
+/// Formats a ratio as a multiple or a fraction: `1000 times`, `1/1000 of`.
+fn multiple(ratio: f64) -> String {
+    if ratio < 1.0 { format!("1/{:.0} of", 1.0 / ratio) } else { format!("{ratio:.0} times") }
+}
+
 /// The prediction is at least so large, in units of the noise, to be evidence.
 const SIZE: f64 = 2.0;
 /// And explains so much.
@@ -73,19 +91,19 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
             if !(by_model || by_noise || by_both || by_size) {
                 continue;
             }
-            let of_noise = stated.map_or(String::new(), |noise| {
-                format!("; their noise is {noise:.2e} times the uncertainty that the description states")
-            });
+            let sigma = if data.sigma.is_some() { "sigma_um" } else { "sigma_urad" };
+            let of_noise = stated.map(|noise| format!("their noise is {} `{sigma}`", multiple(noise)));
             let evidence = if by_model || by_both {
+                let of_noise = of_noise.map_or_else(String::new, |text| format!("; {text}"));
                 format!(
-                    "the readings are {:.3e} times what the model says and {:.0} % of their squares go with it{of_noise}",
+                    "the readings are {:.3e} times the prediction, which explains {:.0} % of their squares{of_noise}: {means}",
                     matched.gain,
                     matched.share * 100.0
                 )
             } else {
-                let tiny =
-                    if by_size { "; all are below 0.05 µm beside the set-ups, which no machine is" } else { "" };
-                format!("the model knows too little here to tell{of_noise}{tiny}")
+                let tiny = "all are below 0.05 µm after the set-ups, less than the errors of any machine";
+                let reasons: Vec<&str> = of_noise.as_deref().into_iter().chain(by_size.then_some(tiny)).collect();
+                format!("the readings seem to be {}: {}", seems(factor, reads_angles), reasons.join("; "))
             };
             out.push(DataDefect {
                 kind: DefectKind::Unit,
@@ -93,7 +111,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
                 name: data.name.clone(),
                 what: what.into(),
                 rows: [0, data.observations.len().saturating_sub(1)],
-                evidence: format!("{evidence}: {means}"),
+                evidence,
                 then: Then::Refuse,
             });
             break;
