@@ -116,7 +116,7 @@ impl Diagnosis {
         &self.found.findings
     }
 
-    /// The outcome of the stated hypotheses, in their order: amounts, evidence, gain on unseen readings, rivals.
+    /// The outcome of the stated hypotheses, in their order: amounts, evidence, gain on unseen readings, other explanations.
     ///
     /// ```
     /// use ncfix::prelude::*;
