@@ -1,7 +1,7 @@
-//! The second gate: what a term gains on readings that were not used, with the selection repeated without them.
+//! Cross-validation: the gain of a term on readings that were not used, with the selection repeated without them.
 //!
-//! Parts that are left out are runs, else set-ups, of each measurement; where they would take all of what shows a term with them, they are
-//! stretches of rows, and at last shorter stretches from all over.
+//! Parts that are left out are runs of each measurement, otherwise set-ups. If a part contains all evidence for a term, blocks of rows are left out instead,
+//! and finally short blocks distributed over all data.
 
 use std::collections::HashMap;
 
@@ -11,28 +11,28 @@ use super::scene::{NO_ROW, Scene, Through};
 use super::search::{Field, Taken, Weights};
 use ncfix_base::geometry::Axis;
 
-/// Parts at most.
+/// Maximum number of parts.
 const PARTS: usize = 6;
-/// Stretches of rows.
+/// Number of blocks of rows.
 const STRETCHES: usize = 5;
-/// Rounds in which they are dealt out where whole ones do not say.
+/// Rounds in which shorter blocks are distributed, if larger ones do not decide.
 const ROUNDS: [usize; 2] = [3, 15];
-/// A term that takes less than this share off what is left of unseen readings (root of the mean square) is not worth a name.
+/// Minimum relative reduction of the RMS of unseen readings.
 const WORTH: f64 = 0.01;
-/// The same of what has no name: of such there are many.
+/// Same limit for unnamed terms, of which there are many candidates.
 const WORTH_UNNAMED: f64 = 0.03;
-/// Places that differ by less than one part in so many, mm, are one.
+/// Places are equal if they agree to one part in this number, mm.
 const FINE: f64 = 1e3;
-/// It is in none: known distances, readings that do not count.
+/// Belongs to no part: known distances and excluded readings.
 pub(super) const NO_PART: usize = usize::MAX;
 
-/// Parts by runs or set-ups of the readings that count.
+/// Parts by runs or set-ups of the included readings.
 pub(super) fn repeats(scene: &Scene<'_>, weights: &Weights) -> Vec<usize> {
     let observation = |place: usize| {
         let row = scene.rows.get(place)?;
         Some((row.set, scene.sets.get(row.set)?.observations.get(row.number)?))
     };
-    // Whether each measurement has several runs, else several set-ups.
+    // True for each measurement with several runs; the others are split by set-ups.
     let by_run: Vec<bool> = scene.sets.iter().map(|set| set.runs.len() > 1).collect();
     let mut numbers: HashMap<(usize, usize), usize> = HashMap::new();
     let of = |place: usize, numbers: &mut HashMap<(usize, usize), usize>| {
@@ -41,16 +41,16 @@ pub(super) fn repeats(scene: &Scene<'_>, weights: &Weights) -> Vec<usize> {
         let count = numbers.len();
         Some(*numbers.entry(key).or_insert(count))
     };
-    // What is held out has no part in it.
+    // Held-out readings belong to no part.
     let counted = scene.items.iter().zip(&weights.items).map(|(item, weight)| (*weight > 0.0).then_some(item.row));
     let parts: Vec<Option<usize>> = counted.map(|row| of(row?, &mut numbers)).collect();
-    // Runs that follow each other go together: they share a set-up, which then has all that it needs.
+    // Consecutive runs form one part: they share a set-up, which one of them must keep determined.
     let count = numbers.len().max(1);
     let part = |number: usize| if count > PARTS { number * PARTS / count } else { number };
     parts.into_iter().map(|number| number.map_or(NO_PART, part)).collect()
 }
 
-/// Parts by stretches of each sequence of rows, dealt out in so many rounds: a part of several shows more than what happens in one place.
+/// Parts by blocks of each sequence of rows, distributed in rounds: a part of several blocks covers more than one place.
 pub(super) fn stretches(scene: &Scene<'_>, rounds: usize) -> Vec<usize> {
     let mut lengths: HashMap<usize, usize> = HashMap::new();
     scene.rows.iter().for_each(|row| *lengths.entry(row.sequence).or_insert(0) += 1);
@@ -67,13 +67,13 @@ pub(super) fn stretches(scene: &Scene<'_>, rounds: usize) -> Vec<usize> {
     scene.items.iter().map(|item| of_rows.get(item.row).copied().unwrap_or(NO_PART)).collect()
 }
 
-/// The linear axis along which a candidate is a wave.
+/// Returns the linear axis along which a candidate is a wave.
 fn wave_axis(one: &Candidate) -> Option<Axis> {
     let (Through::Component(name), _) = one.columns.first()?.first()? else { return None };
     name.axis().filter(|axis| one.cause.effect == EffectKind::Periodic && !axis.is_rotary())
 }
 
-/// Parts by places along an axis, dealt out one after the other; none where places do not come again.
+/// Parts by places along an axis, assigned in turn; no parts if no place repeats.
 fn places(scene: &Scene<'_>, axis: Axis) -> Vec<usize> {
     let fine = |row: &super::row::SceneRow| (row.position[axis] * FINE).round() as i64;
     let mut all: Vec<i64> = scene.rows.iter().map(fine).collect();
@@ -86,8 +86,8 @@ fn places(scene: &Scene<'_>, axis: Axis) -> Vec<usize> {
     scene.items.iter().map(|item| scene.rows.get(item.row).map_or(NO_PART, part)).collect()
 }
 
-/// Keeps what also gains on readings that were not used. `known` is what was selected before with the same weights; `out` gets the
-/// others with their gains, `note` the share that is done.
+/// Keeps the terms that also improve unseen readings. `known` holds earlier selections with the same weights; `out` receives the others with their gains,
+/// `note` the progress.
 pub(super) fn confirmed(
     field: &mut Field<'_, '_>,
     weights: &Weights,
@@ -117,7 +117,7 @@ pub(super) fn confirmed(
             }
         }
     }
-    // Runs at the same places say again whatever wave goes through these: a wave must say places that were left out.
+    // Runs at the same places confirm any wave through these places. So a wave must predict places that were left out.
     for k in 0..judged.len() {
         let axis = judged.get(k).and_then(|term| field.candidates.get(term.candidate)).and_then(wave_axis);
         let (Some(axis), Some(gain)) = (axis, gains.get(k).copied().flatten()) else { continue };
@@ -142,13 +142,13 @@ pub(super) fn confirmed(
     kept
 }
 
-/// How much a term must take off what is left of unseen readings.
+/// Returns the minimum relative reduction of the residual of unseen readings by a term.
 pub(super) fn worth(field: &Field<'_, '_>, number: usize) -> f64 {
     let is_unnamed = field.candidates.get(number).is_some_and(|one| one.cause.effect == EffectKind::Unknown);
     if is_unnamed { WORTH_UNNAMED } else { WORTH }
 }
 
-/// Readings that count, of rows.
+/// Returns the included readings that belong to rows.
 pub(super) fn counts(scene: &Scene<'_>, weights: &Weights) -> Vec<usize> {
     let counts = |place: &usize| {
         weights.items.get(*place).is_some_and(|weight| *weight > 0.0)
@@ -172,7 +172,7 @@ mod tests {
         let found = places(&bench::scene(&machine, &sets), Axis::X);
         let of_rows: Vec<usize> = found.iter().step_by(3).copied().collect();
         assert_eq!(of_rows, there_and_back().map(|(_, x)| x as usize % STRETCHES).collect::<Vec<_>>());
-        // Where each was visited once nothing comes again.
+        // If each place was visited once, no place repeats.
         let sets = [bench::along_x(&machine, ",t_s", &cells[..8])];
         assert_eq!(places(&bench::scene(&machine, &sets), Axis::X), [0; 0]);
     }

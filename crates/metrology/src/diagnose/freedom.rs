@@ -1,8 +1,8 @@
-//! How much less correlated readings tell than independent ones.
+//! Effective number of correlated readings.
 //!
-//! The variance of an amount is that for independent noise times 1 + 2 Σ ρₑ(h) ρₓ(h), with the correlations of the noise and of its column
-//! at the distance h in the series (Bayley & Hammersley 1946), tapered as by Newey & West 1987. A memory of one step, which whitens, takes
-//! most of it away; noise that wanders slowly beside noise that does not leaves the rest.
+//! The variance of an amount is that for independent noise times 1 + 2 Σ ρₑ(h) ρₓ(h), with the autocorrelations of the noise and of the column at lag h
+//! (Bayley & Hammersley 1946), tapered as by Newey & West 1987. Whitening with a lag of one removes most of the autocorrelation. The sum of white noise and
+//! slowly varying noise keeps a part of it.
 
 use rustfft::num_complex::Complex;
 
@@ -11,16 +11,16 @@ use super::search::Weights;
 use super::sweep::FourierTransform;
 use ncfix_base::numeric::sums::dot;
 
-/// Distances at most.
+/// Maximum lag.
 const MOST: usize = 250;
-/// A series says something of distances up to this share of its length.
+/// Maximum lag as a share of the length of a series.
 const SHARE: usize = 3;
 
-/// The readings that count, series by series.
+/// The included readings, series by series.
 #[derive(Clone, Debug)]
 pub(super) struct Order {
     series: Vec<Vec<usize>>,
-    /// Of a series and as much nothing behind it as distances are looked at, where there are many readings.
+    /// For many readings: a transform of the length of a series, padded with zeros by the maximum lag.
     transform: Option<FourierTransform>,
 }
 
@@ -41,7 +41,7 @@ impl Order {
         Order { series, transform }
     }
 
-    /// Correlations at the distances 1, 2 …
+    /// Returns the autocorrelations at the lags 1, 2 …
     pub(super) fn correlations(&self, values: &[f64]) -> Vec<f64> {
         let most = furthest(self.series.iter().map(Vec::len).max().unwrap_or(0));
         let at = |place: &usize| values.get(*place).copied().unwrap_or(0.0);
@@ -50,7 +50,7 @@ impl Order {
             return Vec::new();
         }
         let row = |places: &Vec<usize>| places.iter().map(at).collect::<Vec<f64>>();
-        // What belongs to one set-up is nothing in most series.
+        // A column of one set-up is zero in most series.
         let rows: Vec<Vec<f64>> =
             self.series.iter().map(row).filter(|row| row.iter().any(|value| *value != 0.0)).collect();
         if let Some(transform) = &self.transform {
@@ -60,12 +60,12 @@ impl Order {
         (1..=most).map(|h| product(h) / square).collect()
     }
 
-    /// How many readings are how far behind another of their series.
+    /// Returns the number of pairs of readings of a series at each lag.
     pub(super) fn pairs(&self, distance: usize) -> usize {
         self.series.iter().map(|places| places.len().saturating_sub(distance)).sum()
     }
 
-    /// By how much the variance of an amount grows, 1 at least.
+    /// Returns the factor by which the variance of an amount grows, at least 1.
     pub(super) fn inflation(&self, of_noise: &[f64], column: &[f64]) -> f64 {
         let of_column = self.correlations(column);
         let count = of_noise.len().min(of_column.len()) as f64 + 1.0;
@@ -75,13 +75,13 @@ impl Order {
     }
 }
 
-/// The furthest distance that is looked at.
+/// Returns the largest lag.
 fn furthest(longest: usize) -> usize {
     (longest / SHARE).min(MOST)
 }
 
-/// Sums of products at the distances 1, 2 … in all rows, by their spectrum (Wiener & Khinchin). Two rows are one of complex numbers: the real part of its
-/// products is the sum of those of both.
+/// Sums of products at the lags 1, 2 … in all rows, from their spectrum (Wiener & Khinchin). Two rows form one complex row: the real part of its products is
+/// the sum of those of both.
 fn products(transform: &FourierTransform, rows: &[Vec<f64>], most: usize) -> Vec<f64> {
     let mut powers = vec![Complex::new(0.0, 0.0); transform.length()];
     for pair in rows.chunks(2) {
@@ -103,7 +103,7 @@ mod tests {
         let count = 4000;
         let weights = Weights { items: vec![1.0; count], series: vec![0; count] };
         let order = Order::new(&weights);
-        // A correlation of 0.9 to the power of the distance: (1 + ρ)/(1 − ρ) = 19 for a column that hardly changes.
+        // Autocorrelation of 0.9 to the power of the lag: (1 + ρ)/(1 − ρ) = 19 for a column that hardly changes.
         let of_noise: Vec<f64> = (1..=250).map(|h| 0.9_f64.powi(h)).collect();
         let slow: Vec<f64> = (0..count).map(|k| (k as f64 / 600.0).sin()).collect();
         let fast: Vec<f64> = (0..count).map(|k| if k % 2 == 0 { 1.0 } else { -1.0 }).collect();
@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     fn many_readings_have_the_same_products() {
-        // Three rows: 1 2 3 4, 1 0 −1, 5. At the distance 1 that is 2 + 6 + 12 + 0 + 0, at 2 it is 3 + 8 − 1.
+        // Three rows: 1 2 3 4, 1 0 −1, 5. The sum at lag 1 is 2 + 6 + 12 + 0 + 0, at lag 2 it is 3 + 8 − 1.
         let rows = [vec![1.0, 2.0, 3.0, 4.0], vec![1.0, 0.0, -1.0], vec![5.0]];
         let found = products(&FourierTransform::new(8), &rows, 2);
         assert!((found[0] - 20.0).abs() < 1e-12 && (found[1] - 10.0).abs() < 1e-12, "{found:?}");

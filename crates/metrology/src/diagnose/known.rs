@@ -1,4 +1,4 @@
-//! What is asked for again and again while candidates are searched and judged: weights of rows, and regressions on the set-ups alone.
+//! Cache for results that the search and the tests need repeatedly: weights of rows, and regressions on the set-ups alone.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -8,30 +8,30 @@ use super::score::{Layout, Scores, SearchState};
 use super::search::{Field, Weights};
 use ncfix_base::numeric::{Gain, Series};
 
-/// Numbers in tables that are kept, at most.
+/// Maximum number of cached numbers in tables.
 const ROOM: usize = 1 << 24;
-/// Regressions that are kept, at most: the whole, what is used without a part, each with its memory and without.
+/// Maximum number of cached regressions: all readings and each part, with and without autocorrelation.
 const STARTS: usize = 4;
 
-/// A weight, and what it is by row.
+/// A weight, and its values by row.
 type Table = (Weight, Arc<Vec<f64>>);
 
-/// Weights by row of candidates that were taken.
+/// Weights by row of the accepted candidates.
 #[derive(Debug, Default)]
 pub(super) struct KnownTables(Mutex<HashMap<usize, Table>>);
 
 impl KnownTables {
-    /// `None` where it is not known.
+    /// Returns the values; `None` if they are not cached.
     pub(super) fn get(&self, weight: &Weight) -> Option<Arc<Vec<f64>>> {
         lock(&self.0).get(&weight.key()).map(|(_, table)| Arc::clone(table))
     }
 
-    /// The same for another field.
+    /// Copies the cache for another search.
     pub(super) fn copy(&self) -> KnownTables {
         KnownTables(Mutex::new(lock(&self.0).clone()))
     }
 
-    /// Keeps one, and its weight with it: the key of one that is gone may become that of another one.
+    /// Stores the values and keeps the weight alive: the key of a dropped weight could be used again.
     pub(super) fn put(&self, weight: &Weight, table: Arc<Vec<f64>>) {
         let mut all = lock(&self.0);
         if (all.len() + 1) * table.len() > ROOM {
@@ -41,7 +41,7 @@ impl KnownTables {
     }
 }
 
-/// Readings and how they count, a regression on the unknowns of their set-ups, and what candidates are beside it where that was asked for.
+/// Readings with their weights, the regression on their set-up unknowns, and the scores of the candidates if they were needed.
 #[derive(Debug)]
 struct Start {
     weights: Weights,
@@ -49,12 +49,12 @@ struct Start {
     state: Option<Arc<SearchState>>,
 }
 
-/// Those that were asked for last, the last one at the end.
+/// Entries in the order of their last use.
 #[derive(Debug, Default)]
 pub(super) struct Starts(Mutex<Vec<Start>>);
 
 impl Starts {
-    /// The regression with this memory; `make` makes it where it is not known.
+    /// Returns the regression with this autocorrelation; `make` computes it if it is not cached.
     pub(super) fn series(&self, weights: &Weights, memory: f64, make: impl FnOnce() -> Series) -> Series {
         if let Some(known) = self.with(weights, memory, |start| start.series.clone()) {
             return known;
@@ -68,7 +68,7 @@ impl Starts {
         series
     }
 
-    /// What candidates are beside a regression; `make` makes it where it is not known.
+    /// Returns the scores of the candidates after a regression; `make` computes them if they are not cached.
     pub(super) fn state(&self, weights: &Weights, memory: f64, make: impl FnOnce() -> SearchState) -> Arc<SearchState> {
         if let Some(known) = self.with(weights, memory, |start| start.state.clone()).flatten() {
             return known;
@@ -90,7 +90,7 @@ impl Starts {
 }
 
 impl Field<'_, '_> {
-    /// The columns of the candidate of a number that was taken: what it weighs is kept.
+    /// Returns the columns of an accepted candidate, and caches its weights.
     pub(super) fn columns_of(&self, number: usize) -> Vec<Vec<f64>> {
         let Some(one) = self.candidates.get(number) else { return Vec::new() };
         for (_, weight) in one.columns.iter().flatten() {
@@ -101,13 +101,12 @@ impl Field<'_, '_> {
         self.columns(one)
     }
 
-    /// What each candidate would gain beside a series with the unknowns of the set-ups and some candidates; those that say nothing of their own have
-    /// rank 0.
+    /// Returns the gain of each candidate after the set-up unknowns and some candidates. Dependent candidates have rank 0.
     pub(super) fn gains(&self, weights: &Weights, series: &Series) -> Vec<Gain> {
         self.gains_of(series, &mut self.scores(weights, series.memory()))
     }
 
-    /// All candidates beside the unknowns of the set-ups.
+    /// Returns all candidates after the set-up unknowns.
     pub(super) fn scores(&self, weights: &Weights, memory: f64) -> [Scores; 2] {
         let start = self.series(weights, &[], memory);
         let state = self.starts.state(weights, memory, || {
@@ -123,7 +122,7 @@ impl Field<'_, '_> {
         ]
     }
 
-    /// The same with the scores of a series to which columns were added since, and of candidates that came since then.
+    /// Returns these gains from the scores of a series to which columns were added since, including candidates that were added since.
     pub(super) fn gains_of(&self, series: &Series, scores: &mut [Scores; 2]) -> Vec<Gain> {
         let mut gains: Vec<Gain> = scores.iter_mut().flat_map(|scores| scores.gains(series)).collect();
         let later = self.candidates.get(gains.len()..).unwrap_or_default();
@@ -133,7 +132,7 @@ impl Field<'_, '_> {
     }
 }
 
-/// What another thread left is whole: nothing is half written.
+/// After a panic of another thread the cache is complete: no entry is stored in part.
 fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,8 +1,7 @@
-//! The search: which candidates explain what is left, one after the other, until nothing is gained; then those that do not stand are taken out.
+//! Forward search for the candidates that explain the residual, until none justifies its penalty; then backward elimination.
 //!
-//! A step forward takes the candidate whose gain is largest beside its number of unknowns. Whether it stands is judged at the end, with all that were
-//! taken: by the memory of what is then left, so that slow noise counts for the little that it tells, and by the number of all that
-//! were tried.
+//! A forward step takes the candidate with the largest gain after its penalty. Its significance is tested at the end, with all accepted terms. The test uses
+//! the autocorrelation of the final residual, so slow noise counts with its effective sample size, and the number of all tested candidates.
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -19,68 +18,68 @@ use super::scene::{NO_ROW, Scene, Through};
 use super::score::Layout;
 use super::seek::Seek;
 
-/// Terms at most.
+/// Maximum number of terms.
 const MOST: usize = 10;
-/// Behind many that are kept.
+/// Maximum number in addition to many kept terms.
 const MORE: usize = 4;
-/// How often the search goes on without such a term.
+/// Number of times that the search continues without such a term.
 const REPAIRS: usize = 3;
-/// Worth of a table beside a curve: a value of its own at each target follows every wave and every polynomial.
+/// Factor for a table relative to a curve: separate values at the targets can follow every wave and every polynomial.
 const BY_TARGET: f64 = 0.8;
-/// Worth of what has no name beside what has one.
+/// Factor for an unnamed term relative to a named one.
 const UNNAMED: f64 = 0.9;
-/// The same of so few columns that they fit by no chance.
+/// Factor for an unnamed term with few columns, which hardly fits by chance.
 const UNNAMED_SIMPLE: f64 = 0.95;
 const FEW: usize = 3;
-/// The same of what depends on two.
+/// Factor for an unnamed term over two drivers.
 const UNNAMED_PAIR: f64 = 0.87;
-/// Candidates explain the same where −2 ln of the likelihood differs by less.
+/// Candidates are equivalent if −2 ln of the likelihood differs by less than this.
 pub(super) const TIE: f64 = 8.0;
-/// Periods that differ by less, as a share, are one.
+/// Periods are equal if they differ by less than this share.
 const NEARLY: f64 = 0.01;
-/// The same of waves without a name, which are long.
+/// Same limit for unnamed waves, which are long.
 const NEARLY_UNNAMED: f64 = 0.2;
 
-/// Candidates and what they would do to the readings of a scene.
+/// Candidates and their effects on the readings of a scene.
 #[derive(Debug)]
 pub(super) struct Field<'s, 'a> {
     pub(super) scene: &'s Scene<'a>,
     pub(super) candidates: Vec<Candidate>,
-    /// Those that only groups have: bows beside a location that has their slope.
+    /// Candidates that are used only in groups: bows in addition to a location that has their slope.
     pub(super) bows: Range<usize>,
     pub(super) factors: HashMap<Through, Arc<Vec<f64>>>,
     pub(super) layout: Arc<Layout>,
     pub(super) tables: KnownTables,
     pub(super) starts: Starts,
     pub(super) seek: Seek,
-    /// How many candidates there are to choose from, those of sweeps too.
+    /// Number of tested candidates, including those of the screening.
     pub(super) tried: usize,
-    /// The same beside a part of the readings, where there are many.
+    /// Candidates after a regression on a sample of many readings.
     pub(super) part: Option<Box<SearchPart<'s, 'a>>>,
 }
 
-/// One candidate that was taken.
+/// An accepted candidate.
 #[derive(Clone, Debug)]
 pub(super) struct Taken {
     /// Its number.
     pub(super) candidate: usize,
-    /// Chance of a gain like this where there is nothing, times the number of candidates.
+    /// p-value of its gain, times the number of candidates.
     pub(super) chance: f64,
 }
 
-/// What the search takes next.
+/// Decides the next step of the search.
 struct Step {
     number: usize,
-    /// What each candidate that may be taken is worth.
+    /// Returns the net gain of each candidate that may be taken.
     open: Vec<(f64, usize)>,
 }
 
-/// How readings count.
+/// Weights of the readings.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Weights {
-    /// 1/σ, 0 for those that do not count.
+    /// 1/σ, 0 for excluded readings.
     pub(super) items: Vec<f64>,
-    /// Series of each.
+    /// Series of each reading.
     pub(super) series: Vec<usize>,
 }
 
@@ -102,7 +101,7 @@ impl<'s, 'a> Field<'s, 'a> {
         Field { scene, candidates, bows, factors, layout, tables, starts: Starts::default(), seek, tried, part: None }
     }
 
-    /// Without candidates: what set-ups take is all that is asked of it.
+    /// A search without candidates: only the set-up unknowns are needed.
     pub(super) fn bare(scene: &'s Scene<'a>) -> Field<'s, 'a> {
         Field {
             scene,
@@ -118,7 +117,7 @@ impl<'s, 'a> Field<'s, 'a> {
         }
     }
 
-    /// Adds what is sought by what is left.
+    /// Adds the candidates that the screening of the residual finds.
     fn seek(&mut self, series: &Series, weights: &Weights) {
         let left = series.unwhitened(series.left());
         let noise = series.squares() / (series.count() as f64).max(1.0);
@@ -127,15 +126,15 @@ impl<'s, 'a> Field<'s, 'a> {
         self.candidates.extend(found);
     }
 
-    /// Whether a candidate is one that was taken, with a time constant or a period that is nearly the same: a lag between two that are tried is one
-    /// effect, not two, and two waves that beat are none.
+    /// True if a candidate equals an accepted one except for a nearly equal time constant or period: a lag between two tested values is a single effect, and
+    /// so are two waves that beat.
     fn is_again(&self, number: usize, taken: &[usize]) -> bool {
         let Some(one) = self.candidates.get(number) else { return false };
         let is_near = |other: &Candidate| match (one.constant, other.constant) {
             _ if one.sensor.is_some() => true,
             // Growth at once and heat that follows come together.
             _ if one.cause.effect == EffectKind::SpindleSpeed => one.constant.is_some() == other.constant.is_some(),
-            // A bow has all of its component but the slope, which a location has.
+            // A bow has the same component without the slope, which a location has.
             _ if one.cause.effect == EffectKind::Motion && other.term == Term::None => true,
             (Some((own, unit)), Some((known, of))) if one.columns.len() > 1 => {
                 let nearly = if one.cause.effect == EffectKind::Unknown { NEARLY_UNNAMED } else { NEARLY };
@@ -152,7 +151,7 @@ impl<'s, 'a> Field<'s, 'a> {
         })
     }
 
-    /// The columns of a candidate.
+    /// Returns the columns of a candidate.
     pub(super) fn columns(&self, candidate: &Candidate) -> Vec<Vec<f64>> {
         let sum = |parts: &Vec<(Through, super::cause::Weight)>| {
             let mut column = vec![0.0; self.scene.items.len()];
@@ -179,7 +178,7 @@ impl<'s, 'a> Field<'s, 'a> {
         candidate.columns.iter().map(sum).collect()
     }
 
-    /// A regression with the unknowns of the set-ups and some candidates in it.
+    /// Returns a regression on the set-up unknowns and some candidates.
     pub(super) fn series(&self, weights: &Weights, taken: &[usize], memory: f64) -> Series {
         let mut series = self.starts.series(weights, memory, || {
             let mut series = Series::new(&weights.series, &weights.items, memory);
@@ -210,7 +209,7 @@ impl<'s, 'a> Field<'s, 'a> {
         columns
     }
 
-    /// Readings less what candidates do whose amounts some of them give.
+    /// Returns the readings minus the effects of some candidates, with amounts from a fit of these and others.
     pub(super) fn left_with(&self, train: &Weights, taken: &[usize]) -> Vec<f64> {
         let columns: Vec<Vec<f64>> = taken.iter().flat_map(|&number| self.columns_of(number)).collect();
         let (amounts, _) = self.series(train, &[], 0.0).amounts(&columns);
@@ -221,12 +220,12 @@ impl<'s, 'a> Field<'s, 'a> {
         values
     }
 
-    /// Takes candidates one after the other behind those that are `kept`; where many errors act at once, several of them together first.
+    /// Adds candidates one by one to those in `kept`; if many errors act at once, several of them together first.
     pub(super) fn forward(&mut self, weights: &Weights, kept: &[usize]) -> Vec<usize> {
         self.forward_until(weights, kept, &[])
     }
 
-    /// The same until some are among them, where these are any: what comes behind is of no interest then.
+    /// Searches until one of some candidates is accepted, if any are given: later terms are not needed then.
     pub(super) fn forward_until(&mut self, weights: &Weights, kept: &[usize], enough: &[usize]) -> Vec<usize> {
         let taken = self.sound_steps(weights, kept, enough);
         let mut taken = if kept.is_empty() { self.together(weights, taken) } else { taken };
@@ -234,8 +233,7 @@ impl<'s, 'a> Field<'s, 'a> {
         taken
     }
 
-    /// The same one after the other, without those that nearly cancel others: far larger than all there is, they are where was not measured what nobody
-    /// knows.
+    /// Searches one by one, without terms that nearly cancel others: such terms are far larger than the residual, and arbitrary where nothing was measured.
     pub(super) fn sound_steps(&mut self, weights: &Weights, kept: &[usize], enough: &[usize]) -> Vec<usize> {
         let mut never = Vec::new();
         let (mut taken, mut cancelled) = self.steps(weights, kept, (&never, enough));
@@ -244,12 +242,12 @@ impl<'s, 'a> Field<'s, 'a> {
             never.push(out);
             (taken, cancelled) = self.steps(weights, &taken, (&never, enough));
         }
-        // Which one goes at last does not matter: what it did is left.
+        // After the last repair, the term is removed without a further search: its effect stays in the residual.
         taken.retain(|&number| cancelled != Some(number));
         taken
     }
 
-    /// Also one that others nearly cancel.
+    /// Searches one by one, including terms that nearly cancel others.
     fn steps(
         &mut self,
         weights: &Weights,
@@ -277,7 +275,7 @@ impl<'s, 'a> Field<'s, 'a> {
                 self.candidates.truncate(known);
                 break;
             };
-            // Of what was sought only one that was taken stays, and of others what is better than they are.
+            // Of the screened candidates, only an accepted one stays; of the others, those that are better.
             let sought = (number >= known).then(|| self.candidates.swap_remove(number));
             self.candidates.truncate(known);
             let number = if let Some(one) = sought {
@@ -304,7 +302,7 @@ impl<'s, 'a> Field<'s, 'a> {
         (taken, cancelled)
     }
 
-    /// The candidate that is taken next beside some; `None` where none is worth it.
+    /// Returns the candidate to take next in addition to some; `None` if none justifies its penalty.
     fn choose(
         &self,
         (series, look): (&Series, &mut CandidateSample<'_, '_>),
@@ -330,7 +328,7 @@ impl<'s, 'a> Field<'s, 'a> {
                 (worth * self.belief(number), number)
             })
             .collect();
-        // The least far-fetched of those that explain as much, but none that no machine has.
+        // The simplest of the equivalent candidates, without implausible ones.
         let (worth, number) = loop {
             let (worth, number) = self.best_of(&open)?;
             if !self.is_absurd(number, series) {
@@ -342,7 +340,7 @@ impl<'s, 'a> Field<'s, 'a> {
         Some(Step { number: named.flatten().unwrap_or(number), open })
     }
 
-    /// The least far-fetched of those whose worth is as much as that of the best.
+    /// Returns the simplest of the candidates that are equivalent to the best.
     fn best_of(&self, open: &[(f64, usize)]) -> Option<(f64, usize)> {
         let most = open.iter().map(|(worth, _)| *worth).fold(f64::NEG_INFINITY, f64::max);
         open.iter().copied().filter(|(worth, _)| *worth > 0.0 && *worth > most - TIE).min_by(|a, b| {
@@ -355,7 +353,7 @@ impl<'s, 'a> Field<'s, 'a> {
         self.candidates.get(number).is_none_or(|one| one.cause.effect == EffectKind::Unknown)
     }
 
-    /// The first of two causes with names that together explain what one without explains.
+    /// Returns the first of two named causes that together explain as much as an unnamed one.
     fn named_instead(
         &self,
         (series, look): (&Series, &CandidateSample<'_, '_>),
@@ -376,7 +374,7 @@ impl<'s, 'a> Field<'s, 'a> {
         (own + next > worth).then_some(first)
     }
 
-    /// What has no name must explain more than what has one.
+    /// An unnamed term must explain more than a named one.
     fn belief(&self, number: usize) -> f64 {
         match self.candidates.get(number) {
             Some(one) if one.cause.effect == EffectKind::Unknown && one.columns.len() <= FEW => UNNAMED_SIMPLE,
@@ -388,7 +386,7 @@ impl<'s, 'a> Field<'s, 'a> {
     }
 }
 
-/// Whether all of some are among others.
+/// True if some numbers are a subset of others.
 pub(super) fn contains_all(all: &[usize], some: &[usize]) -> bool {
     some.iter().all(|one| all.contains(one))
 }

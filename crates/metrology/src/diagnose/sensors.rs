@@ -1,4 +1,5 @@
-//! Which of several sensors it is: each with its own best time constant, since the ones that are tried first are far apart and suit one by chance.
+//! Selects the sensor of an effect: every sensor gets its own best time constant. The time constants of the first pass are coarse, and can favor one sensor
+//! by chance.
 
 use std::collections::BTreeMap;
 
@@ -6,17 +7,17 @@ use super::cause::Candidate;
 use super::search::{Field, Weights};
 use ncfix_base::numeric::{Series, in_parts};
 
-/// Sensors that are looked at.
+/// Maximum number of sensors that are compared.
 const MOST: usize = 4;
-/// Their best candidates are worth this share of the best of all at least.
+/// Minimum evidence of their best candidates, as a share of the best of all.
 const SHARE: f64 = 0.6;
 
-/// Rounds in which time constants are found again beside each other.
+/// Number of rounds in which the time constants are optimized in turn.
 const ROUNDS: usize = 2;
 
 impl Field<'_, '_> {
-    /// Finds the time constants of those that were taken behind the first `kept` again, each beside all others: the first ones were found while what
-    /// the later ones explain was still there.
+    /// Optimizes the time constants of the terms after the first `kept` again, each with all others in the model. The first ones were found before the later
+    /// terms.
     pub(super) fn polish(&mut self, weights: &Weights, taken: &mut [usize], kept: usize) {
         let has_lag = |one: &Candidate| one.sensor.is_some() && one.constant.is_some();
         if taken.len() < 2 {
@@ -39,7 +40,8 @@ impl Field<'_, '_> {
         }
     }
 
-    /// The best candidate for the effect of one that goes with a sensor, over sensors and time constants; `open` has what each candidate is worth.
+    /// Returns the best candidate for the effect of a term that depends on a sensor, over sensors and time constants; `open` has the evidence of each
+    /// candidate.
     pub(super) fn best_sensor(&self, number: usize, open: &[(f64, usize)], series: &Series) -> Option<Candidate> {
         let one = self.candidates.get(number)?;
         one.sensor.as_ref()?;
