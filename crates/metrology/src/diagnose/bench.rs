@@ -1,4 +1,4 @@
-//! Scenes for tests of this room: tables of a machine without errors, and candidates.
+//! Scenes for unit tests of this room: tables of a machine without errors, and candidates.
 
 use super::cause::{BUILT_IN, Candidate, EffectKind, Weight};
 use super::row::SceneRow;
@@ -9,7 +9,7 @@ use crate::measure::data::DataSet;
 use ncfix_machine::machine::Machine;
 use ncfix_model::ErrorModel;
 
-/// Displacements at some positions of X, which are all zero, with more columns of each row.
+/// Displacements at some positions of X, all zero, with additional columns.
 pub(super) fn along_x(machine: &Machine, more: &str, rows: &[(f64, &str)]) -> DataSet {
     let mut text = format!("X,Y,Z,dx_um,dy_um,dz_um{more}\n");
     for (x, cells) in rows {
@@ -18,7 +18,7 @@ pub(super) fn along_x(machine: &Machine, more: &str, rows: &[(f64, &str)]) -> Da
     table(machine, &text, "[measurement]\nkind = \"displacement\"\nsigma_um = 1\n")
 }
 
-/// Readings along X at every tenth of a millimetre, µm.
+/// Readings along X at steps of a tenth of a millimeter, µm.
 pub(crate) fn reads_along_x(machine: &Machine, um: &[f64]) -> DataSet {
     let mut text = "X,Y,Z,dx_um\n".to_owned();
     for (place, um) in um.iter().enumerate() {
@@ -27,12 +27,12 @@ pub(crate) fn reads_along_x(machine: &Machine, um: &[f64]) -> DataSet {
     table(machine, &text, "[measurement]\nkind = \"displacement\"\nsigma_um = 1\n")
 }
 
-/// Held against a model without errors.
+/// Linearizes the readings about a model without errors.
 pub(crate) fn scene<'a>(machine: &'a Machine, sets: &'a [DataSet]) -> Scene<'a> {
     Scene::new(machine, &ErrorModel::default(), sets).unwrap()
 }
 
-/// A candidate with one column.
+/// Returns a candidate with one column.
 pub(super) fn candidate(
     effect: EffectKind,
     through: Through,
@@ -42,7 +42,7 @@ pub(super) fn candidate(
     Candidate::one(cause, "X", through, Weight::new(weight))
 }
 
-/// One reading counts as another.
+/// Returns weights that are equal for all readings.
 pub(super) fn even(scene: &Scene<'_>) -> Weights {
     Weights { items: vec![1.0; scene.items.len()], series: vec![0; scene.items.len()] }
 }

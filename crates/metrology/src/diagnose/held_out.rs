@@ -1,4 +1,4 @@
-//! What terms gain on a part of the readings that is left out, with the selection repeated without it.
+//! Gain of terms on parts of the readings, with the selection repeated without each part.
 
 use std::collections::HashMap;
 
@@ -8,67 +8,67 @@ use super::known::Starts;
 use super::search::{Field, Weights, contains_all};
 use ncfix_base::numeric::{Series, in_parts};
 
-/// A part says something of a term that has this share of what shows it, and leaves that share to the others.
+/// A part tests a term if it contains the first share of the evidence for the term and leaves the second one to the other parts.
 const SHOWN: f64 = 0.02;
 const KEPT: f64 = 0.2;
-/// Other candidates that explain this share of what one does stand for it.
+/// Other candidates are equivalent to a term if they explain this share of its effect together,
 const ALIKE: f64 = 0.9;
-/// Each of them this much at least.
+/// and each of them at least this share.
 const PARTLY: f64 = 0.05;
-/// Kinds of parts (four, and one for each axis), and parts of a kind, at most.
+/// Maximum number of kinds of parts (four, and one for each axis), and of parts of a kind.
 const PART_KINDS: usize = 16;
 const PARTS_OF_KIND: usize = 8;
-/// Parts that are looked at side by side.
+/// Number of parts that are processed in parallel.
 const AT_ONCE: usize = 2;
 
-/// What was selected without a part.
+/// Result of a selection without one part.
 #[derive(Clone, Debug)]
 pub(super) struct HeldOutSelection {
     all: Vec<usize>,
-    /// Whether the search went on to its end.
+    /// True if the search was completed.
     is_whole: bool,
 }
 
-/// What was selected, by the kind of parts and the number of the part: it depends on the weights only.
+/// Selections by the kind of parts and the number of the part; they depend only on the weights.
 pub(super) type Selections = HashMap<(usize, usize), HeldOutSelection>;
 
-/// Selections of terms that were chosen by all readings, equal without any part.
+/// Selections of terms that were found with all readings and without every part.
 pub(super) fn settled(all: &[usize]) -> Selections {
     let parts = (0..PART_KINDS).flat_map(|kind| (0..PARTS_OF_KIND).map(move |part| (kind, part)));
     parts.map(|key| (key, HeldOutSelection { all: all.to_vec(), is_whole: true })).collect()
 }
 
-/// What was gained on a part: squares without a term, and with it.
+/// Sums of squares on a part, without and with a term.
 struct Part {
-    /// How much of the term its readings show.
+    /// Share of the effect of the term in its readings.
     shown: f64,
     without: f64,
     with: f64,
 }
 
-/// What is asked of a part.
+/// Input of the test on parts.
 struct Question<'q> {
     weights: &'q Weights,
-    /// The part of each reading.
+    /// Part of each reading.
     parts: &'q [usize],
-    /// What is judged, and what each of these does.
+    /// Terms to test, and their effects.
     judged: &'q [usize],
     does: Vec<Does>,
-    /// Places of those among them whose gain is asked for.
+    /// Indices of the terms whose gains are needed.
     places: &'q [usize],
 }
 
-/// What a part says.
+/// Result of a part.
 struct Answer {
-    /// Of each that was asked for.
+    /// Gains of the terms that are needed.
     gains: Vec<Option<Part>>,
     selection: Option<HeldOutSelection>,
-    /// Candidates that only this search found, numbered behind those that there were before.
+    /// Candidates that only this search found, numbered after the existing ones.
     found: Vec<Candidate>,
 }
 
-/// The gain of each term over some parts; `None` where they do not say. Parts are looked at side by side, each with a field of its own: what the
-/// search finds without one part has seen the others, so that no other search must know of it.
+/// Returns the gain of each term over some parts; `None` if the parts do not determine it. Parts are processed in parallel, each with its own candidates: a
+/// search without one part has seen the others, so its candidates must not enter another search.
 pub(super) fn of_parts(
     field: &mut Field<'_, '_>,
     weights: &Weights,
@@ -127,13 +127,13 @@ impl Question<'_> {
             return Answer { gains: Vec::new(), selection: None, found: Vec::new() };
         }
         let selection = selected(field, &train, self.judged, known);
-        // What else was selected there would not have stood: it is no part of what is judged.
+        // Other selected terms would not have been significant: they are not part of the test.
         let of_each: Vec<Vec<usize>> = self
             .judged
             .iter()
             .zip(&self.does)
             .map(|(&term, does)| {
-                // What stands for itself stands for no other.
+                // A term that is its own equivalent is no equivalent of another term.
                 let is_free = |other: &usize| *other == term || !self.judged.contains(other);
                 let free: Vec<usize> = selection.all.iter().copied().filter(is_free).collect();
                 stand_ins(field, &train, (term, &does.all), &free)
@@ -156,7 +156,7 @@ impl Question<'_> {
     }
 }
 
-/// What is selected without a part; the search goes on only until all that are judged are among it.
+/// Selects terms without a part. The search ends as soon as it contains all terms to test.
 fn selected(
     field: &mut Field<'_, '_>,
     train: &Weights,
@@ -171,7 +171,7 @@ fn selected(
 }
 
 impl<'s, 'a> Field<'s, 'a> {
-    /// A field of its own for another search, with the first candidates.
+    /// Copies the candidates for a separate search, with the first ones only.
     pub(super) fn beside(&self, first: usize) -> Field<'s, 'a> {
         Field {
             scene: self.scene,
@@ -187,7 +187,7 @@ impl<'s, 'a> Field<'s, 'a> {
         }
     }
 
-    /// Takes over what another search found among some that it selected: those behind the first ones get numbers of their own here.
+    /// Adds the selected candidates of another search: those after the existing ones get new numbers.
     fn adopt(&mut self, selected: &mut [usize], first: usize, found: &[Candidate]) {
         for number in selected.iter_mut().filter(|number| **number >= first) {
             let Some(one) = found.get(*number - first) else { continue };
@@ -197,19 +197,19 @@ impl<'s, 'a> Field<'s, 'a> {
     }
 }
 
-/// Squares of what is left of some readings with candidates whose amounts others gave.
+/// Sum of squares of the residual of some readings, with candidates whose amounts come from a fit of other readings.
 pub(super) fn unseen(field: &Field<'_, '_>, train: &Weights, test: &Weights, taken: &[usize]) -> f64 {
     let mut series = field.series(test, &[], 0.0);
     series.set_values(&field.left_with(train, taken));
     series.squares()
 }
 
-/// What a term does to the readings, with the amounts found beside the others.
+/// Effect of a term on the readings, with the amounts fitted together with the others.
 struct Does {
     all: Vec<f64>,
-    /// Squares of it beside the set-ups.
+    /// Sum of its squares after the set-up unknowns.
     whole: f64,
-    /// What each of several columns does, and its squares.
+    /// Effects of several columns, and the sums of their squares.
     columns: Vec<(Vec<f64>, f64)>,
 }
 
@@ -237,7 +237,7 @@ impl Does {
         Does { all, whole, columns: if own.len() > 1 { parts } else { Vec::new() } }
     }
 
-    /// How much of it some readings show, where they show enough and others all of it that these show.
+    /// Returns the share of the effect in some readings, if it is large enough there and in the other readings.
     fn said(&self, train: &mut Series, test: &mut Series) -> Option<f64> {
         let least = SHOWN * self.whole;
         let own = shown(test, &self.all);
@@ -251,13 +251,13 @@ impl Does {
     }
 }
 
-/// How much of something readings show beside their set-ups.
+/// Returns the part of an effect that some readings show after their set-up unknowns.
 fn shown(series: &mut Series, does: &[f64]) -> f64 {
     series.set_values(does);
     series.squares()
 }
 
-/// Which of those that were selected stand for a term: itself, one that does nearly the same, or several that do it together.
+/// Returns the selected terms that are equivalent to a term: itself, one with nearly the same effect, or several together.
 fn stand_ins(
     field: &Field<'_, '_>,
     weights: &Weights,
@@ -291,7 +291,7 @@ fn stand_ins(
     Vec::new()
 }
 
-/// The gain over parts, by which what is left becomes smaller (root of the mean square); 0 where the parts do not agree on it.
+/// Returns the relative reduction of the RMS over the parts; 0 if it is not significant over the parts.
 fn gain(parts: &[Part]) -> Option<f64> {
     if parts.len() < 2 {
         return None;
@@ -299,7 +299,7 @@ fn gain(parts: &[Part]) -> Option<f64> {
     let count = parts.len() as f64;
     let sum = |of: fn(&Part) -> f64| parts.iter().map(of).sum::<f64>();
     let (without, with) = (sum(|part| part.without), sum(|part| part.with));
-    // Parts that show more of it gain more: what differs from that is chance.
+    // Parts with more of the effect gain more: deviations from proportionality are random.
     let ratio = (without - with) / sum(|part| part.shown).max(f64::MIN_POSITIVE);
     let off = |part: &Part| (part.without - part.with - ratio * part.shown).powi(2);
     let spread = (parts.iter().map(off).sum::<f64>() * count / (count - 1.0)).sqrt();
