@@ -110,7 +110,7 @@ fn explained(error: clap::Error, first: &str) -> clap::Error {
     let commands: Vec<String> = definition().get_subcommands().map(|command| command.get_name().to_owned()).collect();
     let meant = nearest(first, commands.iter().map(String::as_str));
     let message = format!(
-        "`{first}` is not a command; it comes first, and without one only one file can be given; {}commands: {}",
+        "`{first}` is not a command; a command comes first, and without one only one file can be given; {}commands: {}",
         meant.map_or_else(String::new, |meant| format!("did you mean `ncfix {meant}`? ")),
         commands.join(", ")
     );
