@@ -51,7 +51,7 @@ fn rows_have_what_hand_arithmetic_gives() {
         (Some(5), Some(4), Some(false))
     );
     // X0 Y0 has no error.
-    assert_eq!(json["left"]["with an error smaller than one increment"], 1, "{json}");
+    assert_eq!(json["left"]["without an error of an increment"], 1, "{json}");
     assert_eq!((json["compared"].as_str(), json["schema"].as_u64()), (Some("executed"), Some(1)));
     // X gets 16, 14, −6, 0 µm one after the other, and then Y −16: the largest step is from 14 to −6.
     assert!((json["largest_step"]["um"].as_f64().unwrap() - 20.0).abs() < 0.1, "{json}");

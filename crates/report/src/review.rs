@@ -9,7 +9,7 @@ use super::correction::error_rows;
 use super::coverage::CoverageReport;
 use super::json::{Finding, SpreadReport};
 use super::number::{counted, grouped, micrometers, significant};
-use super::verdict::Verdict;
+use super::verdict::{Verdict, left_in_words};
 use ncfix_base::units::UnitKey;
 
 /// Output of `ncfix diff`.
@@ -180,7 +180,8 @@ impl Review {
         let (changed, split) = (grouped(self.changed), grouped(self.split));
         row("changed", &format!("{changed} ({share:.1} %), {split} of them in several pieces"));
         if !self.left.is_empty() {
-            let left: Vec<String> = self.left.iter().map(|(why, count)| format!("{} {why}", grouped(*count))).collect();
+            let left: Vec<String> =
+                self.left.iter().map(|(why, count)| format!("{} {}", grouped(*count), left_in_words(why))).collect();
             row("left alone", &left.join(", "));
         }
         if self.other_feeds > 0 {

@@ -158,9 +158,19 @@ impl Verdict {
     }
 }
 
-/// Reasons why moves stay unchanged; true if that is intended.
+/// Reasons why moves stay unchanged in words; those whose keys are other words have them in the list of keys.
+#[must_use]
+pub fn left_in_words(key: &str) -> &str {
+    LEFT_IN_WORDS.iter().find(|(own, _)| *own == key).map_or(key, |(_, words)| words)
+}
+
+/// Keys that are older than the words that people read.
+const LEFT_IN_WORDS: [(&str, &str); 1] =
+    [("without an error of an increment", "with an error smaller than one increment")];
+
+/// Reasons why moves stay unchanged, as keys; true if that is intended.
 pub const LEFT: [(&str, bool); 4] = [
-    ("with an error smaller than one increment", true),
+    (LEFT_IN_WORDS[0].0, true),
     ("before the axes were stated", false),
     ("rapid", true),
     ("that are not corrected", false),

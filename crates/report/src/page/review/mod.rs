@@ -17,6 +17,7 @@ use crate::markup::{Attributes, Markup};
 use crate::number::{grouped, micrometers, significant};
 use crate::plot::Histogram;
 use crate::review::{Review, place};
+use crate::verdict::left_in_words;
 use ncfix_base::geometry::{AXES, Axis};
 use ncfix_base::units::UnitKey;
 use ncfix_path::review::{ReviewTrace, pairs};
@@ -208,7 +209,7 @@ fn figures(out: &mut Markup, subject: &Subject<'_>) {
     let left: Vec<super::PageRow> = review
         .left
         .iter()
-        .map(|(why, count)| super::PageRow { class: "", cells: vec![(*why).to_owned(), grouped(*count)] })
+        .map(|(why, count)| super::PageRow { class: "", cells: vec![left_in_words(why).to_owned(), grouped(*count)] })
         .collect();
     if !left.is_empty() {
         table(out, &columns(["moves left unchanged", "#count"]), &left, "", usize::MAX);
