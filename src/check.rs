@@ -1,25 +1,20 @@
-//! Checks programs: parses and executes them, and tests whether the axes reach all positions.
+//! Checks programs: parses, executes and corrects them as for an output that is discarded.
 
 use crate::diagnostics::Diagnostics;
 use crate::error::Error;
 use crate::machine::Machine;
+use crate::options::Options;
 use crate::program::Program;
-use crate::run::{self, Watch};
+use crate::run::Watch;
 use crate::support_file;
-use ncfix_base::diagnostic::Code;
-use ncfix_language::exec::{Options, RapidOrder};
 use ncfix_language::syntax;
-use ncfix_path::path::ReachScan;
-
-/// The check stops after this number of blocks with syntax errors.
-const MOST_ERRORS: u32 = 1000;
 
 /// The stages that a check completed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Checked {
     /// True if the text was parsed without an error.
     pub(crate) parsed: bool,
-    /// True if the program was executed to its end without an error.
+    /// True if the program was executed, corrected and written to its end without an error.
     pub(crate) executed: bool,
     /// The kind of the file if it is not a program.
     pub(crate) support_file: Option<&'static str>,
@@ -33,10 +28,19 @@ impl Checked {
         let kind = support_file::kind_of_text(program.source())?;
         Some(Checked { parsed: true, support_file: Some(kind), ..Checked::default() })
     }
+
+    /// Notes a program that was parsed without an error, and the kind of its file.
+    fn note(&mut self, program: &syntax::Program) {
+        self.parsed = true;
+        self.support_file = match program {
+            syntax::Program::Sinumerik(program) => support_file::kind(program),
+            syntax::Program::Words(_) => None,
+        };
+    }
 }
 
 impl Program {
-    /// Parses and executes the program, and tests whether the axes reach all positions; all findings are reported.
+    /// Parses, executes and corrects the program with the default options, and discards the text: it reports what a correction reports.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -49,18 +53,18 @@ impl Program {
     pub fn check(&self, machine: &Machine) -> Diagnostics {
         let mut found = Diagnostics::default();
         // The dialect was there when the program was made.
-        let _ = self.examine(Some(machine), false, None, &mut found);
+        let _ = self.examine(Some(machine), (false, &Options::default()), None, &mut found);
         found
     }
 
-    /// Parses, and with a machine executes unless `is_syntax_only`.
+    /// Parses, and with a machine executes, corrects and writes the program like a correction whose text is discarded, unless `is_syntax_only`.
     ///
     /// # Errors
-    /// If the dialect does not exist.
+    /// If the dialect does not exist, or the program cannot be written with these options.
     pub(crate) fn examine(
         &self,
         machine: Option<&Machine>,
-        is_syntax_only: bool,
+        (is_syntax_only, options): (bool, &Options),
         watch: Option<fn() -> Box<dyn Watch>>,
         found: &mut Diagnostics,
     ) -> Result<Checked, Error> {
@@ -68,75 +72,23 @@ impl Program {
             return Ok(checked);
         }
         let mut check = Checked::default();
-        let Some(opened) = self.open(machine, found)? else { return Ok(check) };
-        check.parsed = true;
-        check.support_file = match &opened.program {
-            syntax::Program::Sinumerik(program) => support_file::kind(program),
-            syntax::Program::Words(_) => None,
+        let Some(machine) = machine.filter(|_| !is_syntax_only) else {
+            if let Some(opened) = self.open(machine, found)? {
+                check.note(&opened.program);
+            }
+            return Ok(check);
         };
-        if check.support_file.is_some() {
+        let correction = self.correct(machine, options);
+        if self.was_corrected_before(found) {
+            check.parsed = self.open(Some(machine), &mut Diagnostics::default())?.is_some();
             return Ok(check);
         }
-        let Some(machine) = machine.filter(|_| !is_syntax_only) else { return Ok(check) };
-        let options = Options { rapid_order: RapidOrder::All, ..Options::default() };
-        let mut running = self.start_as(opened, &machine.machine, options);
-        if let Some(watch) = watch {
-            running = running.watched(watch());
-        }
-        check.executed = true;
-        // Nobody's program is for the demo machine.
-        let mut reach = (!machine.is_demo).then(|| ReachScan::new(&machine.machine, self.reading().start));
-        let mut is_beyond = false;
-        while let Some(item) = running.next() {
-            match item {
-                Ok(element) => {
-                    check.elements += u64::from(element.kind.is_in_text());
-                    if let Some(reach) = &mut reach {
-                        is_beyond |= reach.note(&element).count() > 0;
-                    }
-                }
-                Err(diagnostic) => {
-                    check.executed &= !diagnostic.is_error();
-                    found.add(diagnostic, running.sources());
-                    if found.is_hopeless() {
-                        break;
-                    }
-                }
-            }
-        }
-        if check.executed && !running.moves() {
-            found.add(run::without_motion(self.source(), Code::MOVES_NOTHING), running.sources());
-        }
-        if is_beyond {
-            self.reach(machine, watch, found)?;
+        let Some(prepared) = correction.prepare(found)? else { return Ok(check) };
+        check.note(prepared.program());
+        if check.support_file.is_none() {
+            check.elements = prepared.discard(watch.map(|watch| watch()), found)?;
+            check.executed = !found.has_errors();
         }
         Ok(check)
-    }
-
-    /// Says where axes would leave their travel, as far as the program tells: what only an assumed place would do is no finding. For that it is
-    /// executed as for a correction.
-    fn reach(
-        &self,
-        machine: &Machine,
-        watch: Option<fn() -> Box<dyn Watch>>,
-        found: &mut Diagnostics,
-    ) -> Result<(), Error> {
-        let Some(opened) = self.open(Some(machine), &mut Diagnostics::default())? else { return Ok(()) };
-        let mut running = self.start_as(opened, &machine.machine, run::strict(RapidOrder::All));
-        if let Some(watch) = watch {
-            running = running.watched(watch());
-        }
-        let mut reach = ReachScan::new(&machine.machine, self.reading().start);
-        let mut errors = 0;
-        while let Some(item) = running.next() {
-            match item {
-                Ok(element) => reach.note(&element).for_each(|one| found.add(one, running.sources())),
-                Err(one) => errors += u32::from(one.is_error()),
-            }
-            if errors > MOST_ERRORS || found.is_hopeless() {
-                break;
-            }
-        }
-        Ok(())
     }
 }

@@ -154,7 +154,7 @@ impl<'a> FlatText<'a> {
         Ok(Some(FlatText { program, machine, running }))
     }
 
-    /// Writes the elements and gathers what is found; the files of the subprograms that were read.
+    /// Writes the elements up to the first error and gathers all that is found; the files of the subprograms that were read.
     ///
     /// # Errors
     /// Those of `out`.
@@ -167,6 +167,8 @@ impl<'a> FlatText<'a> {
         }
         while let Some(item) = running.next() {
             match item {
+                // A stream with a gap would be read as another program: it ends before the first error, and the rest is only executed.
+                Ok(_) if found.has_errors() => {}
                 Ok(element) if element.origin.calls == 0 => writer.write(&element, &[])?,
                 Ok(element) => writer.write(&element, &running.call_lines(&element))?,
                 Err(diagnostic) => {

@@ -240,6 +240,7 @@ pub(crate) struct Running<'a> {
     loaded: Rc<RefCell<Vec<PathBuf>>>,
     length: usize,
     moves: bool,
+    elements: u64,
     extent: PathExtent,
 }
 
@@ -263,7 +264,7 @@ impl<'a> Running<'a> {
         };
         let length = opened.source.bytes().len();
         let execution = Execution::new(opened.program, machine, library, options);
-        Running { execution, watch: None, loaded, length, moves: false, extent: PathExtent::default() }
+        Running { execution, watch: None, loaded, length, moves: false, elements: 0, extent: PathExtent::default() }
     }
 
     /// The run with an observer of its progress.
@@ -291,6 +292,11 @@ impl<'a> Running<'a> {
         self.moves
     }
 
+    /// Elements of the flat stream so far.
+    pub(crate) fn elements(&self) -> u64 {
+        self.elements
+    }
+
     /// Range of the positions and tools so far.
     pub(crate) fn extent(&self) -> &PathExtent {
         &self.extent
@@ -309,6 +315,7 @@ impl Iterator for Running<'_> {
         let item = self.execution.next();
         self.moves |= matches!(&item, Some(Ok(Element { kind: Kind::Move(_), .. })));
         if let Some(Ok(element)) = &item {
+            self.elements += u64::from(element.kind.is_in_text());
             self.extent.see(element);
         }
         match &item {

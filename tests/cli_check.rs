@@ -17,7 +17,7 @@ fn a_good_program_is_understood_and_executed() {
 fn json_has_the_documented_shape() {
     let shop = Shop::new().file("part.mpf", GOOD);
     let run = shop.run(["check", "part.mpf", "--json", "--machine", &machine("demo")]).exits(0);
-    assert_eq!(run.stdout, "{\"parsed\":true,\"executed\":true,\"elements\":4,\"diagnostics\":[]}\n");
+    assert_eq!(run.stdout, "{\"parsed\":true,\"executed\":true,\"machine\":\"demo\",\"elements\":4,\"diagnostics\":[]}\n");
     assert_eq!(run.stderr, "");
 }
 
@@ -122,9 +122,9 @@ fn any_bytes_are_answered_without_a_crash() {
 fn subprograms_are_found_beside_the_program_and_findings_point_into_them() {
     let shop = Shop::new()
         .file("parts/main.mpf", "N10 G90 G71 G54 G0 X0 Y0 Z100\nN20 L12\nN30 M30\n")
-        .file("parts/l12.spf", "N10 G1 X10 F500\nN20 X=1/R9\nN30 M17\n");
+        .file("parts/l12.spf", "N10 G1 X10 F500\nN15 R9=0\nN20 X=1/R9\nN30 M17\n");
     let run = shop.run(["check", "parts/main.mpf", "--machine", &machine("demo")]).exits(4);
-    run.says("error[E0209]").says("l12.spf:2:");
+    run.says("error[E0209]").says("l12.spf:3:");
 }
 
 #[test]
@@ -190,8 +190,13 @@ fn the_travel_of_a_machine_file_counts() {
     let lines: Vec<u64> =
         json["diagnostics"].as_array().unwrap().iter().map(|one| one["line"].as_u64().unwrap()).collect();
     assert_eq!(lines, [4, 7], "{json}");
-    // On the demo machine, which nobody has, nothing is said of it.
-    shop.run(["check", "in.ngc"]).exits(0);
+    // Without a machine file it is the demo machine, which is named first, for the correction too.
+    let demo = ["check", "fix"].map(|command| {
+        let output: &[&str] = if command == "fix" { &["-o", "out.ngc"] } else { &[] };
+        shop.run([command, "in.ngc", "--json"].iter().chain(output)).json()["diagnostics"].clone()
+    });
+    assert_eq!(demo[0], demo[1]);
+    assert_eq!(demo[0][0]["code"], "W0304");
 }
 
 /// Where nobody has stated where an axis is, its place is assumed, and no reason to say that it is outside: as for a correction, which refuses the start.
@@ -219,10 +224,9 @@ fn a_program_that_moves_nothing_is_pointed_out() {
         let shop = Shop::new().file("part.nc", text);
         let vmc = machine("vmc");
         let skip: &[&str] = if text.contains('/') { &["--skip", "0"] } else { &[] };
-        for command in ["check", "snc"] {
-            let run = shop.run([command, "part.nc", "--machine", &vmc].iter().chain(skip).copied()).exits(0);
-            assert!(run.stderr.contains("warning[W0238]"), "{command} {text}: {}", run.stderr);
-        }
+        let run = shop.run(["snc", "part.nc", "--machine", &vmc].iter().chain(skip).copied()).exits(0);
+        assert!(run.stderr.contains("warning[W0238]"), "{text}: {}", run.stderr);
+        shop.run(["check", "part.nc", "--machine", &vmc].iter().chain(skip).copied()).exits(4).says("error[E0223]");
         shop.run(["fix", "part.nc", "-o", "out.nc", "--machine", &vmc].iter().chain(skip).copied())
             .exits(4)
             .says("error[E0223]");
@@ -231,4 +235,61 @@ fn a_program_that_moves_nothing_is_pointed_out() {
     let shop = Shop::new().file("part.nc", "O1\nG21\nG1 X5. F100.\nM30\n");
     let run = shop.run(["check", "part.nc", "--machine", &machine("vmc")]).exits(0);
     assert!(!run.stderr.contains("W0238"), "{}", run.stderr);
+}
+
+/// Every bad sample of a dialect, and programs that only a correction refuses: with a drift of the position, and beyond the travel by the correction alone.
+#[test]
+fn check_says_what_a_correction_refuses() {
+    let mut refused = 0;
+    for (dialect, machine_name) in dialects() {
+        let on = machine(machine_name);
+        let mut files: Vec<_> = std::fs::read_dir(repository(&format!("samples/programs/{dialect}/bad")))
+            .unwrap()
+            .map(|entry| entry.unwrap().path())
+            .filter(|path| path.extension().is_none_or(|extension| extension != "md"))
+            .collect();
+        files.sort();
+        for file in &files {
+            let name = file.file_name().unwrap().to_str().unwrap();
+            let shop = Shop::new().copy(file.to_str().unwrap());
+            let fix = shop.run(["fix", name, "-o", "out", "--machine", &on, "--json"]);
+            let check = shop.run(["check", name, "--machine", &on, "--json"]);
+            assert_eq!(check.code, fix.code, "{name}: {}", check.stderr);
+            if ![0, 3, 4].contains(&fix.code) {
+                continue;
+            }
+            let check = check.json();
+            if check.get("support_file").is_none() {
+                assert_eq!(check["diagnostics"], fix.json()["diagnostics"], "{name}");
+                refused += usize::from(fix.code != 0);
+            }
+            assert_eq!(check["executed"].as_bool().unwrap(), fix.code == 0, "{name}");
+        }
+    }
+    assert!(refused > 60, "{refused}");
+    let on = machine("demo");
+    let cases: [(&str, &[&str], &str); 4] = [
+        ("N10 G90 G71 G54\nN20 G91 G1 X10 F100\nN30 M30\n", &[], "E0304"),
+        ("N10 G90 G71 G54 G0 X10 Y10 Z100\nN20 G1 X600 F500\nN30 M30\n", &["--max-correction", "1um"], "E0303"),
+        ("N10 G90 G71 G505 G0 X10 Y10 Z100\nN20 G1 X20 F500\nN30 M30\n", &[], "E0306"),
+        ("N10 G90 G71 G54 G0 X10 Y10 Z100\nN20 G1 X99999 F500\nN30 M30\n", &[], "E0302"),
+    ];
+    for (text, options, code) in cases {
+        let shop = Shop::new().file("part.mpf", text);
+        let of = |words: &[&str]| shop.run(words.iter().chain(&["--machine", &on, "--json"]).chain(options)).exits(4);
+        let check = of(&["check", "part.mpf"]).json();
+        let fix = of(&["fix", "part.mpf", "-o", "out.mpf"]).json();
+        assert_eq!(check["diagnostics"], fix["diagnostics"], "{text}");
+        assert!(check["diagnostics"].as_array().unwrap().iter().any(|one| one["code"] == code), "{check}");
+        assert_eq!(shop.names(), ["part.mpf"], "a check writes nothing");
+    }
+}
+
+/// A stream with a gap is another path: what stands before the error is printed, and nothing after it.
+#[test]
+fn a_stream_ends_before_the_first_error() {
+    let text = "N10 G90 G71 G54 G0 X10 Y10 Z100\nN20 G1 X20 F500\nN30 X=1/(R1-R1)\nN40 X30\nN50 M30\n";
+    let shop = Shop::new().file("part.mpf", text);
+    let run = shop.run(["snc", "part.mpf", "--machine", &machine("demo")]).exits(4);
+    assert!(run.stdout.contains(";@2") && !run.stdout.contains(";@4") && !run.stdout.contains(";@5"), "{}", run.stdout);
 }

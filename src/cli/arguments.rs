@@ -292,14 +292,16 @@ pub(super) struct CheckArguments {
     #[arg(value_name = "IN")]
     pub(super) input: PathBuf,
     /// Parse only; needs no machine
-    #[arg(long)]
+    #[arg(long, alias = "syntax")]
     pub(super) syntax_only: bool,
     #[command(flatten)]
-    /// Machine file and set-up files.
     pub(super) machine: MachineChoice,
     #[command(flatten)]
-    /// Reading and execution of the program.
+    pub(super) state: StateChoice,
+    #[command(flatten)]
     pub(super) program: ProgramChoice,
+    #[command(flatten)]
+    pub(super) correction: CorrectionChoice,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub(super) json: bool,
@@ -315,10 +317,8 @@ pub(super) struct SncArguments {
     #[arg(short, long, value_name = "OUT")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
-    /// Machine file and set-up files.
     pub(super) machine: MachineChoice,
     #[command(flatten)]
-    /// Reading and execution of the program.
     pub(super) program: ProgramChoice,
 }
 

@@ -124,7 +124,7 @@ impl<'a> Correction<'a> {
         }
         // Whether the control can follow the wear is known when all is written.
         let mut text = Vec::new();
-        let has_wear = prepared.write(&mut text, None, found, report, nothing)?.unwrap_or_default();
+        let has_wear = prepared.write(&mut text, None, found, report, nothing)?.is_ok_and(|written| written.has_wear);
         if has_wear && !found.has_errors() {
             self.try_wear(&Self::again(self.program.source(), self.program.source().name(), text.clone())?, found)?;
         }
@@ -247,6 +247,15 @@ impl<'a> Correction<'a> {
     }
 }
 
+/// A corrected text that was written.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WrittenText {
+    /// True if the control compensates radii by wear.
+    pub(crate) has_wear: bool,
+    /// Elements of the flat stream of the original.
+    pub(crate) elements: u64,
+}
+
 /// A program that is about to be corrected.
 pub(crate) struct Prepared<'a> {
     correction: &'a Correction<'a>,
@@ -277,8 +286,32 @@ impl<'a> Prepared<'a> {
         Ok((program.start_as(opened, &correction.machine.machine, run), writing, numbers))
     }
 
+    /// The tree of the program.
+    pub(crate) fn program(&self) -> &syntax::Program {
+        &self.opened.program
+    }
+
+    /// Executes, corrects and writes like a correction of a file, and discards the text. Returns the number of elements of the flat stream.
+    ///
+    /// # Errors
+    /// If the program cannot be written like that.
+    pub(crate) fn discard(self, watch: Option<Box<dyn Watch>>, found: &mut Diagnostics) -> Result<u64, Error> {
+        let correction = self.correction;
+        let mut report = CorrectionReport::default();
+        let mut text = Vec::new();
+        let keeps_wear = correction.options.compensation != Compensation::Center;
+        let mut nowhere = io::sink();
+        let sink: &mut (dyn Write + Send) = if keeps_wear { &mut text } else { &mut nowhere };
+        let written = self.write(sink, watch, found, &mut report, |_, _| {})?.map_err(|error| Error::sink(&error))?;
+        if written.has_wear && !found.has_errors() {
+            let source = correction.program.source();
+            correction.try_wear(&Correction::again(source, source.name(), text)?, found)?;
+        }
+        Ok(written.elements)
+    }
+
     /// Executes, corrects and writes. After the first error nothing more is written, but all findings are collected. `guard` reports other reasons
-    /// against the output when the list of read files is complete. Returns whether the control compensates radii by wear.
+    /// against the output when the list of read files is complete.
     ///
     /// # Errors
     /// If the program cannot be written like that; inside, where the text is refused.
@@ -289,7 +322,7 @@ impl<'a> Prepared<'a> {
         found: &mut Diagnostics,
         report: &mut CorrectionReport,
         guard: impl FnOnce(&[PathBuf], &mut Diagnostics),
-    ) -> Result<io::Result<bool>, Error> {
+    ) -> Result<io::Result<WrittenText>, Error> {
         let (correction, threads) = (self.correction, self.threads);
         let Correction { program, machine, model, options } = correction;
         let is_required = options.require_coverage;
@@ -331,7 +364,7 @@ impl<'a> Prepared<'a> {
         }
         let left = path::remaining(&machine.machine, &machine.errors, &machine.condition, &passed.poses);
         report.remaining = left.iter().map(remaining).collect();
-        Ok(Ok(has_wear))
+        Ok(Ok(WrittenText { has_wear, elements: running.elements() }))
     }
 
     /// The corrected pieces, with what was found so far.

@@ -49,8 +49,11 @@ impl Finding {
 pub struct ProgramCheck {
     /// True if the text was parsed without an error.
     pub parsed: bool,
-    /// True if it was executed to its end without an error.
+    /// True if it was executed, corrected and written to its end without an error. The text is discarded.
     pub executed: bool,
+    /// Name of the machine for which it was executed; absent if the machine has no effect.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub machine: Option<String>,
     /// Kind of a file that is not a program: `machine data`, `definitions` …
     #[serde(skip_serializing_if = "Option::is_none")]
     pub support_file: Option<&'static str>,

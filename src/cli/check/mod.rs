@@ -1,4 +1,4 @@
-//! `ncfix check`: parses and executes a program, checks the travel of the axes and reports every diagnostic; writes nothing.
+//! `ncfix check`: executes and corrects a program like `ncfix fix`, reports every diagnostic, and writes nothing.
 
 use crate::check::Checked;
 use crate::cli::arguments::CheckArguments;
@@ -12,9 +12,10 @@ use ncfix_report::number::counted;
 /// Checks a program.
 pub(in crate::cli) fn run(arguments: &CheckArguments) -> Result<ExitCode, Stop> {
     let mut findings = Findings::default();
-    let Checked { parsed, executed, support_file, elements } = examine(arguments, &mut findings)?;
+    let (Checked { parsed, executed, support_file, elements }, machine) = examine(arguments, &mut findings)?;
     if arguments.json {
-        let check = json::ProgramCheck { parsed, executed, support_file, elements, diagnostics: findings.json() };
+        let diagnostics = findings.json();
+        let check = json::ProgramCheck { parsed, executed, machine, support_file, elements, diagnostics };
         print(&json::line(&check).map_err(Stop::Usage)?)?;
     } else {
         findings.draw();
@@ -24,7 +25,7 @@ pub(in crate::cli) fn run(arguments: &CheckArguments) -> Result<ExitCode, Stop> 
             }
             (false, _) => "not understood".to_owned(),
             (true, false) if arguments.syntax_only => "understood".to_owned(),
-            (true, false) => "understood, not executed to the end".to_owned(),
+            (true, false) => "understood, not corrected to the end".to_owned(),
             (true, true) => format!("understood and executed, {}", counted(elements, "element")),
         };
         tell(&format!("{}: {done}; {}\n", arguments.input.display(), findings.count()));
@@ -32,17 +33,18 @@ pub(in crate::cli) fn run(arguments: &CheckArguments) -> Result<ExitCode, Stop> 
     Ok(findings.exit_code())
 }
 
-/// Parses, and executes unless `--syntax-only`.
-fn examine(arguments: &CheckArguments, findings: &mut Findings) -> Result<Checked, Stop> {
+/// Parses, executes and corrects unless `--syntax-only`; with the name of the machine.
+fn examine(arguments: &CheckArguments, findings: &mut Findings) -> Result<(Checked, Option<String>), Stop> {
     let program = program::of(&arguments.input, &arguments.program)?;
     if let Some(checked) = Checked::of_text(&program) {
-        return Ok(checked);
+        return Ok((checked, None));
     }
-    // Only the dialect can affect the syntax, so a machine is read only if one is named; the demo machine is irrelevant.
-    let machine = if arguments.syntax_only && arguments.machine.machine.is_none() {
-        None
-    } else {
-        machine_choice::choose(&arguments.machine, &arguments.input, findings)?
+    // Only the dialect can affect the syntax, so a machine is read only if one is named.
+    let machine = match arguments.syntax_only && arguments.machine.machine.is_none() {
+        true => None,
+        false => machine_choice::choose_in(&arguments.machine, &arguments.state, &arguments.input, findings)?,
     };
-    Ok(program.examine(machine.as_ref(), arguments.syntax_only, Some(progress::watch), findings)?)
+    let how = (arguments.syntax_only, &arguments.correction.options());
+    let name = machine.as_ref().filter(|_| !arguments.syntax_only).map(|chosen| chosen.machine.name.clone());
+    Ok((program.examine(machine.as_ref(), how, Some(progress::watch), findings)?, name))
 }

@@ -114,7 +114,7 @@ impl<'a> Job<'a> {
             }
         };
         let written = prepared.write(spool.writer(), Some(progress::watch()), findings, report, guard)?;
-        let has_wear = written.map_err(|error| spool.fault(&error))?;
+        let has_wear = written.map_err(|error| spool.fault(&error))?.has_wear;
         if has_wear && !findings.has_errors() {
             correction.try_wear(&self.text(&mut spool)?, findings)?;
         }

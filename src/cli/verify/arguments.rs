@@ -15,13 +15,10 @@ pub(in crate::cli) struct VerifyArguments {
     /// Corrected part program
     pub(in crate::cli) corrected: PathBuf,
     #[command(flatten)]
-    /// Machine file and set-up files.
     pub(in crate::cli) machine: MachineChoice,
     #[command(flatten)]
-    /// Condition of the machine.
     pub(in crate::cli) state: StateChoice,
     #[command(flatten)]
-    /// Reading and execution of the programs.
     pub(in crate::cli) program: ProgramChoice,
     /// Tolerance promised by the correction, with unit (default: that of the stamp)
     #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
@@ -33,7 +30,6 @@ pub(in crate::cli) struct VerifyArguments {
     #[arg(long)]
     pub(in crate::cli) require_coverage: bool,
     #[command(flatten)]
-    /// Report page and its pictures.
     pub(in crate::cli) page: PageChoice,
     /// Print one JSON object on standard output
     #[arg(long)]
