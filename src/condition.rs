@@ -1,5 +1,6 @@
 //! The condition of the machine: `--state` and `--load`.
 
+use crate::datum;
 use crate::diagnostics::Diagnostics;
 use crate::disk::files;
 use crate::disk::hash::short_hash;
@@ -53,6 +54,8 @@ pub(crate) fn read(choice: &ConditionFiles, chosen: &mut Machine, findings: &mut
         condition.add_load(load);
         parts.push(format!("{load:?}"));
     }
+    datum::state(&choice.zeros, chosen)?;
+    parts.extend(choice.zeros.iter().map(|zero| format!("{zero:?}")));
     if !parts.is_empty() {
         chosen.state = Some(short_hash(parts.iter().map(String::as_bytes)));
     }

@@ -35,6 +35,7 @@ mod condition;
 mod correction;
 mod coverage;
 mod data;
+mod datum;
 mod diagnosis;
 mod diagnostics;
 mod disk;

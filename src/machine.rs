@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use crate::datum;
 use crate::diagnostics::Diagnostics;
 use crate::disk::machine_file;
 use crate::error::Error;
@@ -253,6 +254,6 @@ impl Machine {
 
     /// The error model in the condition of the machine.
     pub(crate) fn model(&self) -> Model {
-        Model::at(&self.machine, &self.errors, &self.condition)
+        datum::with_zeros(self, Model::at(&self.machine, &self.errors, &self.condition))
     }
 }

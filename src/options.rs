@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
+use crate::datum::StatedZero;
 use crate::error::Error;
 use ncfix_base::geometry::AxisVector;
 use ncfix_machine::machine::Load;
@@ -90,6 +91,8 @@ pub(crate) struct ConditionFiles {
     pub(crate) zero_time_s: Option<f64>,
     /// Axis positions at which the zero point was set.
     pub(crate) zero_at: Option<AxisVector>,
+    /// Statements about zero offsets.
+    pub(crate) zeros: Vec<StatedZero>,
     /// The load on the table, instead of that of the files.
     pub(crate) load: Option<Load>,
 }

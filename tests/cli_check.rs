@@ -17,7 +17,10 @@ fn a_good_program_is_understood_and_executed() {
 fn json_has_the_documented_shape() {
     let shop = Shop::new().file("part.mpf", GOOD);
     let run = shop.run(["check", "part.mpf", "--json", "--machine", &machine("demo")]).exits(0);
-    assert_eq!(run.stdout, "{\"parsed\":true,\"executed\":true,\"machine\":\"demo\",\"elements\":4,\"diagnostics\":[]}\n");
+    assert_eq!(
+        run.stdout,
+        "{\"parsed\":true,\"executed\":true,\"machine\":\"demo\",\"elements\":4,\"diagnostics\":[]}\n"
+    );
     assert_eq!(run.stderr, "");
 }
 

@@ -43,6 +43,7 @@ pub(crate) fn xyz_machine() -> Machine {
         spindle: Spindle { origin_mm: Vector::zeros(), axis: Vector::z() },
         control: Control::default(),
         zero_offsets,
+        datums: BTreeMap::new(),
         radius_wear_mm: BTreeMap::new(),
         base_frames: BTreeMap::new(),
         parameters: BTreeMap::new(),

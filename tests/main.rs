@@ -56,6 +56,7 @@ mod controls;
 mod correction;
 mod coverage;
 mod cycles;
+mod datum;
 mod dead_band;
 mod decompose;
 mod definitions;

@@ -25,7 +25,7 @@ pub(super) fn read(choice: &StateChoice, chosen: &mut Chosen, findings: &mut Fin
 
 impl From<&StateChoice> for ConditionFiles {
     fn from(choice: &StateChoice) -> ConditionFiles {
-        let StateChoice { state, time, zero_time, zero_at, load } = choice.clone();
-        ConditionFiles { files: state, time_s: time, zero_time_s: zero_time, zero_at, load }
+        let StateChoice { state, time, zero_time, zero_at, zero: zeros, load } = choice.clone();
+        ConditionFiles { files: state, time_s: time, zero_time_s: zero_time, zero_at, zeros, load }
     }
 }

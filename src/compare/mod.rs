@@ -209,15 +209,20 @@ pub(crate) fn verification(outcome: Option<&Outcome>, found: &Diagnostics) -> Ve
     let before = outcome.map(|outcome| spread(&outcome.comparison.before));
     let after = outcome.map(|outcome| spread(&outcome.comparison.after));
     let coverage = outcome.map(|outcome| outcome.coverage.clone());
+    let before_form = outcome.map(|outcome| spread(&outcome.comparison.form));
+    let zeros = outcome.map_or_else(Vec::new, |outcome| outcome.zeros.clone());
     let diagnostics = found.json();
-    let verdict = outcome
-        .map(|_| Verdict::of(&Review { before, after, diagnostics, coverage: coverage.clone(), ..Review::default() }));
+    let review =
+        Review { before, before_form, zeros, after, diagnostics, coverage: coverage.clone(), ..Review::default() };
+    let verdict = outcome.map(|_| Verdict::of(&review));
     let [original_at_feed, corrected_at_feed] =
         outcome.and_then(|outcome| outcome.at_feed.clone()).map_or([None, None], |pair| pair.map(Some));
     VerificationReport {
         verdict,
         coverage,
         before,
+        before_form,
+        zeros: review.zeros,
         after,
         samples: outcome.map_or(0, |outcome| outcome.comparison.samples),
         original_at_feed,

@@ -69,6 +69,8 @@ impl ComparedPrograms<'_> {
             }),
             longest_line: longest(self.corrected),
             before: Some(spread(&self.outcome.comparison.before)),
+            before_form: Some(spread(&self.outcome.comparison.form)),
+            zeros: self.outcome.zeros.clone(),
             after: Some(spread(&self.outcome.comparison.after)),
             limits: limits.into_iter().collect(),
             coverage: Some(self.outcome.coverage.clone()),

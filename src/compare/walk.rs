@@ -10,6 +10,7 @@ use super::{differences, stamp};
 use crate::channel::{Filler, Taker, channel};
 use crate::correction::servo;
 use crate::coverage;
+use crate::datum;
 use crate::diagnostics::Diagnostics;
 use crate::error::Error;
 use crate::machine::Machine;
@@ -24,7 +25,7 @@ use ncfix_machine::snc::{Element, Origin};
 use ncfix_path::emit;
 use ncfix_path::path::{self, Feeds, Follow, Grouping, ProgramDifference};
 use ncfix_report::coverage::CoverageReport;
-use ncfix_report::json::AtFeed;
+use ncfix_report::json::{AtFeed, ZeroReport};
 
 /// Two programs and how they are executed.
 pub(crate) struct Pair<'a> {
@@ -229,6 +230,8 @@ fn walk(
     match result {
         Ok(comparison) => {
             let (coverage, gaps) = coverage::of_run(chosen, original.extent(), how.requires_coverage);
+            let tolerance_mm = path::CorrectionOptions::default().tolerance_mm;
+            let zeros = datum::of_run(chosen, &model, original.extent().zeros(), tolerance_mm, findings);
             let (refused, noted) = if how.requires_coverage { (gaps, Vec::new()) } else { (Vec::new(), gaps) };
             findings.extend(noted, &[]);
             let machine = MachineUsed {
@@ -253,6 +256,7 @@ fn walk(
                 machine,
                 at_feed: fed,
                 coverage,
+                zeros,
                 refused,
                 differences: told,
             })
@@ -308,6 +312,8 @@ pub(crate) struct Outcome {
     pub(crate) at_feed: Option<[AtFeed; 2]>,
     /// The coverage of the original by the measured ranges.
     pub(crate) coverage: CoverageReport,
+    /// The zero offsets of the original.
+    pub(crate) zeros: Vec<ZeroReport>,
     /// The gaps that are not allowed.
     pub(crate) refused: Vec<Diagnostic>,
 }

@@ -13,6 +13,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use crate::coverage;
+use crate::datum;
 use crate::diagnostics::Diagnostics;
 use crate::disk::hash::short_hash;
 use crate::error::Error;
@@ -357,6 +358,7 @@ impl<'a> Prepared<'a> {
             let (coverage, gaps) = coverage::of_run(machine, running.extent(), is_required);
             report.coverage = Some(coverage);
             found.extend(gaps, &[]);
+            report.zeros = datum::of_run(machine, model, running.extent().zeros(), options.tolerance_mm, found);
         }
         note(&passed.prediction, &running, report);
         if let Some(finding) = worse(&passed.prediction, options.tolerance_mm) {
@@ -439,6 +441,7 @@ pub(crate) fn spread(spread: &path::Spread) -> json::SpreadReport {
 /// Takes the numbers of a prediction into the report.
 fn note(prediction: &Prediction, running: &Running, report: &mut CorrectionReport) {
     report.before = Some(spread(prediction.before()));
+    report.before_form = Some(spread(prediction.form()));
     report.after = Some(spread(prediction.after()));
     report.rapids_as_programmed = prediction.as_programmed;
     report.off_at_rapids_um = um_from_mm(prediction.off_cut_mm);

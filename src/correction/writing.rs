@@ -1,5 +1,6 @@
 //! Options for the correction and the output of a program: those of `path` and `emit` from the arguments, the machine and the source.
 
+use crate::datum;
 use crate::error::Error;
 use crate::machine::Machine;
 use crate::options::Options;
@@ -58,6 +59,7 @@ impl Writing {
                 machine: machine.name.clone(),
                 model: chosen.hash.clone(),
                 state: chosen.state.clone(),
+                zeros: datum::stamped(chosen),
                 source: hash,
                 promise: path::Promise {
                     increment_mm: choice.increment_mm,

@@ -55,6 +55,8 @@ struct Watch {
     every: Duration,
     zero_now: bool,
     looked: Option<Duration>,
+    /// The model of the first step, with its zero offsets.
+    base: Model,
 }
 
 impl Thermal {
@@ -70,7 +72,8 @@ impl Thermal {
         let (shared, is_over) = (Arc::clone(&thermal.shared), Arc::clone(&thermal.is_over));
         let condition = job.machine.condition.clone();
         let from_s = condition.time_s();
-        let mut watch = Watch { job: Arc::clone(job), panel, condition, from_s, every, zero_now, looked: None };
+        let base = job.machine.model();
+        let mut watch = Watch { job: Arc::clone(job), panel, condition, from_s, every, zero_now, looked: None, base };
         if let Ok(mut shared) = shared.lock() {
             shared.standing = Standing::Waiting("no reading yet".into());
         }
@@ -139,6 +142,6 @@ impl Watch {
         }
         self.looked = Some(now);
         let model = Model::at(&self.job.machine.machine, &self.job.machine.errors, &self.condition);
-        (Arc::new(model), readings.into())
+        (Arc::new(model.with_zeros_of(&self.base)), readings.into())
     }
 }

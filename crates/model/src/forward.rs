@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use ncfix_base::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector, Matrix, ROTARY_AXES, Vector};
-use ncfix_machine::machine::{ActiveCompensation, AxisData, Condition, Machine, State};
+use ncfix_machine::machine::{ActiveCompensation, AxisData, Condition, Machine, State, ZeroPose};
 
 use super::body::{BodyPlace, Pointer, Ray, RigidBody, Witness};
 use super::linear::{LinearAxes, LinearStep, Singular};
@@ -39,6 +39,12 @@ pub struct Model {
     is_empty: bool,
     /// Constants of a machine without rotary axes.
     straight: Option<Straight>,
+    /// Displacement of the tip, in the workpiece frame, that the zero offset contains, mm.
+    zero_mm: Vector,
+    /// The same machine by the index of the zero offset, for those that contain a displacement.
+    zeros: Arc<[Option<Model>]>,
+    /// Displacements that the zero offsets contain if they were touched, by their index, mm.
+    touches_mm: Arc<[Vector]>,
 }
 
 /// Constants of a machine with linear axes only: the nominal tip is a sum, and the step that brings the tip to its position is constant.
@@ -104,7 +110,62 @@ impl Model {
             modulo: machine.axes.iter().flatten().filter(|data| data.modulo).map(|data| data.axis).collect(),
             active,
             is_empty,
+            zero_mm: Vector::zeros(),
+            zeros: Arc::new([]),
+            touches_mm: Arc::new([]),
         }
+    }
+
+    /// Returns the model with the displacements of the tip that touched zero offsets contain, by their index: in the workpiece frame, mm. Errors count
+    /// from the touched place for those that are `relative`.
+    #[must_use]
+    pub fn with_zeros(self, touches_mm: &[Vector], relative: &[bool]) -> Model {
+        let of = |(&zero_mm, &is_relative): (&Vector, &bool)| {
+            (is_relative && zero_mm != Vector::zeros()).then(|| Model { zero_mm, ..self.clone() })
+        };
+        let zeros = touches_mm.iter().zip(relative).map(of).collect();
+        Model { zeros, touches_mm: touches_mm.into(), ..self }
+    }
+
+    /// Returns the model with the zero offsets of another model of this machine.
+    #[must_use]
+    pub fn with_zeros_of(self, other: &Model) -> Model {
+        let relative: Vec<bool> = other.zeros.iter().map(Option::is_some).collect();
+        self.with_zeros(&other.touches_mm, &relative)
+    }
+
+    /// Returns the error of the tip beyond the displacement that a touched zero offset takes up, mm. `error_mm` is an error of the model for this zero
+    /// offset, in the workpiece frame.
+    #[must_use]
+    pub fn form_mm(&self, zero: Option<u16>, error_mm: &Vector) -> f64 {
+        let touch_mm = zero.map(|index| self.touch_mm(index)).unwrap_or_default();
+        (error_mm + self.for_zero(zero).zero_mm - touch_mm).norm()
+    }
+
+    /// Returns the model in which errors count from the given zero offset. Without one, or if it contains no error, they count from the true place.
+    #[must_use]
+    pub fn for_zero(&self, zero: Option<u16>) -> &Model {
+        zero.and_then(|index| self.zeros.get(usize::from(index))?.as_ref()).unwrap_or(self)
+    }
+
+    /// Returns the displacement of the tip that a zero offset contains if it was touched, in the workpiece frame, mm.
+    #[must_use]
+    pub fn touch_mm(&self, zero: u16) -> Vector {
+        self.touches_mm.get(usize::from(zero)).copied().unwrap_or_default()
+    }
+
+    /// Returns the displacement of the tip that a zero touched with these poses for its sides X, Y and Z contains, in the workpiece frame at the
+    /// pose of each, mm. A side gives the component of its own axis of F. Axes have no direction of motion there.
+    #[must_use]
+    pub fn displacement_at(&self, sides: &[ZeroPose; 3]) -> Vector {
+        let mut out = Vector::zeros();
+        for (side, ZeroPose { command, tool_mm }) in sides.iter().enumerate() {
+            let own = Vector::ith(side, self.deviation(command, tool_mm, &State::default()).translation[side]);
+            // From the directions of F through the tool frame to those of the workpiece.
+            let in_tool = self.tool_orientation(command).transpose() * own;
+            out += self.nominal(command, tool_mm).rotation * in_tool;
+        }
+        out
     }
 
     /// True if no error can ever differ from zero.
@@ -262,6 +323,9 @@ impl Model {
         }
         for link in &self.workpiece_side {
             link.uncarry(&mut body, command, errors);
+        }
+        if errors.is_some() {
+            body.translate(&-self.zero_mm);
         }
         body
     }

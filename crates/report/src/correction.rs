@@ -6,10 +6,13 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::coverage::CoverageReport;
-use super::json::{AtFeed, FeedLimit, Finding, RemainingReport, SpreadReport};
+use super::json::{AtFeed, FeedLimit, Finding, RemainingReport, SpreadReport, ZeroReport};
 use super::number::{counted, duration, grouped, micrometers, significant};
 use super::verdict::Verdict;
 use ncfix_base::geometry::AxisKey;
+
+/// Share of the error up to which the form error is stated beside it.
+pub(super) const MOST_FORM: f64 = 0.5;
 
 /// Output of `ncfix fix`. Errors are distances of the tool tip from the programmed path, predicted by the error model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -17,6 +20,10 @@ use ncfix_base::geometry::AxisKey;
 pub struct CorrectionReport {
     /// Errors as programmed; `null` if the program was refused.
     pub before: Option<SpreadReport>,
+    /// Errors as programmed, beyond the constant displacement that a touched zero offset takes up; `null` if the program was refused.
+    pub before_form: Option<SpreadReport>,
+    /// Zero offsets in which axes move.
+    pub zeros: Vec<ZeroReport>,
     /// Errors as written, including rounding.
     pub after: Option<SpreadReport>,
     /// Largest absolute correction of each axis: `X_um`, `C_urad`.
@@ -64,7 +71,9 @@ impl CorrectionReport {
         if let (Some(before), Some(after)) = (self.before, self.after) {
             let place = self.max_at_line.zip(self.max_at_file.as_deref());
             out.push_str(&error_rows(before, after, place));
+            out.push_str(&form_row(before, self.before_form));
         }
+        out.push_str(&zero_rows(&self.zeros));
         let mut row = |name: &str, text: &str| push_row(&mut out, name, text);
         if !self.max_correction.is_empty() {
             let mut sizes: Vec<_> = self.max_correction.iter().collect();
@@ -141,6 +150,31 @@ pub fn error_rows(before: SpreadReport, after: SpreadReport, max_at: Option<(u32
     push_row(&mut out, "error before", &columns(before));
     push_row(&mut out, "error after", &format!("{}{place}", columns(after)));
     push_row(&mut out, "improvement", &improvement(before, after));
+    out
+}
+
+/// Returns the row of the form error, if most of the error is a constant displacement.
+#[must_use]
+pub fn form_row(before: SpreadReport, form: Option<SpreadReport>) -> String {
+    let mut out = String::new();
+    if let Some(form) = form.filter(|form| form.mean_um < MOST_FORM * before.mean_um) {
+        push_row(
+            &mut out,
+            "of it form",
+            &format!("{}   the rest is constant: a touched zero takes it up", columns(form)),
+        );
+    }
+    out
+}
+
+/// Returns a row for each zero offset.
+#[must_use]
+pub fn zero_rows(zeros: &[ZeroReport]) -> String {
+    let mut out = String::new();
+    for zero in zeros {
+        let stated = if zero.is_stated { "" } else { " (not stated)" };
+        push_row(&mut out, "zero", &format!("{} {}{stated}; {}", zero.name, zero.set, zero.contents()));
+    }
     out
 }
 

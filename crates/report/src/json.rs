@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::excerpt::Excerpt;
+use super::number::micrometers;
 use ncfix_base::diagnostic::{Diagnostic, Severity};
 use ncfix_base::source::{Source, is_deceptive};
 
@@ -61,6 +62,37 @@ pub struct ProgramCheck {
     pub elements: u64,
     /// Diagnostics in order of occurrence.
     pub diagnostics: Vec<Finding>,
+}
+
+/// A zero offset of a program and the error of the machine that it contains if it was touched.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ZeroReport {
+    /// Name of the zero offset.
+    pub name: String,
+    /// Method by which it was set: `touched`, `probed` or `absolute`.
+    pub set: &'static str,
+    /// True if the method is stated; otherwise the zero counts as absolute.
+    pub is_stated: bool,
+    /// Error of the tip that a touched zero contains, in the directions of the workpiece, µm.
+    pub contains_um: [f64; 3],
+    /// Its size, µm.
+    pub distance_um: f64,
+}
+
+impl ZeroReport {
+    /// Returns a sentence about the error that a touched zero contains.
+    #[must_use]
+    pub fn contents(&self) -> String {
+        let parts = ["X", "Y", "Z"].iter().zip(self.contains_um).filter(|(_, um)| um.abs() >= 0.05);
+        let parts: Vec<String> = parts
+            .map(|(axis, um)| format!("{axis} {}{}", if um < 0.0 { "-" } else { "" }, micrometers(um.abs())))
+            .collect();
+        match parts.as_slice() {
+            [] => "a touched zero contains no error of the machine".to_owned(),
+            parts => format!("a touched zero contains an error of {}", parts.join(", ")),
+        }
+    }
 }
 
 /// Mean, root mean square and maximum of a distance.
@@ -144,6 +176,10 @@ pub struct VerificationReport {
     pub coverage: Option<super::coverage::CoverageReport>,
     /// Errors of the original program.
     pub before: Option<SpreadReport>,
+    /// Errors of the original program, beyond the constant displacement that a touched zero offset takes up.
+    pub before_form: Option<SpreadReport>,
+    /// Zero offsets in which axes move.
+    pub zeros: Vec<ZeroReport>,
     /// Errors of the corrected program.
     pub after: Option<SpreadReport>,
     /// Number of points at which both were evaluated.

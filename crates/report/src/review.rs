@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::correction::error_rows;
 use super::coverage::CoverageReport;
-use super::json::{Finding, SpreadReport};
+use super::json::{Finding, SpreadReport, ZeroReport};
 use super::number::{counted, grouped, micrometers, significant};
 use super::verdict::{Verdict, left_in_words};
 use ncfix_base::units::UnitKey;
@@ -48,6 +48,10 @@ pub struct Review {
     pub longest_line: [u64; 2],
     /// Errors of the original program on the error model.
     pub before: Option<SpreadReport>,
+    /// Errors of the original program, beyond the constant displacement that a touched zero offset takes up.
+    pub before_form: Option<SpreadReport>,
+    /// Zero offsets in which axes move.
+    pub zeros: Vec<ZeroReport>,
     /// Errors of the corrected program on the error model.
     pub after: Option<SpreadReport>,
     /// Limits, and whether they are met.

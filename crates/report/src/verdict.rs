@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::correction::push_row;
+use super::correction::{MOST_FORM, push_row};
 use super::json::Finding;
 use super::number::{counted, grouped, micrometers};
 use super::review::Review;
@@ -94,6 +94,15 @@ impl Verdict {
             let grows = after.max_um > before.max_um && after.rms_um > before.rms_um;
             let (grade, verb) = if grows { (Grade::Bad, "grows") } else { (Grade::Ok, "goes") };
             say(grade, format!("the largest error on the error model {verb} from {from} to {to}"));
+        }
+        if let (Some(before), Some(form)) = (review.before, review.before_form)
+            && form.mean_um < MOST_FORM * before.mean_um
+        {
+            let [whole, own] = [before.mean_um, form.mean_um].map(micrometers);
+            say(Grade::Ok, format!("of the mean error of {whole}, {own} is form; a touched zero takes up the rest"));
+        }
+        for zero in review.zeros.iter().filter(|zero| zero.is_stated) {
+            say(Grade::Ok, format!("{} counts as {}; {}", zero.name, zero.set, zero.contents()));
         }
         for (why, is_harmless) in LEFT {
             if let Some(count) = review.left.get(why).filter(|_| !is_harmless) {

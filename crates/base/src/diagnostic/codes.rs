@@ -546,7 +546,7 @@ was written. Usually the increment of the output is coarser than the error to be
     SKIP_EXECUTED = "W0201" "skip blocks are decided"
 "Blocks with / were executed (or skipped with --skip), and the output contains no /: the skip switch at the control has no effect on it.";
     FEED_ASSUMED = "W0202" "feed motion without a feed"
-"G1, G2 and G3 need F; the control stops at this block. For check and snc the motion is shown without a feed; a correction is refused
+"G1, G2 and G3 need F; the control stops at this block. For snc the motion is shown without a feed; a check and a correction are refused
 (E0215).";
     MORE_PROGRAMS = "W0203" "further main programs in the file"
 "The file has more than one main program (%_N_…_MPF, %PM, O1234). The first one is executed; the others are only executed where it
@@ -598,9 +598,9 @@ docs/reference/output.md.";
 subprograms this is correct. Otherwise its blocks may be after the end of the program (M30), in a subprogram that is never called,
 in skip blocks, or the file is truncated.";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
-"The machine file has no value for this zero offset. For check and snc zero is used; a correction is refused.";
+"The machine file has no value for this zero offset. For snc zero is used; a check and a correction are refused.";
     TOOL_ASSUMED = "W0303" "tool assumed without length and radius"
-"The machine file has no value for this tool. For check and snc zero is used; a correction is refused.";
+"The machine file has no value for this tool. For snc zero is used; a check and a correction are refused.";
     NO_MACHINE = "W0304" "demo machine used"
 "Neither --machine nor the environment variable NCFIX_MACHINE names a machine file, and there is no ncfix.toml in this folder or
 above it, so the embedded demo machine was used. The output is only a demonstration, not for a real machine.";
@@ -647,6 +647,10 @@ positions is unknown. Add the range, as docs/reference/machine-file.md describes
     STATE_BEYOND_MEASURED = "W0320" "temperature or load beyond the measured range"
 "A temperature or the weight on the table is beyond the range in which its effect was measured ([measured] temperature_C, load_N). The
 effect is extrapolated by the error model.";
+    ZERO_NOT_STATED = "W0321" "method of setting the zero not stated"
+"Nobody states how the zero offset was set, so its value counts as the true place in the machine. A zero that was touched off or probed
+contains the error of the machine at that place. In a program corrected for the true place, the tool then misses the touched side by this
+error. State it: set = \"touched\", \"probed\" or \"absolute\" in [zero_offset.NAME], or --zero G54=touched. See docs/how-to/set-the-zero.md.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be detected.";
     TWO_DRIFTS = "W0402" "two models of the drift"

@@ -57,7 +57,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     opaque::read_sections(root.sections("opaque"), &mut control, &mut findings);
     let known = head.topology.as_ref().map(|(topology, _)| topology.axis_set());
     let axis_set = known.unwrap_or_else(|| AXES.into_iter().collect());
-    let zero_offsets = read_zero_offsets(&mut root, axis_set, &controller, &mut findings);
+    let (zero_offsets, datums) = read_zero_offsets(&mut root, axis_set, &controller, &mut findings);
     let tools = tool::read(&mut root, &mut findings);
     let sensor_references_c = read_sensors(root.section("sensor"), &mut findings);
     let system = setting::read(root.section("system"), true, &mut findings);
@@ -93,6 +93,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
         spindle,
         control,
         zero_offsets,
+        datums,
         tools,
         radius_wear_mm: BTreeMap::new(),
         base_frames: BTreeMap::new(),
@@ -135,7 +136,8 @@ pub fn apply_setup(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
     };
     let mut findings = Vec::new();
     let mut root = file.root();
-    let zero_offsets = read_zero_offsets(&mut root, machine.topology.axis_set(), &machine.controller, &mut findings);
+    let (zero_offsets, datums) =
+        read_zero_offsets(&mut root, machine.topology.axis_set(), &machine.controller, &mut findings);
     let tools = tool::read(&mut root, &mut findings);
     let system = setting::read(root.section("system"), true, &mut findings);
     let gud = setting::read(root.section("gud"), false, &mut findings);
@@ -143,7 +145,14 @@ pub fn apply_setup(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
     if findings.iter().any(Diagnostic::is_error) {
         return findings;
     }
+    // Another value was set anew: the method of the machine file still holds, its poses do not.
+    for name in zero_offsets.keys() {
+        if let Some(datum) = machine.datums.get_mut(name) {
+            datum.at = Default::default();
+        }
+    }
     machine.zero_offsets.extend(zero_offsets);
+    machine.datums.extend(datums);
     machine.system.extend(system);
     machine.gud.extend(gud);
     machine.set_tools(tools);

@@ -8,6 +8,7 @@ mod chain;
 mod clamp;
 pub mod condition;
 mod contour_control;
+mod datum;
 mod document;
 pub mod edit;
 pub mod file;
@@ -36,6 +37,7 @@ pub use chain::{Branch, Topology, TopologyFault};
 pub use clamp::Clamp;
 pub use condition::{Condition, Load, ZeroPose};
 pub use contour_control::{CompensationCorner, CompensationStart};
+pub use datum::{Datum, TouchedAt, ZeroSetting};
 pub use frame_control::Rollover;
 pub use grundig_control::{GrundigControl, ScaledAxes};
 pub use iso_control::{DecimalPoint, IncrementSystem, IsoControl, LengthAxis, OneAxis};
@@ -74,6 +76,8 @@ pub struct Machine {
     pub control: Control,
     /// Settable zero offsets by name: `G54` …
     pub zero_offsets: BTreeMap<String, FrameParts>,
+    /// Statements about the setting of zero offsets, by their names.
+    pub datums: BTreeMap<String, Datum>,
     /// Tools by number and edge.
     pub tools: Vec<Tool>,
     /// Wear of the tool radii, by number and edge, if the control stores it separately, mm.
@@ -327,6 +331,12 @@ impl Default for Control {
 }
 
 impl Machine {
+    /// Returns the index of a zero offset in [`Self::zero_offsets`]; `None` if it has no value there.
+    #[must_use]
+    pub fn zero_index(&self, name: &str) -> Option<u16> {
+        self.zero_offsets.keys().position(|known| known == name).and_then(|index| u16::try_from(index).ok())
+    }
+
     /// Returns the axes that the machine has.
     #[must_use]
     pub fn axis_set(&self) -> AxisSet {

@@ -250,6 +250,8 @@ mod tests {
             "grundig_head",
             "initial_zero_offset",
             "table_multiplication",
+            "set",
+            "set_at",
         ];
         let bare = machine(&text("sinumerik", |_| String::new()));
         for section in ["machine", "axis.X", "axis.C", "spindle", "control", "zero_offset.G54", "tool[5,1]"] {

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{Axis, AxisSet, FrameParts};
 
+use super::datum::Datum;
 use super::section::Section;
 
 /// Settable zero offsets of a control.
@@ -75,9 +76,9 @@ pub(super) fn read_zero_offsets(
     axes: AxisSet,
     controller: &str,
     findings: &mut Vec<Diagnostic>,
-) -> BTreeMap<String, FrameParts> {
-    let mut offsets = BTreeMap::new();
-    let Some(mut section) = root.section("zero_offset") else { return offsets };
+) -> (BTreeMap<String, FrameParts>, BTreeMap<String, Datum>) {
+    let (mut offsets, mut datums) = (BTreeMap::new(), BTreeMap::new());
+    let Some(mut section) = root.section("zero_offset") else { return (offsets, datums) };
     let names: Vec<&str> = section.keys().collect();
     for name in names {
         if let Err(help) = check_name(name, controller) {
@@ -91,11 +92,14 @@ pub(super) fn read_zero_offsets(
         if name != EXTERNAL {
             check_whole(&mut own, name, axes);
         }
+        if let Some(datum) = Datum::read(&mut own, axes, findings) {
+            datums.insert(name.to_owned(), datum);
+        }
         own.finish(findings);
         offsets.insert(name.to_owned(), parts);
     }
     section.finish(findings);
-    offsets
+    (offsets, datums)
 }
 
 /// Warns of linear axes that an offset lacks beside others: an offset is set for the axes together, so they may be forgotten.

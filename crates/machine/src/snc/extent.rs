@@ -3,6 +3,7 @@
 //! Feed moves count, from their start to their end. Rapid moves count only in a program without feed moves, because a retract to the end of the travel makes
 //! no surface.
 
+use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::motion_mode::MotionMode;
@@ -18,6 +19,9 @@ pub struct PathExtent {
     last: AxisVector,
     known: AxisSet,
     tool_mm: Vector,
+    /// Index of the zero offset in force, and those in which axes moved.
+    zero: Option<u16>,
+    zeros: BTreeSet<u16>,
 }
 
 /// Positions and tools of one kind of moves.
@@ -92,6 +96,8 @@ impl Default for PathExtent {
             last: AxisVector::ZERO,
             known: AxisSet::EMPTY,
             tool_mm: Vector::zeros(),
+            zero: None,
+            zeros: BTreeSet::new(),
         }
     }
 }
@@ -101,7 +107,7 @@ impl PathExtent {
     pub fn see(&mut self, element: &Element) {
         match &element.kind {
             Kind::Move(motion) => self.motion(motion),
-            Kind::Setup(setup) => self.tool_mm = setup.tool_mm,
+            Kind::Setup(setup) => (self.tool_mm, self.zero) = (setup.tool_mm, setup.zero),
             Kind::Lost(axes) => self.known = self.known.difference(*axes),
             _ => {}
         }
@@ -116,8 +122,15 @@ impl PathExtent {
             reach.arc(arc, &self.last, &motion.target);
         }
         reach.tool(self.tool_mm);
+        self.zeros.extend(self.zero);
         self.last = motion.target;
         self.known = motion.known;
+    }
+
+    /// Returns the indices of the zero offsets in which axes moved.
+    #[must_use]
+    pub fn zeros(&self) -> &BTreeSet<u16> {
+        &self.zeros
     }
 
     fn reach(&self) -> &Reach {

@@ -268,6 +268,8 @@ pub struct Setup {
     pub transform: Option<Turning>,
     /// True if frame or tool had no value and zero was assumed. The diagnostic is not repeated, but the correction must not use such a setup.
     pub assumed: bool,
+    /// Index of the zero offset in force among those of the machine; `None` without one, or if the program sets its value itself.
+    pub zero: Option<u16>,
 }
 
 impl Setup {
@@ -290,7 +292,14 @@ impl Setup {
 
 impl Default for Setup {
     fn default() -> Self {
-        Setup { frame: Frame::identity(), tool_mm: Vector::zeros(), plane: Plane::XY, transform: None, assumed: false }
+        Setup {
+            frame: Frame::identity(),
+            tool_mm: Vector::zeros(),
+            plane: Plane::XY,
+            transform: None,
+            assumed: false,
+            zero: None,
+        }
     }
 }
 

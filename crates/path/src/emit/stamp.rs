@@ -16,6 +16,8 @@ pub struct Stamp {
     pub model: String,
     /// First digits of the hash of the machine state, if one was given.
     pub state: Option<String>,
+    /// Zero offsets that contain the error of the machine: `G54-touched,G55-probed`.
+    pub zeros: Option<String>,
     /// First digits of the hash of the part program.
     pub source: String,
     /// Tolerances that the correction promises.
@@ -112,10 +114,9 @@ impl Stamp {
 
 impl Stamp {
     fn model_and_state(&self) -> String {
-        match &self.state {
-            Some(state) => format!("{} state={state}", self.model),
-            None => self.model.clone(),
-        }
+        let state = self.state.as_ref().map_or_else(String::new, |state| format!(" state={state}"));
+        let zeros = self.zeros.as_ref().map_or_else(String::new, |zeros| format!(" zero={zeros}"));
+        format!("{}{state}{zeros}", self.model)
     }
 }
 

@@ -177,7 +177,9 @@ impl<'a> Live<'a> {
             model.solve(nominal, tool_mm, &State::default(), start, Solve::PositionOnly).ok()
         };
         let Some(then) = solve(self.placer.model, command) else { return self.applied.asked };
-        let Some(mut moment) = solve(now, &(then + self.applied.asked)) else { return self.applied.asked };
+        let Some(mut moment) = solve(now.for_zero(self.placer.setup.zero), &(then + self.applied.asked)) else {
+            return self.applied.asked;
+        };
         // Rotary axes keep the command of the first step.
         for axis in ROTARY_AXES {
             moment[axis] = then[axis];

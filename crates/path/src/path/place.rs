@@ -8,7 +8,7 @@ mod partly;
 use std::cell::RefCell;
 use std::sync::Arc;
 
-use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES};
+use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES, Vector};
 use ncfix_machine::machine::{Kinematics, Machine, State};
 use ncfix_machine::snc::{Move, Setup};
 use ncfix_model::{Model, NotConverged, Solve};
@@ -39,7 +39,10 @@ pub(super) struct Placed {
 /// Corrects and rounds positions.
 #[derive(Clone, Debug)]
 pub(super) struct CommandSolver<'a> {
+    /// The model in the zero offset in force.
     pub(super) model: &'a Model,
+    /// The model with all zero offsets.
+    base: &'a Model,
     pub(super) setup: Arc<Setup>,
     pub(super) increments: Increments,
     pub(super) turns: Turns,
@@ -66,6 +69,7 @@ impl<'a> CommandSolver<'a> {
         let has_rotary = axes.iter().any(Axis::is_rotary);
         CommandSolver {
             model,
+            base: model,
             axes,
             setup: Arc::default(),
             increments: Increments::new(&machine.control),
@@ -95,6 +99,7 @@ impl<'a> CommandSolver<'a> {
         counts: &mut [i64; AXIS_COUNT],
         written: &mut AxisSet,
     ) {
+        self.model = self.base.for_zero(setup.zero);
         self.setup = setup;
         let programmed = self.programmed(command);
         for axis in written.iter() {
@@ -345,6 +350,11 @@ impl<'a> CommandSolver<'a> {
             command[axis] = nominal[axis];
         }
         command
+    }
+
+    /// Size of an error in the zero offset in force, and of its part beyond the displacement that a touched zero takes up, mm.
+    pub(super) fn form_mm(&self, error_mm: Vector) -> [f64; 2] {
+        [error_mm.norm(), self.base.form_mm(self.setup.zero, &error_mm)]
     }
 
     /// Distance of the tip at `command` with errors from the nominal tip at `nominal`, mm.

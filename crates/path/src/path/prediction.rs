@@ -68,12 +68,15 @@ pub struct Prediction {
 pub(super) struct SpreadPair {
     pub(super) before: Spread,
     pub(super) after: Spread,
+    pub(super) form: Spread,
     pub(super) max_at: Option<Origin>,
 }
 
 impl SpreadPair {
-    pub(super) fn add(&mut self, before_mm: f64, after_mm: f64, origin: &Origin) {
+    /// Adds an error as programmed, its part beyond the displacement that a touched zero takes up, and the error as emitted, mm.
+    pub(super) fn add(&mut self, [before_mm, form_mm]: [f64; 2], after_mm: f64, origin: &Origin) {
         self.before.add(before_mm);
+        self.form.add(form_mm);
         if self.max_at.is_none() || after_mm > self.after.max_mm {
             self.max_at = Some(*origin);
         }
@@ -89,6 +92,12 @@ impl Prediction {
     #[must_use]
     pub fn before(&self) -> &Spread {
         &self.counted().before
+    }
+
+    /// Error of the program as written, beyond the displacement that a zero touched off takes up.
+    #[must_use]
+    pub fn form(&self) -> &Spread {
+        &self.counted().form
     }
 
     /// Error of the emitted program.
@@ -108,7 +117,7 @@ impl Prediction {
         !rapid || self.feed.before.samples == 0
     }
 
-    pub(super) fn add(&mut self, rapid: bool, before_mm: f64, after_mm: f64, origin: &Origin) {
+    pub(super) fn add(&mut self, rapid: bool, before_mm: [f64; 2], after_mm: f64, origin: &Origin) {
         let pair = if rapid { &mut self.rapid } else { &mut self.feed };
         pair.add(before_mm, after_mm, origin);
     }
@@ -187,11 +196,11 @@ mod tests {
     fn rapid_moves_count_only_where_there_is_nothing_else() {
         let mut prediction = Prediction::default();
         let place = |line| Origin { line, ..Origin::default() };
-        prediction.add(true, 8.0, 7.0, &place(1));
+        prediction.add(true, [8.0; 2], 7.0, &place(1));
         assert_eq!((prediction.before().max_mm, prediction.max_at()), (8.0, Some(place(1))));
         assert!(prediction.wants(true));
-        prediction.add(false, 2.0, 1.0, &place(2));
-        prediction.add(false, 2.0, 0.5, &place(3));
+        prediction.add(false, [2.0; 2], 1.0, &place(2));
+        prediction.add(false, [2.0; 2], 0.5, &place(3));
         assert!(!prediction.wants(true));
         assert_eq!((prediction.after().max_mm, prediction.max_at()), (1.0, Some(place(2))));
     }

@@ -28,7 +28,8 @@ pub(super) fn refresh_setup(channel: &mut Channel<'_>) -> Result<(), Fault> {
     }
     let assumed = frames.assumed || tool.assumed;
     let plane = channel.modal.modes.plane;
-    let setup = Setup { frame, tool_mm, plane, transform: None, assumed };
+    let zero = frames.settable.as_deref().and_then(|name| channel.settings.machine.zero_index(name));
+    let setup = Setup { frame, tool_mm, plane, transform: None, assumed, zero };
     let lost = lengthened(&channel.standing.setup, &setup);
     if !lost.is_empty() {
         // The length in the control may differ: no move may rely on the tip position for this length.

@@ -33,6 +33,8 @@ pub(super) struct Modal {
     pub(super) system: System,
     /// The frame of the active zero offset, including that of all systems (EXT).
     pub(super) settable: Frame,
+    /// Index of the settable zero offset among those of the machine.
+    pub(super) zero: Option<u16>,
     /// `true` if the zero offset has no value in the machine file.
     pub(super) offset_assumed: bool,
     /// G92; on RS274/NGC including G52.
@@ -75,6 +77,7 @@ impl Modal {
             path_tolerance_mm: [None; 2],
             system: machine.control.initial_zero_offset.as_deref().and_then(System::of_name).unwrap_or(System::FIRST),
             settable: Frame::identity(),
+            zero: None,
             offset_assumed: false,
             shift: AxisVector::ZERO,
             stored_shift: AxisVector::ZERO,
@@ -136,6 +139,7 @@ impl Modal {
             plane: self.modes.plane,
             transform: self.turning,
             assumed: self.offset_assumed || self.tool.assumed,
+            zero: self.zero,
         }
     }
 

@@ -33,6 +33,8 @@ pub(super) fn load_offset(channel: &mut Channel<'_>, span: Span) -> Result<(), F
         return Err(fault(Code::NOT_COMPUTABLE, span, message, "check its factors"));
     };
     channel.modal.settable = external.compose(&own);
+    let is_own = channel.written.offsets.contains_key(&system);
+    channel.modal.zero = if is_own { None } else { channel.settings.machine.zero_index(&system.words()) };
     setup::refresh_setup(channel);
     Ok(())
 }

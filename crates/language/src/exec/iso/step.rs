@@ -92,7 +92,7 @@ pub(super) fn machine_step(channel: &mut Channel<'_>, step: Step) -> Result<(), 
     let mut shift = AxisVector::ZERO;
     shift.set_xyz(tool_mm);
     let frame = Frame::translation(shift);
-    let bare = Shared::new(Setup { frame, tool_mm, plane: channel.modal.modes.plane, transform: None, assumed: false });
+    let bare = Shared::new(Setup { frame, tool_mm, plane: channel.modal.modes.plane, ..Setup::default() });
     one_axis::settle_axes(&mut channel.special, step.named);
     channel.push(Kind::Keep("G53"));
     channel.push(Kind::Setup(Shared::clone(&bare)));

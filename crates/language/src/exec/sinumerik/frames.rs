@@ -48,6 +48,8 @@ pub(super) fn offset(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(
             "check its factors",
         ));
     };
+    let is_own = settable_number(name).is_some_and(|number| channel.system.frames.settable.contains_key(&number));
+    channel.modal.zero = if is_own { None } else { channel.settings.machine.zero_index(name) };
     channel.modal.settable = settable;
     channel.modal.base = base;
     channel.modal.offset_assumed = missing;

@@ -97,6 +97,8 @@ pub(super) struct Modal {
     pub(super) base: Frame,
     /// `G500`, `G54` …
     pub(super) settable: Frame,
+    /// Index of the settable zero offset among those of the machine.
+    pub(super) zero: Option<u16>,
     /// TRANS, ROT, SCALE, MIRROR and their additive variants.
     pub(super) programmable: Frame,
     /// Plane of CYCLE800, below the programmable frame.
@@ -142,6 +144,7 @@ impl Modal {
             diameter: None,
             base: Frame::identity(),
             settable: Frame::identity(),
+            zero: None,
             programmable: Frame::identity(),
             swivelled: None,
             fine: AxisVector::ZERO,
@@ -190,6 +193,7 @@ impl Modal {
             plane: self.modes.plane,
             transform: self.transform.turning(),
             assumed: self.offset_assumed || self.tool.assumed,
+            zero: self.zero,
         }
     }
 

@@ -15,6 +15,7 @@ pub(super) fn begin<'a>(machine: &'a Machine, options: &Options, codes: &'static
     channel.modal.base = channel.system.frames.base(order).unwrap_or_else(Frame::identity);
     if let Some(offset) = machine.zero_offsets.get(initial_zero_offset(machine)) {
         channel.modal.settable = offset.frame(order).unwrap_or_else(Frame::identity);
+        channel.modal.zero = machine.zero_index(initial_zero_offset(machine));
     }
     setup::refresh_setup(&mut channel.modal, &mut channel.standing, &mut channel.outlet);
     save::note_initial_codes(&channel.settings, channel.codes, &mut channel.modal);

@@ -174,6 +174,7 @@ fn assign_frame(
         }
         FrameName::ActiveSettable => {
             channel.modal.settable = frame;
+            channel.modal.zero = None;
             channel.modal.offset_assumed = false;
             "$P_IFRAME".to_owned()
         }

@@ -304,6 +304,18 @@ impl Condition {
         self.zero.as_deref()
     }
 
+    /// Returns the condition at the time when the zero point was set, with the present loads; the present one if that time is not known.
+    #[must_use]
+    pub fn when_zeroed(&self) -> Condition {
+        let Some(zero) = &self.zero else { return self.clone() };
+        Condition {
+            loads: self.loads.clone(),
+            zero: self.zero.clone(),
+            zero_pose: self.zero_pose,
+            ..Condition::clone(zero)
+        }
+    }
+
     /// Returns the names of the sensors that have readings.
     pub fn sensors(&self) -> impl Iterator<Item = &str> {
         self.sensors.keys().map(String::as_str)

@@ -66,7 +66,10 @@ impl Offset {
 
 /// The corrected moves of one original move, during their search.
 pub(super) struct MoveGroup<'a> {
+    /// The model in the zero offset of the move.
     pub(super) model: &'a Model,
+    /// The model with all zero offsets.
+    base: &'a Model,
     grouping: Grouping,
     pub(super) kinematics: &'a Kinematics,
     pub(super) step: &'a ComparedMove,
@@ -91,8 +94,12 @@ impl<'a> MoveGroup<'a> {
         step: &'a ComparedMove,
         carried: Offset,
     ) -> MoveGroup<'a> {
+        let base = model;
+        let model = base.for_zero(step.setup.zero);
+        let mut lead = lead;
+        lead.model = model;
         let (length_mm, has_begun, is_judged, parameter) = (0.0, false, false, 0.0);
-        MoveGroup { model, grouping, kinematics, step, lead, carried, length_mm, has_begun, is_judged, parameter }
+        MoveGroup { model, base, grouping, kinematics, step, lead, carried, length_mm, has_begun, is_judged, parameter }
     }
 }
 
@@ -179,8 +186,14 @@ impl MoveGroup<'_> {
 
     /// The largest error of the original at a parameter, mm.
     pub(super) fn before_mm(&self, parameter: f64) -> f64 {
+        self.before(parameter)[0]
+    }
+
+    /// The largest error of the original at a parameter, and its part beyond the displacement that a touched zero takes up, mm.
+    fn before(&self, parameter: f64) -> [f64; 2] {
         let (nominal, band) = (self.step.route.at(parameter), self.step.band_at(parameter, &self.lead));
-        self.lead.error_mm(&band, (&nominal, &nominal), &self.step.tool_mm, None).most_mm
+        let off = self.lead.error_mm(&band, (&nominal, &nominal), &self.step.tool_mm, None);
+        [off.most_mm, self.base.form_mm(self.step.setup.zero, &off.nearest)]
     }
 
     /// The data of a piece that covers the original move up to the parameter.
@@ -357,7 +370,8 @@ impl MoveGroup<'_> {
         let count = sample_count(size_mm, SAMPLE_MM);
         for k in 0..count {
             let errors = errors_at(sample_place(k, count));
-            prediction.add(self.step.rapid, errors[0], errors[1] + chord_mm, &self.step.origin);
+            let parameter = from + (to - from) * sample_place(k, count);
+            prediction.add(self.step.rapid, self.before(parameter), errors[1] + chord_mm, &self.step.origin);
             note(errors);
         }
         let mut edges = Vec::new();

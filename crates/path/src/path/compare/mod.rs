@@ -56,6 +56,8 @@ pub struct Comparison {
     pub before: Spread,
     /// The corrected program.
     pub after: Spread,
+    /// The original, beyond the displacement that a touched zero takes up.
+    pub form: Spread,
     /// Number of places at which both were evaluated.
     pub samples: u64,
     /// Place in the original of the largest error of the corrected program.
@@ -228,6 +230,12 @@ pub fn compare_seeing(
 
 impl From<&SpreadPair> for Comparison {
     fn from(pair: &SpreadPair) -> Comparison {
-        Comparison { before: pair.before, after: pair.after, samples: pair.after.samples, max_at: pair.max_at }
+        Comparison {
+            before: pair.before,
+            after: pair.after,
+            form: pair.form,
+            samples: pair.after.samples,
+            max_at: pair.max_at,
+        }
     }
 }

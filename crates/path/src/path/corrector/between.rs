@@ -54,5 +54,6 @@ where
             standing.written = standing.written.intersection(standing.known);
         }
         self.placer.set_up(setup, &standing.command, &mut standing.counts, &mut standing.written);
+        self.lead.model = self.placer.model;
     }
 }

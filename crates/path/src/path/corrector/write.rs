@@ -130,11 +130,13 @@ where
             let at = trial.parameter(share);
             let nominal = active.route.at(at);
             let before_mm = if lead.axes.is_empty() {
-                placer.tip_error_mm(&nominal, &nominal, &self.standing.state)
+                placer.form_mm(placer.model.tip_error_mm(&nominal, &nominal, tool_mm, &self.standing.state))
             } else {
                 let mut before = self.standing.nominal_band;
                 lead.along(&mut before, &active.route, self.standing.sensed, [from, at]);
-                lead.error_mm(&before, (&nominal, &nominal), tool_mm, None).most_mm
+                let off = lead.error_mm(&before, (&nominal, &nominal), tool_mm, None);
+                let [_, form_mm] = placer.form_mm(off.nearest);
+                [off.most_mm, form_mm]
             };
             let off = middle_mm.filter(|_| count == 1).map_or_else(|| off_at(share), |middle_mm| [middle_mm; 2]);
             note(off);

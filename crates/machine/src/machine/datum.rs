@@ -1,0 +1,121 @@
+//! The datum of a workpiece: how a zero offset was set, and where the axes stood.
+//!
+//! A zero that was touched off contains the error of the machine at the pose of the touch. A program in this zero is right relative to the touched sides
+//! if only the difference to this error is corrected.
+
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::{Axis, AxisSet, AxisVector, FrameParts};
+
+use super::section::Section;
+use super::{Machine, ZeroPose};
+
+/// Method by which a zero offset was set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ZeroSetting {
+    /// A side was touched with a tool or an edge finder.
+    Touched,
+    /// A side was touched with a probe of the machine.
+    Probed,
+    /// The zero is at its true place in the machine.
+    Absolute,
+}
+
+impl ZeroSetting {
+    /// All methods.
+    pub const ALL: [ZeroSetting; 3] = [ZeroSetting::Touched, ZeroSetting::Probed, ZeroSetting::Absolute];
+
+    /// Returns its name in files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            ZeroSetting::Touched => "touched",
+            ZeroSetting::Probed => "probed",
+            ZeroSetting::Absolute => "absolute",
+        }
+    }
+
+    /// Returns the method of a name.
+    #[must_use]
+    pub fn of_name(name: &str) -> Option<ZeroSetting> {
+        ZeroSetting::ALL.into_iter().find(|one| one.name() == name)
+    }
+
+    /// True if the zero contains the error of the machine.
+    #[must_use]
+    pub fn is_relative(self) -> bool {
+        self != ZeroSetting::Absolute
+    }
+}
+
+/// Stated part of the pose at which a side was touched.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TouchedAt {
+    /// Axes whose position is stated.
+    pub stated: AxisSet,
+    /// Their positions in machine coordinates, mm and rad.
+    pub command: AxisVector,
+    /// Length of the tool or probe, mm; `None` if it is not stated.
+    pub tool_length_mm: Option<f64>,
+}
+
+/// Statement about a zero offset.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Datum {
+    /// Method; `None` if nobody states it.
+    pub setting: Option<ZeroSetting>,
+    /// Poses at which the sides along X, Y and Z were touched.
+    pub at: [TouchedAt; 3],
+}
+
+impl Datum {
+    /// Returns the pose at which a side (0 for X, 1 for Y, 2 for Z) was touched. Positions that are not stated are those at which the tip is at the
+    /// workpiece zero; a tool that is not stated has no length.
+    #[must_use]
+    pub fn pose(&self, side: usize, zero: &FrameParts, machine: &Machine) -> ZeroPose {
+        let at = self.at.get(side).copied().unwrap_or_default();
+        let tool_mm = machine.spindle.axis * -at.tool_length_mm.unwrap_or(0.0);
+        let mut command = zero.translation + zero.fine;
+        command.set_xyz(command.xyz() - tool_mm);
+        at.stated.iter().for_each(|axis| command[axis] = at.command[axis]);
+        ZeroPose { command, tool_mm }
+    }
+
+    /// Reads `set` and `set_at` of a zero offset; `None` if it has neither.
+    pub(super) fn read(section: &mut Section<'_>, axes: AxisSet, findings: &mut Vec<Diagnostic>) -> Option<Datum> {
+        let mut datum = Datum::default();
+        if let Some(text) = section.text("set") {
+            datum.setting = ZeroSetting::of_name(text);
+            if datum.setting.is_none() {
+                let message = format!("\"{text}\" is not a way to set a zero");
+                let help = "write \"touched\", \"probed\" or \"absolute\"";
+                section.report(Code::BAD_VALUE, section.place_of("set"), message, help);
+            }
+        }
+        let Some(mut at) = section.section("set_at") else { return datum.setting.map(|_| datum) };
+        let common = TouchedAt::read(&mut at, axes, TouchedAt::default());
+        datum.at = [common; 3];
+        for (side, axis) in [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate() {
+            if let Some(mut own) = at.section(&axis.to_string()) {
+                datum.at[side] = TouchedAt::read(&mut own, axes, common);
+                own.finish(findings);
+            }
+        }
+        at.finish(findings);
+        Some(datum)
+    }
+}
+
+impl TouchedAt {
+    /// Reads positions of axes and the length of the tool over those of `base`.
+    fn read(section: &mut Section<'_>, axes: AxisSet, base: TouchedAt) -> TouchedAt {
+        let mut out = base;
+        for axis in axes.iter() {
+            let unit = if axis.is_rotary() { "deg" } else { "mm" };
+            let Some(value) = section.number(&format!("{axis}_{unit}")) else { continue };
+            out.command[axis] = if axis.is_rotary() { value.to_radians() } else { value };
+            out.stated.insert(axis);
+        }
+        out.tool_length_mm = section.number("tool_length_mm").or(base.tool_length_mm);
+        out
+    }
+}

@@ -1,0 +1,168 @@
+//! The datum: a program in a touched zero is right relative to the touched sides. The expected positions are worked out by hand.
+
+use crate::support::Shop;
+
+/// Three linear axes on the tool side, tip and gauge point at the origin; the errors follow.
+const LINEAR: &str = "[machine]\nname = \"m\"\ntopology = \"wFXYZt\"\ncontroller = \"sinumerik\"\n\
+    [axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [-10, 900]\n[axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [-10, 900]\n\
+    [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-200, 200]\n";
+/// 0.3 mm everywhere, and 0.1 mm per meter.
+const OFF_AND_LONG: &str = "[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0.3, 1e-4]\n";
+const OFF: &str = "[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0.3]\n";
+const G54: &str = "[zero_offset.G54]\nX_mm = 100\nY_mm = 0\nZ_mm = 0\n";
+
+/// A shop with this machine and program.
+fn shop(machine: &str, program: &str) -> Shop {
+    Shop::new().file("m.toml", machine).file("in.mpf", program)
+}
+
+/// The words of a letter in the corrected blocks of a program, without its comments.
+fn words(shop: &Shop, letter: char) -> Vec<f64> {
+    let text = shop.text("out.mpf");
+    let code = text.lines().map(|line| line.split(';').next().unwrap_or_default());
+    let words = code.flat_map(|line| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>());
+    words.filter_map(|word| word.strip_prefix(letter)?.parse().ok()).collect()
+}
+
+/// Corrects and gives the last word of a letter.
+fn last(shop: &Shop, letter: char, more: &[&str]) -> f64 {
+    shop.run(["fix", "in.mpf", "-o", "out.mpf", "--machine", "m.toml"].iter().chain(more)).exits(0);
+    *words(shop, letter).last().unwrap()
+}
+
+#[track_caller]
+fn near(found: f64, wanted: f64) {
+    assert!((found - wanted).abs() < 1.1e-3, "{found} instead of {wanted}");
+}
+
+fn program(end: &str) -> String {
+    format!("N10 G17 G90 G71 G94 G54\nN20 G0 X10 Y10 Z50\nN30 G1 Z5 F500\nN40 {end}\nN50 M30\n")
+}
+
+/// The touch at X 100 meets the true 100.3. The command 100 leads there again.
+#[test]
+fn a_constant_error_needs_no_correction_in_a_touched_zero() {
+    let machine = format!("{LINEAR}{OFF}{G54}");
+    let shop = shop(&format!("{machine}set = \"touched\"\n"), &program("X400"));
+    near(last(&shop, 'X', &[]), 400.0);
+    assert_eq!(words(&shop, 'X'), [10.0, 400.0]);
+    // In the true place the tool must be 0.3 mm back.
+    let shop = shop.file("m.toml", format!("{machine}set = \"absolute\"\n"));
+    near(last(&shop, 'X', &["--max-correction", "1mm"]), 399.7);
+    near(last(&shop, 'X', &["--max-correction", "1mm", "--zero", "G54=touched"]), 400.0);
+}
+
+/// At X 100 the tool stands at 100.31. A point at 400 from there is at 500.31: c + 0.3 + c/10⁴ = 500.31 gives c = 500.01/1.0001 = 499.960.
+#[test]
+fn a_scale_is_corrected_from_the_touched_side() {
+    let shop = shop(&format!("{LINEAR}{OFF_AND_LONG}{G54}set = \"probed\"\n"), &program("X0"));
+    near(last(&shop, 'X', &[]), 0.0);
+    let shop = shop.file("in.mpf", program("X400"));
+    near(last(&shop, 'X', &[]), 399.960);
+    // Touched at X 600, where the error is 0.36: c + 0.3 + c/10⁴ = 500.36 gives 500.06/1.0001 = 500.010.
+    near(last(&shop, 'X', &["--zero", "G54=touched@X600"]), 400.010);
+    let stamp = shop.text("out.mpf");
+    assert!(stamp.lines().next().unwrap().contains("zero=G54-touched"), "{stamp}");
+}
+
+/// G55 is touched at X 500, where the tool stands at 500.35. A point at 100 from there: c = 600.05/1.0001 = 599.990.
+#[test]
+fn each_zero_counts_from_its_own_place() {
+    let machine = format!(
+        "{LINEAR}{OFF_AND_LONG}{G54}set = \"touched\"\n[zero_offset.G55]\nX_mm = 500\nY_mm = 0\nZ_mm = 0\nset = \"touched\"\n"
+    );
+    let text = program("X0\nG55 X0\nX100\nG54 X400\nG55 X0");
+    let shop = shop(&machine, &text);
+    near(last(&shop, 'X', &[]), 0.0);
+    let found = words(&shop, 'X');
+    let wanted = [9.999, 0.0, 0.0, 99.990, 399.960, 0.0];
+    assert_eq!(found.len(), wanted.len(), "{found:?}");
+    found.iter().zip(wanted).for_each(|(found, wanted)| near(*found, wanted));
+}
+
+/// X is touched at Y 300, where Y moves the tool by 0.03 along X; Y is touched at X 400, where X moves it by 0.08 along Y. The true corner is at
+/// (100.03, 50.08): x + y/10⁴ = 100.03 and y + 2x/10⁴ = 50.08 give x = 100.025 and y = 50.060.
+#[test]
+fn sides_touched_one_by_one_give_their_own_component() {
+    let machine = format!(
+        "{LINEAR}[[motion]]\ncomponent = \"EXY\"\nkind = \"polynomial\"\ncoefficients = [0, 1e-4]\n\
+         [[motion]]\ncomponent = \"EYX\"\nkind = \"polynomial\"\ncoefficients = [0, 2e-4]\n\
+         [zero_offset.G54]\nX_mm = 100\nY_mm = 50\nZ_mm = 0\nset = \"touched\"\n\
+         set_at = {{ X = {{ X_mm = 100, Y_mm = 300 }}, Y = {{ X_mm = 400, Y_mm = 50 }} }}\n"
+    );
+    let shop = shop(&machine, &program("X0 Y0"));
+    near(last(&shop, 'X', &[]), 0.025);
+    near(*words(&shop, 'Y').last().unwrap(), 0.060);
+}
+
+/// A table whose axis is 0.1 mm off in X carries the workpiece. Touched at C 0, the correction there is zero. At C 90 the touched side has turned with
+/// the table, the offset of the axis has not: (0.1, 0) − (0, 0.1).
+#[test]
+fn a_touched_side_turns_with_the_table() {
+    let machine = "[machine]\nname = \"m\"\ntopology = \"wCFXYZt\"\ncontroller = \"sinumerik\"\n\
+        [axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [-500, 500]\n[axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [-500, 500]\n\
+        [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-200, 200]\n[axis.C]\ndirection = [0, 0, 1]\ntravel_deg = [-360, 360]\n\
+        [location]\nEX0C = 100.0\n[zero_offset.G54]\nX_mm = 0\nY_mm = 0\nZ_mm = 0\nC_deg = 0\nset = \"touched\"\n";
+    let of =
+        |angle: &str| format!("N10 G17 G90 G71 G94 G54\nN20 G0 X10 Y10 Z50 C{angle}\nN30 G1 X40 Y20 F500\nN40 M30\n");
+    let shop = shop(machine, &of("0"));
+    near(last(&shop, 'X', &[]), 40.0);
+    near(*words(&shop, 'Y').last().unwrap(), 20.0);
+    let shop = shop.file("in.mpf", of("90"));
+    near(last(&shop, 'X', &[]), 40.1);
+    near(*words(&shop, 'Y').last().unwrap(), 19.9);
+}
+
+/// Without a statement the zero counts as true, and the size of the doubt is named: 0.3 + 100/10⁴ = 0.31 mm.
+#[test]
+fn what_nobody_states_is_pointed_out_with_its_size() {
+    let shop = shop(&format!("{LINEAR}{OFF_AND_LONG}{G54}"), &program("X400"));
+    let fix = ["fix", "in.mpf", "-o", "out.mpf", "--machine", "m.toml", "--max-correction", "1mm"];
+    let run = shop.run(fix).exits(0);
+    run.says("warning[W0321]: G54 counts as the true place").says("X 310 µm").says("G54=touched");
+    let json = shop.run(fix.iter().chain(&["--json"])).exits(0).json();
+    assert_eq!(json["zeros"][0]["set"], "absolute");
+    assert_eq!(json["zeros"][0]["is_stated"], false);
+    assert!((json["zeros"][0]["distance_um"].as_f64().unwrap() - 310.0).abs() < 1e-6, "{json}");
+    // Of 0.31 to 0.35 mm at X 100 to 500 only the part beyond 0.31 is form.
+    let [before, form] = ["before", "before_form"].map(|key| json[key]["max_um"].as_f64().unwrap());
+    assert!((before - 350.0).abs() < 1.0 && (form - 40.0).abs() < 1.0, "{json}");
+    let check = shop.run(["check", "in.mpf", "--machine", "m.toml", "--max-correction", "1mm"]).exits(0);
+    check.says("warning[W0321]");
+    for set in ["touched", "absolute"] {
+        let zero = format!("G54={set}");
+        let run = shop.run(fix.iter().chain(&["--zero", zero.as_str()])).exits(0);
+        assert!(!run.stderr.contains("W0321"), "{}", run.stderr);
+        let words = ["verify", "in.mpf", "out.mpf", "--machine", "m.toml", "--json", "--zero", zero.as_str()];
+        let verified = shop.run(words).exits(0).json();
+        assert_eq!(verified["zeros"][0]["set"], set);
+        assert!(verified["after"]["max_um"].as_f64().unwrap() < 1.5, "{verified}");
+        let most_um = verified["before"]["max_um"].as_f64().unwrap();
+        assert!((most_um - if set == "touched" { 40.0 } else { 350.0 }).abs() < 1.0, "{verified}");
+    }
+    // Corrected for a touched zero, and judged as if it were true: 0.31 mm off, and the stamp says another state.
+    shop.run(fix.iter().chain(&["--zero", "G54=touched"])).exits(0);
+    let words = ["verify", "in.mpf", "out.mpf", "--machine", "m.toml", "--zero", "G54=absolute"];
+    shop.run(words).exits(4).says("W0306");
+}
+
+#[test]
+fn a_program_without_a_zero_offset_is_as_it_was() {
+    let text = "N10 G17 G90 G71 G94\nN20 G0 G53 X110 Y10 Z50\nN30 G1 G53 X500 F500\nN40 M30\n";
+    let shop = shop(&format!("{LINEAR}{OFF_AND_LONG}{G54}set = \"touched\"\n"), text);
+    let fix = ["fix", "in.mpf", "-o", "out.mpf", "--machine", "m.toml", "--max-correction", "1mm", "--json"];
+    let json = shop.run(fix).exits(0).json();
+    assert_eq!(json["zeros"].as_array().unwrap().len(), 0, "{json}");
+    assert!((json["before"]["max_um"].as_f64().unwrap() - 350.0).abs() < 1.0, "{json}");
+}
+
+#[test]
+fn a_wrong_statement_is_refused() {
+    let shop = shop(&format!("{LINEAR}{OFF}{G54}set = \"touched\"\n"), &program("X400"));
+    let fix = |zero: &str| shop.run(["in.mpf", "-o", "out.mpf", "--machine", "m.toml", "--zero", zero]);
+    fix("G54").exits(2).says("write for example G54=touched");
+    fix("G54=guessed").exits(2).says("write for example G54=touched");
+    fix("G57=touched").exits(2).says("G57");
+    let shop = shop.file("m.toml", format!("{LINEAR}{OFF}{G54}set = \"guessed\"\nset_at = {{ Q_mm = 1 }}\n"));
+    shop.run(["machine", "check", "m.toml"]).exits(4).says("not a way to set a zero").says("Q_mm");
+}
