@@ -73,6 +73,8 @@ fn json_has_the_documented_keys() {
     let keys: Vec<_> = json.as_object().unwrap().keys().map(String::as_str).collect();
     let mut expected = [
         "before",
+        "before_form",
+        "zeros",
         "after",
         "max_correction",
         "blocks_in",
