@@ -249,6 +249,8 @@ mod tests {
     fn sample() -> CorrectionReport {
         CorrectionReport {
             before: Some(SpreadReport { mean_um: 25.04, rms_um: 28.1, max_um: 103.2 }),
+            before_form: None,
+            zeros: Vec::new(),
             after: Some(SpreadReport { mean_um: 0.25, rms_um: 0.31, max_um: 0.98 }),
             max_correction: [(AxisKey::of_deviation(Axis::X), 41.26), (AxisKey::of_deviation(Axis::C), 3.0)].into(),
             feed_limit: None,

@@ -227,6 +227,7 @@ mod tests {
         let check = ProgramCheck {
             parsed: true,
             executed: false,
+            machine: None,
             support_file: None,
             elements: 1,
             diagnostics: vec![Finding::new(&found, Some(&source))],

@@ -6,8 +6,7 @@ use crate::cli::exit_code::ExitCode;
 use crate::cli::findings::Findings;
 use crate::cli::stop::Stop;
 use crate::cli::{machine_choice, print, program, progress, tell};
-use ncfix_report::json;
-use ncfix_report::number::counted;
+use ncfix_report::{json, number::counted};
 
 /// Checks a program.
 pub(in crate::cli) fn run(arguments: &CheckArguments) -> Result<ExitCode, Stop> {

@@ -223,6 +223,7 @@ mod tests {
             machine: "mill".into(),
             model: "0123456789ab".into(),
             state: None,
+            zeros: None,
             source: "ba9876543210".into(),
             promise: Promise::default(),
             is_demo: false,
