@@ -274,7 +274,7 @@ fn check_says_what_a_correction_refuses() {
     let cases: [(&str, &[&str], &str); 4] = [
         ("N10 G90 G71 G54\nN20 G91 G1 X10 F100\nN30 M30\n", &[], "E0304"),
         ("N10 G90 G71 G54 G0 X10 Y10 Z100\nN20 G1 X600 F500\nN30 M30\n", &["--max-correction", "1um"], "E0303"),
-        ("N10 G90 G71 G506 G0 X10 Y10 Z100\nN20 G1 X20 F500\nN30 M30\n", &[], "E0306"),
+        ("N10 G90 G71 G599 G0 X10 Y10 Z100\nN20 G1 X20 F500\nN30 M30\n", &[], "E0306"),
         ("N10 G90 G71 G54 G0 X10 Y10 Z100\nN20 G1 X99999 F500\nN30 M30\n", &[], "E0302"),
     ];
     for (text, options, code) in cases {
