@@ -3,6 +3,7 @@
 
 use std::fmt::Write as _;
 
+use ncfix::prelude::{AxisVector, Machine, State, ToolVector};
 use serde_json::Value;
 
 use crate::diagnose::{findings, name, number};
@@ -19,6 +20,11 @@ const GRID: &str = "[measurement]\nkind = \"displacement\"\nsigma_um = 0.7\nfree
 
 /// A grid of lines along X, twice: `error` in mm gives the displacement by X and Y, µm.
 fn grid(seed: u64, error: impl Fn(f64, f64) -> [f64; 3]) -> String {
+    grid_at_heights(seed, |_| "S1".to_owned(), |x, y, _| error(x, y))
+}
+
+/// The same with set-ups by height, and an error that depends on it too.
+fn grid_at_heights(seed: u64, setup: impl Fn(f64) -> String, error: impl Fn(f64, f64, f64) -> [f64; 3]) -> String {
     let mut random = Random::new(seed, "grid");
     let mut table = "setup,run,X,Y,Z,X_dir,Y_dir,Z_dir,tool_x_mm,tool_y_mm,tool_z_mm,dx_um,dy_um,dz_um\n".to_owned();
     for run in 0..2 {
@@ -26,8 +32,8 @@ fn grid(seed: u64, error: impl Fn(f64, f64) -> [f64; 3]) -> String {
             for j in 0..7 {
                 for i in 0..13 {
                     let [x, y] = [50.0 * f64::from(i), 60.0 * f64::from(j)];
-                    let [dx, dy, dz] = error(x, y).map(|um| um + 0.7 * random.normal());
-                    let _ = writeln!(table, "S1,r{run},{x},{y},{z},1,1,1,0,0,-120,{dx:.4},{dy:.4},{dz:.4}");
+                    let [dx, dy, dz] = error(x, y, z).map(|um| um + 0.7 * random.normal());
+                    let _ = writeln!(table, "{},r{run},{x},{y},{z},1,1,1,0,0,-120,{dx:.4},{dy:.4},{dz:.4}", setup(z));
                 }
             }
         }
@@ -97,4 +103,68 @@ fn displacements_with_the_spindle_speed_are_named_at_once_and_later() {
             "{found:?} for {lags:?}"
         );
     }
+}
+
+/// Positioning tests of all axes with one reversal value, that of X, µm; the other axes show noise alone.
+fn positioning(seed: u64, reversal_um: f64) -> String {
+    let mut random = Random::new(seed, "laser");
+    let mut table = "setup,run,component,X,Y,Z,X_dir,Y_dir,Z_dir,value_um\n".to_owned();
+    // Targets at uneven distances (ISO 230-2, 5.3).
+    let targets = [7.0, 41.0, 88.0, 120.0, 171.0, 203.0, 246.0, 290.0, 331.0, 377.0];
+    for (component, axis) in [("EXX", 0), ("EYY", 1), ("EZZ", 2)] {
+        for run in 0..5 {
+            for side in [1, -1] {
+                for k in 0..targets.len() {
+                    let target = targets[if side > 0 { k } else { targets.len() - 1 - k }];
+                    let mut at = [200.0, 200.0, -100.0];
+                    at[axis] = if axis == 2 { -300.0 + 0.8 * target } else { target };
+                    let mut senses = [1; 3];
+                    senses[axis] = side;
+                    let own = if axis == 0 { 0.5 * reversal_um * f64::from(side) } else { 0.0 };
+                    let value = own + 0.3 * random.normal();
+                    let ([x, y, z], [a, b, c]) = (at, senses);
+                    let _ = writeln!(table, "{component},r{run},{component},{x},{y},{z},{a},{b},{c},{value:.4}");
+                }
+            }
+        }
+    }
+    table
+}
+
+#[test]
+fn one_axis_of_three_is_corrected_though_the_others_are_quiet() {
+    let description = "[measurement]\nkind = \"direct\"\nsigma_um = 0.3\nfree = [\"offset\"]\n";
+    for (seed, reversal_um) in [(3, -8.0), (4, 8.0)] {
+        let (shop, report) =
+            diagnosed(positioning(seed, reversal_um), positioning(seed + 10, reversal_um), description);
+        let all = findings(&report);
+        assert_eq!(all.iter().map(name).collect::<Vec<_>>(), ["backlash EXX"], "{report:#}");
+        assert!((number(&all[0], "value") - reversal_um).abs() < number(&all[0], "u95").max(0.15), "{report:#}");
+        // The noise of the readings is all that stays.
+        assert!(all[0]["extends"] == true && number(&report["written"], "after_rms_um") < 0.33, "{report:#}");
+        assert!(shop.path("out.toml").exists());
+    }
+}
+
+#[test]
+fn an_angle_that_is_written_has_no_mean_over_the_travel() {
+    // Pitch about Y that bends along X, seen by its arm in Z. The plate is mounted anew at each height: nothing is known of the squareness of X and Z.
+    let bow = |x: f64| 30e-6 * (1.0 - ((x - 300.0) / 300.0).powi(2));
+    let law = |x: f64, _: f64, z: f64| [1e3 * bow(x) * (z - 120.0), 0.0, 0.0];
+    let at_heights = |seed| grid_at_heights(seed, |z| format!("S{z}"), law);
+    let description = "[measurement]\nkind = \"displacement\"\nsigma_um = 0.7\nfree = [\"offset\", \"rotation\"]\n";
+    let (shop, report) = diagnosed(at_heights(5), at_heights(6), description);
+    assert_eq!(report["findings"][0]["effect"], "motion", "{report:#}");
+    let name = report["findings"][0]["parameter"].as_str().unwrap().to_owned();
+    let text = shop.text("out.toml");
+    let machine = Machine::from_text("out.toml", &text).unwrap();
+    // A rotation of the tool about Y by the model of the file, over the travel that was measured.
+    let mean: f64 = (0..=60)
+        .map(|k| {
+            let pose: AxisVector = format!("X{},Y180,Z-200", 10 * k).parse().unwrap();
+            machine.deviation(&pose, ToolVector::Length(120.0), &State::default()).rotation_urad[1]
+        })
+        .sum::<f64>()
+        / 61.0;
+    assert!(name == "EBX" && mean.abs() < 1.5, "{name}: {mean}\n{text}");
 }
