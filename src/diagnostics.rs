@@ -115,7 +115,7 @@ impl<'a> Located<'a> {
     /// # use ncfix::prelude::*;
     /// let found = Program::parse("part.mpf", "G0 X9000\nM30\n", DialectChoice::Sinumerik)?.check(&Machine::demo());
     /// let one = found.errors().next().unwrap();
-    /// assert!(one.message().contains("9000"), "{}", one.message());
+    /// assert!(one.message().contains("limit of 700 mm"), "{}", one.message());
     /// # Ok::<(), ncfix::Error>(())
     /// ```
     #[must_use]
