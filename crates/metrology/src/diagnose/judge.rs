@@ -50,10 +50,10 @@ impl Field<'_, '_> {
     /// p-value of a wave if each pose counts as one reading: the probability that one of `waves` waves fits the systematic deviation of each place as well. 0
     /// if no pose was measured twice.
     pub(super) fn chance_of_places(&self, weights: &Weights, taken: &[usize], number: usize, waves: usize) -> f64 {
-        let poses = self.poses(weights);
         let others: Vec<usize> = taken.iter().copied().filter(|&other| other != number).collect();
         let memory = self.memory(weights, taken);
         let columns = self.columns_of(number);
+        let poses = self.poses(weights).that_see(&columns);
         let gain = self.series(weights, &others, memory).gain(&columns).squares;
         let rest = poses.squares(self.series(weights, taken, memory).left());
         let freedom = poses.0.len() as f64 - UNKNOWNS;
@@ -101,7 +101,7 @@ impl Field<'_, '_> {
                 let mut inflation = all.own(&beside).map(of_column).fold(1.0, f64::max);
                 let mut count = f64::INFINITY;
                 if let Some(poses) = poses.as_ref().filter(|_| is_wave(&number)) {
-                    let own = poses.inflation(whole.left(), &columns[place]);
+                    let own = poses.that_see(&columns[place]).inflation(whole.left(), &columns[place]);
                     inflation = inflation.max(own.times);
                     count = own.count;
                 }
@@ -142,6 +142,12 @@ type Pose = ([i64; AXIS_COUNT], [i64; 3], usize, Option<ErrorName>);
 struct Poses(Vec<Vec<usize>>);
 
 impl Poses {
+    /// Returns the poses in which columns act. Lines along other axes say nothing about a wave, however many places they have.
+    fn that_see(&self, columns: &[Vec<f64>]) -> Poses {
+        let acts = |place: &usize| columns.iter().any(|column| column.get(*place).is_some_and(|value| *value != 0.0));
+        Poses(self.0.iter().filter(|own| own.iter().any(acts)).cloned().collect())
+    }
+
     /// Returns the squares of the means of poses, weighted by the number of readings.
     fn squares(&self, left: &[f64]) -> f64 {
         let of = |own: &Vec<usize>| {
