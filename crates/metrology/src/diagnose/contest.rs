@@ -356,6 +356,7 @@ impl Field<'_, '_> {
                 | EffectKind::Backlash
                 | EffectKind::LateralPlay
                 | EffectKind::Cross
+                | EffectKind::ReversalSpike
                 | EffectKind::ServoMismatch
                 | EffectKind::Following
                 | EffectKind::Setup
