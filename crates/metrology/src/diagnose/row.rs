@@ -13,6 +13,9 @@ pub const NOWHERE: usize = usize::MAX;
 const FEED: &str = "feed_mm_min";
 /// Motions below this are ignored, mm or rad.
 const STILL: f64 = 1e-9;
+/// An instrument that samples a moving axis takes several readings a second. Readings farther apart in time than this, s, are taken at rest, as ISO 230-2 (4.3)
+/// requires of a positioning test.
+const AT_REST: f64 = 2.0;
 
 /// One row of a measurement.
 #[derive(Clone, Debug)]
@@ -105,8 +108,12 @@ fn move_along(data: &DataSet, rows: &mut [SceneRow]) {
     for (place, row) in rows.iter().enumerate() {
         sequences.entry(row.sequence).or_default().push(place);
     }
+    let is_at_rest = is_at_rest(data, rows, sequences.values());
     for places in sequences.into_values() {
         turns(rows, &places);
+        if is_at_rest {
+            continue;
+        }
         let velocities: Vec<Option<AxisVector>> = (0..places.len()).map(|k| velocity(rows, &places, k, feed)).collect();
         let accelerations: Vec<Option<AxisVector>> =
             (0..places.len()).map(|k| acceleration(rows, &places, k, &velocities, feed)).collect();
@@ -120,6 +127,23 @@ fn move_along(data: &DataSet, rows: &mut [SceneRow]) {
             };
         }
     }
+}
+
+/// True if the axes stood still at each reading: the median time from one position to the next is long. A ball-bar and a trace record moving axes.
+fn is_at_rest<'p>(data: &DataSet, rows: &[SceneRow], sequences: impl Iterator<Item = &'p Vec<usize>>) -> bool {
+    if matches!(data.kind.measurand, Measurand::BallDistance | Measurand::MovingDisplacement) {
+        return false;
+    }
+    let mut seconds: Vec<f64> = sequences
+        .flat_map(|places| places.windows(2))
+        .filter(|pair| {
+            let step = difference(rows, [pair[0], pair[1]]);
+            AXES.into_iter().any(|axis| step[axis].abs() > STILL)
+        })
+        .filter_map(|pair| Some(rows[pair[1]].time_s? - rows[pair[0]].time_s?))
+        .collect();
+    seconds.sort_by(f64::total_cmp);
+    seconds.get(seconds.len() / 2).is_some_and(|median| *median > AT_REST)
 }
 
 fn turns(rows: &mut [SceneRow], places: &[usize]) {
@@ -250,5 +274,16 @@ mod tests {
         // In the middle over two seconds: 2t and 2. At the ends over one second: 1 and 16 − 9, and 1 from there to the next.
         assert_eq!(of(|row| row.velocity), [1.0, 2.0, 4.0, 6.0, 7.0]);
         assert_eq!(of(|row| row.acceleration), [1.0, 1.5, 2.0, 1.5, 1.0]);
+    }
+
+    #[test]
+    fn readings_several_seconds_apart_are_taken_at_rest() {
+        let machine = bench::machine();
+        let velocities = |seconds: u32| {
+            let cells: Vec<(f64, String)> = (0..5).map(|k| (10.0 * f64::from(k), format!(",{}", k * seconds))).collect();
+            let cells: Vec<(f64, &str)> = cells.iter().map(|(x, t)| (*x, t.as_str())).collect();
+            rows(&[bench::along_x(&machine, ",t_s", &cells)]).iter().filter(|row| row.velocity.is_some()).count()
+        };
+        assert_eq!([velocities(1), velocities(12)], [5, 0]);
     }
 }
