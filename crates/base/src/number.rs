@@ -38,6 +38,19 @@ pub fn significant(value: f64) -> String {
     format!("{value:.decimals$}")
 }
 
+/// Probabilities above this are printed as a limit: the assumptions are not known that well.
+const MOST_PROBABLE: f64 = 0.99;
+
+/// Formats a probability: `probability 97 %`, `probability > 99 %`.
+#[must_use]
+pub fn probability(value: f64) -> String {
+    if value > MOST_PROBABLE {
+        format!("probability > {:.0} %", 100.0 * MOST_PROBABLE)
+    } else {
+        format!("probability {:.0} %", 100.0 * value)
+    }
+}
+
 /// Formats a time: `0.42 s`, `12.3 s`, `3 min 20 s`.
 #[must_use]
 pub fn duration(seconds: f64) -> String {

@@ -4,7 +4,7 @@ mod hypotheses;
 mod text;
 
 pub(crate) use hypotheses::{answer_in_words, in_words, times_in_words};
-pub(crate) use text::{CauseText, differing, p_value, probability};
+pub(crate) use text::{CauseText, differing, p_value};
 
 use serde::Serialize;
 

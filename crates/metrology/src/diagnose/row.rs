@@ -280,7 +280,8 @@ mod tests {
     fn readings_several_seconds_apart_are_taken_at_rest() {
         let machine = bench::machine();
         let velocities = |seconds: u32| {
-            let cells: Vec<(f64, String)> = (0..5).map(|k| (10.0 * f64::from(k), format!(",{}", k * seconds))).collect();
+            let cells: Vec<(f64, String)> =
+                (0..5).map(|k| (10.0 * f64::from(k), format!(",{}", k * seconds))).collect();
             let cells: Vec<(f64, &str)> = cells.iter().map(|(x, t)| (*x, t.as_str())).collect();
             rows(&[bench::along_x(&machine, ",t_s", &cells)]).iter().filter(|row| row.velocity.is_some()).count()
         };

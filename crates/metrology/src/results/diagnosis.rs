@@ -277,6 +277,8 @@ pub struct CauseReport {
     pub lag_s: Option<f64>,
     /// Period, if periodic.
     pub period: Option<f64>,
+    /// Path from a reversal over which a spike decays, mm.
+    pub decay_mm: Option<f64>,
     /// Positions of an axis between which it begins, mm, if it acts only on one side of them.
     pub threshold_mm: Option<[f64; 2]>,
     /// This axis.
@@ -543,6 +545,7 @@ fn cause(found: &diagnose::AcceptedCause, scene: &Scene<'_>, used: usize, (micro
             class.push(name);
         }
     }
+    let is_spike = one.cause.effect == diagnose::cause::EffectKind::ReversalSpike;
     CauseReport {
         effect: one.cause.effect.to_string(),
         parameter: one.parameter.clone(),
@@ -550,7 +553,8 @@ fn cause(found: &diagnose::AcceptedCause, scene: &Scene<'_>, used: usize, (micro
         sensor: one.sensor.clone(),
         lag_s: (one.sensor.is_some() || one.cause.effect == diagnose::cause::EffectKind::SpindleSpeed)
             .then(|| one.constant.filter(|(_, unit)| *unit == "s").map_or(0.0, |(lag, _)| lag)),
-        period: one.constant.filter(|(_, unit)| ["mm", "deg"].contains(unit)).map(|(period, _)| period),
+        period: one.constant.filter(|(_, unit)| !is_spike && ["mm", "deg"].contains(unit)).map(|(period, _)| period),
+        decay_mm: one.constant.filter(|_| is_spike).map(|(length, _)| length),
         threshold_mm: one.threshold.map(|(_, ends)| ends),
         threshold_axis: one.threshold.map(|(axis, _)| axis.to_string()),
         value: found.size.value,

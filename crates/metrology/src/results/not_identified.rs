@@ -102,10 +102,10 @@ fn not_settled(why: Option<Unsettled>, of: &str) -> (Option<usize>, Diagnostic) 
     } else {
         "the residual is not noise".to_owned()
     };
-    let message =
-        format!("{of}the fit does not converge: {size}, and {rejected} of {readings} readings count for nothing");
-    let help =
-        "write a larger sigma_um, or none, and check signs and set-ups; --no-robust gives all rows the same weight";
+    let message = format!(
+        "{of}the fit does not converge: {size}, and {rejected} of {readings} readings are rejected as outliers"
+    );
+    let help = "check the columns of positions, the signs and the set-ups, then write a larger sigma_um, or none; --no-robust gives all rows the same weight";
     (Some(set), Diagnostic::nowhere(Code::NOT_SETTLED, message, help))
 }
 
@@ -220,7 +220,7 @@ mod tests {
             ("E0607", "set: the fit does not converge"),
             (
                 "E0607",
-                "set: the fit does not converge: the residual is 40.0 times sigma_um, and 3 of 9 readings count for nothing",
+                "set: the fit does not converge: the residual is 40.0 times sigma_um, and 3 of 9 readings are rejected as outliers",
             ),
         ];
         assert_eq!(found, expected.map(|(code, message)| (code.to_owned(), message.to_owned())));

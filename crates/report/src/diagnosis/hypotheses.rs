@@ -10,6 +10,8 @@ use ncfix_metrology::results::hypotheses::{HypothesisAmount, HypothesisAnswer, H
 
 /// Factors from this on are shown as a power of ten.
 const MOST_TIMES: f64 = 1e4;
+/// Factors below 1.05 are no difference, as a natural logarithm.
+const EQUALLY: f64 = 0.05;
 /// Maximum number of rivals and of combinations that are named.
 const RIVALS: usize = 4;
 const SETS: usize = 3;
@@ -122,6 +124,9 @@ pub(crate) fn times_in_words(evidence: f64) -> String {
 
 /// Returns the factor by which another explanation is better or worse.
 fn rather(evidence: f64) -> String {
+    if evidence.abs() < EQUALLY {
+        return "as probable".into();
+    }
     let which = if evidence < 0.0 { "less" } else { "more" };
     format!("{} times {which} probable", factor(evidence.abs()))
 }

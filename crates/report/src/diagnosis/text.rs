@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::DiagnosisReport;
 use crate::component::spelled_out;
-use crate::number::{grouped, significant};
+use crate::number::{grouped, probability, significant};
 use ncfix_metrology::diagnose::cause::Correctable;
 use ncfix_metrology::diagnose::{ExplanationSummary, Gate};
 use ncfix_metrology::results::diagnosis::{CauseReport, InFile, NoiseFrom, ShapePlace};
@@ -33,8 +33,6 @@ const MORE_THAN_ALL_OTHERS: f64 = 0.5;
 const LITTLE_MORE: f64 = 1.2;
 /// A residual beyond this multiple of the noise is no noise.
 const NOISY: f64 = 2.0;
-/// Probabilities above this are not shown as a number: the assumptions are not known that well.
-const MOST_SHOWN: f64 = 0.99;
 /// Maximum number of listed rejected candidates.
 const REJECTED: usize = 5;
 
@@ -411,7 +409,7 @@ impl DiagnosisReport {
             None => {
                 let depends = one.depends();
                 let goes = if depends.is_empty() { String::new() } else { format!("depends on {depends}; ") };
-                let _ = writeln!(out, "   {goes}usual reasons: {}; {}", one.made_by, one.remedy());
+                let _ = writeln!(out, "   {goes}usual reasons: {}{}", one.made_by, one.remedy());
             }
         }
         if let Some(differs) = differing(&one.by_file) {
@@ -472,6 +470,9 @@ impl CauseText for CauseReport {
         if let Some(period) = self.period {
             let _ = write!(depends, ", every {}", significant(period));
         }
+        if let Some(length) = self.decay_mm {
+            let _ = write!(depends, ", decaying over {} mm", significant(length));
+        }
         if let (Some([last, first]), Some(axis)) = (self.threshold_mm, &self.threshold_axis) {
             let _ = write!(depends, ", on one side of {axis} {} to {} mm", significant(last), significant(first));
         }
@@ -481,11 +482,13 @@ impl CauseText for CauseReport {
         depends
     }
 
+    /// Returns the possible correction, as the end of a sentence; empty if a reason against it follows.
     fn remedy(&self) -> &'static str {
         match self.correctable {
-            Correctable::Program => "a corrected program removes it",
-            Correctable::Live => "only live readings can remove it",
-            Correctable::No => "no program can remove it",
+            Correctable::Program => "; a corrected program removes it",
+            Correctable::Live => "; only live readings can remove it",
+            Correctable::No if self.extends_why.is_some() => "",
+            Correctable::No => "; no program can remove it",
         }
     }
 }
@@ -523,16 +526,6 @@ fn name(effect: &str, parameter: &str) -> String {
 #[must_use]
 pub(crate) fn sign(unit: &str) -> String {
     unit.replace("urad", "µrad").replace("um", "µm").replace("m/s2", "m/s²")
-}
-
-/// Formats a probability: `probability 97 %`, `probability > 99 %`.
-#[must_use]
-pub(crate) fn probability(value: f64) -> String {
-    if value > MOST_SHOWN {
-        format!("probability > {:.0} %", 100.0 * MOST_SHOWN)
-    } else {
-        format!("probability {:.0} %", 100.0 * value)
-    }
 }
 
 /// Formats a p-value: `p = 3e-4`, `p < 1e-12`.

@@ -3,6 +3,7 @@
 use super::super::cause::{Correctable, EffectKind};
 use super::super::verdict::AcceptedCause;
 use super::{Change, remedy};
+use ncfix_base::number::probability;
 
 /// A line that says what a diagnosis added begins with this.
 pub const HEAD: &str = "diagnosed:";
@@ -40,8 +41,7 @@ pub fn lines(
 ) -> Vec<String> {
     let mut out = vec![format!("{HEAD} {}; {}", size(one), remedy(&one.candidate))];
     let p = if one.chance < LEAST_P { format!("p < {LEAST_P:e}") } else { format!("p = {:.0e}", one.chance) };
-    let sure =
-        one.probability.map_or_else(String::new, |sure| format!(", probability {:.0} %", (100.0 * sure).floor()));
+    let sure = one.probability.map_or_else(String::new, |sure| format!(", {}", probability(sure)));
     let unseen = if files.held_out.is_empty() {
         "left out in turn".to_owned()
     } else {

@@ -3,9 +3,9 @@
 use super::pictures::{driver_of, mean_lines, means, time_of, title_of};
 use super::{figure, polar, side_by_side};
 use crate::component::{component_of, spelled_out};
-use crate::diagnosis::{CauseText as _, DiagnosisReport, PageReadings, differing, p_value, probability};
+use crate::diagnosis::{CauseText as _, DiagnosisReport, PageReadings, differing, p_value};
 use crate::markup::Markup;
-use crate::number::{grouped, significant};
+use crate::number::{grouped, probability, significant};
 use crate::plot::{Chart, PlotSeries, Shape};
 use ncfix_metrology::results::diagnosis::CauseReport;
 use ncfix_metrology::results::readings::{DriverReadings, Set};
@@ -111,7 +111,11 @@ fn words(out: &mut Markup, report: &DiagnosisReport, one: &CauseReport) {
         (Some(_), false) => "; the machine file has no entry for it",
         (None, _) => "",
     };
-    all.push(("what can be done", format!("{}{held}", one.remedy())));
+    let done = match (&one.extends_why, one.remedy()) {
+        (Some(why), "") => format!("not corrected: {why}"),
+        (_, remedy) => remedy.trim_start_matches("; ").to_owned(),
+    };
+    all.push(("what can be done", format!("{done}{held}")));
     out.element("dl", &[("class", &"evidence")], |out| {
         for (what, text) in all {
             out.leaf("dt", &[], what);
