@@ -148,3 +148,16 @@ fn support_files_are_called_what_they_are() {
     let shop = Shop::new().file("P.MPF", "R1=5\nDEF INT A\n$A_OUT[1]=1\nG0 X1\nM30\n");
     assert!(shop.run(["check", "P.MPF", "--json", "--machine", &demo]).json()["support_file"].is_null());
 }
+
+/// A set-up file of which nothing is read is no set-up.
+#[test]
+fn saved_data_with_the_header_of_a_program_is_refused() {
+    let shop = Shop::new()
+        .file("r.RPA", "%_N_RPA_MPF\nR1=25\n")
+        .file("right.RPA", "%_N_RPA_INI\nR1=25\n")
+        .file("part.mpf", "G0 X=R1 Y0 Z0\nM30\n");
+    shop.run(["fix", "part.mpf", "-o", "o.mpf", "--setup", "r.RPA"])
+        .exits(4)
+        .says("error[E0101]: this header names a program (MPF), not saved data: nothing is read\n --> r.RPA:1:1");
+    shop.run(["fix", "part.mpf", "-o", "o.mpf", "--setup", "right.RPA"]).exits(0);
+}

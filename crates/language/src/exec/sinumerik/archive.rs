@@ -15,7 +15,7 @@ use super::value::Value as ExecValue;
 use super::variables::List;
 use crate::exec::core::fault::{Fault, at};
 use crate::exec::core::options::Options;
-use crate::syntax::sinumerik::{self, Address, ArgumentRange, Body, ExprId, Node, Value, Word};
+use crate::syntax::sinumerik::{self, Address, ArgumentRange, Body, ExprId, Node, Section, Value, Word};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::Source;
 use ncfix_machine::machine::{Machine, Setting};
@@ -45,8 +45,16 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
         channel: startup::begin(&before, &Options::default(), ncfix_dialect::sinumerik().codes()),
         data: Data::default(),
     };
-    for section in &loaded.program.sections {
-        if PROGRAMS.contains(&section.ending.as_str()) {
+    let is_program = |section: &&Section| PROGRAMS.contains(&section.ending.as_str());
+    let sections = &loaded.program.sections;
+    if let Some(first) = sections.first().filter(|_| sections.iter().all(|section| is_program(&section))) {
+        let span = first.headers.first().copied().unwrap_or_default();
+        let message = format!("this header names a program ({}), not saved data: nothing is read", first.ending);
+        let help = "save the data at the control as _TOA, _UFR, _RPA, _GUD or _INI, or correct the header";
+        findings.push(at(span, Code::UNEXPECTED, message, help).in_file(source.id()));
+    }
+    for section in sections {
+        if is_program(&section) {
             continue;
         }
         for block in &loaded.program.blocks[section.blocks.clone()] {
