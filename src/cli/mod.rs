@@ -47,7 +47,7 @@ use std::io::Write as _;
 use crate::disk::measurements as measurement;
 use crate::disk::{atomic_writes, files, output, parameters, traces as trace};
 use arguments::Command;
-use ncfix_base::source::shown;
+use ncfix_report::verdict::colored;
 use stop::Stop;
 
 /// Runs the command of a command line; the first argument is the name of the program.
@@ -129,15 +129,15 @@ fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
 /// Prints a result on standard output.
 fn print(text: &str) -> Result<(), Stop> {
     progress::end();
-    let mut out = std::io::stdout().lock();
-    out.write_all(shown(text).as_bytes()).and_then(|()| out.flush()).map_err(|error| Stop::output(&error))
+    let mut out = anstream::stdout().lock();
+    out.write_all(colored(text).as_bytes()).and_then(|()| out.flush()).map_err(|error| Stop::output(&error))
 }
 
 /// Prints a sentence or a table for the user on standard error; nothing with `--quiet`.
 fn tell(text: &str) {
     if !verbosity::is_quiet() {
         progress::end();
-        say(&shown(text));
+        say(&colored(text));
     }
 }
 
@@ -176,5 +176,5 @@ fn deliver(
 fn complain(sentence: &str) {
     let style = clap::builder::styling::AnsiColor::BrightRed.on_default().bold();
     progress::end();
-    say(&format!("{style}error{style:#}: {}\n", shown(sentence)));
+    say(&format!("{style}error{style:#}: {}\n", ncfix_base::source::shown(sentence)));
 }

@@ -7,6 +7,7 @@ use super::json::Finding;
 use super::number::{counted, grouped, micrometers};
 use super::review::Review;
 use ncfix_base::diagnostic::{Code, Severity};
+use ncfix_base::source::shown;
 
 /// Grade of a verdict or reason; a larger one is worse.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -167,6 +168,25 @@ impl Verdict {
     }
 }
 
+/// Prepares the text of a report for a terminal: control characters of programs are replaced, and the verdict is colored as diagnostics are, errors red and
+/// warnings yellow.
+#[must_use]
+pub fn colored(text: &str) -> String {
+    let verdicts = [(Grade::Ok, true), (Grade::Ok, false), (Grade::Warn, false), (Grade::Bad, false)];
+    verdicts.into_iter().fold(shown(text), |text, (grade, is_covered)| {
+        let sentence = Verdict { grade, is_covered, ..Verdict::default() }.sentence();
+        let color = match grade {
+            Grade::Ok => "\x1b[1;32m",
+            Grade::Warn => "\x1b[1;33m",
+            Grade::Bad => "\x1b[1;91m",
+        };
+        let [mut plain, mut bright] = [String::new(), String::new()];
+        push_row(&mut plain, "verdict", sentence);
+        push_row(&mut bright, "verdict", &format!("{color}{sentence}\x1b[0m"));
+        text.replacen(&plain, &bright, 1)
+    })
+}
+
 /// Reasons why moves stay unchanged in words; those whose keys are other words have them in the list of keys.
 #[must_use]
 pub fn left_in_words(key: &str) -> &str {
@@ -194,6 +214,15 @@ mod tests {
     use super::super::json::SpreadReport;
     use super::super::review::Limit;
     use super::*;
+
+    #[test]
+    fn a_verdict_is_colored_by_its_grade() {
+        let rows = |grade| Verdict { grade, ..Verdict::default() }.rows();
+        let all = [Grade::Ok, Grade::Warn, Grade::Bad].map(|grade| colored(&rows(grade)));
+        let codes = ["\x1b[1;32m", "\x1b[1;33m", "\x1b[1;91m"];
+        assert!(all.iter().zip(codes).all(|(row, code)| row.contains(code) && row.ends_with("\x1b[0m\n")), "{all:?}");
+        assert_eq!(colored("verdict\n"), "verdict\n");
+    }
 
     #[test]
     fn the_worst_reason_decides_and_comes_first() {
