@@ -78,6 +78,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("W0319", "coverage: an_axis_without_a_stated_range_is_named"),
     ("W0320", "coverage: temperatures_and_loads_beyond_the_measured_ones_are_named"),
     ("W0306", "cli_verify: a_correction_for_another_machine_is_pointed_out"),
+    ("W0322", "coverage: a_cut_at_an_unknown_position_is_named"),
     ("W0321", "datum: what_nobody_states_is_pointed_out_with_its_size"),
 ];
 

@@ -340,3 +340,23 @@ fn read(text: &str) -> ncfix_machine::machine::Machine {
     let (loaded, findings) = ncfix_model::file::load(&source);
     loaded.unwrap_or_else(|| panic!("{findings:?}\n{text}")).0
 }
+
+/// A program that the control runs itself may have moved every axis, and a program may begin to cut before it names all of them.
+#[test]
+fn a_cut_at_an_unknown_position_is_named() {
+    let opaque = format!("{MEASURED}[[opaque]]\nname = \"L6\"\n");
+    let calls = "G90 G71 G0 X100 Y50 Z100 A0 C0\nL6\nG1 X120 F500\nY60 Z90\nG0 Z700\nM30\n";
+    let begins = "G90 G71\nG1 X100 F500\nG0 Z700\nM30\n";
+    for (own, text, line) in [(opaque.as_str(), calls, 3), (MEASURED, begins, 2)] {
+        let shop = shop(own, text);
+        let place = format!("warning[W0322]: the tool cuts here, and the position of Y and Z is not known: the correction for it is missing\n --> part.mpf:{line}:1");
+        fix(&shop, "--require-coverage").says("error[E0322]").says(&format!("part.mpf:{line}:1"));
+        fix(&shop, "--review r.html").exits(0).says(&place).says("verdict      check it before it runs");
+        let verified = shop.run(["verify", "part.mpf", "out.mpf", "--machine", "five.toml"]).says(&place);
+        assert!(verified.stdout.starts_with("verdict      check it before it runs\n"), "{}", verified.stdout);
+    }
+    // Without a move of L6, and with a start, all positions are known.
+    let still = format!("{MEASURED}[[opaque]]\nname = \"L6\"\nmoves = false\n");
+    assert!(!fix(&shop(&still, calls), "").stderr.contains("W0322"));
+    assert!(!fix(&shop(MEASURED, begins), "--start X0,Y0,Z0").stderr.contains("W0322"));
+}

@@ -233,7 +233,7 @@ fn walk(
             let tolerance_mm = path::CorrectionOptions::default().tolerance_mm;
             let zeros = datum::of_run(chosen, &model, original.extent().zeros(), tolerance_mm, findings);
             let (refused, noted) = if how.requires_coverage { (gaps, Vec::new()) } else { (Vec::new(), gaps) };
-            findings.extend(noted, &[]);
+            findings.extend(noted, &sources[0]);
             let machine = MachineUsed {
                 name: chosen.machine.name.clone(),
                 model: chosen.hash.clone(),

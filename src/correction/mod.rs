@@ -357,7 +357,7 @@ impl<'a> Prepared<'a> {
         if running.moves() && !found.has_errors() {
             let (coverage, gaps) = coverage::of_run(machine, running.extent(), is_required);
             report.coverage = Some(coverage);
-            found.extend(gaps, &[]);
+            found.extend(gaps, sources);
             report.zeros = datum::of_run(machine, model, running.extent().zeros(), options.tolerance_mm, found);
         }
         note(&passed.prediction, &running, report);

@@ -651,6 +651,10 @@ effect is extrapolated by the error model.";
 "Nobody states how the zero offset was set, so its value counts as the true place in the machine. A zero that was touched off or probed
 contains the error of the machine at that place. In a program corrected for the true place, the tool then misses the touched side by this
 error. State it: set = \"touched\", \"probed\" or \"absolute\" in [zero_offset.NAME], or --zero G54=touched. See docs/how-to/set-the-zero.md.";
+    UNKNOWN_CUT = "W0322" "cut at a position that is not known"
+"The program has a feed move while the position of a linear axis is not known. Either no earlier block states it, or a program that the
+control runs itself has moved the axes. The errors of the machine depend on this position, so the correction there is incomplete, and
+the predicted errors do not count the move. Program the axes before the cut, or give the position at the beginning with --start.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be detected.";
     TWO_DRIFTS = "W0402" "two models of the drift"

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::motion_mode::MotionMode;
-use super::{Element, Kind, Move};
+use super::{Element, Kind, Move, Origin};
 use ncfix_base::geometry::{AXES, Arc, Axis, AxisSet, AxisVector, Vector};
 
 /// Ranges of the positions and tools of a stream, collected element by element.
@@ -22,6 +22,8 @@ pub struct PathExtent {
     /// Index of the zero offset in force, and those in which axes moved.
     zero: Option<u16>,
     zeros: BTreeSet<u16>,
+    /// First feed move that ends at an unknown position, and its axes.
+    unknown: Option<(Origin, AxisSet)>,
 }
 
 /// Positions and tools of one kind of moves.
@@ -98,6 +100,7 @@ impl Default for PathExtent {
             tool_mm: Vector::zeros(),
             zero: None,
             zeros: BTreeSet::new(),
+            unknown: None,
         }
     }
 }
@@ -106,14 +109,14 @@ impl PathExtent {
     /// Adds an element.
     pub fn see(&mut self, element: &Element) {
         match &element.kind {
-            Kind::Move(motion) => self.motion(motion),
+            Kind::Move(motion) => self.motion(motion, element.origin),
             Kind::Setup(setup) => (self.tool_mm, self.zero) = (setup.tool_mm, setup.zero),
             Kind::Lost(axes) => self.known = self.known.difference(*axes),
             _ => {}
         }
     }
 
-    fn motion(&mut self, motion: &Move) {
+    fn motion(&mut self, motion: &Move, origin: Origin) {
         let is_feed = !motion.rapid && motion.motion_mode != MotionMode::Reference;
         let reach = if is_feed { &mut self.feed } else { &mut self.rapid };
         reach.position(&self.last, self.known.intersection(motion.known));
@@ -122,9 +125,20 @@ impl PathExtent {
             reach.arc(arc, &self.last, &motion.target);
         }
         reach.tool(self.tool_mm);
+        let unknown = AxisSet::XYZ.difference(motion.known);
+        if is_feed && self.unknown.is_none() && unknown != AxisSet::EMPTY {
+            self.unknown = Some((origin, unknown));
+        }
         self.zeros.extend(self.zero);
         self.last = motion.target;
         self.known = motion.known;
+    }
+
+    /// Returns the first feed move after which the position of a linear axis is not known, and these axes: neither the program nor a start position states it,
+    /// or something outside the stream has moved them.
+    #[must_use]
+    pub fn unknown(&self) -> Option<(Origin, AxisSet)> {
+        self.unknown
     }
 
     /// Returns the indices of the zero offsets in which axes moved.
