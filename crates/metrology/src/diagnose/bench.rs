@@ -1,4 +1,4 @@
-//! Scenes for unit tests of this room: tables of a machine without errors, and candidates.
+//! Fixtures for unit tests of the diagnosis: tables of a machine without errors, and candidates.
 
 use super::cause::{BUILT_IN, Candidate, EffectKind, Weight};
 use super::row::SceneRow;

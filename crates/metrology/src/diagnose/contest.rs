@@ -1,7 +1,7 @@
-//! Which explanation of the readings is the most probable: what the search took, or another set of terms.
+//! Selects the most probable explanation of the readings: the result of the search, or another set of terms.
 //!
-//! All terms stand in one contest ([`super::explain`]): errors of axes in the form in which each has one name, and every candidate of the register. What the search took is one of
-//! its starts. Where another set is surely more probable it takes the place.
+//! All terms compete in one comparison ([`super::explain`]): errors of axes in the form in which each has one name, and every candidate of the
+//! register. The result of the search is one of its starts. A set that is certainly more probable replaces it.
 
 use std::collections::HashMap;
 
@@ -18,53 +18,53 @@ use ncfix_base::numeric::sums::dot;
 use ncfix_model::name::ErrorName;
 use ncfix_model::parameter::ComponentTerm;
 
-/// Another set takes the place of what the search took if it is 100 times as probable, as a natural logarithm.
+/// Another set replaces the result of the search if its score is higher by this: 100 times as probable, as a natural logarithm.
 const SURELY: f64 = 4.6;
-/// Nor does what the search took stand if a term of it is less probable than this.
+/// The result of the search is also replaced if one of its terms is less probable than this.
 const UNLIKELY: f64 = 0.02;
-/// A term is named if its probability is at least this: more than all that may stand in its place together.
+/// A term is named if it has at least this probability: more than all its alternatives together.
 const NAMED: f64 = 0.5;
-/// Readings show a term surely if the score falls by this without it and with nothing in its place, as a natural logarithm: 1000 times.
+/// A term is certain if the score falls by at least this without it and without a replacement, as a natural logarithm: a factor of 1000.
 const SHOWN: f64 = 6.9;
-/// The limit for a term that the search by readings did not take: 10,000 times.
+/// The limit for a term that the search on the readings did not find: a factor of 10,000.
 const SHOWN_NEW: f64 = 9.2;
-/// A wave of one period is named from this probability: others may stand beside it that nobody tried.
+/// A wave with one period is named from this probability; untested periods may be possible too.
 const NAMED_WAVE: f64 = 0.9;
-/// A correction is refused if it would do harm with more than this probability.
+/// A correction is refused if it would increase the error with more than this probability.
 const HARMFUL: f64 = 0.1;
-/// The limit for explanations that no reading separates from the first one: nothing but usual sizes speaks against them.
+/// The limit for explanations that no reading separates from the first one: only typical sizes argue against them.
 const HARMFUL_ALIKE: f64 = 0.01;
-/// A correction helps where it leaves less than this share of an error.
+/// A correction helps if its residual is less than this share of the error.
 const LEAVES: f64 = 0.8;
-/// Two explanations are the same on everything that was measured if the squares of what they leave differ by less, in variances.
+/// Two explanations fit the readings equally if their sums of squared residuals differ by less than this, in variances.
 const ALIKE: f64 = 0.02;
-/// The search by readings would have found about this number of candidates as well.
+/// Approximate number of candidates that the search on the readings could also have found.
 const SOUGHT: f64 = 100.0;
 
-/// Explanations that are shown.
+/// Maximum number of reported explanations.
 const MOST_SHOWN: usize = 20;
 
 /// A term with its probability.
 #[derive(Clone, Debug)]
 pub(super) struct Chosen {
-    /// Number of its candidate.
+    /// Index of its candidate.
     pub(super) candidate: usize,
-    /// The sum of the probabilities of all explanations that have it.
+    /// Sum of the probabilities of all explanations with it.
     pub(super) probability: f64,
-    /// Names of what may stand in its place, if correcting it would then do harm.
+    /// Names of its alternatives, if a correction of it would increase the error with them.
     pub(super) harmful: Option<Vec<String>>,
-    /// Chance that the readings show this much of it where there is nothing.
+    /// Probability that the readings show this much of it if it is absent.
     pub(super) chance: f64,
 }
 
 impl Chosen {
-    /// It is not refuted by all that may stand in its place.
+    /// True if it is not refuted by its alternatives.
     pub(super) fn is_likely(&self) -> bool {
         self.probability >= UNLIKELY
     }
 }
 
-/// One explanation in words.
+/// One explanation as text.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ExplanationSummary {
@@ -77,9 +77,9 @@ pub struct ExplanationSummary {
 /// The outcome.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ContestOutcome {
-    /// Terms of the most probable explanation, where it takes the place of what the search took.
+    /// Terms of the most probable explanation, if it replaces the result of the search.
     pub(super) instead: Option<Vec<Chosen>>,
-    /// All of its terms are named.
+    /// True if all of its terms are named.
     pub(super) is_whole: bool,
     /// Terms of the search.
     pub(super) of_taken: Vec<Chosen>,
@@ -88,7 +88,7 @@ pub(super) struct ContestOutcome {
 }
 
 impl Source {
-    /// Effect and parameter: variants of one cause have one name.
+    /// Effect and parameter: variants of one cause share a name.
     fn key(&self, field: &Field<'_, '_>) -> (EffectKind, String) {
         let one = match self {
             Source::Known(number) => &field.candidates[*number],
@@ -98,19 +98,19 @@ impl Source {
     }
 }
 
-/// Displacements by each explanation over the volume that is used.
+/// Displacements by each explanation over the used volume.
 struct Harm<'f> {
     found: &'f Contest,
     /// By explanation: the field, mm.
     fields: Vec<Vec<f64>>,
-    /// By entrant of the first explanation: its field.
+    /// By entrant of the first explanation: its displacements, mm.
     own: HashMap<usize, Vec<f64>>,
-    /// Places of a tool.
+    /// Number of values for one tool.
     part: usize,
-    /// Which entrants are offsets and tilts of rotary axes and of the spindle, and which are shapes, which are written as tables.
+    /// By entrant: true for offsets and tilts of rotary axes and of the spindle, and true for shapes, which are written as tables.
     is_offset: Vec<bool>,
     is_shape: Vec<bool>,
-    /// Which shapes are angles.
+    /// By entrant: true for shapes that are angles.
     is_angle: Vec<bool>,
     /// Effect and parameter of each entrant.
     keys: Vec<(EffectKind, String)>,
@@ -129,7 +129,7 @@ impl<'f> Harm<'f> {
                     );
                     if moves { volume.fields(one, false) } else { Vec::new() }
                 }
-                // The file has it as a table, which ends where was measured; an angle acts beyond it by its arm.
+                // The file stores it as a table, which is constant beyond the measured range; an angle also acts beyond it, by its arm.
                 (Some(volume), Some(Source::Shape(one))) => {
                     let is_angle = one.parameter.parse::<ErrorName>().is_ok_and(|name| name.direction.is_rotation());
                     volume.fields(one, !is_angle)
@@ -180,10 +180,10 @@ impl<'f> Harm<'f> {
         Harm { found, fields, own, part, is_offset, is_shape, is_angle, keys }
     }
 
-    /// True if a correction by one of the first explanation also helps, with each tool, where another explanation is true.
+    /// True if a correction by a term of the first explanation also helps, with each tool, if another explanation is true.
     fn helps(&self, first: &[f64], own: &[f64], field: &[f64]) -> bool {
         let at = |values: &[f64], k: usize| values.get(k).copied().unwrap_or(0.0);
-        // In its place stands the difference of both explanations and its own part.
+        // The alternative to the term: the difference of both explanations plus the term itself.
         let instead: Vec<f64> = (0..own.len()).map(|k| at(field, k) - at(first, k) + own[k]).collect();
         instead.chunks(self.part).zip(own.chunks(self.part)).all(|(instead, own)| {
             let left: f64 = instead.iter().zip(own).map(|(other, own)| (other - own).powi(2)).sum();
@@ -191,8 +191,8 @@ impl<'f> Harm<'f> {
         })
     }
 
-    /// Entrants that stand in the place of one of the first explanation, if correcting by that one would do harm with them too probably. A term that the search took has passed gates of its own:
-    /// unless it `is_new`, only explanations count that no reading separates.
+    /// Alternatives to a term of the first explanation, if correcting by that term would probably increase the error with them. A term found by the
+    /// search has passed its own acceptance tests: unless it `is_new`, only explanations count that no reading separates.
     fn of(&self, entrant: usize, is_new: bool) -> Option<Vec<usize>> {
         let none = Vec::new();
         let (first, own) = (self.fields.first()?, self.own.get(&entrant).unwrap_or(&none));
@@ -206,7 +206,7 @@ impl<'f> Harm<'f> {
                 !best.set.contains(other)
                     && self.keys.get(*other).zip(self.keys.get(entrant)).is_some_and(|(a, b)| a == b)
             };
-            // Backlash has no field, and a shape is written as far as was measured: a variant does as much.
+            // Backlash has no displacements over the volume, and a shape is written only over the measured range: a variant is equivalent.
             let by_variant = square <= 0.0 || self.is_shape.get(entrant).copied().unwrap_or(false);
             let helps =
                 (by_variant && one.set.iter().any(is_variant)) || (square > 0.0 && self.helps(first, own, field));
@@ -214,7 +214,7 @@ impl<'f> Harm<'f> {
                 continue;
             }
             harmful += one.probability;
-            // Which offset or tilt of a rotary axis or of the spindle it is shows only with tools of several lengths.
+            // Only tools of several lengths separate the offsets and tilts of rotary axes and of the spindle.
             let scale = best.posterior.scale;
             let is_same = |with: &&Explanation| {
                 let apart = (one.posterior.misfit - with.posterior.misfit).abs() / (scale * scale);
@@ -231,24 +231,24 @@ impl<'f> Harm<'f> {
                 others = one.set.iter().copied().filter(|other| !best.set.contains(other)).collect();
             }
         }
-        // An angle acts far from where it was seen by its arm.
+        // An angle acts by its arm far from where it was measured.
         let most = if self.is_angle.get(entrant).copied().unwrap_or(false) { HARMFUL_ALIKE } else { HARMFUL };
         ((is_new && harmful > most) || harmful_alike > HARMFUL_ALIKE).then_some(others)
     }
 }
 
-/// An entrant with what it is.
+/// An entrant and its source.
 struct Named {
     candidate: Source,
     entrant: Entrant,
 }
 
-/// Where the candidate of an entrant is.
+/// Source of the candidate of an entrant.
 #[derive(Clone, Debug)]
 enum Source {
-    /// Among those of the field.
+    /// Among the candidates of the field.
     Known(usize),
-    /// A shape over the travel: axis component and one column.
+    /// A shape over the travel: an axis component with one column.
     Shape(Box<Candidate>),
 }
 
@@ -299,25 +299,25 @@ fn family(one: &Candidate) -> Family {
     }
 }
 
-/// An angle, not a displacement.
+/// True for an angle, false for a displacement.
 fn acts_as_angle(one: &Candidate) -> bool {
     let first = one.columns.first().and_then(|parts| parts.first());
     first.is_some_and(|(through, _)| matches!(through, Through::Component(name) if name.direction.is_rotation()))
 }
 
-/// A deflection that is proportional to the acceleration of an axis.
+/// True for a deflection that is proportional to the acceleration of an axis.
 fn is_by_acceleration(one: &Candidate) -> bool {
     one.cause.name == servo::DYNAMIC.name
 }
 
-/// Columns of a candidate; each is of the usual size of its family where it acts most.
+/// Columns of a candidate, each scaled to the typical size of its family at its maximum.
 pub(super) fn group(field: &Field<'_, '_>, one: &Candidate) -> ColumnGroup {
     let columns = field.columns(one);
     let size = |parts: &Vec<(Through, Weight)>| {
-        // Travel does not count: the effect where it is largest is what is usual.
+        // The travel does not matter: the typical size is that of the maximum effect.
         let of = match family(one) {
             Family::Squareness | Family::Tilt | Family::Offset => return family(one).size(0.0),
-            // Angles have a size of their own; displacements before a change differ as reversal values do.
+            // Angles have their own typical size; displacements that differ between files do so as reversal values do.
             Family::Earlier if !acts_as_angle(one) => Family::Backlash.size(0.0),
             own @ (Family::Lag | Family::Deflection) => return own.size(0.0),
             other => other.size(1e3),
@@ -326,7 +326,7 @@ pub(super) fn group(field: &Field<'_, '_>, one: &Candidate) -> ColumnGroup {
             field.scene.rows.iter().map(|row| weight.of(row).abs()).fold(0.0, f64::max)
         };
         let most = parts.iter().map(largest).fold(0.0, f64::max);
-        // Half of a reversal value on either side.
+        // A reversal value acts with half its size on either side.
         let share = if one.cause.effect == EffectKind::Backlash { 0.5 } else { 1.0 };
         if most > 0.0 { share * of / most } else { 0.0 }
     };
@@ -336,7 +336,7 @@ pub(super) fn group(field: &Field<'_, '_>, one: &Candidate) -> ColumnGroup {
 }
 
 impl Field<'_, '_> {
-    /// Fills in what a unit of a deviation does to readings, where it is not known yet.
+    /// Adds the effects of unit deviations on the readings that are not known yet.
     pub(super) fn know(&mut self, one: &Candidate) {
         let scene = self.scene;
         for (through, _) in one.columns.iter().flatten() {
@@ -348,7 +348,8 @@ impl Field<'_, '_> {
     fn is_named(&self, source: &Source, of_all: f64, of_own: f64, taken: &[usize]) -> bool {
         let Source::Known(number) = source else { return of_all >= NAMED };
         let one = &self.candidates[*number];
-        // The likelihood knows neither what single places have of their own nor sensors that lag: of waves, temperatures and time it only judges what the search took.
+        // The likelihood models neither errors of single positions nor sensors with lags. So among waves, temperatures and times it only judges
+        // results of the search.
         let is_of_places = matches!(
             one.cause.effect,
             EffectKind::Location
@@ -372,13 +373,13 @@ impl Field<'_, '_> {
         probability >= from && (is_of_places || taken.iter().any(is_same))
     }
 
-    /// By how much the score must fall without a term that is named.
+    /// Smallest decrease of the score without a named term.
     fn shown(&self, source: &Source, taken: &[usize]) -> f64 {
         let key = source.key(self);
         if taken.iter().any(|&other| Source::Known(other).key(self) == key) { SHOWN } else { SHOWN_NEW }
     }
 
-    /// Holds the contest. The candidates of the outcome are among those of the field afterwards.
+    /// Runs the comparison. Candidates of the outcome are added to the field.
     pub(super) fn contest(&mut self, weights: &Weights, taken: &[usize], volume: Option<&Volume>) -> ContestOutcome {
         let mut named: Vec<Named> = Vec::new();
         let mut is_in: Vec<bool> = vec![false; self.candidates.len()];
@@ -395,7 +396,7 @@ impl Field<'_, '_> {
         let mut counts: HashMap<(Family, EffectKind, &str), f64> = HashMap::new();
         for (number, one) in self.candidates.iter().enumerate() {
             *counts.entry((family(one), one.cause.effect, one.parameter.as_str())).or_insert(0.0) += 1.0;
-            // Shapes over the travel stand for these.
+            // These are represented by shapes over the travel.
             let is_shape = one.cause.effect == EffectKind::Motion && !is_of_rotary(one);
             let is_location = one.cause.effect == EffectKind::Location;
             if !is_in[number] && !is_shape && !is_location && !self.bows.contains(&number) && !taken.contains(&number) {
@@ -438,7 +439,7 @@ impl Field<'_, '_> {
         self.outcome(&found, &sources, (&start, taken, volume))
     }
 
-    /// Adds a term: by its candidate where there is one, else as a shape.
+    /// Adds a term: as its candidate if there is one, else as a shape.
     fn enter(&mut self, one: term::Term, named: &mut Vec<Named>, is_in: &mut [bool]) {
         let name = one.component.to_string();
         let is_simple = one.family.is_simple();
@@ -484,7 +485,7 @@ impl Field<'_, '_> {
         named.push(Named { candidate: Source::Known(number), entrant });
     }
 
-    /// The weight of a shape. Of a displacement, the mean over the places that were measured is taken out where set-ups have it: it belongs to the zero.
+    /// The weight of a shape. If set-ups have unknowns, the mean of a displacement over the measured positions is subtracted: it belongs to the zero.
     fn weight_without_mean(&self, one: &term::Term) -> Weight {
         let weight = one.weight.clone();
         if one.component.direction.is_rotation() || self.scene.unknowns == 0 {
@@ -504,22 +505,22 @@ impl Field<'_, '_> {
         let Some(first) = found.explanations.first() else { return ContestOutcome::default() };
         let same =
             |number: usize| found.alike.iter().find(|(one, _)| *one == number).map_or(number, |(_, other)| *other);
-        // As findings and their classes are named.
+        // Named as causes and their equivalent explanations are.
         let in_words = |source: &Source| {
             let (effect, parameter) = source.key(self);
             format!("{effect} {parameter}").trim_end().to_owned()
         };
-        // Variants of one cause, as shapes of what has no name or lags of a drift, stand for each other.
+        // Variants of one cause count together, such as shapes of an unknown cause or lags of a drift.
         let probability = |k: usize| -> f64 {
             let Some(source) = sources.get(k) else { return 0.0 };
             let key = source.key(self);
             let has = |one: &&Explanation| {
                 one.set.iter().any(|&other| sources.get(other).is_some_and(|other| other.key(self) == key))
             };
-            // Sums of rounded shares stay probabilities.
+            // Rounding must not make a sum of probabilities exceed 1.
             found.explanations.iter().filter(has).map(|one| one.probability).fold(0.0, |sum, one| sum + one).min(1.0)
         };
-        // Sets that differ in variants of a cause alone are one explanation in words.
+        // Sets that differ only in variants of a cause are reported as one explanation.
         let mut explanations: Vec<ExplanationSummary> = Vec::new();
         for one in &found.explanations {
             let mut terms: Vec<String> = one.set.iter().filter_map(|&k| sources.get(k)).map(in_words).collect();
@@ -552,7 +553,7 @@ impl Field<'_, '_> {
             keys.sort();
             keys
         };
-        // Which one of those that act alike shows by what is usual alone.
+        // Only typical sizes separate offsets and tilts with equal effects.
         let is_offset = |one: &Chosen| matches!(family(&self.candidates[one.candidate]), Family::Offset | Family::Tilt);
         let is_of_places = |&number: &usize| {
             let effect = self.candidates[number].cause.effect;
@@ -563,11 +564,11 @@ impl Field<'_, '_> {
                 == keys(&mut taken.iter().map(|&number| Source::Known(number)));
         let is_better = found.behind.first().is_some_and(|behind| *behind < -SURELY)
             || of_taken.iter().any(|one: &Chosen| !one.is_likely() || (is_offset(one) && one.probability < NAMED));
-        // The search knows variants of one cause better: it refines their numbers.
+        // The search handles variants of one cause better: it refines their constants.
         let is_better = is_better && !is_variant;
         let decided = is_better.then(|| {
             let mut chosen: Vec<Chosen> = Vec::new();
-            // Shapes of one component are one candidate.
+            // Shapes of one component form one candidate.
             let mut shapes: Vec<(Candidate, f64, Option<Vec<String>>, f64)> = Vec::new();
             for (&k, loss) in first.set.iter().zip(&found.losses) {
                 let probability = probability(k);
@@ -614,7 +615,7 @@ fn is_of_rotary(one: &Candidate) -> bool {
     name.and_then(|name| name.axis()).is_some_and(|axis| axis.is_rotary())
 }
 
-/// A slope and nothing else.
+/// True for a slope alone.
 fn is_slope(one: &Candidate) -> bool {
     matches!(&one.term, Term::Parameters(names) if names.len() == 1 && names[0].term == ComponentTerm::Coefficient(1))
 }

@@ -1,4 +1,4 @@
-//! Periods and time constants moved to where they explain most. Which others the readings show alike is in [`super::mimic`].
+//! Refinement of periods and time constants to the value that explains most. [`super::mimic`] finds others with equal effects on the readings.
 
 use super::cause::{Candidate, EffectKind, periodic, thermal, with_spindle_speed};
 use super::mimic::RIVAL;
@@ -8,17 +8,17 @@ use ncfix_base::geometry::Axis;
 use ncfix_base::numeric::{Series, peak};
 use ncfix_model::name::ErrorName;
 
-/// Half of the width of the peak of a period, cycles over the travel.
+/// Half width of the peak of a period, in cycles over the travel.
 pub(super) const PEAK: f64 = 0.4;
-/// How close to the top, of the width that is searched, and trials on the way.
+/// Tolerance of the refined value, as a share of the searched interval, and maximum number of evaluations.
 const REFINED: f64 = 5e-4;
 const TRIALS: usize = 18;
-/// The amplitude of another name of a wave is larger by this at most.
+/// Largest ratio of the amplitude of an alias to that of the wave.
 const LARGER: f64 = 1.5;
 
 impl Field<'_, '_> {
-    /// A candidate with its period or its time constant moved to where it explains most: one that is a little off leaves beats and tails. `None` where
-    /// there is none to move.
+    /// A candidate with its period or time constant refined to the value that explains most, because a wrong one leaves beats and tails in the
+    /// residual. `None` if it has no such constant.
     pub(super) fn refined(&self, number: usize, series: &Series) -> Option<Candidate> {
         let one = self.candidates.get(number)?;
         let (first, _) = one.constant?;
@@ -52,7 +52,7 @@ impl Field<'_, '_> {
         self.best_near(series, [cycles - PEAK, cycles, cycles + PEAK], &with)
     }
 
-    /// Of the periods that evenly spaced places show like one of them, one that the machine file has or that screws have.
+    /// A period that evenly spaced positions cannot distinguish from the found one, but that is in the machine file or usual for screws.
     fn usual(&self, series: &Series, name: ErrorName, axis: Axis, one: &Candidate) -> Option<Candidate> {
         let sweep = self.seek.sweep(axis)?;
         let (period, _) = one.constant?;
@@ -66,7 +66,7 @@ impl Field<'_, '_> {
         };
         let pitches = self.pitches(axis).filter(|pitch| !aliases.is_empty() && is_near(*pitch));
         let mut all = pitches.map(|pitch| periodic::candidate(name, axis, pitch));
-        // Where two steps are a period its sine and cosine are one column, and its amplitude is anything.
+        // If two steps equal a period, sine and cosine are the same column, and the amplitude is arbitrary.
         let amplitude = |one: &Candidate| {
             let (amounts, _) = series.amounts(&self.columns(one));
             amounts.iter().map(|amount| amount * amount).sum::<f64>().sqrt()
@@ -75,7 +75,7 @@ impl Field<'_, '_> {
         all.find(|other| own - series.gain(&self.columns(other)).squares < RIVAL * noise && amplitude(other) < most)
     }
 
-    /// The candidate of the number between two others that gains most, if it gains more than that of the middle one.
+    /// The candidate with the largest gain between `low` and `high`, if it gains more than the middle one.
     fn best_near(
         &self,
         series: &Series,

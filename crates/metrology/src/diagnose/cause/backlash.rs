@@ -1,4 +1,4 @@
-//! Play: the carriage lags behind at a turn, along the axis (backlash), across it or turned (lateral play).
+//! Backlash: at a reversal the carriage lags, along the axis (backlash), or across it or in rotation (lateral play).
 
 use super::{Candidate, Cause, Correctable, EffectKind, Weight, own};
 use crate::diagnose::scene::{Scene, Through};
@@ -26,7 +26,8 @@ pub(super) const LATERAL_PLAY: Cause = Cause {
     propose: |scene, out| propose(scene, out, &LATERAL_PLAY, false),
 };
 
-/// The share of where an axis was over which it must have come from both sides for play that changes along it.
+/// Smallest range of positions approached from each side, as a share of the range of all positions of the axis. Less does not show a backlash that
+/// changes along the axis.
 const WAY: f64 = 0.5;
 
 /// Wind-up grows with the length of the screw between bearing and nut.
@@ -53,8 +54,8 @@ fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>, cause: &'static Cause, a
     }
 }
 
-/// Whether an axis was measured behind motions in both senses, each over a share of where it was: from one side alone play is a constant, and play that
-/// grows a scale.
+/// True if the axis was measured after motions in both directions, each over at least this share of its range. With one direction only, a backlash is
+/// a constant, and a backlash that changes along the axis is a scale.
 fn both_ways(scene: &Scene<'_>, axis: Axis, share: f64) -> bool {
     let spread = |of: fn(f64) -> bool| {
         let places = scene.rows.iter().filter(|row| of(row.sense_of(axis))).map(|row| row.position[axis]);
@@ -93,10 +94,10 @@ mod tests {
             let sets = [bench::along_x(&machine, "", &cells)];
             both_ways(&bench::scene(&machine, &sets), Axis::X, share)
         };
-        // Where it stands first it came from no side.
+        // The first position has no direction of approach.
         assert!(!found(&[300.0, 200.0, 100.0], 0.0));
         assert!(found(&[300.0, 200.0, 100.0, 150.0, 190.0], 0.0));
-        // Up over 40 mm of 200 mm.
+        // Upwards only over 40 mm of 200 mm.
         assert_eq!([0.1, 0.3].map(|share| found(&[300.0, 200.0, 100.0, 150.0, 190.0], share)), [true, false]);
     }
 }

@@ -1,37 +1,37 @@
-//! The catalogue of physical causes by number: what each does, what shows it, what it is confused with, which measurement tells it apart, and which
-//! cause of [`super::Causes`] looks for it. Causes that have one regressor share a file.
+//! Catalog of physical causes by number: the regressor of each, its evidence, the causes it is confused with, the measurement that separates it, and
+//! the [`super::Causes`] that search for it. Causes with one regressor share a file.
 
 use super::{
     Cause, backlash, circle, cross, drift, load, location, motion, periodic, servo, setup, spike, thermal, vibration,
 };
 
-/// Who looks for a row.
+/// Search for a catalog entry.
 #[derive(Clone, Copy, Debug)]
 pub enum Sought {
-    /// Causes, the usual one first.
+    /// Causes, the most usual one first.
     By(&'static [&'static Cause]),
-    /// It is a fault of the data, which is looked for before any cause is.
+    /// A fault of the data, searched before the causes.
     AsFault,
-    /// Nobody, for this reason.
+    /// Not searched, for this reason.
     Not(&'static str),
 }
 
-/// A row.
+/// An entry of the catalog.
 #[derive(Clone, Copy, Debug)]
 pub struct CatalogueEntry {
     /// Its number.
     pub number: u8,
-    /// What it is.
+    /// Its name.
     pub title: &'static str,
-    /// What readings are like.
+    /// The dependence of the readings.
     pub regressor: &'static str,
-    /// What shows it.
+    /// Its evidence.
     pub shown_by: &'static str,
-    /// With what it is confused.
+    /// Causes with which it is confused.
     pub confused_with: &'static str,
-    /// What tells it apart.
+    /// The measurement that separates it.
     pub separate_by: &'static str,
-    /// Who looks for it.
+    /// The search for it.
     pub sought: Sought,
 }
 
@@ -42,7 +42,7 @@ const fn entry(
     CatalogueEntry { number, title, regressor, shown_by, confused_with, separate_by, sought }
 }
 
-/// All rows in their order.
+/// All entries in order.
 #[rustfmt::skip]
 pub const CATALOGUE: &[CatalogueEntry] = &[
     entry(1, "scale of an axis", "k·x", "laser, hole plate; ball-bar with a calibrated bar", "thermal scale, length of the bar", "measure at another temperature; two radii", Sought::By(&[&motion::CAUSE])),

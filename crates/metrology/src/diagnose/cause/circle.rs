@@ -1,4 +1,4 @@
-//! What only a circle shows: chords of a program, steps of an old control between octants, a ball that rolls in its cup.
+//! Causes that only circles show: chords of a program, steps of an old control between octants, a ball that rolls in its cup.
 
 use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_4, TAU};
@@ -48,29 +48,29 @@ pub(super) const LOBES: Cause = Cause {
     propose: |_, _| {},
 };
 
-/// Runs of which each may have lobes of its own.
+/// Maximum number of runs with lobes of their own.
 const MOST_RUNS: usize = 60;
 
-/// From the centre, mm, and the number of the row.
+/// Position relative to the center, mm, and number of the row.
 type Placed = ([f64; 3], usize);
 
-/// Where rows are on their circles; NaN where they are on none.
+/// Positions of rows on their circles; NaN for rows on no circle.
 #[derive(Clone, Debug)]
 pub(in crate::diagnose) struct Places {
     /// Angle, rad.
     pub(in crate::diagnose) angles: Values,
     /// Radius, mm.
     pub(in crate::diagnose) radii: Values,
-    /// The direction that stands still: 0, 1, 2.
+    /// The direction normal to the plane of the circle: 0, 1, 2.
     pub(in crate::diagnose) planes: Values,
 }
 
-/// The place of every row on its circle; `None` where there are no circles.
+/// Position of every row on its circle; `None` if there are no circles.
 pub(in crate::diagnose) fn places(scene: &Scene<'_>) -> Option<Places> {
     let mut angles: Vec<Vec<f64>> = scene.sets.iter().map(|set| vec![f64::NAN; set.observations.len()]).collect();
     let (mut radii, mut planes) = (angles.clone(), angles.clone());
     let mut any = false;
-    // Circles of several planes may have one set-up.
+    // Circles in several planes may share a set-up.
     let mut by_run: HashMap<(usize, usize), Vec<Placed>> = HashMap::new();
     for row in &scene.rows {
         let Some(set) = scene.sets.get(row.set).filter(|set| set.kind.measurand == Measurand::BallDistance) else {
@@ -99,7 +99,7 @@ pub(in crate::diagnose) fn places(scene: &Scene<'_>) -> Option<Places> {
     any.then(|| Places { angles: Arc::new(angles), radii: Arc::new(radii), planes: Arc::new(planes) })
 }
 
-/// What a row has of a function of its angle.
+/// Weight of a row by a function of its angle.
 fn of_angle(angles: &Values, of: impl Fn(f64) -> f64 + Send + Sync + 'static) -> Weight {
     let angles = Arc::clone(angles);
     Weight::new(move |row| angles.get(row.set).and_then(|own| own.get(row.number)).map_or(0.0, |&angle| of(angle)))
@@ -141,7 +141,7 @@ fn cup(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     out.push(one.driven_by(&[&"run", &"X", &"Y", &"Z"]));
 }
 
-/// A circle of so many chords with a corner at zero.
+/// A circle of `count` chords with a corner at angle zero.
 pub(in crate::diagnose) fn chords(places: &Places, count: u32) -> Candidate {
     let Places { angles, radii, .. } = places.clone();
     let shape = Weight::new(move |row| {
@@ -153,15 +153,15 @@ pub(in crate::diagnose) fn chords(places: &Places, count: u32) -> Candidate {
     one
 }
 
-/// By how much a chord is inside a circle of radius one.
+/// Deviation of a chord from a circle of radius 1, negative inward.
 pub(in crate::diagnose) fn chord(angle: f64, count: u32) -> f64 {
     let half = std::f64::consts::PI / f64::from(count);
     let within = angle.rem_euclid(2.0 * half) - half;
     half.cos() / within.cos() - 1.0
 }
 
-/// So many lobes over the angle of circles whose planes are at right angles to some directions (0, 1, 2). Those of a plane may turn against those of
-/// another; where they are alike all planes have the same.
+/// A number of lobes over the angle of circles whose planes are normal to some of the directions 0, 1, 2. Each plane has its own phase, unless
+/// `are_alike`: then all planes have the same.
 pub(in crate::diagnose) fn lobes(places: &Places, still: &[usize], count: u32, are_alike: bool) -> Candidate {
     let Places { angles, planes, .. } = places;
     let wave = |some: &[usize], of: fn(f64) -> f64| {
@@ -172,7 +172,7 @@ pub(in crate::diagnose) fn lobes(places: &Places, still: &[usize], count: u32, a
             at(&angles).filter(|_| is_in).map_or(0.0, |angle| of(f64::from(count) * angle))
         })
     };
-    // A circle moves both axes but the one that stands still.
+    // A circle moves both axes of its plane.
     let moves = |k: usize| still.iter().any(|&own| own != k);
     let names: Vec<&str> =
         ["X", "Y", "Z"].into_iter().enumerate().filter(|(k, _)| moves(*k)).map(|one| one.1).collect();
@@ -214,11 +214,11 @@ mod tests {
         };
         let columns = found(60).unwrap();
         assert_eq!(columns.len(), 120);
-        // The sine of three times the angle at 0, 90 and 180°, and the cosine.
+        // Sine of three times the angle at 0, 90 and 180°, and the cosine.
         let expected = [[0.0, -1.0, 0.0], [1.0, 0.0, -1.0]];
         let is = |(own, expected): (&[f64; 3], &[f64; 3])| own.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12);
         assert!(columns.iter().zip(&expected).all(is), "{:?}", &columns[..2]);
-        // These rows are of the first run.
+        // These rows belong to the first run.
         assert_eq!(columns[2], [0.0; 3]);
         assert_eq!(found(61), None);
     }

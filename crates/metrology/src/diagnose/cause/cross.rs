@@ -1,4 +1,4 @@
-//! An error of one axis that depends on where another one stands: stacked axes and finite stiffness (Spaan 1995, ch. 2: EAY that grows with X).
+//! An error of one axis that depends on the position of another: stacked axes and finite stiffness (Spaan 1995, ch. 2: EAY grows with X).
 
 use super::{Candidate, Cause, Correctable, EffectKind, Weight};
 use crate::diagnose::scene::{Scene, Through};
@@ -22,7 +22,7 @@ fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
             let middle = |[low, high]: [f64; 2]| f64::midpoint(low, high);
             let (own, across) = (middle(own), middle(across));
             let product = Weight::new(move |row| (row.position[axis] - own) * (row.position[other] - across));
-            // What each does alone may come with it: from where a product is counted is anybody's choice.
+            // The contributions of each axis alone may be added: the origin of a product is arbitrary.
             let alone = [
                 Weight::new(move |row| row.position[other] - across),
                 Weight::new(move |row| row.position[axis] - own),
@@ -33,7 +33,7 @@ fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
                 let mut all = one.clone();
                 all.columns.extend(alone.iter().map(|weight| vec![(through, weight.clone())]));
                 out.push(one);
-                // Rotary with linear ones only as they are: there are many.
+                // A rotary axis with a linear one gets only the product, to limit the number of candidates.
                 if later < place || !other.is_rotary() {
                     out.push(all);
                 }

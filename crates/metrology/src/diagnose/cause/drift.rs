@@ -1,4 +1,4 @@
-//! Displacement with time, of no known temperature: creeping, and a door that was opened.
+//! Displacement with time without a known temperature: creep, and events such as an opened door.
 
 use super::{Candidate, Cause, Correctable, EffectKind, Weight, tip};
 use crate::diagnose::scene::{Scene, Through};
@@ -23,7 +23,7 @@ pub(super) const EVENT: Cause = Cause {
     propose: |_, _| {},
 };
 
-/// Degrees that are tried together.
+/// Highest degree of the polynomial in time.
 const DEGREES: usize = 3;
 
 fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
@@ -43,7 +43,7 @@ fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     }
 }
 
-/// What fades behind an instant in one measurement.
+/// Displacement that decays after an instant, s, in one measurement, with a time constant `fade`, s.
 pub(in crate::diagnose) fn behind(direction: usize, set: usize, instant: f64, fade: f64) -> Candidate {
     let weight = Weight::new(move |row| {
         let since = row.time_s.filter(|&time| row.set == set && time >= instant);

@@ -1,7 +1,8 @@
-//! Another machine in earlier files: a location error or a reversal value that changed between two measurements, after a crash, a repair, a transport.
+//! A change of the machine between measurements, by a crash, a repair or a transport: a location error or a reversal value that differs in earlier
+//! files.
 //!
-//! The present state is that of the last file. What was different before is taken from the earlier files alone, and is not written: the location error
-//! itself, which is in all files, is then the present one.
+//! The last file shows the present state. The difference in earlier files is determined from them alone and is not written, so the location error
+//! common to all files is the present one.
 
 use super::{Candidate, Cause, Correctable, EffectKind, Weight};
 use crate::diagnose::scene::{Scene, Through};
@@ -17,7 +18,7 @@ pub(in crate::diagnose) const CAUSE: Cause = Cause {
     propose: |_, _| {},
 };
 
-/// Candidates at most: each pair of neighbouring files has one for each error.
+/// Maximum number of candidates. Each boundary between neighboring files has one for each error.
 const MOST: usize = 400;
 
 /// Proposes a change at every boundary between the `used` measurements, which are in the order in which they were taken.
@@ -38,7 +39,7 @@ pub(in crate::diagnose) fn propose(scene: &Scene<'_>, used: usize, out: &mut Vec
             out.push(one.driven_by(&[&"file"]));
         }
         for &axis in &linear {
-            // Half of a reversal value on either side.
+            // A reversal value acts with half its size on either side.
             let weight = Weight::new(move |row| if row.set < first { 0.5 * row.sense_of(axis) } else { 0.0 });
             let name = super::own(axis);
             let parameter = format!("{name} backlash before {file}");

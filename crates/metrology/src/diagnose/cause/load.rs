@@ -1,4 +1,4 @@
-//! Weight on the table: guideways and bearings give way, more where it stands off the middle (Spaan 1995, ch. 4).
+//! Weight on the table: guideways and bearings deflect, and more with an eccentric load (Spaan 1995, ch. 4).
 
 use super::{Candidate, Cause, Correctable, EffectKind, Values, Weight, column};
 use crate::diagnose::row::SceneRow;
@@ -27,14 +27,14 @@ pub(super) const TABLE: Cause = Cause {
 
 const LOAD: &str = "load_N";
 const PLACES: [&str; 3] = ["load_x_mm", "load_y_mm", "load_z_mm"];
-/// A weight and an arm that make numbers near one.
+/// Unit of the weight, N, and of its arm, mm, which keep the weights of the columns near 1.
 const UNIT: [f64; 2] = [1000.0, 100.0];
 
 fn value(values: &Values, row: &SceneRow) -> f64 {
     values.get(row.set).and_then(|own| own.get(row.number)).copied().filter(|value| value.is_finite()).unwrap_or(0.0)
 }
 
-/// Weight, and weight times each place, with their names.
+/// The weight, and its product with each position, with the names of their columns.
 fn weights(scene: &Scene<'_>) -> Vec<(String, Values, Option<Values>)> {
     let Some(load) = column(scene.sets, LOAD) else { return Vec::new() };
     let mut out = vec![(LOAD.to_owned(), load.clone(), None)];
@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn a_guideway_gives_way_with_the_weight_its_place_and_along_the_axis() {
         let machine = bench::machine();
-        // 3000 N at 50 mm, of which units are 1000 N and 100 mm; X from 100 to 300 mm.
+        // 3000 N at 50 mm, in units of 1000 N and 100 mm; X from 100 to 300 mm.
         let rows = [(100.0, ",3000,50"), (150.0, ",3000,50"), (300.0, ",3000,50")];
         let sets = [bench::along_x(&machine, ",load_N,load_x_mm", &rows)];
         let scene = bench::scene(&machine, &sets);
@@ -120,7 +120,8 @@ mod tests {
         assert_eq!(one.unwrap().drivers, ["load_N", "load_x_mm", "X"]);
         let weights: Vec<[f64; 3]> =
             one.unwrap().columns.iter().map(|column| [0, 1, 2].map(|row| column[0].1.of(&scene.rows[row]))).collect();
-        // Along the axis from −1 to 1 with −1/2 at a quarter, and its square; by the weight of 3 and by its moment of 3/2. Last both without the axis.
+        // Columns: the position from −1 to 1 (−1/2 at a quarter) and its square, times the weight 3 and times its moment 3/2; last, both without the
+        // position.
         let shapes = [[-1.0, -0.5, 1.0], [1.0, 0.25, 1.0]];
         let by = |factor: f64| shapes.map(|shape| shape.map(|share: f64| share * factor));
         assert_eq!(weights, [by(3.0).as_slice(), &by(1.5), &[[3.0; 3], [1.5; 3]]].concat());

@@ -305,14 +305,14 @@ pub struct Candidate {
     pub constant: Option<(f64, &'static str)>,
     /// The temperature sensor, if it has one.
     pub sensor: Option<String>,
-    /// Its columns, each a sum. The search finds the amount of each column.
+    /// Its columns, each a sum of parts. The search determines the amount of each column.
     pub columns: Vec<Vec<(Through, Weight)>>,
-    /// The points that each column stands for, in the order of `drivers`: the amounts are the values of a shape at these points. Empty if the columns
-    /// have another meaning.
+    /// Positions of the columns, in the order of `drivers`: the amounts are then the values of a shape at these positions. Empty if the columns have
+    /// another meaning.
     pub points: Vec<Vec<f64>>,
-    /// The values of the drivers of such a shape, by row of the scene: a place in the workpiece is not a position of an axis.
+    /// Values of the drivers of such a shape, by row of the scene. A position in the workpiece is not the position of an axis.
     pub along: Vec<(String, Arc<Vec<f64>>)>,
-    /// The axis and the two positions between which it begins, mm, if it acts only on one side of them.
+    /// The axis and the two positions, mm, between which the effect begins, if it acts only on one side of them.
     pub threshold: Option<(Axis, [f64; 2])>,
     /// Its extension of the model.
     pub term: Term,
@@ -350,7 +350,7 @@ impl Candidate {
             EffectKind::Location => 0,
             EffectKind::Backlash => 2,
             EffectKind::ServoMismatch => 4,
-            // Who adds a cause has a reason to look for it.
+            // A caller who adds a cause has a reason to search for it.
             EffectKind::Own(_) => 6,
             EffectKind::Motion => 10,
             EffectKind::LateralPlay => 12,
@@ -376,9 +376,9 @@ impl Candidate {
             Some((Through::Component(name), _)) => Some(*name),
             _ => None,
         };
-        // An angle that is seen at one arm only looks like a displacement.
+        // An angle seen at one lever arm only looks like a displacement.
         let is_angle = component.is_some_and(|name| name.kind == ErrorKind::Motion && name.direction.is_rotation());
-        // Squareness is that of the later axis (ISO 230-1: EC0Y, EB0Z, EA0Z).
+        // Squareness belongs to the later axis (ISO 230-1: EC0Y, EB0Z, EA0Z).
         let is_usual = component.is_none_or(|name| {
             name.kind == ErrorKind::Motion
                 || USUAL.contains(&name.to_string().as_str())
@@ -388,14 +388,14 @@ impl Candidate {
         10 * (of_effect + if is_angle { 30 } else { 0 } + if is_usual { 0 } else { 3 }) + degree.min(9)
     }
 
-    /// The same with what it adds to the model.
+    /// Sets its parameters of the error model, one for each column.
     #[must_use]
     pub fn extends(mut self, parameters: &[ParameterName]) -> Candidate {
         self.term = Term::Parameters(parameters.to_vec());
         self
     }
 
-    /// The same with what it writes into the machine file, by the amounts of its columns: mm or rad per unit of their weights.
+    /// Sets the function that converts the amounts of its columns, mm or rad per unit of their weights, into changes of the machine file.
     #[must_use]
     pub fn written(
         mut self,
@@ -448,13 +448,13 @@ pub fn linear(scene: &Scene<'_>) -> impl Iterator<Item = Axis> {
     axes(scene).filter(|axis| !axis.is_rotary())
 }
 
-/// Between which positions an axis was measured, mm or rad; `None` where it stood.
+/// Smallest and largest position of an axis in the rows, mm or rad; `None` if it did not move.
 #[must_use]
 pub fn range(scene: &Scene<'_>, axis: Axis) -> Option<[f64; 2]> {
     spread(scene.rows.iter().map(|row| row.position[axis])).filter(|[low, high]| high - low > 1e-3)
 }
 
-/// From when to when was measured, s; `None` where it is not known.
+/// Times of the first and the last reading, s; `None` if they are unknown or equal.
 #[must_use]
 pub fn times(scene: &Scene<'_>) -> Option<[f64; 2]> {
     spread(scene.rows.iter().filter_map(|row| row.time_s)).filter(|[start, end]| end > start)
@@ -468,8 +468,8 @@ fn spread(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     })
 }
 
-/// Displacements with the spindle speed as `one`, as functions of the time constant: one for each time at which the speed may change between two readings. With them, the shortest and the longest
-/// time constant to try; `None` for another cause.
+/// For a displacement with the spindle speed: the shortest and the longest time constant to test, s, and the candidates as functions of the time
+/// constant, one for each time at which the speed may change between two readings. `None` for another cause.
 pub(in crate::diagnose) fn with_spindle_speed<'a>(
     scene: &'a Scene<'_>,
     one: &'a Candidate,
@@ -482,10 +482,10 @@ pub(in crate::diagnose) fn with_spindle_speed<'a>(
     Some((spindle::around(lag_s), spindle::CHANGES.map(with).into()))
 }
 
-/// A candidate by its time constant, s.
+/// A candidate as a function of its time constant, s.
 pub(in crate::diagnose) type WithLag<'a> = Box<dyn Fn(f64) -> Option<Candidate> + 'a>;
 
-/// The name of a direction of F.
+/// Letter of a direction of F.
 fn tip(direction: usize) -> &'static str {
     ["X", "Y", "Z"].get(direction).copied().unwrap_or("Z")
 }
@@ -493,7 +493,7 @@ fn tip(direction: usize) -> &'static str {
 /// Values by measurement and row.
 pub type Values = Arc<Vec<Vec<f64>>>;
 
-/// The values of a column of numbers at the rows of a scene, as [`SceneRow`]s number them; `None` where no measurement has it.
+/// Values of a column of numbers by measurement and row, numbered as in [`SceneRow`]; `None` if no measurement has it.
 #[must_use]
 pub fn column(sets: &[DataSet], name: &str) -> Option<Values> {
     let values: Vec<Vec<f64>> = sets
@@ -503,7 +503,7 @@ pub fn column(sets: &[DataSet], name: &str) -> Option<Values> {
     values.iter().any(|values| !values.is_empty()).then(|| Arc::new(values))
 }
 
-/// The error of an axis along or about itself.
+/// Error of an axis along itself, or about itself if it is rotary.
 #[must_use]
 pub fn own(axis: Axis) -> ErrorName {
     ErrorName::motion(DIRECTIONS[axis.dimension() + if axis.is_rotary() { 3 } else { 0 }], axis)

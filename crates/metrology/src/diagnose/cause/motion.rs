@@ -16,12 +16,12 @@ pub(in crate::diagnose) const CAUSE: Cause = Cause {
     propose,
 };
 
-/// Degrees that are tried together.
+/// Degrees of the polynomials.
 const DEGREES: [u8; 5] = [1, 2, 3, 4, 5];
-/// Where shapes bend that no polynomial of these degrees has: shares of the range that was measured.
+/// Knots for shapes that these polynomials do not follow, as shares of the measured range.
 const KNOTS: [&[f64]; 2] = [&[0.33, 0.67], &[0.2, 0.4, 0.6, 0.8]];
 
-/// Columns of one axis: weights with what they are called.
+/// Columns of one axis: weights with the terms of their parameters.
 type Shape = Vec<(Weight, ComponentTerm)>;
 
 fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
@@ -44,7 +44,7 @@ fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
             }
             shapes.push(shape);
         }
-        // An angle has a value where the axis is at zero, too, which levers show.
+        // An angle also has a value at the zero of the axis, which lever arms show.
         let always = (Weight::new(|_| 1.0), ComponentTerm::Coefficient(0));
         let tilted: Vec<Shape> =
             (1..=2).map(|most| powers.iter().take(most).chain([&always]).cloned().collect()).collect();
@@ -61,8 +61,8 @@ fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     }
 }
 
-/// Motions of linear axes without their slope, of the second degree and with the third: Legendre's polynomials over the range that was measured. Beside
-/// a squareness, which has the slope, they are all of a straightness.
+/// Motions of linear axes without slope, of the second degree and with the third: Legendre polynomials over the measured range. Together with a
+/// squareness, which contains the slope, they describe a straightness completely.
 pub(in crate::diagnose) fn bows(scene: &Scene<'_>) -> Vec<Candidate> {
     let mut out = Vec::new();
     for axis in super::linear(scene) {
@@ -93,7 +93,7 @@ mod tests {
         let scene = bench::scene(&machine, &sets);
         let mut found = Vec::new();
         propose(&scene, &mut found);
-        // A third and two thirds of 300 mm from −100 mm on.
+        // Knots at one third and two thirds of 300 mm, from −100 mm.
         let knots = |one: &&Candidate| one.columns.len() == 4 && one.term == knotted([-1, 101]);
         let one = found.iter().find(knots).unwrap();
         let at = |column: usize, row: usize| one.columns[column][0].1.of(&scene.rows[row]);

@@ -17,12 +17,12 @@ pub(in crate::diagnose) const CAUSE: Cause = Cause {
     propose,
 };
 
-/// Harmonics of a turn.
+/// Number of harmonics of a revolution.
 const HARMONICS: u8 = 6;
 
 fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     for axis in super::axes(scene) {
-        // Harmonics of the turn; what a linear axis repeats with is searched ([`crate::diagnose::sweep`]).
+        // Harmonics of a revolution. Periods of linear axes are searched ([`crate::diagnose::sweep`]).
         for harmonic in (1..=HARMONICS).filter(|_| axis.is_rotary()) {
             let waves = waves(axis, TAU / f64::from(harmonic));
             for name in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
@@ -32,7 +32,7 @@ fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     }
 }
 
-/// Sine and cosine.
+/// Sine and cosine of a position with this period, mm or rad.
 fn waves(axis: Axis, period: f64) -> [Weight; 2] {
     [
         Weight::new(move |row| (TAU * row.position[axis] / period).sin()),
@@ -40,7 +40,7 @@ fn waves(axis: Axis, period: f64) -> [Weight; 2] {
     ]
 }
 
-/// A sine and a cosine.
+/// A sine and a cosine with this period, mm or rad.
 pub(in crate::diagnose) fn candidate(name: ErrorName, axis: Axis, period: f64) -> Candidate {
     with(name, axis, period, &waves(axis, period))
 }
@@ -69,7 +69,7 @@ mod tests {
         let own: Vec<&Candidate> = found.iter().filter(|one| one.parameter == "EZC").collect();
         let degrees: Vec<f64> = own.iter().map(|one| (one.constant.unwrap().0 * 1e9).round() / 1e9).collect();
         assert_eq!(degrees, [360.0, 180.0, 120.0, 90.0, 72.0, 60.0]);
-        // A quarter of a turn, and of a sixth of it: sines of 1, cosines of 0.
+        // At a quarter of a revolution, and of a sixth of it, sines are 1 and cosines 0.
         for (one, row) in [(own[0], 1), (own[5], 2)] {
             let of = |column: usize| one.columns[column][0].1.of(&scene.rows[row]).abs();
             assert!((of(0) - 1.0).abs() < 1e-12 && of(1) < 1e-12, "{one:?}");

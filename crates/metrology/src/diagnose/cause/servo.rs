@@ -1,6 +1,6 @@
-//! What the servo loops leave: lag of one axis behind the other, of all behind the command, deflection by acceleration.
+//! Errors of the servo loops: lag between axes, lag behind the command, deflection by acceleration.
 //!
-//! An axis that lags by τ is at −τ v from its command; two of them with one lag make no error of the path but along it.
+//! An axis with lag τ is at −τ v from its command. Two axes with equal lags cause no path error except along the path.
 
 use super::{Candidate, Cause, Correctable, EffectKind, Weight};
 use crate::diagnose::scene::{Scene, Through};
@@ -56,33 +56,33 @@ pub(super) const STICK_SLIP: Cause = Cause {
     propose: stick_slip,
 };
 
-/// Linear axes of which it is known how fast they go.
+/// Linear axes with a velocity or an acceleration in at least one row.
 fn moving(scene: &Scene<'_>, of: fn(&crate::diagnose::row::SceneRow) -> Option<AxisVector>) -> Vec<Axis> {
     let axes = scene.machine.axes.iter().flatten().map(|data| data.axis).filter(|axis| !axis.is_rotary());
     axes.filter(|&axis| scene.rows.iter().any(|row| of(row).is_some_and(|value| value[axis] != 0.0))).collect()
 }
 
-/// An axis that is ahead of its command: errors are those of the moving body, which a table goes the other way round.
+/// Effect of an axis ahead of its command, with its sign. Errors are those of the moving body; for an axis that moves the table the sign is reversed.
 fn ahead(scene: &Scene<'_>, axis: Axis) -> (Through, f64) {
     let data = scene.machine.axes.iter().flatten().find(|data| data.axis == axis);
     let along = data.and_then(|data| data.direction.get(axis.dimension()).copied()).unwrap_or(1.0);
     (Through::Component(super::own(axis)), if along < 0.0 { -1.0 } else { 1.0 })
 }
 
-/// What a lag of an axis by `factor` seconds does to it.
+/// Effect of a lag of an axis by `factor` seconds.
 fn lag(scene: &Scene<'_>, axis: Axis, factor: f64) -> (Through, Weight) {
     let (through, sense) = ahead(scene, axis);
     let by = -factor * sense;
     (through, Weight::new(move |row| by * row.velocity.map_or(0.0, |velocity| velocity[axis])))
 }
 
-/// The pair that an axis leads in its plane: XY, YZ, ZX.
+/// Name of the pair of axes that begins with this axis in cyclic order: XY, YZ, ZX.
 fn pair(axes: &[Axis], axis: Axis) -> String {
     let next = axes.iter().copied().find(|other| other.dimension() == (axis.dimension() + 1) % 3);
     next.map_or_else(|| axis.to_string(), |next| format!("{axis}{next}"))
 }
 
-/// Only axes that move together can be at odds.
+/// Proposes pairs of axes that move at the same time; only these can have a mismatch.
 fn mismatch(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     let axes = moving(scene, |row| row.velocity);
     let moves = |row: &crate::diagnose::row::SceneRow, axis: Axis| row.velocity.is_some_and(|v| v[axis].abs() > 1e-3);
@@ -95,12 +95,12 @@ fn mismatch(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
                 let parts = vec![lag(scene, one, 0.5), lag(scene, other, -0.5)];
                 let mut candidate = Candidate::one(&MISMATCH, format!("{one}{other}"), parts[0].0, parts[0].1.clone());
                 candidate.drivers = vec!["feed_mm_min".into(), one.to_string(), other.to_string()];
-                // The amounts of both are one number: the difference of the lags.
+                // Both parts have one amount: the difference of the lags.
                 candidate.columns = vec![parts];
                 out.push(candidate);
             }
         }
-        // One axis that is later than two others.
+        // One axis that lags two others.
         if others > 1 {
             let (through, weight) = lag(scene, one, 1.0);
             let candidate = Candidate::one(&MISMATCH, pair(&axes, one), through, weight);
@@ -116,7 +116,7 @@ fn following(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         let one = Candidate::one(&FOLLOWING, axis, through, weight);
         out.push(one.driven_by(&[&"feed_mm_min", &axis]));
     }
-    // What is left of a lag of first order when its delay is taken out: half of its square towards the centre.
+    // A first-order lag without its delay leaves half of τ² times the acceleration, towards the center.
     let axes = moving(scene, |row| row.acceleration);
     let half = |axis: &Axis| {
         let axis = *axis;
@@ -135,7 +135,7 @@ fn following(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     }
 }
 
-/// Readings and positions of different instants: all axes are where they were a little before; with a clock that runs fast more and more.
+/// Proposes a delay between readings and positions: all axes are at their earlier positions, with a fast clock by an increasing amount.
 fn delay(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     let axes = moving(scene, |row| row.velocity);
     let Some(&first) = axes.first() else { return };
@@ -175,7 +175,7 @@ fn dynamic(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
 
 /// Lengths over which an axis sticks and slips, mm.
 const TEETH: [f64; 12] = [0.12, 0.135, 0.15, 0.17, 0.19, 0.215, 0.24, 0.27, 0.3, 0.335, 0.375, 0.42];
-/// Speeds of an axis below which it does, mm/s.
+/// Speeds of an axis below which it sticks and slips, mm/s.
 const SLOW: [f64; 2] = [2.5, 6.0];
 
 fn stick_slip(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
@@ -215,7 +215,7 @@ mod tests {
     #[test]
     fn a_lag_of_first_order_leaves_half_of_the_acceleration() {
         let machine = bench::machine();
-        // x = t² and y = −2 t² with a reading in every second.
+        // x = t² and y = −2 t² with one reading per second.
         let rows: String = (0..5).map(|t| format!("{},{},0,0,0,0,{t}\n", t * t, -2 * t * t)).collect();
         let rows = format!("X,Y,Z,dx_um,dy_um,dz_um,t_s\n{rows}");
         let sets = [bench::table(&machine, &rows, "[measurement]\nkind = \"displacement\"\nsigma_um = 1\n")];
@@ -223,10 +223,10 @@ mod tests {
         let mut found = Vec::new();
         following(&scene, &mut found);
         let both = found.iter().find(|one| one.parameter == "XY").unwrap();
-        // In the middle accelerations are 2 and −4 mm/s².
+        // In the middle the accelerations are 2 and −4 mm/s².
         let parts: Vec<f64> = both.columns[0].iter().map(|(_, weight)| weight.of(&scene.rows[2])).collect();
         assert_eq!(parts, [1.0, -2.0]);
-        // Velocities are 4 and −8 mm/s, and it is late.
+        // The velocities are 4 and −8 mm/s, and the axes lag.
         let lags = ["X", "Y"].map(|axis| found.iter().find(|one| one.parameter == axis).unwrap());
         assert_eq!(lags.map(|one| one.columns[0][0].1.of(&scene.rows[2])), [-4.0, 8.0]);
     }

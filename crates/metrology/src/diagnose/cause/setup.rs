@@ -1,4 +1,4 @@
-//! What is unknown of a set-up though its description says that it is known: place, length, rotation, tool, scale.
+//! Unknowns of a set-up that its description states as known: position, length, rotation, tool, scale.
 
 use std::collections::BTreeMap;
 
@@ -48,28 +48,28 @@ pub(super) const PROBE: Cause = Cause {
     propose: probe,
 };
 
-/// Set-ups at most of which each is taken for wrong.
+/// Maximum number of set-ups. With more, no set-up gets unknowns of its own.
 const MOST: usize = 40;
-/// Columns in which instrument and artefact have their temperatures.
+/// Columns with the temperatures of instrument and artifact.
 const OWN: [&str; 6] = ["T_plate_C", "T_air_C", "T_artefact_C", "T_artifact_C", "T_bar_C", "T_workpiece_C"];
 
-/// A part of a column: where, and a function of the row.
+/// A part of a column: the path of its effect, and its weight as a function of the row.
 fn part(through: Through, of: impl Fn(&SceneRow) -> f64 + Send + Sync + 'static) -> (Through, Weight) {
     (through, Weight::new(of))
 }
 
-/// A coordinate of the point of the tool as the description has it.
+/// Coordinate `k` of the tool tip as described, mm.
 fn along(row: &SceneRow, scene: &Scene<'_>, k: usize) -> f64 {
     let axis = super::linear(scene).find(|axis| axis.dimension() == k);
     axis.map_or(0.0, |axis| row.position[axis]) + row.tool_mm[k]
 }
 
-/// The point of the tool as the description has it.
+/// Tool tip as described, mm.
 fn point(row: &SceneRow, scene: &Scene<'_>) -> [f64; 3] {
     [0, 1, 2].map(|k| along(row, scene, k))
 }
 
-/// Set-ups of measurements of which something is not free.
+/// Set-ups of these measurands in whose measurements `free` is not among the free unknowns.
 fn setups(scene: &Scene<'_>, measurands: &[Measurand], free: Free) -> Vec<(usize, usize)> {
     let sets = scene
         .sets
@@ -104,7 +104,7 @@ fn place(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         let length = scene.sets.get(own.0).and_then(|set| set.setups.get(own.1)).map_or(0.0, |setup| setup.length_mm);
         lengths.entry((length * 1e3).round() as u64).or_default().push(own);
     }
-    // A bar of one length is one bar.
+    // Set-ups with the same length use the same bar.
     let columns = lengths
         .into_values()
         .map(|all| {
@@ -120,7 +120,7 @@ fn place(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         let middle = [0, 1, 2].map(|k| points.iter().map(|at| at[k]).sum::<f64>() / points.len().max(1) as f64);
         let dimensions = [0, 1, 2].map(|k| super::linear(scene).find(|axis| axis.dimension() == k));
         for about in 0..3 {
-            // e × p has these two components.
+            // The two components of e × p.
             let [one, other] = [(about + 1) % 3, (about + 2) % 3];
             let at = move |k: usize| {
                 move |row: &SceneRow| {
@@ -148,7 +148,7 @@ fn tool(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         let columns = all.iter().map(|&own| vec![part(Through::Tip(2), of(own))]).collect();
         push(out, &TOOL, "tool_z", columns, &["setup"]);
     }
-    // One probe with one stylus is off in all set-ups alike: its pre-travel, or its length.
+    // One probe with one stylus has the same error in all set-ups: its pre-travel, or its length.
     let mut lengths: Vec<i64> = scene.rows.iter().map(|row| (row.tool_mm[2] * 1e3).round() as i64).collect();
     lengths.sort_unstable();
     lengths.dedup();
@@ -181,7 +181,7 @@ fn scale(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         (name == super::own(axis) && !axis.is_rotary()).then(|| row.position[axis])
     };
     let is_direct = |set: usize| scene.sets.get(set).is_some_and(|set| set.kind.measurand == Measurand::Component);
-    // One set-up of a laser is wrong.
+    // A wrong scale in one set-up of a laser.
     let mut all: Vec<(usize, usize)> = scene
         .rows
         .iter()
@@ -233,7 +233,7 @@ fn scale(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     }
 }
 
-/// One artefact of several, or one mounting of it, has another length than its certificate says: about its middle, in all directions.
+/// Scale of one artifact or of one mounting: its length differs from the certificate, about its middle and in all directions.
 fn artefacts(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     let is_plate = |set: usize| scene.sets.get(set).is_some_and(|set| set.kind.measurand == Measurand::Displacement);
     let mut all: Vec<(usize, usize)> =
@@ -273,7 +273,7 @@ fn probe(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
             }
         }
     }
-    // Three lobes over the direction from which it touches in the plane.
+    // Three lobes over the direction of contact in the plane.
     let [Some(first), Some(second)] = [0, 1].map(|k| super::linear(scene).find(|axis| axis.dimension() == k)) else {
         return;
     };
@@ -302,7 +302,7 @@ mod tests {
     #[test]
     fn an_artefact_that_is_turned_moves_across_its_arm() {
         let machine = bench::machine();
-        // Points about their middle at (10, 20, 30): the first one is off by (−10, −20, 30).
+        // Relative to the middle (10, 20, 30), the first point is at (−10, −20, 30).
         let rows = "X,Y,Z,dx_um,dy_um,dz_um\n0,0,60,0,0,0\n20,40,0,0,0,0\n";
         let sets = [bench::table(&machine, rows, "[measurement]\nkind = \"displacement\"\nsigma_um = 1\n")];
         let scene = bench::scene(&machine, &sets);

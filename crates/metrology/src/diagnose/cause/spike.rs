@@ -1,4 +1,4 @@
-//! A peak after the turn of an axis: it sticks until the controller has built up the force, and follows late.
+//! A peak after the reversal of an axis: the axis sticks until the controller has built up enough force, and follows late.
 
 use super::{Candidate, Cause, Correctable, EffectKind, Weight, own};
 use crate::diagnose::scene::{Scene, Through};
@@ -13,13 +13,14 @@ pub(super) const CAUSE: Cause = Cause {
     propose,
 };
 
-/// Ways of the tool that make the scale of a spike, mm: from one reading of a dense ball-bar trace to a quarter of a small circle. Many readings show a wide
-/// spike, so wide ones are closer to each other: a tenth.
+/// Lengths of a spike as path of the tool, mm: from one reading of a dense ball-bar trace to a quarter of a small circle. Wide spikes cover many
+/// readings, so wide lengths follow each other in steps of a tenth.
 const SCALES: [f64; 19] =
     [0.5, 1.0, 2.0, 3.0, 4.2, 5.8, 8.0, 8.8, 9.7, 10.6, 11.7, 12.9, 14.2, 15.6, 17.1, 18.9, 20.7, 22.8, 25.1];
 
-/// Forms of a spike by the way since the turn, in its scales; each is 1 at its top. A controller that integrates lets the error fade, one with a limited
-/// force holds it and lets it go, and where the guide springs before it slides the error first grows; ball-bar traces show all three.
+/// Shapes of a spike over the path since the reversal, in units of its length; each has the maximum 1. With an integrating controller the error
+/// decays, with a limited force it is held and then released, and if the guide springs before it slides the error first grows; ball-bar traces show
+/// all three.
 const FORMS: [fn(f64) -> f64; 3] = [|way| (-way).exp(), |way| (-0.5 * way * way).exp(), |way| way * (1.0 - way).exp()];
 
 fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {

@@ -1,6 +1,8 @@
-//! Displacement with the speed of the spindle, where nobody measured its temperature: at once, as bearings and tapers widen, and later, as they warm up.
+//! Displacement with the spindle speed, if no temperature of the spindle was measured: immediate, as bearings and tapers widen, and delayed, as they
+//! warm up.
 //!
-//! A spindle that is cold at the first reading warms up with its speed and a time constant. Readings count from the first one of each run, where the instrument was set to zero.
+//! A spindle that is cold at the first reading warms up with its speed and a time constant. Readings are relative to the first one of each run, where
+//! the instrument was set to zero.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -18,13 +20,14 @@ pub(super) const CAUSE: Cause = Cause {
     propose,
 };
 
-/// The name of the column.
+/// Name of the column.
 const SPEED: &str = "spindle_rpm";
-/// Amounts are those of this speed, 1/min.
+/// Amounts are per this speed, 1/min.
 const UNIT_RPM: f64 = 1e3;
-/// When the speed changes between two readings, as a share of the time after the change: unknown, with the later reading, with the earlier one.
+/// Time of the speed change between two readings, as the share of the interval after the change: unknown, with the later reading, with the earlier
+/// one.
 pub(super) const CHANGES: [f64; 3] = [0.5, 0.0, 1.0];
-/// Time constants that are tried, s: from a nose to a head stock. They are refined afterwards.
+/// Tested time constants, s: from a nose to a headstock. They are refined afterwards.
 const LAGS_S: [f64; 7] = [60.0, 180.0, 420.0, 900.0, 1800.0, 3600.0, 7200.0];
 
 fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
@@ -55,19 +58,19 @@ fn candidate(direction: usize, values: &Values, lag_s: Option<f64>) -> Candidate
     one.driven_by(&[&SPEED])
 }
 
-/// The same candidate with another time constant and another time at which the speed changes.
+/// The candidate with another time constant, s, and another time of the speed change.
 pub(super) fn with_lag(scene: &Scene<'_>, one: &Candidate, lag_s: f64, change: f64) -> Option<Candidate> {
     let Some((Through::Tip(direction), _)) = one.columns.first()?.first() else { return None };
     let values = followed(scene, &column(scene.sets, SPEED)?, lag_s, change)?;
     Some(candidate(*direction, &values, Some(lag_s)))
 }
 
-/// Between which time constants the one lies that was tried.
+/// Shortest and longest time constant around a tested one, s.
 pub(super) fn around(lag_s: f64) -> [f64; 2] {
     [lag_s / 2.5, 2.5 * lag_s]
 }
 
-/// A body that follows the speed, by measurement and row; `None` without times.
+/// The speed followed with a time constant, by measurement and row; `None` without times.
 fn followed(scene: &Scene<'_>, speeds: &Values, lag_s: f64, change: f64) -> Option<Values> {
     if scene.rows.iter().any(|row| row.time_s.is_none()) {
         return None;
@@ -78,7 +81,8 @@ fn followed(scene: &Scene<'_>, speeds: &Values, lag_s: f64, change: f64) -> Opti
     }))
 }
 
-/// Values by measurement and row: `of` has the speed and, but for the first reading of a measurement, the speed, the value and the time before. Counted from the first reading of each run.
+/// Values by measurement and row, relative to the first reading of each run. `of` gets the speed and, except at the first reading of a measurement,
+/// the previous speed and value and the time since then, s.
 fn of_runs(scene: &Scene<'_>, speeds: &Values, of: impl Fn(f64, Option<(f64, f64, f64)>) -> f64) -> Values {
     let by_set = scene.sets.iter().enumerate().map(|(number, set)| {
         let own = speeds.get(number).map_or(&[][..], Vec::as_slice);
@@ -116,13 +120,13 @@ mod tests {
         let scene = bench::scene(&machine, &sets);
         let mut found = Vec::new();
         propose(&scene, &mut found);
-        // Two powers at once and seven time constants, in three directions.
+        // Two immediate powers and seven time constants, in three directions.
         assert_eq!(found.len(), 27);
         let weights =
             |one: &Candidate| -> Vec<f64> { scene.rows.iter().map(|row| one.columns[0][0].1.of(row)).collect() };
         assert_eq!(weights(&found[0]), [0.0, 6.0, 6.0, 0.0]);
         assert_eq!(weights(&found[1]), [0.0, 36.0, 36.0, 0.0]);
-        // 100 s with a time constant of 60 s leave exp(−5/3) = 0.188876 of the difference: 3 · 0.811124; then towards 6, then towards 3.
+        // After 100 s with a time constant of 60 s, exp(−5/3) = 0.188876 of the difference remains: 3 · 0.811124; then towards 6, then towards 3.
         let expected = [0.0, 2.433373, 5.326351, 3.439391];
         let own = weights(&found[2]);
         assert!(own.iter().zip(expected).all(|(own, expected)| (own - expected).abs() < 1e-5), "{own:?}");

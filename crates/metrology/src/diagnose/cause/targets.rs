@@ -1,6 +1,6 @@
-//! Errors of the motion of a linear axis that have a value of their own at each target position: tables, as positioning tests of ISO 230-2 measure them.
+//! Motion errors of a linear axis with a value of their own at each target position: tables, as measured by positioning tests of ISO 230-2.
 //!
-//! A curve that goes up and down from target to target follows no polynomial of low degree. It would count as noise, and hide a reversal value.
+//! A curve that rises and falls from target to target follows no polynomial of low degree. It would count as noise and hide a reversal value.
 
 use super::motion::CAUSE as MOTION;
 use super::{Candidate, Cause, Weight};
@@ -10,11 +10,11 @@ use ncfix_model::name::{DIRECTIONS, ErrorName};
 
 pub(in crate::diagnose) const CAUSE: Cause = Cause { name: "error of an axis by target", propose, ..MOTION };
 
-/// Targets of a test: fewer are a polynomial, more a curve that is searched for in other ways (ISO 230-2 asks for 5 per metre at least).
+/// Number of targets. Fewer are fitted by a polynomial, more by a search for curves (ISO 230-2 requires at least 5 per meter).
 const TARGETS: std::ops::RangeInclusive<usize> = 5..=25;
-/// Rows at a target, on average: repeats separate an error from noise.
+/// Average number of rows at a target: repeats separate an error from noise.
 const ROWS: usize = 4;
-/// Targets that are reached again are no further apart, as a share of the travel.
+/// Largest distance between repeats of one target, as a share of the travel.
 const SHARE: f64 = 1e-3;
 
 fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
@@ -45,7 +45,7 @@ fn hat(targets: &[f64], place: usize, at: f64) -> f64 {
     }
 }
 
-/// The targets of an axis that the readings come back to.
+/// The target positions of an axis to which the readings return.
 fn targets(scene: &Scene<'_>, axis: Axis) -> Option<Vec<f64>> {
     let [low, high] = super::range(scene, axis)?;
     let mut all: Vec<f64> = scene.rows.iter().map(|row| row.position[axis]).filter(|at| at.is_finite()).collect();
@@ -67,7 +67,7 @@ mod tests {
         let targets = [0.0, 10.0, 40.0];
         let at =
             |place: f64, values: [f64; 2]| -> f64 { (1..3).map(|k| values[k - 1] * hat(&targets, k, place)).sum() };
-        // 0, 3 and −2 at the targets; half-way 1.5 and 0.5; constant beyond.
+        // Values 0, 3 and −2 at the targets; 1.5 and 0.5 half-way; constant beyond.
         for (place, value) in
             [(0.0, 0.0), (5.0, 1.5), (10.0, 3.0), (25.0, 0.5), (40.0, -2.0), (50.0, -2.0), (-5.0, 0.0)]
         {

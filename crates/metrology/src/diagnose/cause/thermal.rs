@@ -1,9 +1,9 @@
-//! Temperatures: displacement of the tool from the workpiece, growth of scales, angles between axes that change.
+//! Temperatures: displacement of the tool relative to the workpiece, thermal expansion of scales, angles between axes that change.
 //!
-//! A body follows a sensor with a time constant; those that are tried grow by a factor of two from the interval of the readings.
+//! A body follows a temperature sensor with a time constant; the tested ones grow by about a factor of two.
 //!
-//! Temperatures are those of the conditions of the rows, as the model has them: a body is in equilibrium where a clock begins, and a drift counts from
-//! where the instrument was set to zero, with the first row of a set-up in a run. What is found predicts the same when it stands in the machine file.
+//! Temperatures are those in the conditions of the rows, as in the model: a body is in equilibrium when its clock begins, and a drift is relative to
+//! the zero setting of the instrument at the first row of a set-up in a run. So a cause predicts the same after it is written to the machine file.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -55,14 +55,13 @@ pub(super) const SQUARENESS: Cause = Cause {
     propose: squareness,
 };
 
-/// Time constants that are tried, s; 0 is the sensor itself.
+/// Tested time constants, s; 0 is the sensor itself.
 const LAGS_S: [f64; 8] = [0.0, 60.0, 180.0, 420.0, 900.0, 1800.0, 3600.0, 7200.0];
 
-/// Sensors of which pairs are tried.
+/// Maximum number of sensors whose pairs are tested.
 const GRADIENTS: usize = 10;
 
-/// A sensor with a lag: how far a body that follows it is above its reference, by measurement and row, and above what it was when the instrument
-/// was set to zero.
+/// A sensor with a lag: rise of a body that follows it, K, by measurement and row, above its reference and since the zero setting of the instrument.
 struct Sensor {
     name: String,
     lag_s: f64,
@@ -81,7 +80,7 @@ impl Sensor {
     }
 }
 
-/// All sensors of a scene, each with all lags that the times allow.
+/// All sensors of a scene, each with every lag that the times allow.
 fn sensors(scene: &Scene<'_>) -> Vec<Sensor> {
     let mut names: Vec<&str> = scene
         .sets
@@ -132,13 +131,13 @@ pub(in crate::diagnose) fn rises(scene: &Scene<'_>, column: &str, lag_s: f64) ->
     sensor(scene, column, lag_s).map(|sensor| [sensor.rise, sensor.since_zero])
 }
 
-/// Whether a set-up has several runs: then it may be that the instrument was set to zero for each of them, or not.
+/// True if a set-up has several runs. Then the instrument may or may not have been set to zero for each run.
 fn has_runs(scene: &Scene<'_>) -> bool {
     let mut runs: HashMap<(usize, usize), usize> = HashMap::new();
     scene.rows.iter().any(|row| *runs.entry((row.set, row.setup)).or_insert(row.run) != row.run)
 }
 
-/// Between which time constants the one lies that was tried, its neighbours, or that was found before.
+/// Range of time constants around `lag_s`, s: the neighbors of a tested value, or a factor of two around a refined one.
 pub(in crate::diagnose) fn around(lag_s: f64) -> Option<[f64; 2]> {
     if lag_s > 0.0 && !LAGS_S.contains(&lag_s) {
         return Some([lag_s / 2.0, 2.0 * lag_s]);
@@ -148,7 +147,7 @@ pub(in crate::diagnose) fn around(lag_s: f64) -> Option<[f64; 2]> {
     Some([below, LAGS_S.get(place + 1).copied().unwrap_or(2.0 * lag_s)])
 }
 
-/// The same candidate with another time constant; `None` where it has none.
+/// The candidate with another time constant, s; `None` if it has no time constant.
 pub(in crate::diagnose) fn with_lag(scene: &Scene<'_>, one: &Candidate, lag_s: f64) -> Option<Candidate> {
     let sensor = sensor(scene, one.sensor.as_deref()?, lag_s)?;
     let (through, _) = one.columns.first()?.first()?;
@@ -199,7 +198,7 @@ fn expansion(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
             let one = Candidate::one(&EXPANSION, own(axis), through, sensor.weight(move |row| row.position[axis]));
             let one = named(one, &sensor, &[axis.to_string()]);
             let mut fixed = one.clone();
-            // Where it is held is not known.
+            // The position of its fixed point is unknown.
             fixed.columns.push(vec![(through, sensor.weight(|_| 1.0))]);
             out.push(one);
             out.push(fixed);
@@ -207,7 +206,7 @@ fn expansion(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     }
 }
 
-/// Readings at one place have no angles.
+/// Proposes nothing for readings at one position: they show no angles.
 fn squareness(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     let axes: Vec<_> = super::linear(scene).collect();
     if axes.iter().filter(|&&axis| super::range(scene, axis).is_some()).count() < 2 {

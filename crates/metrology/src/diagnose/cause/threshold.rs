@@ -1,6 +1,8 @@
-//! An error that depends on where one axis stands, but only beyond a place of another one: a guide with a joint, a bed on a fourth foot, a cover that drags.
+//! An error that depends on the position of one axis, but only beyond a position of another: a guide with a joint, a bed on a fourth foot, a cover
+//! that drags.
 //!
-//! A threshold lies between two positions that were measured, and nothing says where: the error rises from one of them to the other.
+//! The threshold lies between two neighboring measured positions. Its exact position is unknown, so the error rises linearly from one of them to the
+//! other.
 
 use super::{Candidate, Cause, Correctable, EffectKind, Weight};
 use crate::diagnose::scene::{Scene, Through};
@@ -17,13 +19,13 @@ pub(super) const CAUSE: Cause = Cause {
     propose,
 };
 
-/// Positions of a grid of lines along one axis: more are a path, on which a shape is searched for in other ways.
+/// Number of positions of a grid of lines along one axis. More positions form a path, whose shapes are searched in other ways.
 const POSITIONS: std::ops::RangeInclusive<usize> = 4..=25;
-/// Positions of the axis on which the error depends.
+/// Smallest number of positions of the axis on which the error depends.
 const ACROSS: usize = 3;
-/// Positions that are reached again are no further apart, as a share of the travel.
+/// Largest distance between repeats of one position, as a share of the travel.
 const SHARE: f64 = 1e-3;
-/// Rows at each pair of positions, on average.
+/// Average number of rows at each pair of positions.
 const ROWS: usize = 2;
 
 fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
@@ -45,7 +47,8 @@ fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     }
 }
 
-/// Displacements of an axis that grow along `across` beyond a threshold: from its middle, from its zero, and with the square.
+/// Adds displacements of an axis that grow along `across` beyond a threshold: linearly from the middle, with the square from zero, and with the
+/// square from the middle.
 fn push(out: &mut Vec<Candidate>, (axis, beyond, ends): (Axis, Axis, [f64; 2]), (across, middle): (Axis, f64)) {
     let laws: [(f64, i32); 3] = [(middle, 1), (0.0, 2), (middle, 2)];
     for name in DIRECTIONS.into_iter().filter(|direction| !direction.is_rotation()) {
@@ -66,7 +69,7 @@ fn push(out: &mut Vec<Candidate>, (axis, beyond, ends): (Axis, Axis, [f64; 2]), 
     }
 }
 
-/// Positions of an axis that the readings come back to.
+/// Positions of an axis to which the readings return.
 fn positions(scene: &Scene<'_>, axis: Axis) -> Option<Vec<f64>> {
     let [low, high] = super::range(scene, axis)?;
     let mut all: Vec<f64> = scene.rows.iter().map(|row| row.position[axis]).filter(|at| at.is_finite()).collect();

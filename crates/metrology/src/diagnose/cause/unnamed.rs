@@ -1,4 +1,4 @@
-//! What has no name: only on what it depends is known, and its shape.
+//! An effect without a known cause: only its drivers and its shape are known.
 
 use super::{Cause, Correctable, EffectKind};
 
@@ -9,6 +9,6 @@ pub(in crate::diagnose) const CAUSE: Cause = Cause {
     shown_by: "a structure that no known cause explains as well",
     separate_by: "vary the listed drivers one at a time",
     correctable: Correctable::No,
-    // Shapes are searched ([`crate::diagnose::empirical`]).
+    // Shapes are searched in [`crate::diagnose::empirical`].
     propose: |_, _| {},
 };

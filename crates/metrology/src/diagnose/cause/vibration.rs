@@ -1,4 +1,4 @@
-//! Vibration: a wave in time that goes on while the axes move, whatever their path.
+//! Vibration: a wave in time that continues while the axes move, whatever their path.
 
 use std::f64::consts::TAU;
 
@@ -12,11 +12,11 @@ pub(super) const CAUSE: Cause = Cause {
     shown_by: "ripples that move along the path at another feed: a line in the spectrum over time",
     separate_by: "another feed: an error periodic in position stays in place",
     correctable: Correctable::No,
-    // Periods in time are searched ([`crate::diagnose::sweep`]).
+    // Periods in time are searched in [`crate::diagnose::sweep`].
     propose: |_, _| {},
 };
 
-/// A sine and a cosine of a frequency in a direction.
+/// A sine and a cosine of a frequency, Hz, in a direction.
 pub(in crate::diagnose) fn candidate(direction: usize, frequency: f64) -> Candidate {
     let wave = |of: fn(f64) -> f64| Weight::new(move |row| row.time_s.map_or(0.0, |time| of(TAU * frequency * time)));
     let through = Through::Tip(direction);

@@ -1,4 +1,4 @@
-//! What counts as an error of a place, and what is simpler.
+//! Tests of the selection of position-dependent errors and of simpler ones.
 
 use super::*;
 use crate::diagnose::bench;
@@ -14,7 +14,7 @@ fn an_error_of_a_place_acts_through_the_machine_and_depends_on_axes_alone() {
         is_of_place(&of(EffectKind::Motion, component, "X"))
             && is_of_place(&of(EffectKind::Unknown, Through::Tip(2), "Y"))
     );
-    // The instrument is no place of the machine, a clock none at all, and what has a constant is more than a place.
+    // The instrument is not a position of the machine, nor is a clock; a wave has a constant as well.
     assert!(!is_of_place(&of(EffectKind::Unknown, Through::Reading(false), "X")));
     assert!(!is_of_place(&of(EffectKind::Unknown, Through::Value(1), "X")));
     assert!(
@@ -43,6 +43,6 @@ fn slopes_are_simpler_than_what_has_no_name_and_curvatures_are_not() {
     let than = bench::candidate(EffectKind::Unknown, Through::Tip(1), |_| 1.0);
     let found: Vec<usize> = field.simpler(&than).into_iter().filter(|&number| number < 4).collect();
     assert_eq!(found, [0, 2]);
-    // Of bows those of one column are.
+    // Bows with one column are included.
     assert!(field.simpler(&than).iter().any(|number| field.bows.contains(number)));
 }

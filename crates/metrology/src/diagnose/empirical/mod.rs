@@ -1,7 +1,7 @@
-//! Structure that needs no name: shapes over every single driver and over pairs of them, smooth, one-sided, or turning over with a sense.
+//! Effects without a known cause: shapes over every single driver and over pairs of them, smooth, one-sided, or reversing with a direction.
 //!
-//! Readings are put into bins of two drivers; what the means over the bins would explain tells which pair and which shape is worth a candidate.
-//! That costs a pass over the rows for a pair. How much a candidate explains is found in full, like that of all others.
+//! Readings are sorted into bins of two drivers. The gain of the bin means selects the pairs and shapes that become candidates, in one pass over the
+//! rows for each pair. The gain of a candidate is computed exactly, like that of all others.
 
 mod screen;
 mod shape;
@@ -18,79 +18,79 @@ use super::sweep::Sweep;
 use ncfix_base::geometry::Axis;
 use ncfix_base::numeric::in_parts;
 
-/// Bins over a driver.
+/// Number of bins over a driver.
 const BINS: usize = 12;
-/// Drivers at most.
+/// Maximum number of drivers.
 const MOST: usize = 22;
-/// Shapes that are tried in full in each step.
+/// Maximum number of shapes evaluated exactly in each step.
 const BEST: usize = 10;
-/// Of one kind.
+/// Maximum number of shapes of one kind among them.
 const ALIKE: usize = 3;
-/// Rows of which a first look is had.
+/// Number of rows used for screening.
 const SOME: usize = 4000;
-/// Places of a bump along each driver.
+/// Number of positions of a bump along each driver.
 const BUMPS: usize = 9;
-/// In no bin.
+/// Marks a row that is in no bin.
 const NONE: u8 = u8::MAX;
-/// Knots of smooth shapes over one driver.
+/// Numbers of knots of smooth shapes over one driver.
 const KNOTS: [usize; 3] = [4, 7, 12];
 
-/// On what something may depend.
+/// A quantity on which an effect may depend.
 #[derive(Clone, Debug)]
 struct Driver {
     name: String,
-    /// By row; NaN where it is not known.
+    /// By row; NaN if unknown.
     values: Arc<Vec<f64>>,
-    /// By row that is put into bins.
+    /// By binned row.
     bins: Vec<u8>,
-    /// Rows in the order of the values, those where it is known.
+    /// Rows with a known value, in the order of the values.
     order: Arc<Vec<u32>>,
     low: f64,
     high: f64,
     is_sense: bool,
-    /// Whether it is a length in space.
+    /// True if it is a length in space.
     is_length: bool,
-    /// Its periods, of a length.
+    /// Its periods, if it is a length.
     sweep: Option<Sweep>,
-    /// Where it is the position of an axis (or its sense) and nothing else.
+    /// The axis, if it is exactly its position or its direction of motion.
     axis: Option<Axis>,
 }
 
-/// How a shape is made of one driver or two.
+/// Form of a shape of one or two drivers, which are given by index.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Form {
-    /// A smooth function of one with so many knots.
+    /// A smooth function of a driver with a number of knots.
     Smooth(usize, usize),
-    /// More than so much of one.
+    /// A step of a driver at an edge.
     Step(usize, f64),
-    /// A smooth function of the second that turns over with the sense of the first.
+    /// A smooth function of the second driver that reverses with the direction of the first; number of knots.
     Sense(usize, usize, usize),
-    /// A smooth function of the second where the first is more (or less, −1) than so much.
+    /// A smooth function of the second driver with a number of knots where the first is above an edge (side 1) or below it (side −1).
     Beyond(usize, usize, usize, f64, f64),
     /// The product of both.
     Product(usize, usize),
-    /// A smooth function of both with so many knots each.
+    /// A smooth function of both with this number of knots each.
     Surface(usize, usize, usize),
-    /// A bump over both: where, how wide.
+    /// A bump over both: position, width.
     Bump(usize, usize, [f64; 2], f64),
-    /// A wave of the second where the first is more (or less) than so much, with a period.
+    /// A wave of the second driver with a period where the first is above an edge (side 1) or below it (side −1).
     Wave(usize, usize, f64, f64, f64),
 }
 
-/// All that may be looked for in the readings of a scene.
+/// Drivers and paths of effects for a search of shapes in the readings of a scene.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Empirical {
     drivers: Vec<Driver>,
-    /// Where shapes come in.
+    /// Paths of effects.
     pub(super) places: Vec<Through>,
     rows: Vec<usize>,
     row_count: usize,
-    /// The set-up of each row, over all measurements, and how many there are.
+    /// The set-up of each row, over all measurements, and the number of set-ups.
     setups: Vec<usize>,
     setup_count: usize,
-    /// Number of the row of each row in its measurement: weights find their values by measurement and number.
+    /// Index of the first row of each measurement: weights find their values by measurement and number of the row.
     index: Arc<Vec<usize>>,
-    /// Rows that are put into bins, where these are not all.
+    /// Binned rows, if not all are.
     some: Option<Vec<usize>>,
 }
 
@@ -102,7 +102,7 @@ impl Empirical {
             let of = |row: &super::row::SceneRow| {
                 if axis.is_rotary() { row.position[axis].rem_euclid(std::f64::consts::TAU) } else { row.position[axis] }
             };
-            // A rotary axis that does not go round has no seam.
+            // A rotary axis with less than half a revolution has no wrap-around.
             let goes_round = cause::range(scene, axis).is_some_and(|[low, high]| high - low > 3.2);
             let values = scene.rows.iter().map(|row| if goes_round { of(row) } else { row.position[axis] });
             let own = driver(axis.to_string(), values.collect(), false);
@@ -111,7 +111,7 @@ impl Empirical {
                 Driver { axis: Some(axis), ..own }
             }));
         }
-        // Where tools differ, a place in the workpiece is not a position of an axis.
+        // If tools differ, the position in the workpiece is not that of an axis.
         for &axis in axes.iter().filter(|axis| !axis.is_rotary()) {
             let tool = |row: &super::row::SceneRow| row.tool_mm.get(axis.dimension()).copied().unwrap_or(0.0);
             let first = scene.rows.first().map_or(0.0, tool);
@@ -175,12 +175,12 @@ impl Empirical {
         }
     }
 
-    /// How many shapes it chooses from.
+    /// Number of shapes to select from.
     pub(super) fn count(&self) -> usize {
         self.drivers.len() * self.drivers.len() * self.places.len() * 3
     }
 
-    /// The most promising shapes for what is left: `factors` of the places, `left` unwhitened, `weights` 1/σ, and what a column must explain.
+    /// Shapes with the largest gain on the residual: `factors` of the paths, `left` not whitened, `weights` 1/σ, and the penalty of a column.
     pub(super) fn propose(
         &self,
         factors: &[Arc<Vec<f64>>],
@@ -241,7 +241,7 @@ impl Empirical {
 }
 
 impl Empirical {
-    /// Sums of the rows that are put into bins, as large as those of all rows are together.
+    /// Sums of the binned rows, scaled to the sum of all rows.
     fn binned<'b>(&self, sums: &'b [[f64; 2]]) -> Cow<'b, [[f64; 2]]> {
         let Some(some) = &self.some else { return Cow::Borrowed(sums) };
         let times = sums.len() as f64 / some.len().max(1) as f64;
@@ -250,7 +250,7 @@ impl Empirical {
     }
 }
 
-/// `None` where it is always the same.
+/// A driver; `None` if it is constant.
 fn driver(name: String, values: Vec<f64>, is_sense: bool) -> Option<Driver> {
     let finite = || values.iter().copied().filter(|value| value.is_finite());
     let low = finite().fold(f64::INFINITY, f64::min);
@@ -279,7 +279,7 @@ impl Driver {
         Driver { is_length: true, sweep, ..self }
     }
 
-    /// The values of some rows in order, each once.
+    /// Distinct values of the used rows, in ascending order.
     fn levels(&self, in_use: &[bool]) -> Vec<f64> {
         let used = self.order.iter().filter(|row| in_use.get(**row as usize).copied().unwrap_or(false));
         let mut levels: Vec<f64> = used.filter_map(|row| self.values.get(*row as usize).copied()).collect();

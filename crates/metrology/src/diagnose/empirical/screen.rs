@@ -1,19 +1,19 @@
-//! Which shapes over two drivers are promising: by the means over bins, and for bumps and waves by a grid.
+//! Screening of shapes over two drivers: by means over bins, and for bumps and waves by a grid.
 
 use super::{BINS, BUMPS, Driver, Empirical, Form, KNOTS, NONE, SOME};
 use crate::diagnose::score::gained;
 
-/// Steps, each half of the one before, in which the period of a wave is found more closely.
+/// Number of refinements of the period of a wave, each with half the step of the one before.
 const NEARER: usize = 5;
-/// A step has this share of what shows it on each side: one reading that is off is no step.
+/// Smallest share of the information on each side of a step: a single outlier is not a step.
 const LEAST_SIDE: f64 = 0.03;
-/// A period explains nearly as much as another by this share of it.
+/// Share of the largest gain from which a period counts as equally good.
 const NEARLY: f64 = 0.95;
-/// Products of two that are looked at closely.
+/// Number of products that are computed exactly.
 const PRODUCTS: usize = 24;
 
 impl Empirical {
-    /// By sums of all rows, and of those that are put into bins.
+    /// Adds forms of two drivers, by sums of all rows and of the binned ones.
     pub(super) fn forms(
         &self,
         (a, b): (usize, usize),
@@ -86,7 +86,7 @@ impl Empirical {
             return;
         }
         let share = |k: usize| (k as f64 + 0.5) / BINS as f64 - 0.5;
-        // From where a product counts is anybody's choice: each alone comes with it.
+        // The origin of a product is arbitrary, so each driver alone is added.
         let (mut products, mut left) = (vec![0.0; 9], vec![0.0; 3]);
         for x in 0..BINS {
             for y in 0..BINS {
@@ -110,7 +110,7 @@ impl Empirical {
         }
     }
 
-    /// The most promising products again, by the values themselves: temperatures that go together are not told apart by bins.
+    /// Computes the best products again from the values themselves: bins cannot separate correlated temperatures.
     pub(super) fn products(&self, sums: &[[f64; 2]], price: f64, all: &mut [(f64, Form)]) {
         let is_product = |(_, form): &&mut (f64, Form)| matches!(form, Form::Product(..));
         let mut products: Vec<&mut (f64, Form)> = all.iter_mut().filter(is_product).collect();
@@ -125,7 +125,7 @@ impl Empirical {
                 (sum[1] > 0.0 && x.is_finite() && y.is_finite()).then_some((*setup, *sum, [x * y, x, y]))
             });
             let shapes: Vec<(usize, [f64; 2], [f64; 3])> = shapes.collect();
-            // A set-up takes the mean.
+            // A set-up absorbs the mean.
             let mut means = vec![[0.0; 4]; self.setup_count];
             for (setup, sum, shapes) in &shapes {
                 if let Some(mean) = means.get_mut(*setup) {
@@ -146,7 +146,7 @@ impl Empirical {
         }
     }
 
-    /// A bump over two lengths: the best of a grid, then nearer.
+    /// A bump over two lengths: the best one of a grid, then refined.
     pub(super) fn bumps(&self, sums: &[[f64; 2]], price: f64, out: &mut Vec<(f64, Form)>) {
         let lengths: Vec<usize> =
             (0..self.drivers.len()).filter(|&k| self.drivers.get(k).is_some_and(|driver| driver.is_length)).collect();
@@ -221,11 +221,11 @@ impl Empirical {
         }
     }
 
-    /// Waves of a length at some feeds only.
+    /// Waves of a length, only above or below an edge of the feed.
     pub(super) fn waves(&self, sums: &[[f64; 2]], price: f64, out: &mut Vec<(f64, Form)>) {
         let Some(a) = self.drivers.iter().position(|driver| driver.name == "feed_mm_min") else { return };
         let Some(feed) = self.drivers.get(a) else { return };
-        // Only what counts here says between which feeds it begins.
+        // Only used readings determine the feeds between which it begins.
         let in_use = feed.values.iter().zip(sums).filter(|(value, sum)| value.is_finite() && sum[1] > 0.0);
         let mut feeds: Vec<f64> = in_use.map(|(value, _)| *value).collect();
         feeds.sort_by(f64::total_cmp);
@@ -261,14 +261,14 @@ impl Empirical {
                         }
                         2.0 * (sines * sines + cosines * cosines) / information.max(1e-300)
                     };
-                    // Where readings stand evenly a shorter wave is the image of a longer one.
+                    // With evenly spaced readings a shorter wave is an alias of a longer one.
                     let peaks = sweep.peaks(&products, &known, NEARLY);
                     let Some(mut period) = peaks.into_iter().max_by(f64::total_cmp) else { continue };
                     let mut most = worth(period);
                     if most <= 2.0 * price {
                         continue;
                     }
-                    // Nearer, by halves of what the transform tells apart.
+                    // Refined in halves of the resolution of the transform.
                     let mut reach = period * period / sweep.travel() / 8.0;
                     for _ in 0..NEARER {
                         for near in [period - reach, period + reach] {
@@ -288,12 +288,12 @@ impl Empirical {
 }
 
 impl Driver {
-    /// Of its range, 0 in the middle.
+    /// Position of a value in the range, 0 in the middle.
     fn share(&self, value: f64) -> f64 {
         (value - f64::midpoint(self.low, self.high)) / (self.high - self.low)
     }
 
-    /// The step that gains most beside a mean, and between which two values it is.
+    /// The gain and the edge of the best step in addition to a mean; the edge is midway between two values.
     fn step(&self, sums: &[[f64; 2]]) -> Option<(f64, f64)> {
         let in_use = |row: &u32| {
             let (value, sum) = (self.values.get(*row as usize)?, sums.get(*row as usize)?);
@@ -320,7 +320,7 @@ impl Driver {
     }
 }
 
-/// Of the forms from a place on only the best of each kind stays.
+/// Keeps only the best form of each kind, from an index on.
 pub(super) fn best_of_each(all: &mut Vec<(f64, Form)>, from: usize) {
     let mut own = all.split_off(from.min(all.len()));
     own.sort_by(|one, other| other.0.total_cmp(&one.0));

@@ -9,7 +9,7 @@ use crate::diagnose::scene::Through;
 use ncfix_base::geometry::Axis;
 
 impl Empirical {
-    /// A form as a candidate; its knots and edges are where some rows have values, so that each of them is told.
+    /// A form as a candidate. Its knots and edges are at values of used rows, so that each amount is determined.
     pub(super) fn candidate(&self, place: Through, form: Form, in_use: &[bool]) -> Candidate {
         let levels: Levels<'_> = &|driver| self.drivers.get(driver).map(|one| one.levels(in_use)).unwrap_or_default();
         let (columns, used): (Vec<(Column, Vec<f64>)>, Vec<usize>) = match form {
@@ -102,7 +102,7 @@ impl Empirical {
         })
     }
 
-    /// Straight between knots, 1 at one of them and 0 at all others; outside of them as at the last.
+    /// Piecewise linear functions, 1 at one knot and 0 at all others, constant beyond the last ones.
     fn hats(&self, a: usize, knots: usize, levels: Levels<'_>) -> Vec<(Column, Vec<f64>)> {
         let knots = spread(&levels(a), knots);
         let [Some(&low), Some(&high)] = [knots.first(), knots.last()] else { return Vec::new() };
@@ -114,7 +114,7 @@ impl Empirical {
             let hat: Column = Arc::new(move |of| {
                 let value = value(of).clamp(low, high);
                 match if value < at { before } else { behind } {
-                    // What is not known stays so.
+                    // An unknown value stays unknown.
                     _ if value.is_nan() => value,
                     Some(next) => (1.0 - (value - at) / (next - at)).max(0.0),
                     None => 1.0,
@@ -126,10 +126,10 @@ impl Empirical {
     }
 }
 
-/// The values of a driver in order, each once.
+/// Distinct values of a driver, in ascending order.
 type Levels<'l> = &'l dyn Fn(usize) -> Vec<f64>;
 
-/// About so many of the values, as evenly over their range as they allow.
+/// At most `count` of the values, as evenly spaced as possible.
 fn spread(levels: &[f64], count: usize) -> Vec<f64> {
     let [Some(&low), Some(&high)] = [levels.first(), levels.last()] else { return Vec::new() };
     if levels.len() <= count {
@@ -146,7 +146,7 @@ fn spread(levels: &[f64], count: usize) -> Vec<f64> {
     knots
 }
 
-/// The middle of the two values between which an edge is.
+/// The middle of the two values around an edge.
 fn between(levels: &[f64], edge: f64) -> f64 {
     let above = levels.partition_point(|level| *level <= edge);
     match [above.checked_sub(1).and_then(|k| levels.get(k)), levels.get(above)] {
@@ -155,10 +155,10 @@ fn between(levels: &[f64], edge: f64) -> f64 {
     }
 }
 
-/// A function of the values of the drivers, which are told by their numbers.
+/// A function of the values of the drivers, which are given by index.
 type Column = Arc<dyn Fn(&dyn Fn(usize) -> f64) -> f64 + Send + Sync>;
 
-/// The value of a driver where nothing was measured: known of axes and senses only.
+/// The value of a driver at a position without measurement: known only for axes and directions.
 fn value_at((axis, is_sense, [low, high]): &(Option<Axis>, bool, [f64; 2]), row: &SceneRow) -> f64 {
     let Some(axis) = *axis else { return f64::NAN };
     let value = if *is_sense { row.sense_of(axis) } else { row.position[axis] };
@@ -170,7 +170,7 @@ fn times(ones: &[(Column, Vec<f64>)], others: &[(Column, Vec<f64>)]) -> Vec<(Col
     for (one, at) in ones {
         for (other, and) in others {
             let (one, other) = (Arc::clone(one), Arc::clone(other));
-            // Most hats are 0 at most places.
+            // Most hat functions are 0 at most positions.
             let product: Column = Arc::new(move |of| {
                 let one = one(of);
                 if one == 0.0 { 0.0 } else { one * other(of) }
@@ -190,7 +190,7 @@ mod tests {
         let levels: Vec<f64> = (0..=10).map(f64::from).collect();
         assert_eq!(spread(&levels, 3), [0.0, 5.0, 10.0]);
         assert_eq!(spread(&levels, 6), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
-        // Few are all of them; where there is nothing between two heaps, one knot is enough for those of a heap.
+        // A short list is used completely; with nothing between two clusters, one knot is enough for each cluster.
         assert_eq!(spread(&[1.0, 4.0], 3), [1.0, 4.0]);
         assert_eq!(spread(&[0.0, 0.1, 0.2, 10.0], 3), [0.0, 0.2, 10.0]);
         assert_eq!(spread(&[], 3), [0.0; 0]);

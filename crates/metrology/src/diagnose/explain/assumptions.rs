@@ -1,7 +1,7 @@
 //! Assumptions before any measurement: usual sizes of errors of machine tools, and how often a machine has one.
 //!
-//! One table. A size is the standard deviation of a normal prior; odds are those of one term against its absence. Neither is a limit: data that say otherwise
-//! override both. Sizes decide what a sum of two errors that act alike is split into; odds decide which of two explanations that fit alike is simpler.
+//! A size is the standard deviation of a normal prior; odds compare one term with its absence. Neither is a limit: data override both. Sizes
+//! determine the amounts of two errors with equal effects; odds determine which of two equally good explanations is simpler.
 
 /// A family of terms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -25,17 +25,17 @@ pub enum Family {
     Backlash,
     /// Lag of an axis relative to the others.
     Lag,
-    /// Play across the axis.
+    /// Lateral play of an axis.
     LateralPlay,
-    /// Play that turns the carriage.
+    /// Play that rotates the carriage.
     AngularPlay,
     /// Displacement of one axis that depends on another one too.
     Cross,
     /// Rotation of one axis that depends on another one too.
     CrossAngle,
-    /// Displacement of one axis that depends on another one, beyond a position only.
+    /// Displacement of one axis that depends on another one, but only beyond a position.
     Threshold,
-    /// Motion error of a rotary axis once and twice a turn.
+    /// Motion error of a rotary axis with one or two periods per revolution.
     Rotary,
     /// Periodic error along an axis.
     Wave,
@@ -43,11 +43,11 @@ pub enum Family {
     Spike,
     /// Displacement with a temperature.
     Drift,
-    /// Scale that grows with a temperature.
+    /// Thermal expansion of a scale.
     Expansion,
     /// Squareness that changes with a temperature.
     ThermalSquareness,
-    /// Displacement with time, of no known temperature.
+    /// Displacement with time without a known temperature.
     Creep,
     /// Deflection by acceleration.
     Deflection,
@@ -57,13 +57,13 @@ pub enum Family {
     Load,
     /// The set-up of the instrument.
     Setup,
-    /// An error that was another one in earlier files.
+    /// An error that differs in earlier files.
     Earlier,
-    /// The probe, its length too.
+    /// The probe, including its length.
     Probe,
-    /// A cause that a caller brings.
+    /// A cause added by a caller.
     Own,
-    /// No cause that has a name.
+    /// An unnamed term.
     Unnamed,
 }
 
@@ -72,11 +72,11 @@ pub enum Family {
 pub struct Assumption {
     /// The family.
     pub family: Family,
-    /// Standard deviation of the amount of a term: mm or rad, at the ends of the travel where it depends on the position.
+    /// Standard deviation of the amount of a term: mm or rad; for an error that depends on the position, at the ends of the travel.
     pub size: Size,
-    /// Odds of a term of the family against its absence, for each of its terms.
+    /// Odds of each term of the family against its absence.
     pub odds: f64,
-    /// Where it comes from.
+    /// Its origin.
     pub source: &'static str,
 }
 
@@ -87,16 +87,17 @@ pub enum Size {
     Um(f64),
     /// µrad.
     Urad(f64),
-    /// µm for each metre of the travel.
+    /// µm per meter of travel.
     UmPerM(f64),
-    /// Milliseconds of the velocity.
+    /// Milliseconds of lag.
     Ms(f64),
-    /// µm for each m/s².
+    /// µm per m/s².
     UmPerMs2(f64),
 }
 
-/// The table. Sizes: acceptance limits of ISO 10791-1 and ISO 10791-2 (squareness 20 µm in 500 mm, straightness 10 µm in 500 mm, angles 40 to 60 µrad at most) and of
-/// ISO 10791-4 (positioning) for machining centers, and the measured machines of Spaan (1995) and Esmaeili (2021), from new to worn.
+/// The table. Sizes are based on the acceptance limits of ISO 10791-1 and ISO 10791-2 (squareness 20 µm in 500 mm, straightness 10 µm in 500 mm,
+/// angles up to 40 to 60 µrad) and of ISO 10791-4 (positioning) for machining centers, and on the machines measured by Spaan (1995) and Esmaeili
+/// (2021), from new to worn.
 pub const ASSUMPTIONS: &[Assumption] = &[
     Assumption {
         family: Family::Squareness,
@@ -243,14 +244,14 @@ pub const ASSUMPTIONS: &[Assumption] = &[
     Assumption { family: Family::Unnamed, size: Size::Um(10.0), odds: 0.001, source: "the last resort" },
 ];
 
-/// The stated uncertainty of the readings counts as much as this number of readings do: an estimate of it from fewer is not believed.
+/// Weight of the stated uncertainty, as a number of readings: estimates from fewer readings do not override it.
 pub const READINGS_OF_SIGMA: f64 = 20.0;
 
 impl Family {
     /// Returns its assumption.
     #[must_use]
     pub fn assumption(self) -> &'static Assumption {
-        // Every family has a row, as a test holds.
+        // Every family has an entry, which a test checks.
         ASSUMPTIONS.iter().find(|one| one.family == self).unwrap_or(&ASSUMPTIONS[0])
     }
 
@@ -260,16 +261,16 @@ impl Family {
         matches!(self, Family::Squareness | Family::Scale | Family::Backlash | Family::Offset | Family::Tilt)
     }
 
-    /// Returns the standard deviation of the prior, mm, rad, s or s²; `travel_mm` from end to end.
+    /// Returns the standard deviation of the prior, mm, rad, s or s²; `travel_mm` is the full travel.
     #[must_use]
     pub fn size(self, travel_mm: f64) -> f64 {
         match self.assumption().size {
             Size::Um(um) => um * 1e-3,
             Size::Urad(urad) => urad * 1e-6,
             Size::Ms(ms) => ms * 1e-3,
-            // mm for each mm/s².
+            // mm per mm/s².
             Size::UmPerMs2(um) => um * 1e-6,
-            // At the ends: half of the travel on either side of its middle.
+            // At the ends, half of the travel from the middle.
             Size::UmPerM(um) => um * 1e-6 * 0.5 * travel_mm,
         }
     }

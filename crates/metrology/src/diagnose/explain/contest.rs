@@ -1,7 +1,7 @@
-//! The contest of all terms: those that are always tried, and those of which there are many, which come in where they gain something.
+//! The comparison of all terms: a pool of terms that are always tested, and a large number of others that join it if they improve the score.
 //!
-//! The search runs over a pool. With its best set, every term outside is looked at once; what would gain more than its odds cost joins the pool, and the search runs again.
-//! The memory of the noise is chosen anew with each best set.
+//! The search runs over the pool. With its best set, every term outside is tested once; terms whose gain exceeds the cost of their odds join the
+//! pool, and the search runs again. The autocorrelation of the noise is selected again for each best set.
 
 use super::likelihood::{ColumnGroup, Likelihood};
 use super::noise::{Memory, NoiseSeries};
@@ -9,33 +9,33 @@ use super::search::{self, Explanation, Odds};
 use crate::diagnose::scene::Scene;
 use ncfix_base::numeric::in_parts;
 
-/// Memories of the noise that are searched with at most.
+/// Maximum number of combinations of autocorrelation and factor that are tested.
 const MOST_MEMORIES: usize = 6;
-/// Factors of all sizes of priors: a new machine of the highest class and a worn one are as far apart.
+/// Factors of all sizes of priors, from a new high-precision machine to a worn one.
 const FACTORS: [f64; 5] = [0.1, 0.2, 0.4, 1.0, 2.5];
 /// Standard deviation of the natural logarithm of that factor: two of three machines are within a factor of 2.7.
 const FACTOR_SPREAD: f64 = 1.0;
-/// Rounds in which terms from outside join.
+/// Number of iterations in which terms from outside join.
 const ROUNDS: usize = 4;
-/// A term that explains less in the place of another one by no more than this is an alternative: 150 times, as a natural logarithm.
+/// A term is an alternative if, in place of another one, it explains less by no more than this: a factor of 150, as a natural logarithm.
 const NEARLY: f64 = 5.0;
-/// Terms from outside that join in a round, those with the largest gain.
+/// Number of terms from outside that join in an iteration, those with the largest gain.
 const JOIN: usize = 40;
 
-/// A term in the contest.
+/// A term in the comparison.
 #[derive(Clone, Debug, Default)]
 pub struct Entrant {
     /// Its columns.
     pub group: ColumnGroup,
     /// Logarithm of its odds.
     pub log_odds: f64,
-    /// Number of the entrant that is usual beside it.
+    /// Index of the entrant that usually accompanies it.
     pub parent: Option<usize>,
-    /// Most machines have it: all such together are a start of the search.
+    /// True if most machines have it; all of these together are a start of the search.
     pub is_simple: bool,
 }
 
-/// Terms of which there are many, by number.
+/// A large number of terms outside the pool, by index.
 pub struct Outside<'o> {
     /// Their number.
     pub count: usize,
@@ -48,29 +48,30 @@ pub struct Outside<'o> {
 /// The outcome.
 #[derive(Clone, Debug, Default)]
 pub struct Contest {
-    /// Entrants at the end: those that were given, then those that joined.
+    /// Number of entrants at the end: the given ones, then the joined ones.
     pub entrants: usize,
     /// Columns of each entrant.
     pub widths: Vec<usize>,
-    /// Which of those outside joined, in the order of the numbers that follow those that were given.
+    /// Indices of the outside terms that joined; as entrants they follow the given ones in this order.
     pub joined: Vec<usize>,
-    /// Explanations, the most probable first. Their sets have numbers of entrants.
+    /// Explanations, the most probable first. Their sets contain indices of entrants.
     pub explanations: Vec<Explanation>,
-    /// By how much the score of the first explanation falls without each of its terms, in the order of its set.
+    /// Decrease of the score of the first explanation without each of its terms, in the order of its set.
     pub losses: Vec<f64>,
-    /// Entrants that act like another one on everything that was measured, with the number of that one.
+    /// Entrants with the same effect on all measured positions as another one, with the index of that one.
     pub alike: Vec<(usize, usize)>,
-    /// Entrants that readings can show, without those that act like another one.
+    /// Entrants that the readings can show, without those with the same effect as another one.
     pub visible: Vec<usize>,
-    /// Score of each start that was given, less that of the best set; minus infinity if one of its terms shows nothing.
+    /// Score of each given start relative to that of the best set; minus infinity if one of its terms has no visible effect.
     pub behind: Vec<f64>,
-    /// Memory of the noise; its length is in seconds if the readings have a clock, else in rows.
+    /// Autocorrelation of the noise; its length is in seconds if the readings have times, else in rows.
     pub memory: Memory,
-    /// Readings have a clock.
+    /// True if the readings have times.
     pub has_clock: bool,
 }
 
-/// Runs the contest. `weights` are 1/σ of each reading, 0 for those that do not count; `starts` are sets of entrants that the search starts from, beside nothing and all simple ones.
+/// Runs the comparison. `weights` are 1/σ of each reading, 0 for rejected ones. `starts` are sets of entrants from which the search starts, in
+/// addition to the empty set and to all simple terms.
 #[must_use]
 pub fn contest(
     scene: &Scene<'_>,
@@ -81,7 +82,7 @@ pub fn contest(
 ) -> Contest {
     let noise = NoiseSeries::new(scene, weights);
     let readings = (weights.iter().filter(|weight| **weight > 0.0).count() as f64).max(2.0);
-    // Two numbers more than white noise has, by the information criterion of Schwarz (1978).
+    // Two parameters more than white noise, by the information criterion of Schwarz (1978).
     let price = |memory: Memory| if memory.ratio > 0.0 { readings.ln() } else { 0.0 };
     let choose = |entrants: &[Entrant], set: &[usize]| {
         let some: Vec<ColumnGroup> = set.iter().map(|&number| entrants[number].group.clone()).collect();
@@ -99,7 +100,7 @@ pub fn contest(
     let mut best: Option<(f64, Contest)> = None;
     let mut tried: Vec<(Memory, f64)> = Vec::new();
     let rarity = |factor: f64| 0.5 * (factor.ln() / FACTOR_SPREAD).powi(2);
-    // Terms and noise explain the same readings: the search starts from white noise, and from all readings as noise with memory.
+    // Terms and noise compete for the same readings. So the search starts from white noise, and from autocorrelated noise that explains all readings.
     for start in [Memory::default(), choose(&entrants, &[])] {
         let (mut memory, mut factor) = (start, 1.0);
         while !tried.contains(&(memory, factor)) && tried.len() < MOST_MEMORIES {
@@ -142,7 +143,7 @@ pub fn contest(
                 let losses: Vec<f64> = (0..set.len()).map(without).collect();
                 let outer: Vec<usize> = set.iter().map(|&k| likelihood.kept[k]).collect();
                 known.push(outer);
-                // Terms that would gain more than their odds cost, or nearly as much in the place of another one.
+                // Terms whose gain exceeds the cost of their odds, or nearly does so in place of another term.
                 let open: Vec<usize> = (0..outside.count).filter(|number| !joined.contains(number)).collect();
                 let mut sets = vec![(set.clone(), 0.0)];
                 for (place, loss) in losses.iter().enumerate() {
@@ -175,7 +176,7 @@ pub fn contest(
                     has_clock: noise.has_clock,
                 };
                 let worth = worth - price(memory) - rarity(factor);
-                // With which factor this set or one that was given would be best.
+                // The factor that is best for this set or for a given one.
                 let mut most = f64::NEG_INFINITY;
                 let also = starts.iter().filter_map(|set| inner(set)).chain([set.clone()]);
                 for set in also {
@@ -187,7 +188,7 @@ pub fn contest(
                         }
                     }
                 }
-                // A larger pool at the same memory replaces the smaller one.
+                // A larger pool with the same autocorrelation replaces the smaller one.
                 if best
                     .as_ref()
                     .is_none_or(|(known, before)| worth > *known || (worth >= *known - 1e-9 && before.memory == memory))
@@ -217,15 +218,15 @@ pub fn contest(
     out
 }
 
-/// Returns the logarithm of the likelihood of sets of groups, each with the memory of the noise and the exactness of the machine that suit it best, less the prices of both.
-/// Groups that show nothing count as absent. `weights` are 1/σ of each reading, 0 for those that do not count.
+/// Returns the logarithm of the likelihood of sets of groups, each with its best autocorrelation of the noise and its best factor of the prior sizes,
+/// less the penalties of both. Groups without a visible effect count as absent. `weights` are 1/σ of each reading, 0 for rejected ones.
 #[must_use]
 pub fn evidences(scene: &Scene<'_>, weights: &[f64], groups: &[ColumnGroup], sets: &[Vec<usize>]) -> Vec<f64> {
     let noise = NoiseSeries::new(scene, weights);
     let readings = (weights.iter().filter(|weight| **weight > 0.0).count() as f64).max(2.0);
     let mut best = vec![f64::NEG_INFINITY; sets.len()];
     for memory in noise.memories() {
-        // Two numbers more than white noise has, by the information criterion of Schwarz (1978).
+        // Two parameters more than white noise, by the information criterion of Schwarz (1978).
         let price = if memory.ratio > 0.0 { readings.ln() } else { 0.0 };
         let mut likelihood = Likelihood::new(scene, weights, groups, (&noise, memory));
         let place = |number: usize| {
@@ -252,7 +253,7 @@ pub fn evidences(scene: &Scene<'_>, weights: &[f64], groups: &[ColumnGroup], set
 }
 
 impl Contest {
-    /// Returns the probability of an entrant: the sum over the explanations that have it.
+    /// Returns the probability of an entrant: the sum over the explanations that contain it.
     #[must_use]
     pub fn probability(&self, entrant: usize) -> f64 {
         self.explanations.iter().filter(|one| one.set.contains(&entrant)).map(|one| one.probability).sum()

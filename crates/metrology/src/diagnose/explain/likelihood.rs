@@ -1,9 +1,9 @@
 //! The likelihood of readings under a set of terms, in closed form.
 //!
-//! Readings are `y = U u + Φ θ + ε` with unknowns `u` of the set-ups, of which nothing is assumed, amounts `θ ~ N(0, S)` of the terms, and noise
-//! `ε ~ N(0, s² Σ)`, where Σ is the stated uncertainty of the readings with the memory of the noise, and s its scale. The part that the set-ups can explain is taken from the readings and from all columns once;
-//! after that everything about a set of terms follows from `G = Φᵀ Σ⁻¹ Φ`, `b = Φᵀ Σ⁻¹ y` and `yᵀ Σ⁻¹ y` (marginal likelihood: Rasmussen and Williams 2006,
-//! Gaussian Processes for Machine Learning, eq. 2.43).
+//! Readings are `y = U u + Φ θ + ε` with unknowns `u` of the set-ups without a prior, amounts `θ ~ N(0, S)` of the terms, and noise `ε ~ N(0, s² Σ)`.
+//! Σ is the stated uncertainty of the readings with the autocorrelation of the noise, and s its scale. The part that the set-ups can explain is
+//! subtracted once from the readings and from all columns. Then `G = Φᵀ Σ⁻¹ Φ`, `b = Φᵀ Σ⁻¹ y` and `yᵀ Σ⁻¹ y` determine the likelihood of every set
+//! of terms (marginal likelihood: Rasmussen and Williams 2006, Gaussian Processes for Machine Learning, eq. 2.43).
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -16,27 +16,28 @@ use crate::diagnose::scene::Scene;
 use ncfix_base::numeric::in_parts;
 use ncfix_base::numeric::sums::dot;
 
-/// Unknowns of a set-up are dropped from its matrix where less than this share of their square is their own.
+/// Relative increase of the diagonal of the matrix of the set-ups, which keeps it positive definite if unknowns are collinear.
 const RIDGE: f64 = 1e-10;
-/// A column of which the set-ups leave less than this, in standard deviations of the readings for an amount of its prior's size, shows nothing.
+/// A column has no visible effect if, with an amount of its prior size, less than this remains after the set-ups, in standard deviations of the
+/// readings.
 const FAINT: f64 = 0.3;
-/// Columns whose correlation differs from 1 by less act alike on everything that was measured.
+/// Columns with a correlation that differs from 1 by less than this have the same effect on all measured positions.
 const ALIKE: f64 = 1e-6;
-/// Sizes of priors, by what they do to the readings, that differ by less are one, in natural logarithms.
+/// Prior sizes, as effects on the readings, are equal if their natural logarithms differ by less than this.
 const AS_USUAL: f64 = 0.02;
-/// Largest and smallest scale of the stated noise, in natural logarithms: 1/55 to 400.
+/// Smallest and largest factor of the stated noise, as natural logarithms: 1/55 to 400.
 const SCALES: [f64; 2] = [-4.0, 6.0];
-/// Steps of the search for the scale.
+/// Number of iterations of the search for the scale.
 const STEPS: usize = 40;
 
-/// Columns that come in together: a term.
+/// Columns that are used together: a term.
 #[derive(Clone, Debug, Default)]
 pub struct ColumnGroup {
-    /// Effect of one unit of each on every reading of the scene.
+    /// Effect of one unit of each column on every reading of the scene.
     pub columns: Vec<Vec<f64>>,
-    /// Standard deviation of the prior of each, mm or rad per unit.
+    /// Standard deviation of the prior of each amount, mm or rad per unit.
     pub sizes: Vec<f64>,
-    /// It belongs to the instrument: how exact the machine is says nothing of its size.
+    /// True if it belongs to the instrument: the accuracy of the machine then does not affect its size.
     pub is_of_instrument: bool,
 }
 
@@ -48,7 +49,7 @@ impl ColumnGroup {
     }
 }
 
-/// Readings without what the set-ups can take, divided by their uncertainty and without the memory of the noise.
+/// Readings without the part that set-ups can explain, divided by their uncertainty and decorrelated.
 struct White<'w> {
     noise: &'w NoiseSeries,
     memory: Memory,
@@ -82,10 +83,10 @@ impl<'w> White<'w> {
     }
 }
 
-/// Readings, columns and their products, without what the set-ups can take.
+/// Readings, columns and their products, without the part that set-ups can explain.
 pub struct Likelihood<'w> {
     white: White<'w>,
-    /// Factor of all sizes of priors: how exact the machine is.
+    /// Factor of all sizes of priors, by the accuracy of the machine.
     pub factor: f64,
     /// Number of readings less the unknowns of the set-ups.
     pub freedom: f64,
@@ -103,13 +104,13 @@ pub struct Likelihood<'w> {
     of_instruments: Vec<bool>,
     /// Columns of each term.
     members: Vec<Range<usize>>,
-    /// Which of the groups that were given each term is.
+    /// Index of each term among the given groups.
     pub kept: Vec<usize>,
-    /// Groups of one column that act like that of a kept one: theirs and its number among those that were given.
+    /// Groups with one column that has the same effect as that of a kept group: their indices and those of the kept groups, among the given ones.
     pub alike: Vec<(usize, usize)>,
 }
 
-/// A symmetric matrix with entries on and beside its diagonal, and the products with the readings in its basis.
+/// A symmetric tridiagonal matrix, and the products with the readings in its basis.
 #[derive(Debug, Default)]
 struct Tridiagonal {
     diagonal: Vec<f64>,
@@ -118,7 +119,8 @@ struct Tridiagonal {
 }
 
 impl Tridiagonal {
-    /// Logarithm of the determinant of one plus the matrix times a weight, and the square of the products that it explains; `None` if it is not positive.
+    /// Logarithm of the determinant of the identity plus the matrix times a weight, and the explained square; `None` if the sum is not positive
+    /// definite.
     fn at(&self, weight: f64) -> Option<(f64, f64)> {
         let (mut log, mut explained) = (0.0, 0.0);
         let (mut pivot, mut carried) = (1.0, 0.0);
@@ -137,17 +139,17 @@ impl Tridiagonal {
     }
 }
 
-/// Columns of a set, their matrix decomposed, and their products with the readings.
+/// Columns of a set, the decomposition of their matrix, and their products with the readings.
 type Decomposed = (Vec<usize>, Cholesky<f64, Dyn>, DVector<f64>);
 
 /// The posterior of a set of terms.
 #[derive(Clone, Debug)]
 pub struct Posterior {
-    /// Natural logarithm of the marginal likelihood, less that of no term at the same noise.
+    /// Natural logarithm of the marginal likelihood, relative to that of the empty set.
     pub log_evidence: f64,
-    /// Scale of the noise beside what is stated.
+    /// Factor of the stated noise.
     pub scale: f64,
-    /// Squares of what the amounts leave of the readings, in standard deviations as they are stated.
+    /// Sum of squared residuals, in stated standard deviations.
     pub misfit: f64,
     /// Amounts of all columns, mm or rad, in the order of the terms.
     pub mean: Vec<f64>,
@@ -156,7 +158,7 @@ pub struct Posterior {
 }
 
 impl<'w> Likelihood<'w> {
-    /// Prepares groups of columns. `weights` are 1/σ of each reading, 0 for those that do not count.
+    /// Prepares groups of columns. `weights` are 1/σ of each reading, 0 for rejected ones.
     #[must_use]
     pub fn new(
         scene: &Scene<'_>,
@@ -171,7 +173,7 @@ impl<'w> Likelihood<'w> {
         for (number, columns) in all.iter().enumerate().filter(|(_, columns)| is_visible(columns)) {
             let is_same = |&&other: &&usize| match (columns.as_slice(), all[other].as_slice()) {
                 ([one], [other]) => {
-                    // Where priors say as much of both: else the one whose amount is more usual is the better explanation.
+                    // Only if the priors are equal too: otherwise the one with the more typical amount is the better explanation.
                     let [own, others] = [one, other].map(|column| dot(column, column).sqrt());
                     let cosine = dot(one, other) / (own * others);
                     1.0 - cosine.abs() < ALIKE && (own / others).ln().abs() < AS_USUAL
@@ -222,7 +224,7 @@ impl<'w> Likelihood<'w> {
         if self.of_instruments[column] { 1.0 } else { self.factor }
     }
 
-    /// Number of terms that show something.
+    /// Number of terms with a visible effect.
     #[must_use]
     pub fn count(&self) -> usize {
         self.kept.len()
@@ -233,7 +235,7 @@ impl<'w> Likelihood<'w> {
         set.iter().flat_map(|&term| self.members[term].clone()).collect()
     }
 
-    /// Returns the columns of a set, its matrix at a scale of the noise, decomposed, and the products with the readings.
+    /// Returns the columns of a set, the decomposition of its matrix at a scale of the noise, and the products with the readings.
     fn decomposed(&self, set: &[usize], scale: f64) -> Option<Decomposed> {
         let weight = 1.0 / (scale * scale);
         let own = self.columns_of(set);
@@ -248,7 +250,8 @@ impl<'w> Likelihood<'w> {
         Some((own, Cholesky::new(matrix)?, right))
     }
 
-    /// Returns the matrix of a set as a tridiagonal one, which makes its likelihood at every scale of the noise as cheap as one pass (Golub and Van Loan, Matrix Computations, 8.3).
+    /// Returns the matrix of a set in tridiagonal form, which reduces its likelihood at each scale of the noise to one pass (Golub and Van Loan,
+    /// Matrix Computations, 8.3).
     fn tridiagonal(&self, set: &[usize]) -> Tridiagonal {
         let own = self.columns_of(set);
         let factors: Vec<f64> = own.iter().map(|&k| self.factor_of(k)).collect();
@@ -278,7 +281,8 @@ impl<'w> Likelihood<'w> {
             - 0.5 * (log_determinant + weight * self.square - explained)
     }
 
-    /// Returns the scale of the noise at which a set is most likely, and the logarithm of its likelihood there. Golden section: there is one maximum.
+    /// Returns the most likely scale of the noise for a set, and the logarithm of its likelihood there. Golden-section search, as there is one
+    /// maximum.
     #[must_use]
     pub fn evidence(&self, set: &[usize]) -> (f64, f64) {
         let set = &self.tridiagonal(set);
@@ -301,7 +305,8 @@ impl<'w> Likelihood<'w> {
         (scale, self.at(set, scale))
     }
 
-    /// Returns by how much the logarithm of the likelihood grows with each term beside a set at a scale of the noise; minus infinity for its own terms.
+    /// Returns the increase of the logarithm of the likelihood with each term in addition to a set, at a scale of the noise; minus infinity for terms
+    /// of the set.
     #[must_use]
     pub fn gains(&self, set: &[usize], scale: f64) -> Vec<f64> {
         let count = self.count();
@@ -328,8 +333,8 @@ impl<'w> Likelihood<'w> {
         in_parts(&all, &|&term: &usize| gain(term))
     }
 
-    /// Returns for groups that are not among the terms the best that each makes of some sets: the score of the set, as given, and by how much the logarithm of the likelihood grows with
-    /// the group beside it. All sets are parts of the first one.
+    /// Returns for groups outside the terms the best result over some sets: the given score of the set plus the increase of the logarithm of the
+    /// likelihood with the group in addition to it. All sets are subsets of the first one.
     #[must_use]
     pub fn best_with_others(
         &self,
@@ -382,7 +387,7 @@ impl<'w> Likelihood<'w> {
         let log_evidence = log_likelihood - self.evidence(&[]).1;
         let nothing = Posterior { log_evidence, scale, misfit: self.square, mean: Vec::new(), sigma: Vec::new() };
         let Some((own, root, right)) = self.decomposed(set, scale) else { return nothing };
-        // In units of the priors as they were given.
+        // In units of the given priors.
         let factors = DVector::from_iterator(own.len(), own.iter().map(|&k| self.factor_of(k)));
         let amounts = root.solve(&right).component_mul(&factors);
         let inverse = root.inverse();
@@ -402,14 +407,15 @@ impl<'w> Likelihood<'w> {
         }
     }
 
-    /// Returns how many columns a term has.
+    /// Returns the number of columns of a term.
     #[must_use]
     pub fn width(&self, term: usize) -> usize {
         self.members.get(term).map_or(0, Range::len)
     }
 }
 
-/// By how much the logarithm of the likelihood grows with columns beside a set: `with` are their products with its columns, `among` with each other.
+/// Increase of the logarithm of the likelihood with columns in addition to a set: `with` are their products with its columns, `among` those with each
+/// other.
 fn gain_of(
     root: &Cholesky<f64, Dyn>,
     amounts: &DVector<f64>,
@@ -425,21 +431,21 @@ fn gain_of(
     0.5 * rest.dot(&own.solve(&rest)) - half_log
 }
 
-/// A reading with its derivatives by the unknowns of its group.
+/// Index of a reading, and its derivatives with respect to the unknowns of its group.
 type SetupRow = (usize, Vec<(usize, f64)>);
 
-/// Unknowns of the set-ups by groups that share readings: each group touches its own readings only.
+/// Unknowns of the set-ups in groups: each group affects only its own readings.
 struct Setups {
     groups: Vec<Together>,
-    /// Unknowns that readings show.
+    /// Number of unknowns that readings show.
     rank: usize,
-    /// Half the logarithm of the determinant of their matrices: what the noise leaves of them counts when memories are compared.
+    /// Half the logarithm of the determinant of their matrices, which matters in comparisons of autocorrelations.
     half_log: f64,
 }
 
 /// Unknowns that occur in the same readings.
 struct Together {
-    /// Readings with the derivatives by its unknowns, divided by their uncertainty.
+    /// Readings with the derivatives with respect to its unknowns, divided by their uncertainty.
     rows: Vec<SetupRow>,
     count: usize,
     root: Cholesky<f64, Dyn>,
@@ -447,7 +453,7 @@ struct Together {
 
 impl Setups {
     fn new(scene: &Scene<'_>, weights: &[f64], (noise, memory): (&NoiseSeries, Memory)) -> Setups {
-        // Union of unknowns that occur in one reading.
+        // Joins unknowns that occur in the same reading.
         let mut parent: Vec<usize> = (0..scene.unknowns).collect();
         fn top(parent: &mut [usize], mut k: usize) -> usize {
             while parent[k] != k {
@@ -462,7 +468,7 @@ impl Setups {
                 parent[a.max(b)] = a.min(b);
             }
         }
-        // Noise with memory mixes the readings of a series.
+        // Decorrelation mixes the readings of a series.
         let is_mixed = memory.ratio > 0.0;
         for series in noise.series().filter(|_| is_mixed) {
             let mut first = None;
@@ -545,7 +551,7 @@ impl Setups {
         Setups { groups, rank, half_log }
     }
 
-    /// Takes what the set-ups can take from whitened values.
+    /// Subtracts the part that set-ups can explain from whitened values.
     fn take(&self, values: &mut [f64]) {
         for group in &self.groups {
             let mut right = DVector::zeros(group.count);
@@ -572,7 +578,7 @@ mod tests {
         likelihood.at(&likelihood.tridiagonal(set), scale)
     }
 
-    /// Logarithm of the density of a normal distribution with a covariance, but for its constant.
+    /// Logarithm of the density of a normal distribution with a covariance, without its constant.
     fn density(covariance: DMatrix<f64>, values: &DVector<f64>) -> f64 {
         let root = Cholesky::new(covariance).unwrap();
         let log_determinant: f64 = root.l_dirty().diagonal().iter().map(|value| 2.0 * value.ln()).sum();
@@ -601,7 +607,7 @@ mod tests {
         let covariance = |columns: &[(&[f64], f64)], scale: f64| {
             DMatrix::from_fn(count, count, |row, column| {
                 let noise = if row == column { (scale * 0.8e-3_f64).powi(2) } else { 0.0 };
-                // Nothing is known of the offset: 1 mm is a thousand times the noise.
+                // The offset is unknown: 1 mm is a thousand times the noise.
                 let offset = 1.0_f64.powi(2);
                 noise + offset + columns.iter().map(|(one, size)| size * size * one[row] * one[column]).sum::<f64>()
             })
@@ -636,7 +642,7 @@ mod tests {
             );
             assert!((at_once - own).abs() < 1e-9 * own.abs().max(1.0), "{at_once} {own}");
             assert!((one.gains(&[], scale)[0] - own).abs() < 1e-9 * own.abs().max(1.0));
-            // A more exact machine: all sizes are smaller, those of an instrument stay.
+            // A more accurate machine: all sizes are smaller, except those of an instrument.
             likelihood.factor = 0.4;
             let smaller = [0.4 * sizes[0], 0.4 * sizes[1]];
             let both = [(line.as_slice(), smaller[0]), (bow.as_slice(), smaller[1])];
@@ -672,10 +678,10 @@ mod tests {
         let weights = [1e3; 3];
         let noise = NoiseSeries::new(&scene, &weights);
         let [a, b, c] = columns;
-        // Half of the usual size for twice the column.
+        // Half of the typical size for twice the column.
         let groups = [ColumnGroup::one(a, 10e-3), ColumnGroup::one(b, 10e-3), ColumnGroup::one(c, 5e-3)];
         let likelihood = Likelihood::new(&scene, &weights, &groups, (&noise, Memory::default()));
-        // The third one is the second one times −2 and a constant.
+        // The third column is −2 times the second one plus a constant.
         assert_eq!((likelihood.kept.as_slice(), likelihood.alike.as_slice()), ([1].as_slice(), [(2, 1)].as_slice()));
     }
 }

@@ -10,8 +10,8 @@
 //! findings                            terms with the probability that they are there, sizes averaged over all explanations
 //! ```
 //!
-//! A diagnosis holds the result of its search against all sets of these terms and of the candidates of the register. [`explain`] has errors of axes alone: position-dependent and
-//! position-independent ones, backlash and play, lags.
+//! A diagnosis compares the result of its search with all sets of these terms and of the candidates of the register. [`explain`] uses only errors of
+//! axes: position-dependent and position-independent ones, backlash and lateral play, lags.
 
 pub mod assumptions;
 pub mod contest;
@@ -36,33 +36,33 @@ use term::Term;
 pub struct Explained {
     /// The terms that readings can show.
     pub terms: Vec<Term>,
-    /// Names of terms that act like one of these on everything that was measured, with the number of that one.
+    /// Names of terms with the same effect as one of these on all measured positions, with the index of that one.
     pub alike: Vec<(String, usize)>,
-    /// Explanations, the most probable first; numbers of their sets are those of `terms`.
+    /// Explanations, the most probable first; their sets contain indices of `terms`.
     pub explanations: Vec<Explanation>,
-    /// Standard deviation of the readings beside what is stated, with the first explanation.
+    /// Factor of the stated uncertainty of the readings, with the first explanation.
     pub scale: f64,
-    /// Memory of the noise; its length is in seconds if the readings have a clock, else in rows.
+    /// Autocorrelation of the noise; its length is in seconds if the readings have times, else in rows.
     pub memory: Memory,
-    /// Readings have a clock.
+    /// True if the readings have times.
     pub has_clock: bool,
 }
 
-/// A term that may be there.
+/// A term that may be present.
 #[derive(Clone, Debug)]
 pub struct ProbableTerm {
-    /// Number of the term.
+    /// Index of the term.
     pub term: usize,
-    /// Sum of the probabilities of the explanations that have it.
+    /// Sum of the probabilities of the explanations that contain it.
     pub probability: f64,
     /// Amount averaged over these, mm or rad.
     pub mean: f64,
-    /// Standard deviation over these and of each, mm or rad.
+    /// Standard deviation between and within these explanations, mm or rad.
     pub sigma: f64,
 }
 
 impl Term {
-    /// Its name for people: `EC0X`, `EXX backlash`, `EYX X order 2`.
+    /// Its displayed name: `EC0X`, `EXX backlash`, `EYX X order 2`.
     #[must_use]
     pub fn name(&self) -> String {
         format!("{} {}", self.component, self.shape).trim_end().to_owned()

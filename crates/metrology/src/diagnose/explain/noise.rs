@@ -1,20 +1,20 @@
-//! Noise with memory: white noise and an Ornstein–Uhlenbeck process in every series of readings.
+//! Autocorrelated noise: white noise and an Ornstein–Uhlenbeck process in every series of readings.
 //!
-//! A series has the readings of one value (of a displacement each of its directions is one) of one set-up and run, in their order. The process is filtered by the Kalman filter of its one state
-//! (Durbin and Koopman 2012, Time Series Analysis by State Space Methods, ch. 4): innovations divided by their standard deviations are white, and the filter is linear, so it
-//! is applied to readings and columns alike, in time that grows with the number of readings.
+//! A series contains the readings of one value (each direction of a displacement is one) in one set-up and run, in order. The Kalman filter with one
+//! state filters the process (Durbin and Koopman 2012, Time Series Analysis by State Space Methods, ch. 4). Innovations divided by their standard
+//! deviations are white. The filter is linear, so it is applied to readings and columns alike, in a time proportional to the number of readings.
 
 use std::collections::BTreeMap;
 
 use crate::diagnose::scene::NO_ROW;
 use crate::diagnose::scene::Scene;
 
-/// Variance and memory of the process beside white noise.
+/// Variance and correlation length of the process, in addition to white noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Memory {
     /// Variance of the process divided by that of the white noise; 0 for white noise alone.
     pub ratio: f64,
-    /// Time, or number of rows where there is no clock, after which the correlation has fallen to 1/e.
+    /// Time, s, or number of rows without times, after which the correlation has decreased to 1/e.
     pub length: f64,
 }
 
@@ -22,7 +22,7 @@ pub struct Memory {
 #[derive(Clone, Debug)]
 pub struct NoiseSeries {
     series: Vec<Vec<(usize, f64)>>,
-    /// Steps are seconds.
+    /// True if steps are in seconds.
     pub has_clock: bool,
     /// Longest series, s or rows.
     pub longest: f64,
@@ -31,7 +31,7 @@ pub struct NoiseSeries {
 }
 
 impl NoiseSeries {
-    /// Sorts the readings of a scene that count into series; `weights` are 1/σ of each reading, 0 for those that do not count.
+    /// Sorts the used readings of a scene into series; `weights` are 1/σ of each reading, 0 for rejected ones.
     #[must_use]
     pub fn new(scene: &Scene<'_>, weights: &[f64]) -> NoiseSeries {
         let mut places: BTreeMap<(usize, usize, bool), Vec<usize>> = BTreeMap::new();
@@ -73,12 +73,12 @@ impl NoiseSeries {
         NoiseSeries { series, has_clock, longest, step }
     }
 
-    /// Readings of each series, in their order.
+    /// Indices of the readings of each series, in order.
     pub fn series(&self) -> impl Iterator<Item = impl Iterator<Item = usize> + '_> {
         self.series.iter().map(|series| series.iter().map(|&(place, _)| place))
     }
 
-    /// Turns values, divided by the standard deviations of the readings, into white ones; returns half the logarithm of the determinant of the noise.
+    /// Whitens values that are divided by the standard deviations of the readings; returns half the logarithm of the determinant of the noise.
     pub fn whiten(&self, memory: Memory, values: &mut [f64]) -> f64 {
         if memory.ratio <= 0.0 {
             return 0.0;
@@ -102,7 +102,7 @@ impl NoiseSeries {
         half_log
     }
 
-    /// Memories to choose from: lengths from two steps to a third of the longest series, in ratios of 3.
+    /// Autocorrelations to select from: lengths from two steps to a third of the longest series, in ratios of 3.
     #[must_use]
     pub fn memories(&self) -> Vec<Memory> {
         let mut out = vec![Memory::default()];

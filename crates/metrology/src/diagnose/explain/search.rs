@@ -1,7 +1,8 @@
 //! Explanations: sets of terms with their probabilities.
 //!
-//! The score of a set is its marginal likelihood times the odds of its terms. From two starts (nothing; all simple terms at once) the search adds, drops and exchanges terms
-//! until no step improves the score. Every set that it meets within [`WITHIN`] of the best is an explanation: alternatives are part of the answer.
+//! The score of a set is its marginal likelihood times the odds of its terms. From each start (the empty set, all simple terms, and further sets such
+//! as the result of a search) the search adds, drops and exchanges terms until no step improves the score. Every visited set within [`WITHIN`] of the
+//! best is an explanation: alternatives are part of the answer.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -11,15 +12,15 @@ use super::likelihood::{Likelihood, Posterior};
 
 /// Sets whose logarithm of the score is within this of the best are kept: the others have a probability below 5·10⁻⁵.
 pub const WITHIN: f64 = 10.0;
-/// Additions and exchanges that are computed exactly in a step: those with the largest gain at the scale of the present set.
+/// Number of additions and exchanges that are evaluated exactly in a step: those with the largest gain at the scale of the current set.
 const CLOSEST: usize = 12;
-/// Terms at most, so that the search ends.
+/// Maximum number of terms, so that the search ends.
 const MOST: usize = 60;
 
 /// A set of terms.
 #[derive(Clone, Debug)]
 pub struct Explanation {
-    /// Numbers of its columns among those of the likelihood, ascending.
+    /// Indices of its terms among those of the likelihood, ascending.
     pub set: Vec<usize>,
     /// Its probability among all explanations.
     pub probability: f64,
@@ -32,11 +33,12 @@ pub struct Explanation {
 pub struct Odds {
     /// Logarithm of the odds of each term.
     pub log: Vec<f64>,
-    /// The term that is usual beside it: of an order the one below.
+    /// The term that usually accompanies it: for an order, the one below.
     pub parents: Vec<Option<usize>>,
 }
 
-/// A term without the one that is usual beside it is this factor rarer (principle of heredity: Chipman 1996, Bayesian variable selection with related predictors, Canadian Journal of Statistics 24).
+/// Factor by which a term without its usual companion is rarer (principle of heredity: Chipman 1996, Bayesian variable selection with related
+/// predictors, Canadian Journal of Statistics 24).
 const ORPHAN: f64 = 10.0;
 
 impl Odds {
@@ -52,7 +54,7 @@ impl Odds {
     }
 }
 
-/// Scores that were computed.
+/// Cached scores.
 struct Scores<'a> {
     likelihood: &'a Likelihood<'a>,
     odds: &'a Odds,
@@ -95,7 +97,7 @@ impl Scores<'_> {
         order.into_iter().take(CLOSEST).map(|(_, k)| k).collect()
     }
 
-    /// Steps from a set to the next best one until none improves.
+    /// Replaces a set by the best neighboring one until no step improves it.
     fn climb(&mut self, start: &[usize]) {
         let mut set = start.to_vec();
         let (mut scale, mut score) = self.of(&set);

@@ -1,8 +1,8 @@
-//! Terms: the effect of one more error of the machine on the readings, in a form in which each error has one name.
+//! Terms: the effect of one additional error of the machine on the readings, in a form in which each error has one name.
 //!
-//! Over the travel of its axis a straightness has no line, an angular error no mean, and a positioning error no constant: those are squareness, orientation, scale and
-//! zero (ISO 230-1). Shapes are therefore Legendre polynomials over the travel. Where two location errors act alike on everything that was measured, only the one
-//! that ISO 230-1 names is kept.
+//! Over the travel of its axis a straightness has no slope, an angular error no mean, and a positioning error no constant, as those are squareness,
+//! orientation and zero (ISO 230-1). Shapes are therefore Legendre polynomials over the travel. Of two location errors with the same effect on all
+//! measured positions, only the one named by ISO 230-1 is kept.
 
 use super::assumptions::Family;
 use crate::diagnose::cause::{Weight, axes, linear, own};
@@ -14,9 +14,10 @@ use ncfix_model::name::{DIRECTIONS, ErrorName};
 
 /// Highest order of a shape over the travel.
 const ORDERS: u8 = 4;
-/// An order or a harmonic is this much rarer than the one below it, and an order this much smaller: guideways are smooth, most of them bow before they wave.
+/// Factor of the odds of an order or a harmonic relative to the one below, and of the size of an order: guideways are smooth, and most of them bow
+/// before they wave.
 const RARER: f64 = 1.0 / 3.0;
-/// Harmonics of a turn of a rotary axis.
+/// Number of harmonics of a revolution of a rotary axis.
 const HARMONICS: u8 = 2;
 
 /// A term.
@@ -30,11 +31,11 @@ pub struct Term {
     pub shape: String,
     /// Standard deviation of the prior of its amount, mm, rad or s.
     pub size: f64,
-    /// Its share of the odds of its family: orders and harmonics of one error share them.
+    /// Its share of the odds of its family: orders and harmonics of one error share these.
     pub share: f64,
-    /// Number of the term that is usual beside it: of an order the one below.
+    /// Index of the term that usually accompanies it: for an order, the one below.
     pub parent: Option<usize>,
-    /// Effect of one unit on the component at each row; 1 at the ends of the travel.
+    /// Effect of one unit on the component at each row; for a shape over the travel, 1 at its end.
     pub weight: Weight,
 }
 
@@ -56,20 +57,20 @@ impl Term {
             .collect()
     }
 
-    /// Returns where it comes in.
+    /// Returns the path of its effect.
     #[must_use]
     pub fn through(&self) -> Through {
         Through::Component(self.component)
     }
 }
 
-/// The travel of an axis, mm or rad; what was measured where the machine file states none.
+/// The travel of an axis, mm or rad: from the machine file, else the measured range.
 fn travel(scene: &Scene<'_>, axis: Axis) -> Option<[f64; 2]> {
     let stated = scene.machine.axis(axis).and_then(|data| data.travel);
     stated.or_else(|| crate::diagnose::cause::range(scene, axis))
 }
 
-/// Legendre polynomial of an order at −1 to 1.
+/// Legendre polynomial of an order, for `u` from −1 to 1.
 fn legendre(order: u8, u: f64) -> f64 {
     let (mut before, mut now) = (1.0, u);
     if order == 0 {
@@ -82,12 +83,12 @@ fn legendre(order: u8, u: f64) -> f64 {
     now
 }
 
-/// The share of the travel at which an axis stands, −1 to 1.
+/// Position of an axis in its travel, from −1 to 1.
 fn share(axis: Axis, [low, high]: [f64; 2]) -> impl Fn(&SceneRow) -> f64 + Send + Sync + Copy + 'static {
     move |row: &SceneRow| (2.0 * row.position[axis] - low - high) / (high - low)
 }
 
-/// Returns all terms that the axes of a scene can have; those that show nothing are dropped later.
+/// Returns all terms that the axes of a scene can have; those without a visible effect are dropped later.
 #[must_use]
 pub fn terms(scene: &Scene<'_>) -> Vec<Term> {
     let mut out = Vec::new();
@@ -106,7 +107,7 @@ pub fn terms(scene: &Scene<'_>) -> Vec<Term> {
     out
 }
 
-/// A lag of an axis is an error of its own against the way that it goes; a table goes the other way round.
+/// A lag of an axis is an error along itself against its motion; for an axis that moves the table the sign is reversed.
 fn lags(scene: &Scene<'_>, out: &mut Vec<Term>) {
     for axis in linear(scene) {
         let Some(along) = scene.machine.axis(axis).and_then(|data| data.direction.get(axis.dimension()).copied())
@@ -122,7 +123,7 @@ fn lags(scene: &Scene<'_>, out: &mut Vec<Term>) {
 fn locations(scene: &Scene<'_>, out: &mut Vec<Term>) {
     let always = Weight::new(|_| 1.0);
     let mut push = |name: ErrorName, family: Family| out.push(Term::new(family, name, "", 0.0, always.clone()));
-    // The axis that is farther from the foundation has the squareness; of one on each side, that of the tool.
+    // Squareness belongs to the axis that is farther from the foundation; between the two branches, to the axis of the tool.
     let topology = &scene.machine.topology;
     let mut order: Vec<Axis> = topology.tool.iter().rev().copied().collect();
     order.extend(topology.workpiece.iter().rev().copied());
@@ -162,7 +163,7 @@ fn shapes(scene: &Scene<'_>, axis: Axis, out: &mut Vec<Term>) {
             };
             let weight = Weight::new(move |row| legendre(order, at(row)));
             let mut one = Term::new(family, component, format!("{axis} order {order}"), range[1] - range[0], weight);
-            // A scale is a family of its own.
+            // A scale has its own family.
             let lowest = if family == Family::Positioning { 2 } else { first };
             let above = order - lowest.min(order);
             one.share = share_of(above, ORDERS - lowest + 1);
@@ -173,7 +174,7 @@ fn shapes(scene: &Scene<'_>, axis: Axis, out: &mut Vec<Term>) {
     }
 }
 
-/// The share of the odds that the one of a number of orders has that is so far above the lowest.
+/// Share of the odds of an order, `above` steps over the lowest of `count` orders.
 fn share_of(above: u8, count: u8) -> f64 {
     let all: f64 = (0..count).map(|k| RARER.powi(i32::from(k))).sum();
     RARER.powi(i32::from(above)) / all
@@ -198,7 +199,7 @@ fn turns(axis: Axis, out: &mut Vec<Term>) {
 }
 
 fn plays(axis: Axis, out: &mut Vec<Term>) {
-    // Half of a reversal value on either side.
+    // A reversal value acts with half its size on either side.
     let side = Weight::new(move |row: &SceneRow| 0.5 * row.sense_of(axis));
     for component in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
         let family = match (component == own(axis), component.direction.is_rotation()) {

@@ -1,4 +1,4 @@
-//! Changes of a machine file: terms are added to those of the same kind that are there, so that none is there twice.
+//! Changes of a machine file. Terms are added to existing ones of the same kind, so that none is written twice.
 
 use ncfix_base::geometry::Axis;
 use ncfix_machine::machine::edit::{Edit, Given};
@@ -7,20 +7,20 @@ use ncfix_model::name::{ErrorKind, ErrorName};
 
 use super::{unit_of, warm};
 
-/// Positions, periods, forces are the same up to this share.
+/// Positions, periods and forces are equal within this share.
 const SAME: f64 = 1e-9;
 
-/// Waves are the same that are apart by this share of a turn at most between both ends of the travel.
+/// Waves are equal if their phases differ by less than this share of a period over the travel.
 const TOGETHER: f64 = 0.05;
 
-/// A change.
+/// A change of the machine file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
-    /// A parameter of the geometry grows, mm or rad per power.
+    /// Increases a parameter of the geometry, mm or rad per power.
     Parameter {
-        /// Which.
+        /// The parameter.
         name: ParameterName,
-        /// By how much.
+        /// The increase.
         amount: f64,
     },
     /// A wave: `sine` sin(2π q/p) + `cosine` cos(2π q/p), mm or rad.
@@ -31,7 +31,7 @@ pub enum Change {
         period: f64,
         /// Amplitudes.
         parts: [f64; 2],
-        /// From where to where it was seen, mm or degrees.
+        /// First and last position at which it was measured, mm or degrees.
         travel: [f64; 2],
     },
     /// A table, a grid or a backlash that changes along the axis.
@@ -40,13 +40,13 @@ pub enum Change {
         name: ErrorName,
         /// `table`, `grid`, `backlash`.
         kind: &'static str,
-        /// Where, mm or degrees.
+        /// Positions, mm or degrees.
         places: Vec<f64>,
-        /// The other axis of a grid and its places.
+        /// The other axis of a grid and its positions.
         with: Option<(Axis, Vec<f64>)>,
-        /// Values, µm or µrad: one row, or one for each place.
+        /// Values, µm or µrad: one row, or one for each position.
         values: Vec<Vec<f64>>,
-        /// Expanded uncertainty of each of them, in the same way.
+        /// Expanded uncertainty of each value, in the same layout.
         u95: Vec<Vec<f64>>,
     },
     /// A drift with a sensor.
@@ -60,7 +60,7 @@ pub enum Change {
         /// Its coefficient.
         um_per_k: f64,
     },
-    /// Growth of a scale.
+    /// Thermal expansion of a scale.
     Growth {
         /// The axis.
         axis: Axis,
@@ -70,10 +70,10 @@ pub enum Change {
         lag_s: f64,
         /// Its coefficient.
         um_per_m_k: f64,
-        /// Coefficient times the place where it is held, µm/K: the file has the place.
+        /// Coefficient times the fixed position, µm/K; the file stores the position.
         um_per_k: f64,
     },
-    /// What a weight does: `reference_N` and, with `lean`, at a place along a direction.
+    /// Effect of a weight: `reference_N` and, with `lean`, its position along a direction.
     Load {
         /// The component.
         name: ErrorName,
@@ -84,28 +84,28 @@ pub enum Change {
         /// The value of a location error, or the coefficients of a polynomial, mm or rad per power.
         values: Vec<f64>,
     },
-    /// An entry of a source of one's own, in a list `[[…]]`: the amounts are added to the entry that has these words and the numbers among the other keys,
-    /// or a new one is written.
+    /// An entry of a custom source in a list `[[…]]`. The amounts are added to the entry with the same texts in `words` and the same numbers in
+    /// `keys`; if there is no such entry, a new one is written.
     Entry {
         /// Its list of sections: `beam` for `[[beam]]`.
         list: &'static str,
-        /// Keys with texts that say which entry it is: `axis = "X"`.
+        /// Keys with texts that identify the entry: `axis = "X"`.
         words: Vec<(&'static str, String)>,
-        /// Keys and by how much their numbers grow, in the unit of the key: `mid_um` by −12.5.
+        /// Keys and the increases of their numbers, in the unit of the key: `mid_um` by −12.5.
         amounts: Vec<(&'static str, f64)>,
-        /// Other keys that a new entry gets. Numbers tell entries apart too: `at_mm` 300 is another entry than 500.
+        /// Other keys of a new entry. Numbers identify an entry too: `at_mm` 300 is another entry than 500.
         keys: Vec<(&'static str, Given)>,
     },
-    /// Keys of a single section `[…]` of a source of one's own, which is added if the file lacks it: the amounts are added to the numbers that stand there.
+    /// Keys of a section `[…]` of a custom source, which is added if the file lacks it. The amounts are added to its numbers.
     Section {
         /// The section: `overhang` for `[overhang]`.
         section: &'static str,
-        /// Keys and by how much their numbers grow, in the unit of the key.
+        /// Keys and the increases of their numbers, in the unit of the key.
         amounts: Vec<(&'static str, f64)>,
     },
 }
 
-/// Where a change stands in the file.
+/// Position of a change in the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Anchor {
     /// A key of a section.
@@ -126,7 +126,7 @@ pub(super) fn number(key: &str, number: f64) -> (String, Given) {
     (key.to_owned(), Given::Number(number))
 }
 
-/// Entries of a list of sections whose words are these.
+/// Entries of a list of sections with these texts.
 pub(super) fn entries<'a>(
     edit: &'a Edit,
     list: &'a str,
@@ -137,7 +137,8 @@ pub(super) fn entries<'a>(
 }
 
 impl Change {
-    /// Makes it in a text. Returns where it stands then, or why it does not go. Parameters are written by [`ncfix_model::write`].
+    /// Applies the change to a text and returns its position there, or the reason why it is impossible. Parameters are written by
+    /// [`ncfix_model::write`].
     ///
     /// # Errors
     /// A sentence without a full stop.
@@ -218,7 +219,7 @@ fn wave(
     let (amplitude, phase) = (format!("amplitude_{unit}"), "phase_deg");
     let key = if name.axis().is_some_and(Axis::is_rotary) { "period_deg" } else { "period_mm" };
     let words = [("component", name.to_string()), ("kind", "periodic".to_owned())];
-    // Waves that stay together over the travel are one.
+    // Waves that stay in phase over the travel are one wave.
     let apart = |own: f64| 1.0 / period - 1.0 / own;
     let found = entries(edit, "motion", &words).find_map(|index| {
         let own = edit.number("motion", index, key).filter(|&own| apart(own).abs() * (high - low).abs() < TOGETHER)?;
@@ -228,7 +229,7 @@ fn wave(
     if let Some((index, own)) = found {
         let old = edit.number("motion", index, &amplitude)?;
         let angle = edit.number("motion", index, phase).unwrap_or(0.0).to_radians();
-        // With the period of the other, in step in the middle.
+        // Converted to the period of the existing wave, in phase in the middle of the travel.
         let (turned, straight) = (std::f64::consts::TAU * apart(own) * f64::midpoint(low, high)).sin_cos();
         (sine, cosine) = (sine * straight - cosine * turned, sine * turned + cosine * straight);
         sine += old * angle.cos();
@@ -256,7 +257,7 @@ fn entry(
     amounts: &[(&'static str, f64)],
     keys: &[(&'static str, Given)],
 ) -> Option<Anchor> {
-    // An entry at another place is another one.
+    // An entry at another position is another entry.
     let is_there = |index: usize| {
         keys.iter().all(|(key, given)| match given {
             Given::Number(wanted) => edit.number(list, index, key).is_some_and(|own| same(own, *wanted)),
@@ -285,7 +286,7 @@ fn of_section(edit: &mut Edit, section: &'static str, amounts: &[(&'static str, 
     amounts.first().map(|(key, _)| Anchor::Key(section, (*key).to_owned()))
 }
 
-/// To 1 pm, or 1e-6 of a degree.
+/// Rounds to 1 pm, or to 1e-6 of a degree.
 pub(super) fn rounded(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }

@@ -1,4 +1,4 @@
-//! Entries of findings that have a form of their own in the machine file: waves, temperatures, weights.
+//! Entries of causes with their own form in the machine file: waves, temperatures, weights.
 
 use ncfix_base::units::um_from_mm;
 use ncfix_model::name::ErrorKind;
@@ -9,11 +9,11 @@ use super::super::verdict::AcceptedCause;
 use super::change::{Change, rounded};
 use super::component;
 
-/// Parts in a million: µm/(m K).
+/// Parts per million: µm/(m K).
 const MILLION: f64 = 1e6;
-/// An axis that is so straight along a coordinate is along it.
+/// Largest deviation of the direction of an axis from a coordinate.
 const ALONG: f64 = 1e-6;
-/// The weight and the arm with which columns of loads count, N and mm.
+/// Units of the weight, N, and of the arm, mm, in columns of loads.
 const LOAD: [f64; 2] = [1000.0, 100.0];
 
 pub(super) fn periodic(one: &AcceptedCause, scene: &Scene<'_>) -> Result<Vec<Change>, String> {
@@ -28,7 +28,7 @@ pub(super) fn periodic(one: &AcceptedCause, scene: &Scene<'_>) -> Result<Vec<Cha
     Ok(vec![Change::Wave { name, period, parts: [*sine, *cosine], travel }])
 }
 
-/// The name of a sensor by its column.
+/// Name of a sensor, from its column.
 fn sensor_of(candidate: &Candidate) -> Option<String> {
     let column = candidate.sensor.as_deref()?;
     Some(column.strip_suffix("_C").unwrap_or(column).to_owned())
@@ -91,7 +91,7 @@ pub(super) fn drift(one: &AcceptedCause) -> Result<Vec<Change>, String> {
     Ok(vec![Change::Drift { direction, sensor, lag_s: lag_of(candidate), um_per_k }])
 }
 
-/// Columns are weight/1000 N · share of the travel to a power, and the same times place/100 mm.
+/// Columns: weight/1000 N times a power of the scaled position, and these times position/100 mm.
 pub(super) fn load(one: &AcceptedCause, scene: &Scene<'_>) -> Result<Vec<Change>, String> {
     const NO: &str = "it is not a load effect on one component of the error";
     let candidate = &one.candidate;
@@ -112,7 +112,7 @@ pub(super) fn load(one: &AcceptedCause, scene: &Scene<'_>) -> Result<Vec<Change>
         };
     };
     let [low, high] = super::super::cause::range(scene, axis).ok_or(NO)?;
-    // Powers of the share (2x − low − high)/(high − low) by x.
+    // Powers of the scaled position (2x − low − high)/(high − low), written as powers of x.
     let (factor, middle) = (2.0 / (high - low), f64::midpoint(low, high));
     let powers = |[flat, slope, bend]: [f64; 3]| {
         vec![

@@ -1,4 +1,4 @@
-//! Laws over places and senses as tables: a shape is read off where it bends.
+//! Functions of positions and directions, written as tables with points where they bend.
 
 use ncfix_base::geometry::{AXES, Axis};
 use ncfix_model::name::{DIRECTIONS, ErrorKind, ErrorName};
@@ -10,16 +10,16 @@ use super::super::verdict::AcceptedCause;
 use super::change::{Change, rounded};
 use super::unit_of;
 
-/// Places along an axis at which a law is looked at, beside those where it says that it bends.
+/// Number of points along an axis at which a function is sampled, in addition to its knots.
 const LOOKS: usize = 33;
-/// A step is so wide, as a share of the travel.
+/// Width of a step, as a share of the travel.
 const STEP: f64 = 1e-5;
-/// Straight lines between places of a table are off by this share of the largest value at most.
+/// Largest deviation of straight lines between table points, as a share of the largest value.
 const OFF: f64 = 5e-3;
-/// Directions are the same up to this share.
+/// Directions are equal within this share.
 const SAME: f64 = 1e-6;
 
-/// On what a law depends.
+/// Drivers of a function.
 struct Drivers {
     places: Vec<Axis>,
     senses: Vec<Axis>,
@@ -42,7 +42,7 @@ fn drivers(one: &AcceptedCause) -> Result<Drivers, String> {
     Ok(out)
 }
 
-/// The component that a law acts on, and the factor of the component in what it says.
+/// The component on which a function acts, and the factor of the component in its value.
 fn component_of(one: &AcceptedCause, scene: &Scene<'_>, drivers: &Drivers) -> Result<(ErrorName, f64), String> {
     let mut all = one.candidate.columns.iter().flatten().map(|(through, _)| *through);
     let first = all.next().ok_or("it has no shape")?;
@@ -68,14 +68,14 @@ fn component_of(one: &AcceptedCause, scene: &Scene<'_>, drivers: &Drivers) -> Re
     }
 }
 
-/// A law where it was measured.
+/// A function over the measured range.
 struct Law<'a> {
     one: &'a AcceptedCause,
     row: SceneRow,
     low: ncfix_base::geometry::AxisVector,
     high: ncfix_base::geometry::AxisVector,
     factor: f64,
-    /// Weights of the place from which on values are told; none where they are as they were found.
+    /// Weights at the reference position, which are subtracted; empty if the values are absolute.
     zero: Vec<f64>,
 }
 
@@ -95,7 +95,7 @@ impl Law<'_> {
         [self.factor * value, EXPANDED * self.factor.abs() * sigma]
     }
 
-    /// Where an axis is looked at.
+    /// Positions at which the function is sampled along an axis.
     fn looks(&self, axis: Axis) -> Vec<f64> {
         let (low, high) = (self.low[axis], self.high[axis]);
         let step = STEP * (high - low);
@@ -112,7 +112,7 @@ impl Law<'_> {
     }
 }
 
-/// Numbers of the places that a table needs, so that straight lines between them say all rows.
+/// Indices of the table points for which linear interpolation reproduces all rows.
 fn needed(places: &[f64], rows: &[Vec<f64>]) -> Vec<usize> {
     let most = rows.iter().flatten().fold(0.0, |most, value| f64::max(most, value.abs()));
     let last = places.len().saturating_sub(1);
@@ -137,17 +137,17 @@ fn needed(places: &[f64], rows: &[Vec<f64>]) -> Vec<usize> {
     kept
 }
 
-/// Places as the file has them.
+/// Positions in the unit of the file, mm or degrees.
 fn shown(axis: Axis, places: impl Iterator<Item = f64>) -> Vec<f64> {
     places.map(|place| rounded(if axis.is_rotary() { place.to_degrees() } else { place })).collect()
 }
 
-/// Values as the file has them, to 10 pm.
+/// Values rounded to 10 pm, as in the file.
 fn coarse(values: impl Iterator<Item = f64>) -> Vec<f64> {
     values.map(|value| (value * 1e5).round() / 1e5).collect()
 }
 
-/// A table over one axis, a grid over two, or play that changes along the axis.
+/// A table over one axis, a grid over two, or a backlash that changes along the axis.
 pub(super) fn law(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Result<Change, String> {
     let drivers = drivers(one)?;
     let (name, sign) = component_of(one, scene, &drivers)?;
@@ -179,7 +179,7 @@ pub(super) fn law(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Result
         _ => Err("it depends on more than two axes".into()),
     };
     let mut found = change(&law)?;
-    // A set-up with a zero of its own does not tell what all places have in common: it may be anything.
+    // The value common to all positions is not identifiable in a set-up with its own zero.
     if matches!(&found, Change::Shape { kind, values, .. } if *kind != "backlash" && is_offset(values)) {
         let mut row = law.row.clone();
         drivers.places.iter().for_each(|&axis| row.position[axis] = law.low[axis]);
@@ -188,7 +188,7 @@ pub(super) fn law(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Result
     }
     let change = found;
     match &change {
-        // Where the tool reaches other places than the axes do, or what else counts is not known.
+        // The tool reaches other positions than the axes, or another driver is unknown.
         Change::Shape { values, .. } if values.iter().flatten().all(|value| *value == 0.0) => Err(
             "it depends on the position in the workpiece, but errors of the machine file depend on positions of axes"
                 .into(),
@@ -197,7 +197,7 @@ pub(super) fn law(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Result
     }
 }
 
-/// Whether all values have more in common than they differ by.
+/// True if the value common to all exceeds their differences.
 fn is_offset(values: &[Vec<f64>]) -> bool {
     let all = || values.iter().flatten().copied();
     let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
@@ -211,7 +211,7 @@ fn line(law: &Law<'_>, name: ErrorName, own: Axis, sense: Option<Axis>) -> Resul
         let [up, down] = [1, -1].map(|sign| at(place, sense.map(|axis| (axis, sign)))[0]);
         (up + down).abs() <= 1e-9 * up.abs().max(down.abs())
     };
-    // What turns over with the sense is play: the whole of it.
+    // A value that reverses with the direction is a backlash; the file stores the full width.
     let (kind, times, sense) = match sense {
         Some(axis) if looks.iter().all(is_odd) => ("backlash", 2.0, Some((axis, 1))),
         Some(_) => {
@@ -259,14 +259,14 @@ mod tests {
         assert!(!is_offset(&[vec![0.0, 0.0, 12.0]]));
         assert!(!is_offset(&[vec![2.0, 12.0], vec![3.0, 4.0]]));
         assert!(!is_offset(&[vec![-4.0, 3.0]]));
-        // A constant alone is what was found.
+        // A constant alone is a result of its own.
         assert!(!is_offset(&[vec![5.0, 5.0]]));
     }
 
     #[test]
     fn a_straight_line_needs_its_ends_and_a_bend_its_place() {
         let places = [10.0, 20.0, 40.0, 50.0];
-        // 3 per mm throughout; and half of it from 20 on.
+        // 3 per mm throughout; then half of it from 20.
         assert_eq!(needed(&places, &[vec![0.0, 30.0, 90.0, 120.0]]), [0, 3]);
         assert_eq!(needed(&places, &[vec![0.0, 30.0, 60.0, 75.0]]), [0, 1, 3]);
     }
@@ -285,7 +285,7 @@ mod tests {
             (low[Axis::X], high[Axis::X]) = (0.0, 100.0);
             line(&Law { one: &one, row, low, high, factor: 1.0, zero: vec![0.0] }, component, Axis::X, Some(Axis::X))
         };
-        // From one side to the other it is 2 less −2.
+        // The full width is 2 − (−2).
         let Ok(Change::Shape { kind: "backlash", values, .. }) = of(0.0) else { panic!("{:?}", of(0.0)) };
         assert!(values[0].iter().all(|value| *value == 4.0), "{values:?}");
         assert!(of(0.5).unwrap_err().contains("does not reverse with it"));

@@ -1,7 +1,8 @@
-//! What findings add to the machine file: parameters of the geometry, and entries for what is no parameter, each with its size and evidence beside it.
+//! Extension of the machine file by accepted causes: parameters of the geometry, and entries for everything else, each with its size and evidence in
+//! a note.
 //!
-//! [`extension`] says for every finding which [`Change`]s of the file hold it, or why none does. [`change`] makes them in the text, [`note`] says what is
-//! written beside them.
+//! [`extension`] returns for every cause the [`Change`]s of the file that hold it, or the reason why none does. [`change`] applies them to the text,
+//! and [`note`] writes the notes.
 
 pub mod change;
 mod entry;
@@ -28,23 +29,25 @@ pub use change::{Anchor, Change};
 
 /// µrad in a rad.
 const MICRO: f64 = 1e6;
-/// A constant that is told so many times worse than the size of the whole is one of the set-ups.
+/// A constant belongs to the set-ups if its uncertainty exceeds that of the size by this factor.
 const VAGUE: f64 = 30.0;
 
-/// No machine is so far from its model, mm.
+/// Largest plausible deviation of a machine from its model, mm.
 const MOST_MM: f64 = 1.0;
-/// A polynomial is not trusted beyond what was measured where it does this share more there, looked at so many places of the travel.
+/// A polynomial is not used beyond the measured range if its range of values increases there by more than this share, sampled at this number of
+/// points of the travel.
 const REACHES: f64 = 0.5;
 const LOOKS: u32 = 64;
-/// A finding that does so many times what the model leaves is cancelled by others.
+/// A cause is cancelled by others if its effect exceeds the residual of the model by this factor.
 const CANCELS: f64 = 1.5;
 
-/// A finding is surely there beyond this probability.
+/// A cause with at least this probability is certainly present.
 const SURELY: f64 = 0.95;
-/// Findings whose doings have less than this correlation, negative, are parts of one.
+/// Effects with a correlation below the negative of this are parts of one effect.
 const AGAINST: f64 = 0.3;
 
-/// The changes for every finding of a diagnosis, or why the machine file cannot hold it. The first measurements of the scene were `used`.
+/// The changes for every cause of a diagnosis, or the reason why the machine file cannot hold it. `used` is the number of measurements used, the
+/// first ones of the scene.
 #[must_use]
 pub fn extension(found: &DiagnosedCauses, scene: &Scene<'_>, used: usize) -> Vec<Result<Vec<Change>, String>> {
     let left = present(found).unwrap_or(found.used.before.rms);
@@ -58,7 +61,7 @@ pub fn extension(found: &DiagnosedCauses, scene: &Scene<'_>, used: usize) -> Vec
     out
 }
 
-/// Residual of the model, mm or rad, had the machine been in all files as it is in the last one; `None` if it did not change between files.
+/// Residual of the model, mm or rad, if the machine had always been as it is in the last file; `None` if it did not change between files.
 fn present(found: &DiagnosedCauses) -> Option<f64> {
     let earlier: Vec<&AcceptedCause> =
         found.findings.iter().filter(|one| one.candidate.cause.effect == EffectKind::Earlier).collect();
@@ -75,10 +78,10 @@ fn present(found: &DiagnosedCauses) -> Option<f64> {
     Some((sum / count.max(1.0)).sqrt())
 }
 
-/// The changes for one more finding beside others, or why the machine file cannot hold it; `left` is the residual of the model, mm or rad.
+/// The changes for an additional cause, or the reason why the machine file cannot hold it; `left` is the residual of the model, mm or rad.
 ///
 /// # Errors
-/// Why it cannot.
+/// The reason why it cannot.
 pub(super) fn of_one(
     one: &AcceptedCause,
     left: f64,
@@ -87,15 +90,16 @@ pub(super) fn of_one(
     is_sound(one, left).and_then(|()| changes(one, scene, used))
 }
 
-/// The changes for a term that a person states, or why the machine file cannot hold it.
+/// The changes for a term stated by the user, or the reason why the machine file cannot hold it.
 ///
 /// # Errors
-/// Why it cannot.
+/// The reason why it cannot.
 pub(super) fn of_stated(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Result<Vec<Change>, String> {
     changes(one, scene, used)
 }
 
-/// Of the findings that would be written the one without which what is written would say the readings better.
+/// The cause whose removal most improves the fit of the written causes to the readings; `None` if no removal improves it, or if all causes are
+/// written.
 fn leaning(found: &DiagnosedCauses, scene: &Scene<'_>, written: &[Result<Vec<Change>, String>]) -> Option<usize> {
     let is_written = |number: &usize| written.get(*number).is_some_and(Result::is_ok);
     let numbers: Vec<usize> = (0..found.findings.len()).filter(is_written).collect();
@@ -111,13 +115,13 @@ fn leaning(found: &DiagnosedCauses, scene: &Scene<'_>, written: &[Result<Vec<Cha
         let counted = items.filter(|(_, (item, counts))| **counts && item.sigma.is_finite() && item.sigma > 0.0);
         counted.map(|(place, (item, _))| (left(place) / item.sigma).powi(2)).sum()
     };
-    // What nearly cancels a part of what is not written is a part of that.
+    // A cause that nearly cancels a part of an unwritten one belongs to that one.
     let doing = |number: usize| found.findings.get(number).map_or(&[][..], |one| one.doing.as_slice());
     let cancels = |one: usize, other: usize| {
         let [own, with, others] = [(one, one), (one, other), (other, other)].map(|(a, b)| dot(doing(a), doing(b)));
         with < -AGAINST * (own * others).sqrt()
     };
-    // Two that are surely both there are no parts of one.
+    // Two causes that are both certainly present are not parts of one.
     let is_sure = |number: usize| {
         let Some(one) = found.findings.get(number) else { return false };
         let name = |one: &AcceptedCause| (one.candidate.cause.effect, one.candidate.parameter.clone());
@@ -144,11 +148,11 @@ fn leaning(found: &DiagnosedCauses, scene: &Scene<'_>, written: &[Result<Vec<Cha
     (worst.0 <= whole).then_some(worst.1)
 }
 
-/// Refuses what a program must not be moved by: a wave whose period is not told; terms that nearly cancel each other are far larger than all that is left, and what is less sure than it is
-/// large may as well have the other sign.
+/// Refuses causes that must not move a program: a wave whose period is not identifiable; terms that nearly cancel each other and so far exceed the
+/// residual; a cause whose uncertainty exceeds its size, so that even its sign is open.
 ///
 /// # Errors
-/// Why it must not.
+/// The reason for the refusal.
 fn is_sound(one: &AcceptedCause, left: f64) -> Result<(), String> {
     if largest(one.size.unit).is_some_and(|most| one.size.value.abs() > most) || one.rms > MOST_MM {
         return Err(
@@ -190,7 +194,7 @@ fn is_sound(one: &AcceptedCause, left: f64) -> Result<(), String> {
     Ok(())
 }
 
-/// Why what is in doubt is not corrected.
+/// The reason why a cause with an extrapolation risk is not corrected.
 fn doubtful(doubt: &ExtrapolationRisk) -> String {
     if doubt.rivals.is_empty() {
         return format!("over the whole travel its uncertainty exceeds its size; measure {}", doubt.separate_by);
@@ -204,7 +208,7 @@ fn doubtful(doubt: &ExtrapolationRisk) -> String {
     )
 }
 
-/// The largest of a unit that a machine may have.
+/// Largest plausible size in a unit.
 fn largest(unit: &str) -> Option<f64> {
     match unit {
         "um" => Some(um_from_mm(MOST_MM)),
@@ -217,14 +221,14 @@ fn changes(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Result<Vec<Ch
     let candidate = &one.candidate;
     if let Term::Parameters(names) = &candidate.term {
         let all = names.iter().zip(&one.amounts.values).enumerate();
-        // What depends on the others is 0 and stays so. A constant that set-ups take up as well is as large as it likes.
+        // An amount that depends on the others is 0 and stays 0. A constant that set-ups can absorb is arbitrary.
         let sizes = one.size.u95 / MICRO;
         let is_told = |&(k, (name, amount)): &(usize, (&ParameterName, &f64))| {
             let is_constant = names.len() > 1 && name.term == ComponentTerm::Coefficient(0);
             *amount != 0.0 && !(is_constant && one.amounts.u95(k) > VAGUE * sizes)
         };
         if reaches_out(candidate, &one.amounts.values, scene, used) {
-            // The same without what set-ups take up as well, where it was measured, and beyond it as it is at the last places.
+            // Without amounts that set-ups can absorb: the fitted shape over the measured range, and constant beyond it.
             let mut told = one.clone();
             for ((k, (_, amount)), own) in all.clone().zip(&mut told.amounts.values) {
                 if !is_told(&(k, (&names[k], amount))) {
@@ -270,7 +274,7 @@ fn changes(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Result<Vec<Ch
     }
 }
 
-/// Whether a shape of one axis that is no straight line does more where was not measured than where it was.
+/// True if a shape of one axis that is not a straight line has a larger effect outside the measured range than inside.
 fn reaches_out(candidate: &Candidate, amounts: &[f64], scene: &Scene<'_>, used: usize) -> bool {
     let Some(axis) = component(candidate).and_then(|name| name.axis()).filter(|axis| !axis.is_rotary()) else {
         return false;
@@ -298,7 +302,7 @@ fn reaches_out(candidate: &Candidate, amounts: &[f64], scene: &Scene<'_>, used: 
     (inside[0] - outside[0]).max(outside[1] - inside[1]) > REACHES * (inside[1] - inside[0])
 }
 
-/// The component through which all columns act, where there is one.
+/// The component through which all columns act; `None` if there are several.
 fn component(candidate: &Candidate) -> Option<ErrorName> {
     let mut all = candidate.columns.iter().flatten().map(|(through, _)| *through);
     let Through::Component(name) = all.next()? else { return None };
@@ -311,7 +315,7 @@ fn unit_of(name: ErrorName) -> (f64, &'static str) {
     if name.direction.is_rotation() { (urad_from_rad(1.0), "urad") } else { (um_from_mm(1.0), "um") }
 }
 
-/// What a finding does to every reading of a scene, mm or rad.
+/// The effect of a cause on every reading of a scene, mm or rad.
 fn doing(one: &AcceptedCause, scene: &Scene<'_>) -> Vec<f64> {
     let mut out = vec![0.0; scene.items.len()];
     for (parts, amount) in one.candidate.columns.iter().zip(&one.amounts.values) {
@@ -326,7 +330,7 @@ fn doing(one: &AcceptedCause, scene: &Scene<'_>) -> Vec<f64> {
     out
 }
 
-/// The effect on every reading of a scene of the findings that the file does not hold, mm or rad.
+/// The effect on every reading of a scene of the causes that the file does not hold, mm or rad.
 #[must_use]
 pub fn effect_of_others(found: &DiagnosedCauses, scene: &Scene<'_>, holds: &[bool]) -> Vec<f64> {
     let mut away = vec![0.0; scene.items.len()];
@@ -336,8 +340,8 @@ pub fn effect_of_others(found: &DiagnosedCauses, scene: &Scene<'_>, holds: &[boo
     away
 }
 
-/// The measurements that were used, without readings that did not count and without what findings do that the file does not hold: what the
-/// terms that it holds are fitted to again. `None` where these findings cannot be taken out of the readings.
+/// The used measurements, without rejected readings and without the effects of causes that the file does not hold. The terms in the file are fitted
+/// to them again. `None` if these effects cannot be subtracted from the readings.
 #[must_use]
 pub fn cleaned(found: &DiagnosedCauses, scene: &Scene<'_>, used: usize, holds: &[bool]) -> Option<Vec<DataSet>> {
     let mut sets: Vec<DataSet> = scene.sets.iter().take(used).cloned().collect();
@@ -352,7 +356,7 @@ pub fn cleaned(found: &DiagnosedCauses, scene: &Scene<'_>, used: usize, holds: &
         match value {
             Some(_) if !counts => *value = None,
             Some(value) => *value -= away,
-            // A probing has no values: what it reads is where the axes stand.
+            // A probing has no values: its reading is the positions of the axes.
             None if !counts => out.push((row.set, row.number)),
             None if is_less => return None,
             None => {}
@@ -368,7 +372,7 @@ pub fn cleaned(found: &DiagnosedCauses, scene: &Scene<'_>, used: usize, holds: &
     Some(sets)
 }
 
-/// Parameters of a model that is extended, which a fit of all finds again: those to which errors are proportional, and time constants of drifts.
+/// Parameters of an extended model that a joint fit determines again: those to which errors are proportional, and time constants of drifts.
 #[must_use]
 pub fn again(original: &ErrorModel, read: &ErrorModel, changes: &[Change]) -> Vec<Parameter> {
     let of = |errors: &ErrorModel| -> Vec<Parameter> {
@@ -376,7 +380,7 @@ pub fn again(original: &ErrorModel, read: &ErrorModel, changes: &[Change]) -> Ve
     };
     let known: Vec<(String, u64)> =
         of(original).iter().map(|one| (one.to_string(), one.get(original).to_bits())).collect();
-    // What is new, and what is not what it was.
+    // New parameters, and those with a changed value.
     let new = of(read).into_iter().filter(|one| !known.contains(&(one.to_string(), one.get(read).to_bits())));
     let is_lag = |name: &str| name.starts_with("drift.") && name.ends_with(".lag_s");
     let mut out: Vec<Parameter> = new.filter(|one| one.is_linear() || is_lag(&one.to_string())).collect();
@@ -391,12 +395,12 @@ pub fn again(original: &ErrorModel, read: &ErrorModel, changes: &[Change]) -> Ve
     out
 }
 
-/// What can be done about a finding, in words.
+/// The remedy for a cause, as text.
 fn remedy(candidate: &Candidate) -> &'static str {
     match candidate.cause.correctable {
         Correctable::Program => "a corrected program removes it",
         Correctable::Live => "only live readings can remove it",
-        // What the file has as a table needs no name.
+        // A table in the file corrects an effect without a known cause.
         Correctable::No => "a corrected program removes it, whatever its cause",
     }
 }
@@ -434,7 +438,7 @@ mod tests {
         let why = |um: f64, rms: f64| is_sound(&finding(um, rms), 10.0).err().unwrap_or_default();
         assert_eq!(why(900.0, 0.9), "");
         assert!(why(1100.0, 0.5).contains("not plausible for a machine"));
-        // A small size may do much to the readings.
+        // A small size may have a large effect on the readings.
         assert!(why(500.0, 1.1).contains("not plausible for a machine"));
     }
 
@@ -460,7 +464,7 @@ mod tests {
             sets.iter().map(|set| set.observations.iter().map(|one| one.values[0].map(round)).collect()).collect()
         };
         let all = |um: f64| (0..12).map(|row| (row != 3).then_some(um)).collect::<Vec<_>>();
-        // What the file holds stays in the readings, what it does not is taken away.
+        // The effects of causes in the file stay in the readings, those of the others are subtracted.
         assert_eq!(reads(true), [all(1.0)]);
         assert_eq!(reads(false), [all(0.75)]);
     }

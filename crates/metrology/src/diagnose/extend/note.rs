@@ -1,21 +1,21 @@
-//! What is written beside terms that a diagnosis added: sizes, evidence, rivals, what it takes to correct them.
+//! Notes for terms added by a diagnosis: size, evidence, other explanations, needs of a correction.
 
 use super::super::cause::{Correctable, EffectKind};
 use super::super::verdict::AcceptedCause;
 use super::{Change, remedy};
 use ncfix_base::number::probability;
 
-/// A line that says what a diagnosis added begins with this.
+/// Beginning of a line on an added cause.
 pub const HEAD: &str = "diagnosed:";
-/// A line that says what it found and did not add begins with this.
+/// Beginning of a line on a cause that was found and not added.
 pub const LEFT_OUT: &str = "# not corrected:";
 /// Smallest p-value that is written as a number.
 const LEAST_P: f64 = 1e-12;
-/// So many rivals, and values with their uncertainties, are said.
+/// Maximum numbers of other explanations, and of values with uncertainties, in a note.
 const MOST: usize = 3;
 const VALUES: usize = 16;
 
-/// Names of the measurements that were used, and of those held out.
+/// Names of the measurements that were used, and of the held-out ones.
 #[derive(Clone, Debug, Default)]
 pub struct Files {
     /// Used.
@@ -31,7 +31,7 @@ fn size(one: &AcceptedCause) -> String {
     format!("{} {:.digits$} ± {:.digits$} {} (95 %)", name.trim_end(), one.size.value, one.size.u95, one.size.unit)
 }
 
-/// The lines beside a term; `fitted` are parameters of it that were fitted again: name, value, standard uncertainty, unit.
+/// The note for a term; `fitted` are its parameters from the joint fit: name, value, standard uncertainty, unit.
 #[must_use]
 pub fn lines(
     one: &AcceptedCause,
@@ -97,13 +97,13 @@ pub fn lines(
     out
 }
 
-/// The line on a finding that the file does not hold.
+/// The line on a cause that the file does not hold.
 #[must_use]
 pub fn left_out(one: &AcceptedCause, why: &str) -> String {
     format!("{LEFT_OUT} {}: {}", size(one), why.trim()).replace(char::is_control, " ")
 }
 
-/// A text without such lines: those of an earlier diagnosis.
+/// A text without the lines on causes that were not added: those of an earlier diagnosis.
 #[must_use]
 pub fn without_left_out(text: &str) -> String {
     let mut out = String::with_capacity(text.len());

@@ -1,4 +1,4 @@
-//! Changes of what goes with temperatures.
+//! Changes of temperature-dependent terms: drifts and thermal expansion.
 
 use ncfix_base::geometry::Axis;
 use ncfix_machine::machine::edit::{Edit, Given};
@@ -13,7 +13,7 @@ fn term(sensor: &str, lag_s: f64, um_per_k: f64) -> Vec<(String, Given)> {
     own
 }
 
-/// Adds a coefficient to a sensor with this lag, or the sensor.
+/// Adds a coefficient to a sensor with this lag, or adds the sensor.
 fn add(edit: &mut Edit, index: usize, (sensor, lag_s): (&str, f64), um_per_k: f64) -> Option<()> {
     let known = (0..edit.length(LIST, index, "sensors")).find(|k| {
         let lag = edit.number(LIST, index, &format!("sensors[{k}].lag_s")).unwrap_or(0.0);
@@ -27,7 +27,7 @@ fn add(edit: &mut Edit, index: usize, (sensor, lag_s): (&str, f64), um_per_k: f6
     edit.set_at(LIST, index, &path, &Given::Number(sum)).then_some(())
 }
 
-/// A sensor goes into every entry of the direction: at each place of an axis it adds the same.
+/// Adds a sensor to every entry of the direction, so that it contributes the same at each position of an axis.
 pub(super) fn drift(edit: &mut Edit, direction: &str, sensor: (&str, f64), um_per_k: f64) -> Option<Anchor> {
     let words = [("direction", direction.to_owned())];
     let found: Vec<usize> = entries(edit, LIST, &words).collect();
@@ -39,7 +39,8 @@ pub(super) fn drift(edit: &mut Edit, direction: &str, sensor: (&str, f64), um_pe
     Some(Anchor::Entry(LIST, first))
 }
 
-/// An axis has one scale. What goes with another sensor is no drift either: that ends where the zero point is set, and lengths stay wrong.
+/// Adds thermal expansion of a scale. An axis has one scale, so another sensor is refused. Its effect is no drift either: a drift ends when the zero
+/// point is set, but the lengths stay wrong.
 pub(super) fn growth(
     edit: &mut Edit,
     axis: Axis,

@@ -1,9 +1,9 @@
-//! Shapes over a plate that say all of what is there.
+//! Tests: shapes over a plate explain all of a matching effect.
 
 use super::*;
 use crate::diagnose::bench;
 
-/// Points of 24 by 12 places in X and Y, 10 mm apart, and what says so much at each of them.
+/// Points at 24 by 12 positions in X and Y, 10 mm apart, with a value at each.
 fn found(
     at: impl Fn(f64, f64) -> f64,
     look: impl Fn(&Empirical, &[[f64; 2]], &mut Vec<(f64, Form)>),
@@ -38,7 +38,7 @@ fn a_bump_is_found_where_it_is() {
     let found = found(bump, |all, sums, out| all.bumps(sums, 0.0, out));
     let [(worth, Form::Bump(0, 1, at, wide))] = found.as_slice() else { panic!("{found:?}") };
     assert!((at[0] - 150.0).abs() < 5.0 && (at[1] - 60.0).abs() < 5.0 && (15.0..25.0).contains(wide), "{at:?} {wide}");
-    // Its squares over places 10 mm apart are π 20² / 10² where it is far from the ends.
+    // The sum of its squares over positions 10 mm apart is π 20² / 10² if it is far from the ends.
     assert!((worth / (4.0 * std::f64::consts::PI) - 1.0).abs() < 0.05, "{worth}");
 }
 
@@ -55,7 +55,8 @@ fn a_product_says_all_of_itself_beside_both() {
         );
         found[0].0
     });
-    // Σ x² Σ y² over 24 and 12 places about their middles, (n³ − n)/12 each: 1150 · 100 · 143 · 100 · 1e-6; with 12 · 1150 · 100 · 1e-4 of X alone.
+    // Σ x² Σ y² over 24 and 12 positions about their middles, (n³ − n)/12 each: 1150 · 100 · 143 · 100 · 1e-6; plus 12 · 1150 · 100 · 1e-4 of X
+    // alone.
     assert!((both - 1644.5).abs() < 1e-6, "{both}");
     assert!((all - 1644.5 - 138.0).abs() < 1e-6, "{all}");
 }
