@@ -1,9 +1,9 @@
-//! Columns that are exchanged, and columns or components with the wrong sign.
+//! Exchanged columns, and columns or components with the wrong sign.
 //!
-//! All permutations and signs of the columns of readings are tried, then those of the positions of the linear axes, each with the best set-ups that it
-//! allows. Only where the readings as they are do not fit, others fit to the noise, and the simplest of these is clear, it is said. A machine may have
-//! errors of its own beside that: what grows with an axis, turns over with its sense or bends over it is let go with all ways alike where they do not
-//! fit without.
+//! The check tests all permutations and signs of the reading columns, then those of the positions of the linear axes, each with its best set-ups. It
+//! reports a fault only if the given readings do not fit, another assignment fits to the noise, and the simplest such assignment is clear. The
+//! machine may have errors of its own. If no assignment fits without them, terms proportional to an axis, reversing with its direction or bending
+//! over it are allowed for all assignments alike.
 
 use super::exchanged_positions::{self, Turned};
 use super::readings::{Allowance, WeighedReadings};
@@ -20,32 +20,32 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     look,
 };
 
-/// What is left in squares of the noise where readings fit.
+/// Largest mean squared residual of readings that fit, in squares of the noise.
 const FITS: f64 = 4.0;
-/// Where nothing but noise is left.
+/// Largest mean squared residual of readings with nothing but noise.
 const CLEAN: f64 = 1.7;
-/// As they are they leave at least so many times more.
+/// Smallest ratio of the residual of the given readings to the best residual.
 const WORSE: f64 = 2.5;
-/// And so much where causes go with them.
+/// Smallest mean squared residual of the given readings if causes are fitted too, in squares of the noise.
 const MUCH: f64 = 9.0;
-/// Explanations within this factor are as good as each other.
+/// Assignments with residuals within this factor are equally good.
 const TIE: f64 = 1.15;
-/// Columns that are exchanged or reversed, where causes go with the readings, at most: two.
+/// Maximum number of exchanged or reversed columns if causes are fitted too.
 const SIMPLE: usize = 2;
-/// Runs in which it is so at least, where a cause beside it hides how well it fits.
+/// Minimum number of runs that show it, if a cause of the machine hides the quality of the fit.
 const RUNS: usize = 3;
-/// And in this share of all that differs.
+/// Minimum share of them in the whole difference.
 const SHARE: f64 = 0.9;
-/// The prediction is at least so large in units of the noise.
+/// Smallest prediction, in units of the noise.
 const SIZE: f64 = 2.0;
-/// No machine is so far from its model, mm: the readings belong to other positions.
+/// Largest plausible deviation of a machine from its model, mm; beyond it the readings belong to other positions.
 const PLAUSIBLE_MM: f64 = 1.0;
 const PERMUTATIONS: [[usize; 3]; 6] = [[0, 1, 2], [1, 0, 2], [2, 1, 0], [0, 2, 1], [1, 2, 0], [2, 0, 1]];
 const COLUMNS: [&str; 3] = ["dx_um", "dy_um", "dz_um"];
 /// A ball-bar has one column.
 const OF_ONE: [&str; 3] = ["dr_um", "", ""];
 
-/// A way to read three columns: how each comes from them.
+/// An assignment of three columns: source and sign of each.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ColumnMeaning {
     pub(super) permutation: [usize; 3],
@@ -53,7 +53,7 @@ pub(super) struct ColumnMeaning {
 }
 
 impl ColumnMeaning {
-    /// All, the one as they are first.
+    /// All assignments; the given one first.
     pub(super) fn all() -> impl Iterator<Item = ColumnMeaning> {
         PERMUTATIONS.into_iter().flat_map(|permutation| {
             let sign = |signs: usize| [0, 1, 2].map(|k| if signs >> k & 1 == 1 { -1.0 } else { 1.0 });
@@ -61,23 +61,23 @@ impl ColumnMeaning {
         })
     }
 
-    /// How many columns are not as they are.
+    /// Number of columns that differ from the given assignment.
     pub(super) fn moved(&self) -> usize {
         (0..3).map(|k| usize::from(self.permutation[k] != k) + usize::from(self.sign[k] < 0.0)).sum()
     }
 
-    /// What a column reads from all three.
+    /// Value of a column, from all three columns.
     fn of(&self, value: usize, all: [f64; 3]) -> f64 {
         let value = value.min(2);
         self.sign[value] * all[self.permutation[value]]
     }
 
-    /// Whether it is one of columns that there are.
+    /// True if it changes only these columns.
     pub(super) fn is_of(&self, columns: &[usize]) -> bool {
         (0..3).all(|k| columns.contains(&k) || self.permutation[k] == k && self.sign[k] > 0.0)
     }
 
-    /// Names of the columns, and what they are.
+    /// Names of the changed columns, and their fault.
     fn words(&self, columns: [&str; 3]) -> (String, &'static str) {
         let named = |is_one: &dyn Fn(usize) -> bool| -> Vec<&str> {
             (0..3).filter(|&k| is_one(k)).map(|k| columns[k]).collect()
@@ -93,7 +93,7 @@ impl ColumnMeaning {
     }
 }
 
-/// What several ways leave, the one as it is first.
+/// Residuals of several assignments, the given one first.
 struct Left<'w> {
     ways: &'w [ColumnMeaning],
     left: Vec<f64>,
@@ -101,7 +101,7 @@ struct Left<'w> {
     beside: Allowance,
 }
 
-/// What was found.
+/// An assignment that fits.
 struct SwappedAxes {
     name: String,
     what: String,
@@ -132,7 +132,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
             add(DefectKind::Axes, told.name, told.what, evidence);
             continue;
         }
-        // What grows with an axis may be metres of an instrument; the length of a ball-bar is known.
+        // A term proportional to an axis may come from the length unit of an instrument; the length of a ball-bar is known.
         let beside = if is_circle(data) { Allowance::Nothing } else { Allowance::Straight };
         let away = readings.beside(view.scene, view.tips(), beside).map_or(0.0, |readings| readings.middle());
         if away > PLAUSIBLE_MM {
@@ -145,7 +145,8 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     }
 }
 
-/// Whether a single cause of the machine says the readings as well, as they are; better where they are reversed, as a slope says what another sign does.
+/// True if a single cause of the machine explains the given readings equally well. For a reversed column it must do so better, because a slope has
+/// the same effect as another sign.
 fn is_one_cause(view: &View<'_, '_>, data: &DataSet, told: &SwappedAxes) -> bool {
     let sets = [thinned(data)];
     let machine = view.scene.machine;
@@ -176,7 +177,7 @@ impl SwappedAxes {
     }
 }
 
-/// A component with the other sign.
+/// Tests a component with the opposite sign.
 fn component(view: &View<'_, '_>, readings: &WeighedReadings, number: usize, noise: f64) -> Option<SwappedAxes> {
     for beside in Allowance::ALL {
         let readings = readings.beside(view.scene, view.tips(), beside)?;
@@ -192,12 +193,12 @@ fn component(view: &View<'_, '_>, readings: &WeighedReadings, number: usize, noi
     None
 }
 
-/// A ball-bar has one column of readings.
+/// True for a ball-bar, which has one column of readings.
 fn is_circle(data: &DataSet) -> bool {
     data.setups.iter().any(|setup| setup.length_mm > 0.0)
 }
 
-/// The simplest of the other ways to read the columns that fits.
+/// The simplest other assignment of the columns that fits.
 fn columns(view: &View<'_, '_>, data: &DataSet, readings: &WeighedReadings, noise: f64) -> Option<SwappedAxes> {
     let values = readings.values();
     let ways: Vec<ColumnMeaning> = ColumnMeaning::all().filter(|way| way.is_of(&values)).collect();
@@ -209,13 +210,13 @@ fn columns(view: &View<'_, '_>, data: &DataSet, readings: &WeighedReadings, nois
         let Some(own) = readings.beside(view.scene, view.tips(), beside) else { break };
         let left: Vec<f64> = ways.iter().map(|way| own.left_if(None, &|value, all| way.of(value, all), 1.0)).collect();
         let left = Left { ways: &ways, left, columns, beside };
-        // Where much goes with it, the readings as they are fit better than they did.
+        // With many fitted terms the given readings fit better than without them.
         if left.fits_as_is(noise) && (beside == Allowance::Nothing || left.told(noise, CLEAN).is_none()) {
             break;
         }
         let as_is = left.as_is();
         first.get_or_insert_with(|| left.left.clone());
-        // Each way to read the positions is a prediction of its own, by fewer rows.
+        // Each assignment of the positions needs its own prediction, from fewer rows.
         let turned = turned.get_or_insert_with(|| exchanged_positions::turned(view.scene, data));
         let of_positions = std::iter::once(as_is).chain(turned.left.iter().map(|left| left[beside as usize])).collect();
         let of_positions = Left { ways: &turned.ways, left: of_positions, columns: ["X", "Y", "Z"], beside };
@@ -230,7 +231,7 @@ fn columns(view: &View<'_, '_>, data: &DataSet, readings: &WeighedReadings, nois
             return told;
         }
     }
-    // Where a cause stands beside it nothing fits before so much may go with it that everything does: then the simplest level says, if all runs do.
+    // With an additional cause, nothing fits until the allowed terms fit everything. Then the result without allowed terms counts, if all runs agree.
     told.or_else(|| {
         let first = Left { ways: &ways, left: first?, columns, beside: Allowance::Nothing };
         let (_, best) = first.left.iter().zip(&ways).min_by(|a, b| a.0.total_cmp(b.0))?;
@@ -248,18 +249,18 @@ impl Left<'_> {
         self.as_is() < FITS * noise.min(1.0)
     }
 
-    /// The simplest way that is good, where what is left of it is within so many squares of the noise.
+    /// The simplest good assignment, if its mean squared residual is within `fits` squares of the noise.
     fn told(&self, noise: f64, fits: f64) -> Option<SwappedAxes> {
         let as_is = self.as_is();
         let best = self.left.iter().copied().fold(f64::INFINITY, f64::min);
-        // What goes with it may fit better by chance: causes that are not among it leave a little more than noise either way.
+        // Allowed terms may fit better by chance, as other causes leave slightly more than noise with any assignment.
         let least = if self.beside == Allowance::Nothing { 0.0 } else { MUCH * noise };
         if best > fits * noise || as_is < (WORSE * best).max(least) {
             return None;
         }
         let good = || self.ways.iter().zip(&self.left).filter(|(_, left)| **left < TIE * best);
         let simplest = good().map(|(way, _)| way.moved()).min()?;
-        // With much that goes with them, one of many ways fits by chance.
+        // With many allowed terms, one of many assignments fits by chance.
         if self.beside != Allowance::Nothing && simplest > SIMPLE {
             return None;
         }
@@ -267,7 +268,7 @@ impl Left<'_> {
         let (way, left) = simple.next()?;
         let (name, what) = way.words(self.columns);
         let mut what = what.to_owned();
-        // The set-ups hide which it is; that it is one of them is sure.
+        // The set-ups hide which one it is, but it is certainly one of them.
         for (other, how) in simple.map(|(way, _)| way.words(self.columns)) {
             what.push_str(&format!(", or {other} {how}"));
         }

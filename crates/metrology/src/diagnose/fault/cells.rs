@@ -1,35 +1,35 @@
-//! The readings of sensors of temperature, as one table has them.
+//! Readings of the temperature sensors of a table.
 
 use crate::measure::data::DataSet;
 
-/// One sensor.
+/// A temperature sensor.
 #[derive(Clone, Debug)]
 pub(super) struct Sensor {
-    /// The name of its column.
+    /// Name of its column.
     pub(super) name: String,
-    /// °C, NaN where it says nothing.
+    /// °C, NaN for missing readings.
     pub(super) values: Vec<f64>,
 }
 
 impl Sensor {
-    /// Some rows say nothing any more.
+    /// Deletes the readings of a range of rows.
     pub(super) fn forget(&mut self, [first, last]: [usize; 2]) {
         let end = self.values.len().min(last.saturating_add(1));
         self.values.get_mut(first..end).into_iter().flatten().for_each(|value| *value = f64::NAN);
     }
 
-    /// What it says, without gaps.
+    /// Its readings without gaps.
     pub(super) fn said(&self) -> impl Iterator<Item = f64> {
         self.values.iter().copied().filter(|value| value.is_finite())
     }
 
-    /// Smallest and largest.
+    /// Smallest and largest reading, °C.
     pub(super) fn range(&self) -> Option<[f64; 2]> {
         let low = self.said().reduce(f64::min)?;
         Some([low, self.said().reduce(f64::max)?])
     }
 
-    /// Middle of what some rows say.
+    /// Median of its readings in a range of rows, °C.
     pub(super) fn median_of(&self, rows: std::ops::Range<usize>) -> Option<f64> {
         let values: Vec<f64> =
             self.values.get(rows).into_iter().flatten().copied().filter(|value| value.is_finite()).collect();
@@ -37,31 +37,31 @@ impl Sensor {
     }
 }
 
-/// All sensors of a measurement.
+/// All temperature sensors of a measurement.
 pub(super) fn sensors(data: &DataSet) -> Vec<Sensor> {
     let is_sensor = |name: &str| name.starts_with("T_") && name.ends_with("_C");
     let own = data.drivers.iter().filter(|driver| is_sensor(&driver.name));
     own.map(|driver| Sensor { name: driver.name.clone(), values: driver.values.clone() }).collect()
 }
 
-/// The clock of a table: how jumps of a sensor from one row to the next are told from what warms up.
+/// Times of a table, which separate jumps of a sensor between rows from warming.
 #[derive(Debug)]
 pub(super) struct TableClock {
     times: Vec<f64>,
-    /// Longer than this is a pause, s, behind which a machine may have become another one.
+    /// Longest interval, s, that is not a pause. After a pause the machine may be in another state.
     pause: f64,
 }
 
 impl TableClock {
     pub(super) fn new(data: &DataSet) -> TableClock {
-        /// A pause is longer than so many of the longer usual intervals.
+        /// Ratio of a pause to the longer usual intervals.
         const PAUSE: f64 = 3.0;
         /// A day: longer than any pause, s.
         const APART_S: f64 = 86_400.0;
-        /// Interval below which nothing warms up, s.
+        /// Interval, s, within which nothing warms up.
         const SHORT_S: f64 = 30.0;
         let times: Option<Vec<f64>> = data.observations.iter().map(|one| one.t_s).collect();
-        // Without a clock rows are taken as one after the other; between runs in different set-ups anything may have happened.
+        // Without times, rows count as consecutive; between runs in different set-ups any time may pass.
         let times = times.unwrap_or_else(|| {
             let mut at = 0.0;
             let next = |row: usize| {
@@ -88,18 +88,18 @@ impl TableClock {
         (0.0..=self.pause).contains(&step).then_some(step)
     }
 
-    /// Time from one row to another, s; rows without a clock.
+    /// Time from one row to another, s; number of rows without times.
     pub(super) fn between(&self, from: usize, to: usize) -> f64 {
         let at = |row: usize| self.times.get(row).copied().unwrap_or(f64::NAN);
         at(to) - at(from)
     }
 
-    /// Whether no pause is between some rows.
+    /// True if there is no pause in a range of rows.
     pub(super) fn goes_on(&self, first: usize, last: usize) -> bool {
         (first..last).all(|row| self.step(row, row + 1).is_some())
     }
 
-    /// By how much a sensor changes to a row beyond what it changes before and another one behind it, in as much time; `None` at a pause.
+    /// Change of a sensor at a row beyond its changes before and those of another sensor after it, in an equal time; `None` at a pause.
     pub(super) fn jump(&self, before: &[f64], behind: &[f64], row: usize) -> Option<f64> {
         let last = row.checked_sub(1)?;
         let own = self.step(last, row)?;

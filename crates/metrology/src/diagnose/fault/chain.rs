@@ -1,7 +1,7 @@
-//! A machine file with another order of the bodies than the machine: the errors that it knows act elsewhere then.
+//! A machine file with another order of the bodies than the machine, so that its known errors act at the wrong places.
 //!
-//! The linear axes and the foundation are tried in all orders in which positions mean the same. Said is only what no single cause in place of it
-//! explains nearly as well: with other bodies the errors that are known predict all readings, with nothing that is fitted.
+//! The check tests all orders of the linear axes and the foundation that keep the meaning of positions. It reports an order only if no single cause
+//! explains the readings nearly as well: with the right bodies, the known errors predict all readings without any fit.
 
 use super::single::{MOST, by_one_cause, left, thinned};
 use super::{DataDefect, DefectCheck, DefectKind, Then, View, median};
@@ -17,15 +17,15 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     look,
 };
 
-/// What is left in squares of the noise where readings fit.
+/// Largest mean squared residual of readings that fit, in squares of the noise.
 const FITS: f64 = 1.4;
-/// As the machine is said to be they leave so many times more,
+/// Smallest ratio of the residual with the stated order to the best residual.
 const WORSE: f64 = 1.5;
-/// and so many squares of the noise more, also with the single cause that explains most.
+/// Smallest difference of the residuals, in squares of the noise, also with the best single cause.
 const SURELY: f64 = 24.0;
-/// Others within so many squares are as good.
+/// Orders within this difference are equally good.
 const TIE: f64 = 12.0;
-/// Chains that are named.
+/// Maximum number of named orders.
 const NAMED: usize = 3;
 
 fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
@@ -82,7 +82,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     });
 }
 
-/// The same machine with its linear axes and the foundation in every other order; rotary axes stay where they are.
+/// The machine with every other order of its linear axes and the foundation; rotary axes keep their places.
 fn machines(machine: &Machine) -> Vec<Machine> {
     // From the workpiece to the tool; `None` is the foundation.
     let inner = machine.topology.workpiece.iter().rev().copied().map(Some);
@@ -107,7 +107,7 @@ fn machines(machine: &Machine) -> Vec<Machine> {
             continue;
         }
         let mut changed = machine.clone();
-        // On the other side of the foundation a body goes the other way for the same command.
+        // On the other side of the foundation a body moves in the opposite direction for the same command.
         for data in changed.axes.iter_mut().flatten().filter(|data| crosses(data.axis)) {
             data.direction = -data.direction;
         }
@@ -117,7 +117,7 @@ fn machines(machine: &Machine) -> Vec<Machine> {
     out
 }
 
-/// All orders of some things; none of many.
+/// All permutations, or an empty list for too many items.
 fn permutations(count: usize) -> Vec<Vec<usize>> {
     /// 24 orders.
     const MOST: usize = 4;

@@ -1,4 +1,5 @@
-//! Readings of a machine whose control already takes out what the model has: an active table. What is left is the known map with the other sign.
+//! Readings of a machine whose control already applies the known corrections, with an active table. The residual is then the known map with the
+//! opposite sign.
 
 use super::readings::WeighedReadings;
 use super::single::{MOST, by_one_cause, left, thinned};
@@ -12,21 +13,22 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     look,
 };
 
-/// The prediction is at least so large in units of the noise.
+/// Smallest prediction, in units of the noise.
 const SIZE: f64 = 0.9;
-/// What is left in squares of the noise where readings fit.
+/// Largest mean squared residual of readings that fit, in squares of the noise.
 const FITS: f64 = 2.4;
-/// The known errors as they are leave so much of their own squares more.
+/// Smallest excess of the residual with the known errors, as a share of their squares.
 const WORSE: f64 = 0.5;
-/// Uncertainty of the gain at most.
+/// Largest uncertainty of the gain.
 const SURE: f64 = 0.06;
-/// Readings that slow noise makes one.
+/// Number of correlated readings that count as one.
 const MEMORY: f64 = 10.0;
-/// Or this many times its uncertainty.
+/// Tolerance of the gain, in units of its uncertainty.
 const FAR: f64 = 3.0;
-/// A single cause explains so many squares of the noise less, or more: readings of one line do not tell a slope from a table of slopes.
+/// Difference in squares of the noise that decides between a single cause and the table; readings on one line cannot separate a slope from a table of
+/// slopes.
 const SURELY: f64 = 24.0;
-/// A gain is within this.
+/// Tolerance of the gain.
 const NEAR: f64 = 0.1;
 
 fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
@@ -47,7 +49,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
                 continue;
             }
             if otherwise < FITS * noise && as_is - otherwise > WORSE * matched.size.min(4.0).powi(2) && sure < SURE {
-                // Squares of some rows count up to some σ here, as those with a single cause do.
+                // Squares of some rows are limited here, as in the comparison with a single cause.
                 let sets = [thinned(data)];
                 let Some(rest) = left(scene.machine, scene, &sets, MOST) else { continue };
                 let count = rest.values.len() as f64;
@@ -71,7 +73,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
                         (as_is / noise).sqrt(),
                         (otherwise / noise).sqrt()
                     ),
-                    // The slope of one line is a cause as well, and no reason to refuse it.
+                    // The slope of a single line may also be a cause, so it is not refused.
                     then: if is_sure { Then::Refuse } else { Then::Nothing },
                 });
             }

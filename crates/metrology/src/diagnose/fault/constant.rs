@@ -1,4 +1,4 @@
-//! Readings that are the same number on and on while the machine goes elsewhere: a channel that is dead, a probe that hangs.
+//! Readings that keep one value while the machine moves: a dead channel, a stuck probe.
 
 use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 use crate::measure::data::DataSet;
@@ -11,16 +11,16 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     look,
 };
 
-/// So many on and on are no chance where readings else differ.
+/// Number of equal consecutive readings that are not a coincidence if the readings differ elsewhere.
 const MANY: usize = 20;
-/// Of all of a column.
+/// The limit for a column in which all readings are equal.
 const ALL: usize = 8;
-/// Where more than this share of neighbours elsewhere are the same, the display has few digits.
+/// Share of equal neighbors elsewhere above which the display has few digits.
 const USUAL: f64 = 0.1;
-/// From this share on nothing else is left to go by.
+/// Share of constant readings above which the measurement is refused.
 const MOST: f64 = 0.5;
 
-/// A run of readings that are the same.
+/// A run of equal readings.
 struct Run {
     first: usize,
     last: usize,
@@ -38,7 +38,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
             let runs = runs(&rows, &|row| of(&row).map(f64::to_bits));
             let is_long = |run: &Run| run.count >= ALL.max(MANY.min(rows.len())) && !is_one_place(data, run);
             let (long, other): (Vec<Run>, Vec<Run>) = runs.into_iter().partition(is_long);
-            // Neighbours that are the same among all others.
+            // Equal neighbors among all others.
             let same: usize = other.iter().map(|run| run.count - 1).sum();
             let pairs: usize = other.iter().map(|run| run.count).sum();
             let constant: usize = long.iter().map(|run| run.count).sum();
@@ -66,20 +66,20 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     }
 }
 
-/// The columns of readings: of which target, which value.
+/// The columns of readings: target and value.
 fn columns(data: &DataSet) -> Vec<(Option<usize>, usize)> {
     let by_target = data.observations.iter().any(|one| one.component.is_some());
     let targets: Vec<Option<usize>> = if by_target { (0..data.targets.len()).map(Some).collect() } else { vec![None] };
     targets.into_iter().flat_map(|target| (0..3).map(move |value| (target, value))).collect()
 }
 
-/// Readings one after the other that are the same.
+/// Runs of equal consecutive readings.
 fn runs(rows: &[usize], bits: &dyn Fn(usize) -> Option<u64>) -> Vec<Run> {
     let runs = rows.chunk_by(|one, next| bits(*one) == bits(*next));
     runs.filter_map(|run| Some(Run { first: *run.first()?, last: *run.last()?, count: run.len() })).collect()
 }
 
-/// A pose that is read again and again.
+/// True if all readings of a run are at one pose.
 fn is_one_place(data: &DataSet, run: &Run) -> bool {
     let rows = data.observations.get(run.first..=run.last).unwrap_or_default();
     rows.windows(2).all(|pair| pair[0].reading.position == pair[1].reading.position)

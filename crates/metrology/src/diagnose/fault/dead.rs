@@ -1,4 +1,4 @@
-//! A sensor that is dead: −180 °C of an open circuit, exactly 0 of a logger without a signal, anything that no machine has.
+//! A dead temperature sensor: −180 °C of an open circuit, exactly 0 of a logger without a signal, any value that no machine has.
 
 use super::missing::{self, Extent};
 use super::{DataDefect, DefectCheck, DefectKind, Then, View};
@@ -12,13 +12,13 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     look,
 };
 
-/// The temperatures that a sensor can have, °C.
+/// Plausible temperatures, °C.
 const POSSIBLE_C: std::ops::RangeInclusive<f64> = READABLE_C[0]..=READABLE_C[1];
-/// Others are warmer than this where 0 is no temperature, °C.
+/// If the others are warmer than this, °C, 0 is no signal.
 const WARM_C: f64 = 5.0;
-/// So often exactly 0 is no chance.
+/// Number of exact zeros that are not a coincidence.
 const ZEROS: usize = 3;
-/// Pieces of rows that are reported one by one.
+/// Maximum number of ranges of rows that are reported separately.
 const MOST_PIECES: usize = 3;
 
 fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
@@ -33,12 +33,12 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
             let is_dead =
                 |value: f64| value.is_finite() && (!POSSIBLE_C.contains(&value) || (no_signal && value == 0.0));
             let rows: Vec<usize> = (0..sensor.values.len()).filter(|&row| is_dead(sensor.values[row])).collect();
-            // Pieces; a few good rows between them are no recovery.
+            // Ranges of rows; a few good rows between them are no recovery.
             let pieces: Vec<[usize; 2]> = rows
                 .chunk_by(|one, next| next - one <= ZEROS)
                 .filter_map(|piece| Some([*piece.first()?, *piece.last()?]))
                 .collect();
-            // A loose contact is one defect, not one for each time that it opens.
+            // A loose contact is one fault, not one for each interruption.
             let defects: Vec<Vec<[usize; 2]>> = if pieces.len() > MOST_PIECES {
                 vec![pieces]
             } else {
@@ -52,7 +52,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
                 let times = if pieces.len() > 1 { format!(" {} times,", pieces.len()) } else { String::new() };
                 let name = sensor.name.clone();
                 let then = match view.scene.sets.get(set) {
-                    // Where it is mostly dead, nothing recommends the few rows that seem to be sound.
+                    // If a sensor is dead in most rows, its few plausible rows are not trusted.
                     Some(data) if 2 * rows.len() < data.observations.len() => {
                         missing::consequence(view, set, vec![name.clone()], pieces, Extent::Some, out)
                     }
@@ -99,7 +99,7 @@ mod tests {
             out.into_iter().map(|fault| (fault.name, fault.rows)).collect::<Vec<_>>()
         };
         assert_eq!(found(20.0), [("T_nose_C".to_owned(), [7, 9])]);
-        // In the cold it may be one.
+        // In the cold, 0 °C may be a temperature.
         assert_eq!(found(-1.0), []);
     }
 }

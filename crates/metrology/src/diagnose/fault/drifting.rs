@@ -1,7 +1,7 @@
-//! A step beside a drift: readings that go far with temperatures, slowly, and are shifted from one to the next.
+//! A step during a drift: readings that drift slowly and far with temperatures, and jump between two readings.
 //!
-//! What sensors, drivers that heat and time say with several lags is taken out beside the shift, so that what is flat is judged against what is left.
-//! Where such a step may be is seen where lines through the readings on both sides do not meet.
+//! Sensors, heating drivers and time, each with several lags, are fitted together with the shift, so that the flatness is judged on the residual.
+//! Candidates for such a step are rows where lines through the readings on both sides do not meet.
 
 use super::cells::Sensor;
 use super::fading;
@@ -12,31 +12,31 @@ use super::trail::{ReadingTrail, Trail};
 use crate::measure::data::DataSet;
 use ncfix_base::numeric::in_parts;
 
-/// Readings on each side through which a line goes.
+/// Numbers of readings on each side for a line.
 const SIDES: [usize; 3] = [8, 16, 32];
-/// Lines miss each other by so many squares of what is usual.
+/// Smallest gap between the lines, in squares of the usual gap.
 const MISS: f64 = 20.0;
-/// Places that are looked at closely.
+/// Maximum number of rows that are tested.
 const TRIED: usize = 4;
-/// Rows from a change within which it may really be.
+/// Largest distance in rows from a candidate to the actual step.
 const WITHIN: usize = 6;
-/// The jump in squares of what is usual,
+/// Smallest jump, in squares of the usual jump,
 const AT_ONCE: f64 = 12.0;
-/// over so many readings on each side: what warms up within minutes goes far over more.
+/// over this number of readings on each side: warming within minutes covers most of its range over more readings.
 const END: usize = 2;
-/// And so much of the whole.
+/// Smallest share of the jump in the whole shift.
 const SHARP: f64 = 0.7;
-/// What goes back by so much of it somewhere is switched.
+/// A shift that is reversed elsewhere by this share of it is switched.
 const BACK: f64 = 0.5;
-/// Readings on each side of what goes back.
+/// Number of readings on each side of a reversed shift.
 const SIDE: usize = 8;
-/// Time constants of what follows, s.
+/// Time constants of the drift, s.
 const LAGS_S: [f64; 3] = [600.0, 1800.0, 5400.0];
-/// Columns of a trend at most, and readings for each at least.
+/// Maximum number of columns of a trend, and minimum number of readings for each.
 const COLUMNS: usize = 32;
 const READINGS: usize = 8;
 
-/// The step that stands out most beside what drifts.
+/// The most significant step in addition to a drift.
 pub(super) fn change(trail: &Trail, data: &DataSet, sensors: &[Sensor]) -> Option<ChangePoint> {
     if !trail.has_sense {
         return None;
@@ -50,20 +50,20 @@ pub(super) fn change(trail: &Trail, data: &DataSet, sensors: &[Sensor]) -> Optio
     let trail = trail.beside(&trend)?;
     let tried = in_parts(&rows, &|&row: &usize| {
         let block = trail.block_of(row)?;
-        // Where exactly: the row from which on a shift explains most.
+        // Exact row: the one where a shift explains most.
         let near = row.saturating_sub(WITHIN).max(block[0] + 1)..=(row + WITHIN).min(block[1]);
         let gains = trail.around([row, block[1]]).step_gains(block);
         let row = near.max_by(|a, b| gains[a - block[0]].total_cmp(&gains[b - block[0]]))?;
         let gain = trail.around([row, block[1]]).window_gain([row, block[1]]);
         let (change, around) = step::judged(&trail, data, block, (row, gain), (AT_ONCE, END, SHARP))?;
-        // A trend that follows a driver takes up a part of what is switched with it.
+        // A trend that follows a driver absorbs a part of a shift that is switched with it.
         let is_driven = || switched::is_driven(&as_it_is.around([change.row, change.until]), &change, data);
         (!goes_back(&around, row) && !fading::fades(&trail, data, &change) && !is_driven()).then_some(change)
     });
     tried.into_iter().flatten().max_by(|a, b| a.gain.total_cmp(&b.gain))
 }
 
-/// Rows at which lines on both sides miss each other most.
+/// Rows with the largest gaps between lines on both sides.
 fn breaks(trail: &Trail) -> Vec<usize> {
     let mut all: Vec<(f64, usize)> = Vec::new();
     for side in SIDES {
@@ -88,9 +88,9 @@ fn breaks(trail: &Trail) -> Vec<usize> {
     rows
 }
 
-/// By how much lines through some readings on both sides miss each other before each row.
+/// Gap between lines through some readings on both sides, before each row.
 fn misses(trail: &Trail, channel: &ReadingTrail, side: usize) -> Vec<(usize, f64)> {
-    // What a line through equally spaced readings says half a step beyond its end.
+    // Weights of a line through equally spaced readings, half a step beyond its end.
     let count = side as f64;
     let spread = count * (count * count - 1.0) / 12.0;
     let weights: Vec<f64> =
@@ -109,7 +109,7 @@ fn misses(trail: &Trail, channel: &ReadingTrail, side: usize) -> Vec<(usize, f64
     out
 }
 
-/// Whether readings jump back elsewhere.
+/// True if the readings jump back elsewhere.
 fn goes_back(trail: &Trail, row: usize) -> bool {
     let jump = |channel: &ReadingTrail, at: usize| -> Option<f64> {
         let from = at.checked_sub(SIDE)?;
@@ -136,7 +136,7 @@ fn goes_back(trail: &Trail, row: usize) -> bool {
     most.reduce(f64::max).is_some_and(|most| most > BACK * size)
 }
 
-/// What readings may follow slowly, by row: sensors and drivers since their run began, with lags, and time.
+/// Slow trends of the readings, by row: sensors and drivers since the beginning of their run, with lags, and time.
 fn trend(data: &DataSet, sensors: &[Sensor]) -> Vec<Vec<f64>> {
     let rows = data.observations.len();
     let times: Option<Vec<f64>> = data.observations.iter().map(|one| one.t_s).collect();
@@ -151,7 +151,7 @@ fn trend(data: &DataSet, sensors: &[Sensor]) -> Vec<Vec<f64>> {
         let (mut at, mut zero, mut last) = (0.0, 0.0, 0.0);
         (0..rows)
             .map(|row| {
-                // A gap is as it was.
+                // A gap keeps the previous value.
                 let value = values.get(row).copied().filter(|value| value.is_finite()).unwrap_or(last);
                 last = value;
                 if begins(row) {
@@ -189,7 +189,7 @@ fn trend(data: &DataSet, sensors: &[Sensor]) -> Vec<Vec<f64>> {
 }
 
 impl Trail {
-    /// Readings beside their repetitions and what may go with some columns by row; `None` where there are too few.
+    /// Readings relative to their repetitions and to fitted columns by row; `None` if there are too few.
     fn beside(&self, columns: &[Vec<f64>]) -> Option<Trail> {
         let mut trail = self.clone();
         for channel in trail.channels.iter_mut().filter(|channel| !channel.at.is_empty()) {
@@ -201,7 +201,7 @@ impl Trail {
             for column in columns {
                 let mut own: Vec<f64> =
                     channel.at.iter().map(|(row, _)| column.get(*row).copied().unwrap_or(0.0)).collect();
-                // Against the same repetitions.
+                // Relative to the same repetitions.
                 let mut means = vec![[0.0; 2]; channel.groups];
                 let counts = |k: &usize| channel.left[*k].is_finite() && channel.group[*k] < channel.groups;
                 for k in (0..own.len()).filter(counts) {
@@ -241,7 +241,8 @@ mod tests {
             (trail.channels, trail.blocks, trail.rows) = (vec![channel], vec![[0, 199]], 200);
             trail
         };
-        // Lines through eight readings of noise 0.1 miss each other by 2 · 0.1 · √(2/8) = 0.1, of which 1 is ten; through 32 by 0.05, of which 0.2 is four.
+        // Lines through eight readings with noise 0.1 have gaps of 2 · 0.1 · √(2/8) = 0.1, and 1 is ten times that; through 32 of 0.05, and 0.2 is
+        // four times that.
         assert_eq!(breaks(&trail(1.0)).first(), Some(&100));
         assert_eq!([0.0, 0.2].map(|jump| breaks(&trail(jump)).len()), [0, 0]);
     }

@@ -1,6 +1,6 @@
-//! Two sensors that are plugged the other way round from one row on: each goes on where the other one was.
+//! Two temperature sensors whose plugs are exchanged from one row on: each continues at the reading of the other.
 //!
-//! Only the change shows it: two sensors that were exchanged from the beginning are two sensors with each other's names, which no reading contradicts.
+//! Only the change is visible. Sensors that were exchanged from the beginning just have each other's names, and no reading contradicts that.
 
 use super::cells::{Sensor, TableClock};
 use super::{DataDefect, DefectCheck, DefectKind, Then, View, spread};
@@ -13,17 +13,17 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     look,
 };
 
-/// A jump is at least so many standard deviations, in the hypothesis that nothing happened.
+/// Smallest jump, in standard deviations, if nothing was exchanged.
 const JUMP: f64 = 4.5;
-/// None is left behind where they were exchanged.
+/// Largest remaining jump, in standard deviations, after exchanging them back.
 const NONE: f64 = 3.5;
 
-/// Rows on each side over which means are taken.
+/// Number of rows on each side for means.
 const SIDE: usize = 8;
-/// A jump of the means of some rows is at least so many times what is usual.
+/// Smallest jump of the means of some rows, in units of the usual jump.
 const OVER_ROWS: f64 = 6.0;
 
-/// A place where two sensors may have been exchanged.
+/// A row at which two sensors may have been exchanged.
 struct Swap {
     row: usize,
     pair: [usize; 2],
@@ -87,8 +87,8 @@ fn best(sensors: &[Sensor], clock: &TableClock) -> Option<Swap> {
     best
 }
 
-/// Two sensors that are less apart than their noise shows in one row: by the means of some rows on both sides of their difference, which changes its
-/// sign, and of their sum, which does not jump.
+/// Finds two sensors with a smaller difference than their noise in one row. The mean of their difference over some rows on each side changes its
+/// sign, while their sum does not jump.
 fn over_rows(sensors: &[Sensor], clock: &TableClock) -> Option<Swap> {
     let mut best: Option<Swap> = None;
     for one in 0..sensors.len() {
@@ -97,7 +97,7 @@ fn over_rows(sensors: &[Sensor], clock: &TableClock) -> Option<Swap> {
             let count = a.len().min(b.len());
             let sums = |sign: f64| {
                 let (mut sum, mut last) = (0.0, 0.0);
-                // A gap is as the row before it.
+                // A gap keeps the value of the row before it.
                 let all = (0..count).map(|k| {
                     let value = a[k] + sign * b[k];
                     last = if value.is_finite() { value } else { last };
@@ -107,12 +107,12 @@ fn over_rows(sensors: &[Sensor], clock: &TableClock) -> Option<Swap> {
                 std::iter::once(0.0).chain(all).collect::<Vec<f64>>()
             };
             let (apart, together) = (sums(-1.0), sums(1.0));
-            // Means of the rows before and behind each row.
+            // Means of the rows before and after each row.
             let means = |sums: &[f64], row: usize| {
                 let mean = |from: usize, to: usize| Some((sums.get(to)? - sums.get(from)?) / SIDE as f64);
                 Some([mean(row.checked_sub(SIDE)?, row)?, mean(row, row + SIDE)?])
             };
-            // Missing values have no noise, and would make that of all others unusual.
+            // Missing values have no noise, which would make the noise of all others unusual.
             let is_known = |row: usize| (row - SIDE..row + SIDE).all(|k| a[k].is_finite() && b[k].is_finite());
             let rows: Vec<usize> = (SIDE..count.saturating_sub(SIDE))
                 .filter(|&row| clock.goes_on(row - SIDE, row + SIDE) && is_known(row))
@@ -140,7 +140,7 @@ fn over_rows(sensors: &[Sensor], clock: &TableClock) -> Option<Swap> {
     best
 }
 
-/// Whether means of rows that are further apart show no more of a jump than those nearby: what crosses slowly does.
+/// True if means over wider ranges show no larger jump than those nearby; a slow crossing does.
 fn is_sudden(sums: &[f64], row: usize, jump: f64) -> bool {
     const HALF: usize = SIDE / 2;
     let mean = |from: usize, to: usize| Some((sums.get(to)? - sums.get(from)?) / HALF as f64);
@@ -148,7 +148,7 @@ fn is_sudden(sums: &[f64], row: usize, jump: f64) -> bool {
     near().is_some_and(|near| near * jump.signum() > 0.7 * jump.abs())
 }
 
-/// Noise of a sensor by its second differences. That of a display is one of its steps at least, also where it mostly stands.
+/// Noise of a sensor by second differences, and at least one step of its display, even if the display rarely changes.
 fn noise(values: &[f64]) -> f64 {
     let changes = values.windows(2).map(|two| (two[1] - two[0]).abs()).filter(|change| *change > 0.0);
     let step = changes.reduce(f64::min).unwrap_or(0.0);
@@ -160,7 +160,7 @@ mod tests {
     use super::*;
     use crate::diagnose::bench;
 
-    /// Sensors that read one temperature in the first half of the rows and another one in the second, with noise from −0.1 to 0.1 K (xorshift).
+    /// Sensors with one temperature in the first half of the rows and another one in the second, with noise from −0.1 to 0.1 K (xorshift).
     fn sensors<const N: usize>(halves: [[f64; 2]; N], rows: usize) -> [Sensor; N] {
         let mut state = 0x2545_f491_4f6c_dd1d_u64;
         let mut noise = || {
@@ -183,7 +183,7 @@ mod tests {
         let found = best(&swapped, &clock).unwrap();
         assert_eq!((found.row, found.pair), (30, [0, 1]));
         assert!((found.apart_k - 15.0).abs() < 0.4 && found.left_k < 0.5, "{} {}", found.apart_k, found.left_k);
-        // Each goes elsewhere than where the other one was.
+        // Neither sensor continues at the reading of the other.
         assert!(best(&sensors([[20.0, 35.0], [40.0, 25.0]], 60), &clock).is_none());
     }
 
@@ -191,7 +191,7 @@ mod tests {
     fn sensors_that_are_nearly_alike_are_told_by_means_over_rows() {
         let machine = bench::machine();
         let clock = TableClock::new(&bench::reads_along_x(&machine, &[0.0; 120]));
-        // 0.3 K apart with a noise of 0.1 K at most.
+        // 0.3 K apart with noise up to 0.1 K.
         let alike = sensors([[20.0, 20.3], [20.3, 20.0]], 120);
         let found = over_rows(&alike, &clock).unwrap();
         assert_eq!(found.pair, [0, 1]);
@@ -200,7 +200,7 @@ mod tests {
             "{}",
             found.row
         );
-        // Two that come nearer to each other stay which they are.
+        // Two sensors that approach each other are not exchanged.
         assert!(over_rows(&sensors([[20.0, 20.3], [21.0, 20.7]], 120), &clock).is_none());
     }
 }

@@ -1,4 +1,4 @@
-//! Positions of the linear axes in each other's columns, or with the other sign: what would be left of the readings if they were so.
+//! Positions of the linear axes in each other's columns, or with the opposite sign: the residuals of the readings in that case.
 
 use super::axes::ColumnMeaning;
 use super::readings::{Allowance, WeighedReadings};
@@ -8,24 +8,24 @@ use ncfix_base::geometry::{AXES, Axis};
 use ncfix_machine::machine::Machine;
 use ncfix_model::ErrorModel;
 
-/// Rows that tell it.
+/// Maximum number of rows used.
 const ROWS: usize = 400;
-/// Places at which an axis stands, at least.
+/// Minimum number of positions of an axis that moves.
 const PLACES: usize = 3;
-/// Positions this far beyond a limit are within it, mm.
+/// Tolerance of the travel limits, mm.
 const BEYOND_MM: f64 = 1.0;
 
-/// Ways to read the positions, the one as they are first, and what each of the others leaves beside what.
+/// Assignments of the positions, the given one first, and the residuals of each other one, by allowed terms.
 pub(super) struct Turned {
     pub(super) ways: Vec<ColumnMeaning>,
     pub(super) left: Vec<[f64; 4]>,
 }
 
-/// All ways in which every axis stays within its travel.
+/// All assignments with every axis inside its travel.
 pub(super) fn turned(scene: &Scene<'_>, data: &DataSet) -> Turned {
     let linear: Vec<Axis> = AXES.into_iter().filter(|axis| !axis.is_rotary()).collect();
     let few = thinned(data);
-    // Nobody takes a column that stands still for one that moves.
+    // A constant column is not mistaken for a moving one.
     let moves = |axis: Axis| {
         let mut at: Vec<u64> = few.observations.iter().map(|row| row.reading.position[axis].to_bits()).collect();
         at.sort_unstable();
@@ -36,7 +36,7 @@ pub(super) fn turned(scene: &Scene<'_>, data: &DataSet) -> Turned {
     let mut out = Turned { ways: ColumnMeaning::all().take(1).collect(), left: Vec::new() };
     for way in ColumnMeaning::all().skip(1).filter(|way| way.is_of(&there)) {
         let mut best: Option<[f64; 4]> = None;
-        // The senses may stand in columns of their own, or follow from the positions.
+        // The directions may have columns of their own, or follow from the positions.
         for with_senses in [false, true] {
             let Some(own) = read_by(&few, &way, &linear, with_senses) else { continue };
             if !is_within(scene.machine, &own) {
@@ -53,7 +53,7 @@ pub(super) fn turned(scene: &Scene<'_>, data: &DataSet) -> Turned {
     out
 }
 
-/// Fewer rows, from all over.
+/// A smaller number of rows, evenly selected.
 fn thinned(data: &DataSet) -> DataSet {
     let count = data.observations.len();
     let mut out = data.clone();
@@ -90,7 +90,7 @@ fn is_within(machine: &Machine, data: &DataSet) -> bool {
     })
 }
 
-/// What is left in squares of the uncertainty, beside what.
+/// Mean squared residual, in squares of the uncertainty, by allowed terms.
 fn left(machine: &Machine, errors: &ErrorModel, data: DataSet) -> Option<[f64; 4]> {
     let sets = [data];
     let scene = Scene::new(machine, errors, &sets).ok()?;
@@ -110,15 +110,15 @@ mod tests {
     #[test]
     fn what_is_left_is_in_squares_of_the_uncertainty_by_degrees_of_freedom() {
         let machine = bench::machine();
-        // Twice the uncertainty of 1 µm, up and down.
+        // Twice the uncertainty of 1 µm, with alternating sign.
         let um: Vec<f64> = (0..40).map(|k| if k % 2 == 0 { 2.0 } else { -2.0 }).collect();
         let found = left(&machine, &ErrorModel::default(), bench::reads_along_x(&machine, &um)).unwrap();
         assert!((found[0] - 4.0).abs() < 1e-9, "{found:?}");
-        // Sense, slope and bend of X say nothing of that, and each takes one of 40 degrees of freedom.
+        // Direction, slope and bend of X explain none of it, and each uses one of 40 degrees of freedom.
         for (left, taken) in found.iter().zip([0.0, 1.0, 2.0, 3.0]) {
             assert!((left / (4.0 * 40.0 / (40.0 - taken)) - 1.0).abs() < 0.01, "{found:?}");
         }
-        // What grows with X is nothing beside all that grows with an axis.
+        // A slope over X is explained completely if slopes are allowed.
         let um: Vec<f64> = (0..40).map(|k| f64::from(k) * 0.1 - 1.95).collect();
         let found = left(&machine, &ErrorModel::default(), bench::reads_along_x(&machine, &um)).unwrap();
         assert!(found[0] > 1.0 && found[2] < 1e-9 && found[3] < 1e-9, "{found:?}");

@@ -1,18 +1,21 @@
-//! A shift that fades: what warmed up at once and cools down, or settles, is an effect of the machine and no fault of the data.
+//! A shift that decays, from sudden warming or settling: an effect of the machine, not a fault of the data.
 //!
-//! Beside a drift that sensors and time take up, the rest of a shift that fades looks flat. Both are therefore fitted beside all that drifts.
+//! If sensors and time absorb a part of the drift, the rest of a decaying shift looks constant. So both forms are fitted together with everything
+//! that drifts.
 
 use super::step::ChangePoint;
 use super::trail::{ReadingTrail, Trail};
 use crate::measure::data::DataSet;
 use ncfix_base::numeric::Series;
 
-/// Time constants, s: within the shortest one a shift is a pulse, and what takes as many hours as the longest one stays for a day.
+/// Time constants, s. With a shorter one a shift is a pulse; with a longer one it is constant during a day.
 const TAUS_S: [f64; 6] = [450.0, 900.0, 1500.0, 2400.0, 3600.0, 5400.0];
-/// One that fades explains so many squares of the noise more than one that stays, which is the simpler one: of the former there are several.
+/// Smallest advantage of a decaying shift over a constant one, in squares of the noise: the constant one is simpler, and there are several decaying
+/// ones.
 const MORE: f64 = 8.0;
 
-/// Whether a shift from a row on that fades says the readings surely better than one that stays, beside what goes with the senses of their channels.
+/// True if a decaying shift from a row on explains the readings certainly better than a constant one, in addition to the direction terms of their
+/// channels.
 pub(super) fn fades(trail: &Trail, data: &DataSet, change: &ChangePoint) -> bool {
     let times: Option<Vec<f64>> = data.observations.iter().map(|one| one.t_s).collect();
     let Some(times) = times else { return false };
@@ -27,12 +30,12 @@ pub(super) fn fades(trail: &Trail, data: &DataSet, change: &ChangePoint) -> bool
     fades.reduce(f64::min).is_some_and(|fades| fades + MORE < stays)
 }
 
-/// Squares, in squares of the noise, that are left of all channels beside a column by row.
+/// Sum of squared residuals of all channels after fitting a column by row, in squares of the noise.
 fn left(trail: &Trail, column: &dyn Fn(usize) -> f64) -> f64 {
     let of_channel = |channel: &ReadingTrail| {
         let counts = |k: &usize| channel.value[*k].is_finite() && channel.group[*k] < channel.groups;
         let known: Vec<usize> = (0..channel.at.len()).filter(counts).collect();
-        // Against the same repetitions.
+        // Relative to the same repetitions.
         let centred = |of: &dyn Fn(usize) -> f64| -> Vec<f64> {
             let mut means = vec![[0.0_f64; 2]; channel.groups];
             for &k in &known {

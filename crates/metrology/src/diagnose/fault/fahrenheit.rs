@@ -11,24 +11,24 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     look,
 };
 
-/// °C of °F.
+/// Converts °F to °C.
 pub(super) fn celsius(fahrenheit: f64) -> f64 {
     (fahrenheit - 32.0) / 1.8
 }
 
-/// It is so much above every other sensor in the middle and at its coldest, K.
+/// Smallest excess over every other sensor, at their median and at the coldest, K.
 const ABOVE_K: f64 = 25.0;
-/// And is so near to the others when it is converted, K.
+/// Largest distance from the others after the conversion, K.
 const NEAR_K: f64 = 8.0;
-/// Converted readings begin within the range of the others, widened by this, K: a cold machine has the temperature of the shop.
+/// Converted readings begin within the range of the others, extended by this, K: a cold machine has the temperature of the shop.
 const BEGIN_K: f64 = 4.0;
-/// The first rows of a log are one in this number of all,
+/// The first rows of a log are one part in this number of all rows,
 const FIRST: usize = 30;
 /// and at least this many.
 const FIRST_ROWS: usize = 3;
-/// Converted readings drift with another sensor: correlation.
+/// Smallest correlation of converted readings with another sensor.
 const TOGETHER: f64 = 0.7;
-/// A drift in this number of rows or more is no chance.
+/// Number of rows from which a drift is not a coincidence.
 const DRIFT_ROWS: usize = 8;
 
 fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
@@ -79,12 +79,12 @@ fn begins_with(sensor: &Sensor, sensors: &[Sensor]) -> bool {
         super::median(sensor.said().take(count).collect())
     };
     let others = || sensors.iter().filter(|one| one.name != sensor.name && one.range().is_some()).map(first);
-    // A log of a machine that is warm already begins at several temperatures.
+    // A log of an already warm machine begins at several temperatures.
     let range = others().fold(f64::MAX, f64::min) - BEGIN_K..=others().fold(f64::MIN, f64::max) + BEGIN_K;
     range.contains(&celsius(first(sensor)))
 }
 
-/// Correlation of two sensors; 0 of few rows, or where one stands still.
+/// Correlation of two sensors; 0 for few rows, or if one is constant.
 fn correlation(one: &Sensor, other: &Sensor) -> f64 {
     let both = one.values.iter().zip(&other.values).map(|(a, b)| [*a, *b]);
     let both: Vec<[f64; 2]> = both.filter(|[a, b]| a.is_finite() && b.is_finite()).collect();
@@ -100,7 +100,7 @@ fn correlation(one: &Sensor, other: &Sensor) -> f64 {
 fn is_above(sensor: &Sensor, sensors: &[Sensor]) -> bool {
     let Some([low, _]) = sensor.range() else { return false };
     let others = sensors.iter().filter(|one| one.name != sensor.name);
-    // Where most are in °F, the few that are not are no fault.
+    // If most sensors are in °F, the few others are not at fault.
     let lows: Vec<f64> = others.filter_map(Sensor::range).map(|[low, _]| low).collect();
     let rest = super::median(lows.clone());
     !lows.is_empty() && low - rest > ABOVE_K && (celsius(low) - rest).abs() < NEAR_K

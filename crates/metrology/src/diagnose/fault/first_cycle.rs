@@ -1,4 +1,5 @@
-//! The first cycle: a machine that has not yet settled reads otherwise than in all later ones (ISO 230-2 has it warmed up by cycles that do not count).
+//! The first cycle: a machine that has not settled yet reads differently from all later cycles (ISO 230-2 requires a warm-up by cycles that do not
+//! count).
 
 use super::cells::Sensor;
 use super::sharp::{CHANCE, EACH};
@@ -15,18 +16,19 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     look,
 };
 
-/// A step in this part of the rows is one from the first cycle to the others.
+/// A step within this share of the rows separates the first cycle from the others.
 const EARLY: f64 = 0.15;
-/// Runs that show what is usual.
+/// Minimum number of later runs that show the usual differences.
 const RUNS: usize = 4;
-/// Readings of a run at least.
+/// Minimum number of readings of a run.
 const COUNT: usize = 5;
-/// The next runs have less than this of it.
+/// Largest share of the difference in later runs.
 const NEXT: f64 = 0.4;
-/// A temperature that stands still, K, and one that was left because something was switched, K: heaters reach this within minutes, bearings and motors hardly ever.
+/// Largest change of a constant temperature, K, and smallest change by switching, K: heaters reach this within minutes, bearings and motors hardly
+/// ever.
 const STILL_K: f64 = 2.0;
 const SWITCHED_K: f64 = 30.0;
-/// In units of the noise at least.
+/// Smallest difference, in units of the noise.
 const SIZE: f64 = 1.5;
 
 fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
@@ -53,7 +55,8 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     }
 }
 
-/// True if a temperature stood still until a row and has left it by as many rows later: something was switched on, and may be the cause of a step.
+/// True if a temperature was constant until a row and has changed within an equal number of rows after it: something was switched on and may cause a
+/// step.
 fn is_switched(values: &[f64], row: usize) -> bool {
     let known = |values: &[f64]| -> Vec<f64> { values.iter().copied().filter(|value| value.is_finite()).collect() };
     let before = known(values.get(..row).unwrap_or_default());
@@ -64,14 +67,14 @@ fn is_switched(values: &[f64], row: usize) -> bool {
     high - low < STILL_K && (reached - high > SWITCHED_K || low - reached > SWITCHED_K)
 }
 
-/// Whether a step parts the first cycle from the others.
+/// True if a step separates the first cycle from the others.
 pub(super) fn is_early(trail: &Trail, change: &ChangePoint) -> bool {
     trail.blocks.first().is_some_and(|block| block[0] == change.block[0])
         && ((change.row - change.block[0]) as f64) < EARLY * trail.rows as f64
         && 2 * (change.row - change.block[0]) < change.block[1] - change.row
 }
 
-/// Rows of each run one after the other.
+/// Rows of each run of consecutive rows.
 fn runs(data: &DataSet) -> Vec<[usize; 2]> {
     let mut runs: Vec<(usize, [usize; 2])> = Vec::new();
     for (row, one) in data.observations.iter().enumerate() {
@@ -83,7 +86,7 @@ fn runs(data: &DataSet) -> Vec<[usize; 2]> {
     runs.into_iter().map(|(_, rows)| rows).collect()
 }
 
-/// The last row of a first run that differs from all later ones of its block.
+/// Last row of a first run that differs from all later runs of its block.
 fn first_run(trail: &Trail, data: &DataSet) -> Option<(usize, String)> {
     let runs = runs(data);
     let first = *runs.first()?;
@@ -104,7 +107,7 @@ fn first_run(trail: &Trail, data: &DataSet) -> Option<(usize, String)> {
         if others.len() < next.len() {
             continue;
         }
-        // What runs have in common is their middle.
+        // The common value of the runs is their median.
         let middle = super::median(others.clone());
         let all = runs.iter().skip(1).filter_map(|rows| mean(*rows)).map(|(mean, _)| mean);
         let usual = spread(all.map(|other| other - middle)).max(channel.noise / (readings as f64).sqrt());

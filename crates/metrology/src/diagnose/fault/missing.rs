@@ -1,7 +1,8 @@
-//! Temperatures that are missing in some rows: which consequence is the mildest that does not pretend to know them.
+//! Temperatures that are missing in some rows: the mildest consequence that does not assume their values.
 //!
-//! A short gap is bridged by the readings around it. The rows of a longer one do not count for the search: a body may have warmed up and cooled down in
-//! it, and causes can only be compared in rows in which all sensors are known. A sensor is given up only where too little would remain without its rows.
+//! A short gap is bridged by the readings around it. The rows of a longer one are excluded from the search: a body may have warmed up and cooled down
+//! during the gap, and causes can only be compared in rows with all temperatures. A sensor is given up only if too few rows would remain without its
+//! gaps.
 
 use std::collections::HashSet;
 
@@ -9,30 +10,29 @@ use super::{DataDefect, MissingTemperatures, Then, View};
 use crate::measure::data::{DataSet, Observation};
 use ncfix_machine::machine::condition::forget_readings;
 
-/// A straight line bridges a gap of this length, s: sensors of machine tools follow with minutes.
+/// Longest gap bridged by a straight line, s: the time constants of machine tools are minutes.
 const BRIDGED_S: f64 = 180.0;
-/// Rows that are bridged without a clock.
+/// Longest gap that is bridged without times, in rows.
 const BRIDGED_ROWS: usize = 3;
-/// Rows that may go for the sake of some sensors, as a share of all: the others are known there.
+/// Largest share of rows that may be excluded for some missing sensors, while others are known there.
 const SHARE_OF_SOME: f64 = 0.5;
-/// Rows that may go where no sensor is known, as a share of all.
+/// Largest share of rows that may be excluded if no sensor is known there.
 const SHARE_OF_ALL: f64 = 0.8;
-/// Rows that go are measured elsewhere as well, at least this share of them,
+/// Smallest share of excluded rows whose poses are also measured in other rows,
 const ELSEWHERE: f64 = 0.8;
-/// unless they are at most this share of all, whose loss no cause notices.
+/// unless at most this share of all rows is excluded, which affects no cause.
 const SMALL: f64 = 0.1;
 
-/// Whose readings are missing.
+/// Extent of missing readings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Extent {
-    /// Of some sensors, while others go on.
+    /// Some sensors, while others continue.
     Some,
-    /// Of all.
+    /// All sensors.
     All,
 }
 
-/// The consequence of readings of sensors of a measurement that are missing in some pieces of rows. Rows that went before count: those of the checks before,
-/// and of what this check found.
+/// The consequence of missing readings of sensors in ranges of rows of a measurement. Rows excluded by earlier checks and by this one are included.
 pub(super) fn consequence(
     view: &View<'_, '_>,
     set: usize,
@@ -57,7 +57,7 @@ pub(super) fn consequence(
     }
 }
 
-/// True if the readings around a gap say enough of it.
+/// True if the readings around a gap determine it well enough.
 fn is_bridged(data: &DataSet, [first, last]: [usize; 2]) -> bool {
     let end = data.observations.len().saturating_sub(1);
     let [from, to] = [first.saturating_sub(1), (last + 1).min(end)];
@@ -73,7 +73,7 @@ pub(super) fn times(data: &DataSet, rows: [usize; 2]) -> Option<[f64; 2]> {
     Some([at(rows[0])?, at(rows[1])?])
 }
 
-/// True if rows can be spared: few enough, and nothing is measured only there.
+/// True if rows can be excluded: few enough, and their poses are also measured elsewhere.
 fn can_go(data: &DataSet, gone: &[[usize; 2]], share: f64) -> bool {
     let is_gone = |row: usize| gone.iter().any(|[first, last]| (*first..=*last).contains(&row));
     let rows: Vec<(bool, Vec<u64>)> =
@@ -92,7 +92,7 @@ fn pose(one: &Observation) -> Vec<u64> {
     position.chain(tool).chain([one.target.map_or(u64::MAX, |target| target as u64)]).collect()
 }
 
-/// Removes readings that are missing from the columns and the conditions of a measurement.
+/// Removes missing readings from the columns and the conditions of a measurement.
 pub(super) fn forget(set: &mut DataSet, missing: &MissingTemperatures) {
     let rows = || missing.pieces.iter().flat_map(|&[first, last]| first..=last);
     let of_row = |row: usize| set.observations.get(row).map(|one| (one.condition, one.t_s.unwrap_or(0.0)));

@@ -1,9 +1,8 @@
-//! Faults of the data: what went wrong between the machine and the file. One file each, and the register of them ([`Checks`]),
-//! which a caller extends.
+//! Faults of the data, between the machine and the file: one module each, and their register ([`Checks`]), which a caller can extend.
 //!
-//! They are looked for before causes are: a factor, a sensor that stays or rows of a pulse would be explained by something that is not there. Each
-//! check says what it found, in which rows, and why; what the search for causes then goes without follows from [`Then`]. An effect of the machine
-//! repeats where axes stand, move or warm up as before, a fault does not: that is how they are told apart.
+//! Faults are searched before causes: otherwise a wrong factor, a stuck sensor or a pulse would be explained by a cause that is not present. Each
+//! check reports the fault, its rows and the evidence; [`Then`] defines the consequence for the search. An effect of the machine repeats when axes
+//! stand, move or warm up as before, but a fault does not. This separates them.
 
 mod axes;
 mod cells;
@@ -46,23 +45,23 @@ use ncfix_base::register::{Register, Registered};
 use ncfix_machine::machine::condition::change_readings;
 use trail::Trail;
 
-/// A kind of fault, and the function that looks for it.
+/// A kind of fault, and the function that searches for it.
 #[derive(Debug)]
 pub struct DefectCheck {
     /// Its name.
     pub name: &'static str,
-    /// What it is.
+    /// Its origin.
     pub made_by: &'static str,
-    /// What shows it.
+    /// Its evidence.
     pub shown_by: &'static str,
-    /// Where this is known from.
+    /// The source of this knowledge.
     pub source: &'static str,
-    /// Looks for it and pushes what it finds, each with the rows and what follows. Faults of the checks before it are left out of what it sees
+    /// Searches for it and pushes each fault with its rows and its consequence. Faults from earlier checks are excluded from its view
     /// ([`View::sets`]).
     pub look: fn(&View<'_, '_>, &mut Vec<DataDefect>),
 }
 
-/// The kinds of faults that are looked for, in their order: [`Register::default`](ncfix_base::register::Register::default) are those that are built in.
+/// The kinds of faults to search for, in order: [`Register::default`](ncfix_base::register::Register::default) contains the built-in ones.
 pub type Checks = Register<&'static DefectCheck>;
 
 impl Registered for &'static DefectCheck {
@@ -77,7 +76,7 @@ impl Registered for &'static DefectCheck {
     }
 }
 
-/// Those that are built in, in the order in which they are looked for: what one finds the next ones do without.
+/// Built-in checks in order; later checks do not use data that earlier ones exclude.
 pub const FAULTS: &[&DefectCheck] = &[
     &dead::CHECK,
     &stuck::CHECK,
@@ -97,53 +96,53 @@ pub const FAULTS: &[&DefectCheck] = &[
     &step::CHECK,
 ];
 
-/// What follows from a fault.
+/// Consequence of a fault.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Then {
-    /// The file says something else than what was measured: nothing is to be found in it.
+    /// The file does not describe the measurement; it cannot be used.
     Refuse,
-    /// The rows do not count.
+    /// The rows are excluded.
     WithoutRows,
-    /// These single readings do not count: row and value, in order.
+    /// These single readings are excluded: row and value, in order.
     WithoutReadings(Vec<(usize, usize)>),
-    /// Sensors of which nothing is made.
+    /// These sensors are not used.
     WithoutSensors(Vec<String>),
-    /// Sensors say nothing in some rows, and else remain in use.
+    /// Sensors have no readings in some rows, and are used in the others.
     WithoutTemperatures(MissingTemperatures),
-    /// What a sensor says is converted to °C.
+    /// The readings of a sensor are converted to °C.
     InFahrenheit(String),
-    /// Readings from the first row on have a zero of their own.
+    /// Readings from the first row on get a zero of their own.
     OwnZero,
-    /// The reader is told, that is all.
+    /// The fault is only reported.
     Nothing,
-    /// Readings have this much more uncertainty, mm or rad.
+    /// The uncertainty of the readings is increased by this, mm or rad, as a root of the sum of squares.
     MoreNoise(f64),
 }
 
-/// Rows in which sensors say nothing.
+/// Rows in which sensors have no readings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MissingTemperatures {
     /// Their columns.
     pub sensors: Vec<String>,
-    /// Pieces of rows without their readings: first and last.
+    /// Ranges of rows without their readings: first and last.
     pub pieces: Vec<[usize; 2]>,
-    /// Those of the pieces that are too long to be bridged: their rows do not count, since causes must be compared where all sensors are known.
+    /// The ranges that are too long to be bridged. Their rows are excluded, because causes must be compared in rows with all temperatures.
     pub uncounted: Vec<[usize; 2]>,
 }
 
-/// What is wrong with data. Results have it as its word ([`DefectKind::word`]).
+/// Kind of a fault. Results contain its word ([`DefectKind::word`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum DefectKind {
     /// Columns of positions are exchanged or reversed.
     Axes,
-    /// Readings are of other positions than the file says.
+    /// Readings belong to other positions than the file states.
     Positions,
     /// A table of the control was active.
     Compensated,
-    /// The first cycle is not like the others.
+    /// The first cycle differs from the others.
     FirstCycle,
-    /// Rows are in another order than they were taken in.
+    /// Rows are not in the order in which they were taken.
     Order,
     /// Single readings are far from the others.
     #[default]
@@ -152,17 +151,17 @@ pub enum DefectKind {
     Pulse,
     /// Readings in coarse steps.
     Quantised,
-    /// A reading that stays.
+    /// A constant reading.
     Reading,
     /// A sensor.
     Sensor,
     /// The zero moved.
     Step,
-    /// The axes of the machine carry one another in another order than its file says.
+    /// The machine file has another order of the axes than the machine.
     Topology,
     /// Readings are in another unit.
     Unit,
-    /// A kind of a check that a caller brings: its word.
+    /// A kind of a custom check: its word.
     Own(&'static str),
 }
 
@@ -200,70 +199,70 @@ impl Serialize for DefectKind {
     }
 }
 
-/// A fault that was found.
+/// A detected fault.
 #[derive(Clone, Debug)]
 pub struct DataDefect {
-    /// What kind of fault it is.
+    /// Its kind.
     pub kind: DefectKind,
-    /// Number of the measurement.
+    /// Index of the measurement.
     pub set: usize,
     /// Column, sensor, component or measurement.
     pub name: String,
-    /// What is wrong with it.
+    /// Description of the fault.
     pub what: String,
     /// First and last row, from 0.
     pub rows: [usize; 2],
-    /// Why this is thought, with numbers.
+    /// The evidence, with numbers.
     pub evidence: String,
-    /// What to do.
+    /// The consequence.
     pub then: Then,
 }
 
-/// What checks look at.
+/// The data that checks use.
 #[derive(Debug)]
 pub struct View<'s, 'a> {
     scene: &'s Scene<'a>,
     /// By measurement.
     sensors: Vec<Vec<Sensor>>,
-    /// Readings against their repetitions, by measurement.
+    /// Readings relative to their repetitions, by measurement.
     trails: Vec<Trail>,
-    /// Measurements that are not to be read on.
+    /// Indices of refused measurements, which later checks skip.
     refused: BTreeSet<usize>,
-    /// Rows that do not count since temperatures are missing: number of the measurement, first and last.
+    /// Rows that are excluded because temperatures are missing: index of the measurement, first and last row.
     gone: Vec<(usize, [usize; 2])>,
     tips: OnceCell<[Vec<f64>; 3]>,
 }
 
 impl<'s, 'a> View<'s, 'a> {
-    /// Without trails, and with nothing refused yet.
+    /// A view without trails and with nothing refused.
     fn new(scene: &'s Scene<'a>, sensors: Vec<Vec<Sensor>>) -> View<'s, 'a> {
         View { scene, sensors, trails: Vec::new(), refused: BTreeSet::new(), gone: Vec::new(), tips: OnceCell::new() }
     }
 
-    /// What a displacement of the tool along each direction of F does to every reading.
+    /// The effect of a displacement of the tool along each direction of F on every reading.
     fn tips(&self) -> &[Vec<f64>; 3] {
         self.tips.get_or_init(|| [0, 1, 2].map(|k| self.scene.factors(Through::Tip(k))))
     }
 
-    /// All readings, and what a model without causes leaves of them.
+    /// All readings, and their residuals for a model without causes.
     #[must_use]
     pub fn scene(&self) -> &'s Scene<'a> {
         self.scene
     }
 
-    /// Measurements that are looked at for anything about their readings, with their numbers: those that no check has refused.
+    /// Measurements whose readings are checked, with their indices: those that no check has refused.
     pub fn sets(&self) -> impl Iterator<Item = (usize, &DataSet)> {
         self.scene.sets.iter().enumerate().filter(|(set, _)| !self.refused.contains(set))
     }
 }
 
-/// Finds faults.
+/// Finds faults with the built-in checks.
 #[must_use]
 pub fn find(scene: &Scene<'_>) -> Vec<DataDefect> {
     find_with(&Checks::default(), scene)
 }
 
-/// Finds faults of these kinds.
+/// Finds faults with these checks.
 #[must_use]
 pub fn find_with(checks: &Checks, scene: &Scene<'_>) -> Vec<DataDefect> {
     let mut view = View::new(scene, scene.sets.iter().map(cells::sensors).collect());
@@ -274,7 +273,7 @@ pub fn find_with(checks: &Checks, scene: &Scene<'_>) -> Vec<DataDefect> {
         (check.look)(&view, &mut found);
         for fault in &found {
             match &fault.then {
-                // Of another machine nothing else can be said.
+                // With another machine nothing else can be checked.
                 Then::Refuse if fault.kind == DefectKind::Topology => view.refused.extend(0..scene.sets.len()),
                 Then::Refuse => {
                     view.refused.insert(fault.set);
@@ -313,7 +312,7 @@ pub fn find_with(checks: &Checks, scene: &Scene<'_>) -> Vec<DataDefect> {
     all
 }
 
-/// Takes the sensors out of measurements in which they are at fault, or out of the rows in which they say nothing, and converts those in °F.
+/// Removes faulty sensors from measurements or from some of their rows, and converts those in °F.
 pub fn mend_sensors(sets: &mut [DataSet], faults: &[DataDefect]) {
     for fault in faults {
         let Some(set) = sets.get_mut(fault.set) else { continue };
@@ -332,7 +331,7 @@ pub fn mend_sensors(sets: &mut [DataSet], faults: &[DataDefect]) {
     }
 }
 
-/// Makes a scene do without the rows that are at fault.
+/// Excludes the faulty rows and readings from a scene.
 pub fn exclude(scene: &mut Scene<'_>, faults: &[DataDefect]) {
     for fault in faults {
         let [first, last] = fault.rows;
@@ -373,13 +372,13 @@ pub fn exclude(scene: &mut Scene<'_>, faults: &[DataDefect]) {
     }
 }
 
-/// The middle of some values; 0 of none.
+/// Median of values; 0 if there are no values.
 fn median(mut values: Vec<f64>) -> f64 {
     let middle = values.len() / 2;
     if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
-/// Standard deviation of normal values by the middle of their absolute values.
+/// Standard deviation of normally distributed values, from the median of their absolute values.
 fn spread(values: impl Iterator<Item = f64>) -> f64 {
     /// Median of the absolute values of normal noise, in standard deviations.
     const MEDIAN: f64 = 0.674_489_750_196_081_7;

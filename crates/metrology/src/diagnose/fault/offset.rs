@@ -1,8 +1,9 @@
-//! A sensor that reads some kelvin more or less from one row on: it came off and was fixed elsewhere, or its amplifier changed.
+//! A temperature sensor whose reading is shifted by some kelvin from one row on: it came off and was fixed elsewhere, or its amplifier changed.
 //!
-//! A heater, spindle, coolant or door that is switched looks alike in a log with one row a minute. Three things tell them apart, all in seconds: a thermal
-//! change goes on after the first row with its time constant; a switch is switched back; and rows that are far apart hide any time constant. A sensor is given
-//! up only for a jump that no thermal change makes. In doubt it stays in use, since held-out readings judge the causes that follow it.
+//! A heater, spindle, coolant or door that is switched looks the same in a log with one row per minute. Three observations separate them: a thermal
+//! change continues after the first row with its time constant; a switched device is switched back; and rows with long intervals hide any time
+//! constant. A sensor is given up only for a jump that no thermal change causes. In doubt it stays in use, because held-out readings test the causes
+//! that follow it.
 
 use super::cells::{Sensor, TableClock};
 use super::{DataDefect, DefectCheck, DefectKind, Then, View, median, spread};
@@ -17,32 +18,32 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     look,
 };
 
-/// Jumps below this are none, K.
+/// Smallest jump, K.
 const LEAST_K: f64 = 1.0;
-/// In units of what else is there of jumps.
+/// Smallest ratio of the jump to the usual jumps.
 const TIMES: f64 = 12.0;
-/// And of the next largest one.
+/// Smallest ratio of the jump to the next largest one.
 const LARGEST: f64 = 2.5;
 
-/// Sensors on metal follow with 20 s or more (a Pt100 on a casting). After this interval, s, three such time constants have passed, and a thermal change
-/// cannot be seen to go on.
+/// Sensors on metal have time constants of 20 s or more (a Pt100 on a casting). After this interval, s, three such time constants have passed, and
+/// the rest of a thermal change is not visible.
 const MOST_S: f64 = 65.0;
-/// Rows, and seconds, after a jump in which a thermal change goes on: five minutes hold the end of a time constant of one or two.
+/// Rows and seconds after a jump in which a thermal change continues: five minutes include the end of a time constant of one or two minutes.
 const AFTER_ROWS: usize = 8;
 const AFTER_S: f64 = 300.0;
-/// Rows on each side that say what a sensor does there.
+/// Minimum number of rows on each side.
 const FEWEST_ROWS: usize = 5;
-/// A thermal change goes on by this share of its jump at least. After an interval of 60 s a time constant of 20 s leaves exp(−3) = 5 % of it.
+/// Smallest share of its jump by which a thermal change continues. After an interval of 60 s a time constant of 20 s leaves exp(−3) = 5 %.
 const GOES_ON: f64 = 0.05;
-/// It goes on surely beyond this share: then it is no defect at all.
+/// Share above which it certainly continues, so that there is no fault.
 const GOES_ON_SURELY: f64 = 0.12;
-/// Of that it has this share in the first half of the time; a straight line has half.
+/// Share of the continued change in the first half of the time; a straight line has one half.
 const FIRST_HALF: f64 = 0.6;
-/// And by this many times the noise of the sensor.
+/// Smallest continued change, in units of the noise of the sensor.
 const NOISE: f64 = 4.0;
-/// The level beside the other sensors is as high as the jump within this share, early and late.
+/// Largest difference of the level relative to the other sensors from the jump, as a share of it, early and late.
 const STAYS: f64 = 0.4;
-/// A driver is switched where it changes by this share of its range,
+/// A driver is switched if it changes by this share of its range,
 const SWITCHED: f64 = 0.1;
 /// within this many rows.
 const NEAR: usize = 1;
@@ -52,9 +53,9 @@ const NEAR: usize = 1;
 enum JumpOrigin {
     /// No thermal change explains it.
     Broken,
-    /// Something was heated or cooled.
+    /// A thermal change.
     Thermal,
-    /// Either.
+    /// Undecided, for this reason.
     Unsure(&'static str),
 }
 
@@ -71,7 +72,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
             .collect();
         for (number, (sensor, own)) in sensors.iter().zip(&jumps).enumerate() {
             let Some((row, jump)) = largest(own) else { continue };
-            // Where a run begins the machine may have become another one, if no other sensor says that it has not.
+            // At the beginning of a run the machine may be in another state, unless another sensor shows otherwise.
             let is_begin = row > 0 && run_of(data, row) != run_of(data, row - 1);
             if is_begin && sensors.len() == 1 {
                 continue;
@@ -111,7 +112,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     }
 }
 
-/// Judges a jump of a sensor to a row, K.
+/// Determines the origin of a jump of a sensor at a row, K.
 fn origin(
     data: &DataSet,
     clock: &TableClock,
@@ -121,7 +122,7 @@ fn origin(
 ) -> JumpOrigin {
     let Some(sensor) = sensors.get(number) else { return JumpOrigin::Unsure("it is the only sensor") };
     let goes_on = goes_on(clock, sensor, row).map(|by| by.map(|by| by / jump));
-    // Most of a time constant comes first, a drift that begins by chance goes on evenly.
+    // A time constant acts mostly at first, while a drift that begins by chance continues evenly.
     if goes_on.is_some_and(|[half, whole]| whole > GOES_ON_SURELY && half > FIRST_HALF * whole) {
         return JumpOrigin::Thermal;
     }
@@ -144,8 +145,8 @@ fn origin(
     JumpOrigin::Broken
 }
 
-/// By how much a sensor goes on after a jump to a row, K, beyond its change before it in as much time: until half of the time, and in all. 0 within its
-/// noise, `None` where too few rows say so.
+/// Continued change of a sensor after a jump at a row, K, beyond its change before it in an equal time: until half of the time, and in total. 0
+/// within its noise; `None` if there are too few rows.
 fn goes_on(clock: &TableClock, sensor: &Sensor, row: usize) -> Option<[f64; 2]> {
     let is_near = |from: usize, to: usize| {
         clock.goes_on(from, to) && clock.between(from, to) <= AFTER_S
@@ -162,7 +163,7 @@ fn goes_on(clock: &TableClock, sensor: &Sensor, row: usize) -> Option<[f64; 2]> 
     }
     let value = |rows: &[usize]| median(rows.iter().map(|&k| sensor.values[k]).collect());
     let time = |rows: &[usize]| rows.iter().map(|&k| clock.between(0, k)).sum::<f64>() / rows.len() as f64;
-    // A few rows at both ends of each side: one after the jump, where a thermal change has most before it.
+    // A few rows at both ends of each side, but only one after the jump, where a thermal change is fastest.
     let few = (before.len() / 3).max(1);
     let (near, far) = before.split_at(few);
     let far = far.get(far.len().saturating_sub(few)..)?;
@@ -176,7 +177,7 @@ fn goes_on(clock: &TableClock, sensor: &Sensor, row: usize) -> Option<[f64; 2]> 
     Some(if whole.abs() > NOISE * noise { [half, whole] } else { [0.0; 2] })
 }
 
-/// True if anything that is no temperature changes with a row.
+/// True if any driver except temperatures changes at a row.
 fn is_switched(data: &DataSet, row: usize) -> bool {
     data.drivers.iter().filter(|driver| !driver.name.starts_with("T_")).any(|driver| {
         let known = || driver.values.iter().copied().filter(|value| value.is_finite());
@@ -186,7 +187,7 @@ fn is_switched(data: &DataSet, row: usize) -> bool {
     })
 }
 
-/// Levels of a sensor beside the others after a row, K: in the first half of the rows after it, and in the second.
+/// Levels of a sensor relative to the others after a row, K: in the first and in the second half of the following rows.
 fn levels(sensors: &[Sensor], number: usize, row: usize) -> [f64; 2] {
     let Some(own) = sensors.get(number) else { return [0.0; 2] };
     let others = || sensors.iter().enumerate().filter(|(other, _)| *other != number).map(|(_, sensor)| sensor);

@@ -1,4 +1,4 @@
-//! Rows that do not stand in the order in which they were taken, where the senses of motion follow from it.
+//! Rows that are not in the order in which they were taken, if directions of motion are derived from the order.
 
 use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 use crate::measure::data::DataSet;
@@ -12,11 +12,11 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     look,
 };
 
-/// Rows of a run that show an order.
+/// Minimum number of rows of a run.
 const ROWS: usize = 20;
-/// Places of an axis: between a few any order is as good.
+/// Minimum number of positions of an axis: with few positions any order is equally good.
 const PLACES: usize = 8;
-/// From row to row axes move less than this of the way between any two.
+/// Largest distance between consecutive rows that shows an order, as a share of the mean distance of any two rows.
 const NEAR: f64 = 0.7;
 
 fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
@@ -53,7 +53,7 @@ fn out_of_order(data: &DataSet) -> Option<String> {
             if places.len() < PLACES {
                 continue;
             }
-            // The mean way between any two of a series is told by their order alone.
+            // The mean distance of any two values follows from the sorted values.
             let mut sorted = at.clone();
             sorted.sort_by(f64::total_cmp);
             let count = at.len() as f64;
@@ -88,7 +88,7 @@ mod tests {
             let cells: Vec<(f64, &str)> = order.iter().map(|&k| (100.0 * k as f64 - 950.0, "")).collect();
             out_of_order(&bench::along_x(&machine, "", &cells))
         };
-        // 20 places 100 mm apart have 100 · (20² − 1)/(3 · 20) = 665 mm between any two; these steps are 5700/19 = 300 mm.
+        // 20 positions 100 mm apart have a mean distance of 100 · (20² − 1)/(3 · 20) = 665 mm; these steps are 5700/19 = 300 mm.
         let series = [0, 4, 1, 5, 2, 6, 3, 7, 8, 12, 9, 13, 10, 14, 11, 15, 16, 18, 17, 19];
         assert_eq!(found(&series), None);
         // From one half to the other and back: ten steps of 1000 mm and nine of 900 mm.

@@ -1,4 +1,5 @@
-//! Single readings far from the one before, the one behind and their own repetitions. A spike behind a reversal comes again at the next visit and is none.
+//! Single readings far from the previous one, the next one and their own repetitions. A spike after a reversal recurs at the next visit and is no
+//! outlier.
 
 use super::trail::ReadingTrail;
 use super::{DataDefect, DefectCheck, DefectKind, Then, View};
@@ -11,7 +12,7 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     look,
 };
 
-/// Far out is so many times the noise from both neighbours and from the repetitions.
+/// Smallest distance from both neighbors and from the repetitions, in units of the noise.
 const FAR: f64 = 7.0;
 
 fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {

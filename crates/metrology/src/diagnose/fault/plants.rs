@@ -1,6 +1,6 @@
-//! Logs of a machine that warms up, with what goes wrong in a shop written into them: which sensors stay in use, and in which rows.
+//! Tests with logs of a machine that warms up, into which typical faults are written: the sensors that stay in use, and in which rows.
 //!
-//! Bodies follow a spindle with first-order lags, solved exactly from row to row. No code of the checks is used to write the logs.
+//! Bodies follow a spindle with first-order lags, solved exactly from row to row. The logs are written without code of the checks.
 
 use super::{DataDefect, DefectKind, MissingTemperatures, Then, find, mend_sensors};
 use crate::diagnose::bench;
@@ -18,7 +18,7 @@ impl Uniform {
     }
 }
 
-/// Columns of temperatures in °C, empty where a cell is.
+/// Columns of temperatures, °C; `None` for an empty cell.
 type Columns = Vec<(&'static str, Vec<Option<f64>>)>;
 
 /// A body that follows a drive with a time constant, K.
@@ -32,7 +32,7 @@ fn follower(rows: usize, interval_s: f64, tau_s: f64, drive: impl Fn(usize) -> f
     (0..rows).map(step).collect()
 }
 
-/// True while the spindle runs: two pieces of four, of 50 min each.
+/// True while the spindle runs: during two periods of four, of 50 min each.
 fn runs(row: usize, interval_s: f64) -> bool {
     let piece = (row as f64 * interval_s / 3000.0) as usize;
     [1, 2].contains(&(piece % 4))
@@ -54,12 +54,12 @@ fn column<'a>(columns: &'a mut Columns, name: &str) -> &'a mut Vec<Option<f64>> 
     &mut columns.iter_mut().find(|(own, _)| *own == name).unwrap().1
 }
 
-/// A value is held from one row to another.
+/// Sets a constant value from one row to another.
 fn hold(column: &mut [Option<f64>], [first, last]: [usize; 2], value: Option<f64>) {
     column[first..=last].fill(value);
 }
 
-/// A table of readings at one pose with noise of 1 µm, temperatures to four digits, and a driver.
+/// A table of readings at one pose with noise of 1 µm, temperatures with four digits, and a driver.
 fn table(columns: &Columns, interval_s: f64, driver: Option<&dyn Fn(usize) -> f64>) -> DataSet {
     let mut noise = Uniform(0x9e37_79b9_7f4a_7c15);
     let mut text = "t_s,X,Y,Z,dx_um".to_owned();
@@ -92,7 +92,7 @@ fn faults_of(columns: &Columns, interval_s: f64) -> Vec<DataDefect> {
     faults(table(columns, interval_s, None))
 }
 
-/// Name, words and rows of each.
+/// Name, description and rows of each fault.
 fn words(found: &[DataDefect]) -> Vec<(&str, &str, [usize; 2])> {
     found.iter().map(|one| (one.name.as_str(), one.what.as_str(), one.rows)).collect()
 }
@@ -104,7 +104,7 @@ fn missing(one: &DataDefect) -> &MissingTemperatures {
     }
 }
 
-/// Columns of which nothing is made.
+/// Columns that are given up or converted.
 fn given_up(found: &[DataDefect]) -> Vec<String> {
     let of = |one: &DataDefect| match &one.then {
         Then::WithoutSensors(names) => names.clone(),
@@ -195,7 +195,7 @@ fn one_sensor_that_holds_or_says_nothing_is_missing_only_there() {
     let found = faults_of(&columns, 60.0);
     assert_eq!(words(&found), [("T_bed_C", "no readings", [0, 79]), ("T_head_C", "stuck", [300, 419])]);
     assert_eq!(missing(&found[1]).sensors, ["T_head_C"]);
-    // Every tenth cell alone is a table that notes temperatures now and then.
+    // A cell in every tenth row is a table with occasional temperatures.
     let mut columns = shop(800, 60.0);
     (0..800).filter(|row| row % 10 > 0).for_each(|row| column(&mut columns, "T_bed_C")[row] = None);
     assert_eq!(words(&faults_of(&columns, 60.0)), []);
@@ -205,7 +205,7 @@ fn one_sensor_that_holds_or_says_nothing_is_missing_only_there() {
 fn a_dead_sensor_that_recovers_is_missing_where_it_is_dead() {
     let mut columns = shop(800, 60.0);
     hold(column(&mut columns, "T_head_C"), [200, 349], Some(0.0));
-    // Two rows are bridged by their neighbours.
+    // Two rows are bridged by their neighbors.
     for rows in [[500, 501], [520, 521]] {
         hold(column(&mut columns, "T_nose_C"), rows, Some(0.0));
     }
@@ -218,20 +218,20 @@ fn a_dead_sensor_that_recovers_is_missing_where_it_is_dead() {
     assert_eq!(found.len(), dead.len(), "{:?}", words(&found));
     let uncounted: Vec<_> = found.iter().map(|one| missing(one).uncounted.clone()).collect();
     assert_eq!(uncounted, [vec![], vec![], vec![[200, 349]]]);
-    // A loose contact is one defect.
+    // A loose contact is one fault.
     let mut columns = shop(800, 60.0);
     (0..20).for_each(|k| hold(column(&mut columns, "T_nose_C"), [100 + 20 * k, 101 + 20 * k], Some(0.0)));
     let found = faults_of(&columns, 60.0);
     assert_eq!(words(&found), [("T_nose_C", "dead", [100, 481])]);
     assert_eq!(missing(&found[0]).pieces.len(), 20);
-    // One that is dead in most rows has nothing to say.
+    // A sensor that is dead in most rows is given up.
     hold(column(&mut columns, "T_nose_C"), [300, 799], Some(0.0));
     assert_eq!(given_up(&faults_of(&columns, 60.0)), ["T_nose_C"]);
 }
 
 #[test]
 fn a_display_at_night_and_a_chiller_are_not_stuck() {
-    // Three hours of work, and a night of eight hours in which the bed and the column hardly move.
+    // Three hours of work, and a night of eight hours in which the temperatures of bed and column hardly change.
     let night = |rows: usize| {
         let mut noise = Uniform(77);
         let bodies = [("T_nose_C", 300.0, 8.0), ("T_column_C", 5400.0, 3.0), ("T_bed_C", 12000.0, 1.5)];
@@ -244,13 +244,13 @@ fn a_display_at_night_and_a_chiller_are_not_stuck() {
     };
     let mut columns = night(660);
     columns.push(("T_chiller_C", vec![Some(20.0); 660]));
-    // A room whose display goes up and down by a step.
+    // A room whose display alternates between two steps.
     columns.push(("T_room_C", (0..660).map(|row| Some(if row % 170 < 50 { 20.1 } else { 20.0 })).collect()));
     let found = faults_of(&columns, 60.0);
     assert!(found.is_empty(), "{:?}", found.iter().map(|one| &one.evidence).collect::<Vec<_>>());
 }
 
-/// A heater of its own at a sensor, with a time constant, from a row on.
+/// Adds a heater at one sensor from a row on, with a time constant.
 fn with_heater(columns: &mut Columns, name: &str, from: usize, by_k: f64, [interval_s, tau_s]: [f64; 2]) {
     let values = column(columns, name);
     let rise = follower(values.len(), interval_s, tau_s, |row| if row >= from { by_k } else { 0.0 });
@@ -269,12 +269,12 @@ fn something_that_is_switched_is_no_offset() {
             }
         }
     }
-    // One in a flow of coolant follows at once; its pump is noted.
+    // A sensor in a flow of coolant follows at once; the pump has a column.
     let mut columns = shop(800, 10.0);
     with_heater(&mut columns, "T_bed_C", 333, -4.0, [10.0, 1.0]);
     let pump = |row: usize| f64::from(u8::from(row >= 333));
     assert!(given_up(&faults(table(&columns, 10.0, Some(&pump)))).is_empty());
-    // And without a note it is switched off again.
+    // Without that column, the pump is switched off again.
     with_heater(&mut columns, "T_bed_C", 500, 4.0, [10.0, 1.0]);
     assert!(given_up(&faults_of(&columns, 10.0)).is_empty());
 }
@@ -291,14 +291,14 @@ fn a_sensor_that_came_off_is_given_up_where_rows_are_near_enough_in_time() {
         assert_eq!(words(&found), [("T_bed_C", "offset", [333, 799])]);
         assert_eq!(given_up(&found), ["T_bed_C"], "{interval_s}: {}", found[0].evidence);
     }
-    // Within five minutes many heaters are through.
+    // Within five minutes many heaters have settled.
     let found = at(300.0);
     assert_eq!((words(&found), &found[0].then), (vec![("T_bed_C", "offset", [333, 799])], &Then::Nothing));
 }
 
 #[test]
 fn a_heater_is_not_in_fahrenheit() {
-    // Two-point control about 68 °C, which is 20 °C as °F.
+    // Two-point control about 68 °C; 68 °F are 20 °C.
     let mut columns = shop(800, 60.0);
     let regulated = (0..800).map(|row| Some(68.0 + 0.8 * (row as f64 / 3.0).sin())).collect();
     columns.push(("T_heater_C", regulated));
@@ -310,7 +310,7 @@ fn a_heater_is_not_in_fahrenheit() {
     let nozzle = follower(800, 60.0, 200.0, |row| if row > 40 { 45.0 } else { 0.0 });
     columns.push(("T_nozzle_C", nozzle.iter().map(|rise| Some(55.0 + rise)).collect()));
     assert!(given_up(&faults_of(&columns, 60.0)).is_empty());
-    // The column in °F is one.
+    // A column in °F is converted.
     let mut columns = shop(800, 60.0);
     column(&mut columns, "T_column_C").iter_mut().for_each(|value| *value = value.map(|value| 1.8 * value + 32.0));
     let found = faults_of(&columns, 60.0);

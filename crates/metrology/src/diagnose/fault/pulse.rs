@@ -1,5 +1,5 @@
-//! Isolated pulses of a few minutes: lubrication lifts a carriage, somebody leans on the table. All readings of some minutes are shifted, with
-//! sharp ends, and neither before nor behind nor at another visit of the same places.
+//! Isolated pulses of a few minutes: lubrication lifts a carriage, or somebody leans on the table. All readings of some minutes are shifted, with
+//! sharp ends, but not those before, after and at other visits of the same positions.
 
 use super::sharp::{CHANCE, EACH, END, sharpness};
 use super::trail::{ReadingTrail, Trail};
@@ -13,51 +13,51 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     look,
 };
 
-/// Lengths that are tried, s.
+/// Tested lengths, s.
 const LENGTHS_S: [f64; 11] = [50.0, 75.0, 100.0, 125.0, 150.0, 175.0, 200.0, 225.0, 250.0, 275.0, 300.0];
-/// More of them are no isolated ones.
+/// Maximum number of isolated pulses.
 const MOST: usize = 8;
-/// Frames beside a window: readings at least and at most.
+/// Minimum and maximum number of readings on each side of a window.
 const FRAME: [usize; 2] = [6, 60];
-/// An end is sharp where the first readings inside differ from the last outside by so much of the whole.
+/// An end is sharp if the first readings inside differ from the last ones outside by this share of the shift.
 const SHARP: f64 = 0.42;
-/// Channels in which an end is seen have so much of the whole at least.
+/// Smallest share of the shift in channels that show an end.
 const PART: f64 = 0.3;
-/// Both ends jump by so many squares of what is usual from one reading to the next.
+/// Smallest jump at both ends, in squares of the usual jump between readings.
 const AT_ONCE: f64 = 13.0;
-/// The outer parts of the readings inside, one in so many at each end,
+/// The outer parts of the readings inside, one part in this number at each end,
 const BRIM: usize = 6;
-/// have so much of the whole.
+/// have at least this share of the shift.
 const FULL: f64 = 0.55;
-/// Both sides of a window are the same within so much of the pulse.
+/// Largest difference of both sides of a window, as a share of the pulse.
 const BACK: f64 = 0.5;
-/// A pulse in units of the noise, at least.
+/// Smallest pulse, in units of the noise.
 const SIZE: f64 = 1.9;
-/// The shortest, s.
+/// Shortest pulse, s.
 const SHORTEST_S: f64 = 45.0;
-/// The middle of the readings has so much of what their mean has: it is not one of them alone.
+/// Smallest ratio of the median of the readings to their mean, which excludes a single outlier.
 const MIDDLE: f64 = 0.6;
-/// More than one value a row is shifted where the sum of squares is so many times that of one.
+/// Several values of a row are shifted if the sum of squares exceeds that of one value by this factor.
 const MORE: f64 = 1.5;
-/// Rows of one value that are no chance.
+/// Minimum number of rows if only one value is shifted.
 const SEVERAL: usize = 3;
-/// Rows that are few.
+/// Number of rows below which there are few.
 const FEW: usize = 20;
-/// The longest, s.
+/// Longest pulse, s.
 const LONGEST_S: f64 = 315.0;
-/// Windows that are looked at closely.
+/// Maximum number of windows that are tested.
 const TRIED: usize = 24;
-/// Other visits of the same places have less of it.
+/// Largest share of the pulse at other visits of the same positions.
 const AGAIN: f64 = 0.4;
 
-/// A window of rows that stands out.
+/// A window of rows with a significant shift.
 #[derive(Clone, Copy, Debug)]
 struct Window {
     rows: [usize; 2],
     score: f64,
 }
 
-/// A mean inside, those on the sides that belong to the same piece, and numbers of readings of a channel.
+/// Mean inside a window, means of the sides in the same block, and numbers of readings of a channel.
 struct Contrast {
     inside: f64,
     sides: [Option<f64>; 2],
@@ -94,13 +94,13 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
                 break;
             }
             let Some((window, evidence)) = best(&trail, &times) else { break };
-            // The first minutes behind a step are no pulse.
+            // The first minutes after a step are not a pulse.
             if let Some(change) = step.take().filter(|change| change.gain >= trail.window_gain(window.rows)) {
                 trail = trail.levelled([change.row, change.block[1]]);
                 continue;
             }
             trail.forget(window.rows);
-            // The rest of one that was found is none of its own.
+            // The rest of a pulse that was found already is not another pulse.
             let is_rest = |(known, _): &&mut (Window, String)| {
                 window.rows[0] <= known.rows[1] + 1 && known.rows[0] <= window.rows[1] + 1
             };
@@ -130,7 +130,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
 
 fn contrast(trail: &Trail, channel: &ReadingTrail, rows: [usize; 2]) -> Option<Contrast> {
     let whole = channel.range(rows[0], rows[1]);
-    // The piece in which most of it is: another piece has another zero.
+    // The block with most of the window: another block has another zero.
     let middle = channel.at.get(usize::midpoint(whole.start, whole.end.checked_sub(1)?))?.0;
     let block = trail.block_of(middle)?;
     let piece = channel.range(block[0], block[1]);
@@ -149,7 +149,7 @@ fn contrast(trail: &Trail, channel: &ReadingTrail, rows: [usize; 2]) -> Option<C
     })
 }
 
-/// Rows of windows of some length, one from every moment on.
+/// Rows of windows of a length, s, one from every time on.
 fn windows(times: &[f64], length: f64) -> Vec<[usize; 2]> {
     let mut last = 0;
     let begins = (0..times.len()).filter(|&row| row == 0 || times[row] > times[row - 1]);
@@ -161,13 +161,13 @@ fn windows(times: &[f64], length: f64) -> Vec<[usize; 2]> {
             while is_in(last + 1) {
                 last += 1;
             }
-            // Where time begins again a window ends.
+            // A window ends if time restarts.
             (is_in(last) && times[last] - times[first] >= SHORTEST_S).then_some([first, last])
         })
         .collect()
 }
 
-/// The window that stands out most, if it is a pulse.
+/// The most significant window that is a pulse.
 fn best(trail: &Trail, times: &[f64]) -> Option<(Window, String)> {
     let mut all: Vec<Window> = Vec::new();
     for length in LENGTHS_S {
@@ -179,7 +179,7 @@ fn best(trail: &Trail, times: &[f64]) -> Option<(Window, String)> {
                 .enumerate()
                 .filter_map(|(k, rows)| contrast(trail, channel, *rows).map(|one| (k, one.size(), one.noise())))
                 .collect();
-            // As such windows differ from their neighbours where nothing is.
+            // Usual difference between such windows and their neighbors.
             let usual = spread(contrasts.iter().map(|(_, size, _)| *size));
             for (k, size, noise) in contrasts {
                 let unit = usual.max(0.8 * channel.noise * noise);
@@ -220,14 +220,14 @@ fn best(trail: &Trail, times: &[f64]) -> Option<(Window, String)> {
     best
 }
 
-/// Whether two windows have most of their rows in common.
+/// True if two windows have most of their rows in common.
 fn is_alike(one: [usize; 2], other: [usize; 2]) -> bool {
     let common = (one[1].min(other[1]) + 1).saturating_sub(one[0].max(other[0]));
     let both = one[1].max(other[1]) + 1 - one[0].min(other[0]);
     10 * common > 7 * both
 }
 
-/// The rows near a window in which readings are rather shifted than not.
+/// Rows near a window in which readings are more likely shifted than not.
 fn refined(trail: &Trail, rows: [usize; 2]) -> [usize; 2] {
     let long = rows[1] - rows[0] + 1;
     let [from, until] = [rows[0].saturating_sub(long / 2), rows[1] + long / 2];
@@ -244,7 +244,7 @@ fn refined(trail: &Trail, rows: [usize; 2]) -> [usize; 2] {
             }
         }
     }
-    // The piece with the largest sum.
+    // The range with the largest sum.
     let (mut best, mut sum, mut begin, mut found) = (0.0, 0.0, 0, None);
     for (k, gain) in gains.iter().enumerate() {
         if sum <= 0.0 {
@@ -258,10 +258,10 @@ fn refined(trail: &Trail, rows: [usize; 2]) -> [usize; 2] {
     found.unwrap_or(rows)
 }
 
-/// Whether a window has sharp ends and the same on both sides.
+/// Evidence of a pulse if a window has sharp ends and the same level on both sides.
 fn is_pulse(trail: &Trail, rows: [usize; 2], times: &[f64]) -> Option<String> {
     let [first, last] = rows;
-    // All channels together, each by how much it has of the pulse.
+    // All channels together, each weighted by its share of the pulse.
     let mut whole = 0.0;
     let (mut ends, mut of_ends) = ([0.0; 2], [0.0; 2]);
     let mut parts = [0.0; 2];
@@ -299,12 +299,12 @@ fn is_pulse(trail: &Trail, rows: [usize; 2], times: &[f64]) -> Option<String> {
         let middle = one.middle();
         parts[0] += unit(mean(range.start, half).unwrap_or(one.inside) - middle);
         parts[1] += unit(mean(half, range.end).unwrap_or(one.inside) - middle);
-        // The first and the last readings inside: what rises and falls has little there.
+        // The first and the last readings inside: a gradual rise and fall has small values there.
         let brim = (range.len() / BRIM).max(1);
         let of_brims = [mean(range.start, range.start + brim), mean(range.end.saturating_sub(brim), range.end)];
         brims += of_brims.map(|own| unit(own.unwrap_or(one.inside) - middle) / 2.0).iter().sum::<f64>();
         least = least.min(range.len());
-        // Of two readings the one that has less: far out may be one alone.
+        // With two readings the smaller one counts, as one may be an outlier.
         let inside = channel.left[range].iter().copied().filter(|left| left.is_finite());
         let mut inside: Vec<f64> = inside.map(|left| unit(left - middle)).collect();
         inside.sort_by(f64::total_cmp);
@@ -319,13 +319,13 @@ fn is_pulse(trail: &Trail, rows: [usize; 2], times: &[f64]) -> Option<String> {
             .all(|row| sharpness(trail, row, least).is_none_or(|sharpness| sharpness > AT_ONCE))
     };
     let size = (whole / count.max(1.0)).sqrt();
-    // Exactly one run, or a few rows where every visit comes from another side: that is how axes move.
+    // Not exactly one run, nor a few rows if every visit comes from another side: these are motions of the axes.
     let is_run = trail.is_border(first, 1) && trail.is_border(last + 1, 1);
-    // Nor rows of one run that begin or end with it.
+    // Nor rows of one run at its beginning or end.
     let is_part = !trail.has_sense
         && (trail.is_border(first, 4) || trail.is_border(last + 1, 4))
         && !(first + 5..=last.saturating_sub(4)).any(|row| trail.is_border(row, 0));
-    // Two readings of one value a row one after the other may both be far out.
+    // Two consecutive readings of one value may both be outliers.
     let is_one = whole * whole < MORE * fourths;
     let is_little = count < 2.0 && last - first < FEW || is_one && last - first < SEVERAL;
     if is_run || is_part || is_little || !trail.has_sense && last - first < FEW {
@@ -346,7 +346,7 @@ fn is_pulse(trail: &Trail, rows: [usize; 2], times: &[f64]) -> Option<String> {
     })
 }
 
-/// How much of a window the other visits of its points from the same sides have.
+/// Share of a window at other visits of its points from the same sides.
 fn again(trail: &Trail, rows: [usize; 2]) -> f64 {
     let others = trail.other_visits(rows);
     let (mut own, mut other) = (0.0, 0.0);

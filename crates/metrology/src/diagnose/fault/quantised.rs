@@ -1,4 +1,4 @@
-//! Readings in steps of a display that are wide beside the noise: no error of the machine, but more noise than the instrument has.
+//! Readings with display steps that are large relative to the noise: no error of the machine, but more noise than the instrument has.
 
 use crate::diagnose::scene::Scene;
 use crate::measure::data::DataSet;
@@ -13,14 +13,14 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     look,
 };
 
-/// The finest step that is looked for, mm; of angles a thousandth of it, rad.
+/// Finest step, mm; for angles a thousandth of it, rad.
 const FINEST: f64 = 1e-7;
-/// The step is wide from so many standard uncertainties on.
+/// Smallest large step, in standard uncertainties.
 const WIDE: f64 = 0.8;
-/// Readings at least.
+/// Minimum number of readings.
 const COUNT: usize = 20;
 
-/// Noise from the steps of the displays in the readings of a scene, root of the mean square, mm or rad: no noise is less.
+/// RMS noise from the display steps in the readings of a scene, mm or rad: the noise is not less than this.
 pub(in crate::diagnose) fn least_noise(scene: &Scene<'_>, is_angle: bool) -> f64 {
     let finest = if is_angle { FINEST * 1e-3 } else { FINEST };
     let of = |data: &DataSet| {
@@ -36,7 +36,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
             view.scene.rows.get(item.row).is_some_and(|row| row.set == set)
         };
         let Some(first) = view.scene.items.iter().find(own) else { continue };
-        // Lengths and angles in one file have steps of their own.
+        // Lengths and angles in one file have different steps.
         if view.scene.items.iter().filter(own).any(|item| item.is_angle != first.is_angle) {
             continue;
         }
@@ -67,9 +67,9 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     }
 }
 
-/// The largest step of which all values are multiples; `None` where they are of none that is far above the finest.
+/// The largest step that divides all values; `None` if it is not much larger than the finest.
 fn step(values: &[f64], finest: f64) -> Option<f64> {
-    /// Steps beyond this are no digits any more.
+    /// Largest number of finest steps in a value.
     const MOST: f64 = 1e12;
     if values.len() < COUNT {
         return None;
@@ -90,6 +90,6 @@ fn step(values: &[f64], finest: f64) -> Option<f64> {
             return None;
         }
     }
-    // Of two numbers anything is a step.
+    // For two numbers any step is possible.
     (kinds.len() > 2).then_some(common as f64 * finest)
 }

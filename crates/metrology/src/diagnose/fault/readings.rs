@@ -1,58 +1,58 @@
-//! The readings of a measurement beside what the model says of them, both without what the set-ups may take up.
+//! Readings of a measurement and their predictions by the model, both without the part that set-ups can explain.
 
 use crate::diagnose::scene::{NO_ROW, Scene};
 use ncfix_base::geometry::AXES;
 use ncfix_base::numeric::Series;
 
-/// Squares of what is left count up to this: a single reading decides nothing.
+/// Upper limit of a squared residual, so that no single reading decides.
 const MOST: f64 = 25.0;
 
 /// One measurement, in units of the uncertainty of each reading.
 #[derive(Debug)]
 pub(super) struct WeighedReadings {
-    /// Row, value and number of the component of each.
+    /// Row, value and index of the component of each reading.
     pub(super) at: Vec<[usize; 3]>,
     read: Vec<f64>,
     predicted: Vec<f64>,
-    /// Their numbers among the items of the scene.
+    /// Their indices among the readings of the scene.
     items: Vec<usize>,
     sigma: Vec<f64>,
     /// All values of its row.
     of_row: Vec<[f64; 3]>,
-    /// The run of each.
+    /// The run of each reading.
     run: Vec<usize>,
     series: Series,
 }
 
-/// How much of what may be wrong with the machine is let go with the readings: a fault beside a cause is else not told from what it makes of it.
+/// Terms that are fitted to the readings as possible errors of the machine; without them, a fault together with a cause would not be recognized.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Allowance {
-    /// The set-ups only.
+    /// Only the set-ups.
     Nothing,
-    /// Also everything that turns over with the sense of an axis.
+    /// Also terms that reverse with the direction of an axis.
     Turning,
-    /// Also everything that grows with an axis.
+    /// Also terms proportional to an axis position.
     Straight,
-    /// Also everything that bends over an axis.
+    /// Also terms that bend over an axis position.
     Bent,
 }
 
 impl Allowance {
-    /// From the least to the most.
+    /// All, from the fewest terms to the most.
     pub(super) const ALL: [Allowance; 4] =
         [Allowance::Nothing, Allowance::Turning, Allowance::Straight, Allowance::Bent];
 }
 
-/// How readings go with the prediction.
+/// Agreement of readings and prediction.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Match {
-    /// Readings that count.
+    /// Number of readings used.
     pub(super) count: f64,
-    /// Readings per prediction.
+    /// Ratio of readings to prediction.
     pub(super) gain: f64,
     /// Share of the squares of the readings that the prediction explains.
     pub(super) share: f64,
-    /// Root of the mean square of the prediction.
+    /// RMS of the prediction, in units of the uncertainty.
     pub(super) size: f64,
 }
 
@@ -65,7 +65,7 @@ impl WeighedReadings {
         for (number, item) in scene.items.iter().enumerate().filter(|(_, item)| item.row != NO_ROW) {
             let Some(row) = scene.rows.get(item.row).filter(|row| row.set == set) else { continue };
             let one = data.observations.get(row.number)?;
-            // A probing says where axes stood, not how far from anything.
+            // A probing contains positions of the axes, not deviations.
             let value = one.values.get(item.value).copied().flatten()?;
             at.push([row.number, item.value, one.component.and(one.target).unwrap_or(0)]);
             read.push(value);
@@ -96,9 +96,9 @@ impl WeighedReadings {
         (!at.is_empty()).then_some(WeighedReadings { at, read, predicted, items: numbers, sigma, of_row, run, series })
     }
 
-    /// The same where something may go with the readings beside the set-ups; `None` where too few are left to say anything.
+    /// The readings with additional fitted terms; `None` if too few degrees of freedom remain.
     pub(super) fn beside(&self, scene: &Scene<'_>, tips: &[Vec<f64>], what: Allowance) -> Option<WeighedReadings> {
-        /// Readings for each unknown at least.
+        /// Minimum number of readings for each unknown.
         const READINGS: usize = 3;
         let mut out = WeighedReadings {
             at: self.at.clone(),
@@ -136,14 +136,14 @@ impl WeighedReadings {
         (self.at.len() >= READINGS * out.series.rank()).then_some(out)
     }
 
-    /// The middle of the absolute values of what is left, mm or rad.
+    /// Median of the absolute residuals, mm or rad.
     pub(super) fn middle(&self) -> f64 {
         let all: Vec<f64> = self.read.iter().zip(&self.predicted).map(|(read, predicted)| read - predicted).collect();
         let left = self.without_setups(&all);
         super::median(left.iter().zip(&self.sigma).map(|(left, sigma)| (left * sigma).abs()).collect())
     }
 
-    /// Whether all lengths that were read are less than any machine errs.
+    /// True if all measured lengths are less than the errors of any machine.
     pub(super) fn are_tiny(&self) -> bool {
         /// mm.
         const TINY: f64 = 5e-5;
@@ -152,19 +152,19 @@ impl WeighedReadings {
         sizes().all(|size| size < TINY) && sizes().any(|size| size > 0.0)
     }
 
-    /// What is left, in units of the uncertainty.
+    /// Residuals, in units of the uncertainty.
     pub(super) fn left(&self) -> Vec<f64> {
         let all: Vec<f64> = self.read.iter().zip(&self.predicted).map(|(read, predicted)| read - predicted).collect();
         self.without_setups(&all)
     }
 
-    /// What something does to them beyond what set-ups take up, in units of the uncertainty: from what it does to all readings of the scene.
+    /// The effect of a term on the readings beyond the set-ups, in units of the uncertainty, from its effect on all readings of the scene.
     pub(super) fn column(&self, of_all: &[f64]) -> Vec<f64> {
         let own: Vec<f64> = self.items.iter().map(|&item| of_all.get(item).copied().unwrap_or(0.0)).collect();
         self.without_setups(&own)
     }
 
-    /// By how much less squares are because unknowns take them up.
+    /// Factor for the degrees of freedom that unknowns use.
     fn freedom(&self) -> f64 {
         let count = self.at.len() as f64;
         count / (count - self.series.rank() as f64).max(1.0)
@@ -176,7 +176,7 @@ impl WeighedReadings {
         series.left().to_vec()
     }
 
-    /// How the readings of a component, or all, go with the prediction.
+    /// Agreement of the readings of a component, or of all, with the prediction.
     pub(super) fn matched(&self, of: Option<usize>) -> Match {
         let (read, predicted) = (self.without_setups(&self.read), self.without_setups(&self.predicted));
         let is_in = |place: &usize| of.is_none_or(|of| self.at[*place][2] == of);
@@ -189,7 +189,7 @@ impl WeighedReadings {
         Match { count, gain, share, size: (pp / count.max(1.0)).sqrt() }
     }
 
-    /// What is left in squares of σ where the readings are taken otherwise: `of` gives each from all values of its row.
+    /// Squared residuals, in squares of σ, with another assignment of the readings: `of` returns each reading from all values of its row.
     fn squares_if(&self, of: &dyn Fn(usize, [f64; 3]) -> f64, times: f64) -> Vec<f64> {
         let all: Vec<f64> = self
             .at
@@ -200,7 +200,7 @@ impl WeighedReadings {
         self.without_setups(&all).into_iter().map(|left| (left * left).min(MOST)).collect()
     }
 
-    /// In how many runs, and in which share of all that differs, readings fit better where they are taken otherwise.
+    /// Number of runs in which another assignment of the readings fits better, and their share in the sum of all differences.
     pub(super) fn better_if(&self, of: &dyn Fn(usize, [f64; 3]) -> f64) -> (usize, f64) {
         let as_is = self.squares_if(&|value, all| all[value.min(2)], 1.0);
         let mut runs: std::collections::BTreeMap<usize, f64> = std::collections::BTreeMap::new();
@@ -212,7 +212,7 @@ impl WeighedReadings {
         (better().count(), if whole > 0.0 { better().sum::<f64>() / whole } else { 0.0 })
     }
 
-    /// Mean square of what is left of a component, or all, where the readings are taken otherwise.
+    /// Mean squared residual of a component, or of all, with another assignment of the readings.
     pub(super) fn left_if(&self, component: Option<usize>, of: &dyn Fn(usize, [f64; 3]) -> f64, times: f64) -> f64 {
         let squares = self.squares_if(of, times);
         let own = squares.iter().zip(&self.at).filter(|(_, at)| component.is_none_or(|of| at[2] == of));
@@ -220,12 +220,12 @@ impl WeighedReadings {
         self.freedom() * squares.iter().sum::<f64>() / squares.len().max(1) as f64
     }
 
-    /// The same with the readings as they are, and a part of the prediction.
+    /// Mean squared residual with the given readings and a multiple of the prediction.
     pub(super) fn left_with(&self, component: Option<usize>, times: f64) -> f64 {
         self.left_if(component, &|value, all| all[value.min(2)], times)
     }
 
-    /// Which values rows have.
+    /// Indices of the values that rows contain.
     pub(super) fn values(&self) -> Vec<usize> {
         (0..3).filter(|value| self.at.iter().any(|at| at[1] == *value)).collect()
     }

@@ -1,24 +1,25 @@
-//! How sharply a shift begins: from one reading to the next, beside what such differences are elsewhere in the same readings. What wanders or warms up
-//! goes as far, but not at once.
+//! Sharpness of a shift: the jump between two readings, relative to the usual differences of the same readings. A drift or warming covers the same
+//! range, but not at once.
 
 use super::spread;
 use super::trail::{ReadingTrail, Trail};
 
-/// Sums of squares in what is usual are no chance beyond this (1e-7 or less over all places), where each channel counts less by
+/// Sum of squares in units of the usual difference that is not a coincidence (probability 1e-7 or less over all rows), after each channel is reduced
+/// by
 pub(super) const CHANCE: f64 = 24.0;
 /// this.
 pub(super) const EACH: f64 = 4.0;
-/// Readings at an end that show how sharp it is.
+/// Number of readings at an end that show its sharpness.
 pub(super) const END: usize = 4;
-/// Readings on each side that are compared.
+/// Numbers of readings on each side that are compared.
 const SIDES: [usize; 4] = [2, 4, 8, 16];
-/// Readings of a channel follow at once up to so many of its usual steps.
+/// Largest gap between readings of a channel, in its usual steps.
 const GAP: usize = 8;
-/// White noise has this share of its difference at least: what is usual is not told better.
+/// Smallest usual difference, as a share of that of white noise.
 const LEAST: f64 = 0.8;
 
-/// The jump at a row in squares of what is usual, over all channels, less what chance makes of more than one; over sides of so many readings at most.
-/// `None` where there are too few readings on a side.
+/// The jump at a row in squares of the usual difference, over all channels, less the expectation for more than one channel; with at most `most`
+/// readings on each side. `None` if there are too few readings on a side.
 pub(super) fn sharpness(trail: &Trail, row: usize, most: usize) -> Option<f64> {
     let block = trail.block_of(row)?;
     let of_side = |side: usize| {
@@ -34,13 +35,13 @@ pub(super) fn sharpness(trail: &Trail, row: usize, most: usize) -> Option<f64> {
     SIDES.into_iter().filter(|side| *side <= most.max(SIDES[0])).filter_map(of_side).reduce(f64::max)
 }
 
-/// The mean of some readings from a row on less that of as many before it.
+/// Mean of some readings from a row on, minus the mean of an equal number before it.
 fn jump(channel: &ReadingTrail, block: [usize; 2], row: usize, side: usize) -> Option<f64> {
     let piece = channel.range(block[0], block[1]);
     let at = channel.range(row, row).start;
     let [from, until] = [channel.before(at, side, piece.start), channel.beyond(at, side, piece.end)];
     let ((behind, many), (before, of_before)) = (channel.mean(at, until)?, channel.mean(from, at)?);
-    // Between two pieces of a channel others were read, and it went on drifting.
+    // Between two parts of a channel other channels were read, and the drift continued.
     let far = GAP * channel.step.max(1);
     let goes_on = channel.at.get(from..until)?.windows(2).all(|pair| pair[1].0 - pair[0].0 <= far);
     (many == side && of_before == side && goes_on).then_some(behind - before)
@@ -51,26 +52,26 @@ fn jumps(channel: &ReadingTrail, side: usize) -> impl Iterator<Item = f64> {
     at.filter_map(move |k| Some(channel.mean(k, k + side)?.0 - channel.mean(k - side, k)?.0))
 }
 
-/// What warms up differs more in some pieces than in most: the standard deviation by what a tenth of all exceeds.
+/// Warming makes larger differences in some parts: the standard deviation from the 90th percentile.
 fn often(channel: &ReadingTrail, side: usize) -> f64 {
     tenth(jumps(channel, side).collect())
 }
 
 fn tenth(mut all: Vec<f64>) -> f64 {
-    /// A tenth of normal noise is beyond this, in standard deviations.
+    /// 90th percentile of the absolute values of normal noise, in standard deviations.
     const TENTH: f64 = 1.644_853_6;
     all.iter_mut().for_each(|jump| *jump = jump.abs());
     let place = all.len() * 9 / 10;
     if all.is_empty() { 0.0 } else { *all.select_nth_unstable_by(place, f64::total_cmp).1 / TENTH }
 }
 
-/// As some jumps are where nothing is, and no less than that of the noise.
+/// Usual size of jumps without a shift, at least that of the noise.
 pub(super) fn usual_of(jumps: impl Iterator<Item = f64>, least: f64) -> f64 {
     let all: Vec<f64> = jumps.collect();
     spread(all.iter().copied()).max(tenth(all)).max(least)
 }
 
-/// As neighbouring pieces differ where nothing is.
+/// Usual difference of neighboring parts without a shift.
 pub(super) fn usual(channel: &ReadingTrail, side: usize) -> f64 {
     spread(jumps(channel, side)).max(LEAST * channel.noise * (2.0 / side as f64).sqrt())
 }
@@ -88,7 +89,7 @@ mod tests {
         channel.sum_up();
         let mut trail = Trail::default();
         (trail.channels, trail.blocks, trail.rows) = (vec![channel], vec![[0, 199]], 200);
-        // Means of two readings of noise differ by it: 1 is 1/(0.8 · 0.1) of what is usual at least.
+        // Means of two readings differ by the noise: 1 is 1/(0.8 · 0.1) times the smallest usual difference.
         let found = sharpness(&trail, 100, 2).unwrap();
         assert!((found - 156.25).abs() < 1e-9, "{found}");
         assert_eq!(sharpness(&trail, 50, 2), Some(0.0));

@@ -1,4 +1,4 @@
-//! What a single cause of the machine explains: a fault of the data is said only where none does it as well.
+//! The part that a single cause of the machine explains. A fault of the data is reported only if no cause explains it equally well.
 
 use super::readings::WeighedReadings;
 use crate::diagnose::scene::{Scene, Through};
@@ -6,19 +6,19 @@ use crate::measure::data::DataSet;
 use ncfix_machine::machine::Machine;
 use ncfix_model::name::{DIRECTIONS, ErrorName};
 
-/// Rows of a measurement that are looked at.
+/// Maximum number of rows of a measurement.
 const ROWS: usize = 300;
-/// Readings count up to this, in σ, where a few may be far off.
+/// Upper limit of a residual, in σ, as a few readings may be outliers.
 pub(super) const MOST: f64 = 5.0;
 
-/// What is left of all measurements, in units of the uncertainty, one after the other.
+/// Residuals of all measurements in sequence, in units of the uncertainty.
 #[derive(Debug)]
 pub(super) struct SingleResiduals {
     pub(super) values: Vec<f64>,
     pub(super) squares: f64,
 }
 
-/// Fewer rows, from all over.
+/// A smaller number of rows, evenly selected.
 pub(super) fn thinned(data: &DataSet) -> DataSet {
     let count = data.observations.len();
     let mut out = data.clone();
@@ -32,7 +32,7 @@ pub(super) fn thinned(data: &DataSet) -> DataSet {
     out
 }
 
-/// The readings of some measurements beside what a machine with the known errors says of them, each up to `most` in σ.
+/// Residuals of measurements for a machine with the known errors, each limited to `most`, in σ.
 pub(super) fn left(machine: &Machine, scene: &Scene<'_>, sets: &[DataSet], most: f64) -> Option<SingleResiduals> {
     let own = Scene::new(machine, &scene.errors, sets).ok()?;
     let values: Vec<f64> =
@@ -42,7 +42,7 @@ pub(super) fn left(machine: &Machine, scene: &Scene<'_>, sets: &[DataSet], most:
     Some(SingleResiduals { values, squares })
 }
 
-/// What is left with the cause that explains most: an error of one axis that is constant, grows, bends or turns over with its sense.
+/// Sum of squared residuals with the best single cause: an error of one axis that is constant, linear, quadratic or reverses with the direction.
 pub(super) fn by_one_cause(machine: &Machine, sets: &[DataSet], as_is: &SingleResiduals) -> f64 {
     let Ok(scene) = Scene::new(machine, &ncfix_model::ErrorModel::default(), sets) else { return 0.0 };
     let readings: Vec<WeighedReadings> = (0..sets.len()).filter_map(|set| WeighedReadings::new(&scene, set)).collect();

@@ -1,6 +1,6 @@
-//! A step: from one row on all readings are shifted and stay so, as after a crash or when an instrument was knocked.
+//! A step: from one row on all readings keep a shift, as after a crash or a knock at the instrument.
 //!
-//! What warms up, cools down or is switched on and off is none: it does not begin within a reading, does not stay, or comes with a driver.
+//! Warming, cooling and switching are no steps: they do not begin within one reading, do not last, or coincide with a driver.
 
 use super::cells::TableClock;
 use super::sharp::{CHANCE, EACH, END, sharpness, usual};
@@ -16,51 +16,51 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     look,
 };
 
-/// Readings of a channel on each side, from the most.
+/// Numbers of readings of a channel on each side, in descending order.
 const SIDES: [usize; 4] = [60, 40, 25, 12];
-/// Readings of a channel on each side over which it is flat, at most.
+/// Maximum number of readings of a channel on each side in the test for flatness.
 const LONG: usize = 180;
-/// The end is so much of the whole.
+/// Smallest share of the jump at the end in the whole shift.
 const SHARP: f64 = 0.5;
-/// Halves of a side differ by less than this of the step.
+/// Largest difference between the halves of a side, as a share of the step.
 const FLAT: f64 = 0.35;
-/// In units of the noise at least.
+/// Smallest step, in units of the noise.
 const SIZE: f64 = 1.8;
 
-/// Rows from a change within which it may begin.
+/// Largest distance in rows between a change and its sharpest row.
 const NEAR: usize = 2;
 
-/// By how much the squares fall at least, in squares of the noise.
+/// Smallest decrease of the sum of squares, in squares of the noise.
 const LEAST: f64 = 60.0;
-/// Readings of all channels on each side at least.
+/// Minimum number of readings of all channels on each side.
 const READINGS: f64 = 25.0;
-/// Changes that are looked at closely.
+/// Maximum number of changes that are tested.
 const TRIED: usize = 16;
-/// Rows from a change within which it may really be.
+/// Largest distance in rows between a candidate and the actual change.
 const WITHIN: usize = 20;
 
-/// Within so many rows of a pause a machine may have become another one.
+/// Number of rows around a pause in which a step is not reported: the machine may be in another state.
 const PAUSE: usize = 12;
-/// A step that ends with its run explains so much more.
+/// Smallest advantage of a step that ends with its run.
 const SHORTER: f64 = 1.25;
 
-/// The jump in squares of what is usual from one reading to the next.
+/// Smallest jump, in squares of the usual difference between readings.
 const AT_ONCE: f64 = 18.0;
 
 /// A change point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ChangePoint {
-    /// The first row behind it.
+    /// The first row after it.
     pub(super) row: usize,
     /// Its block.
     pub(super) block: [usize; 2],
-    /// The last row that is shifted.
+    /// The last shifted row.
     pub(super) until: usize,
-    /// By how much the squares fall, in squares of the noise.
+    /// Decrease of the sum of squares, in squares of the noise.
     pub(super) gain: f64,
-    /// In units of the noise.
+    /// RMS of the shift, in units of the noise.
     pub(super) size: f64,
-    /// Readings of a channel on each side that show it.
+    /// Number of readings of a channel on each side that show it.
     pub(super) side: usize,
 }
 
@@ -84,7 +84,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     }
 }
 
-/// In words.
+/// The evidence as text.
 pub(super) fn evidence(change: &ChangePoint) -> String {
     format!(
         "readings shift by {:.1} times their noise within a reading and stay: flat over {} readings on both sides, against earlier visits of the same places",
@@ -92,15 +92,15 @@ pub(super) fn evidence(change: &ChangePoint) -> String {
     )
 }
 
-/// The change that stands out most, if it is a step.
+/// The most significant change that is a step.
 pub(super) fn change(trail: &Trail, data: &DataSet) -> Option<ChangePoint> {
-    // Where every visit comes from another side, a new side looks like a step.
+    // If every visit comes from another side, a new side looks like a step.
     if !trail.has_sense {
         return None;
     }
     let mut changes: Vec<(f64, usize, [usize; 2])> = Vec::new();
     for side in SIDES {
-        // As neighbouring pieces differ where nothing is.
+        // Usual difference of neighboring parts without a step.
         let usual: Vec<f64> = trail.channels.iter().map(|channel| usual(channel, side)).collect();
         for block in &trail.blocks {
             for row in block[0] + 1..=block[1] {
@@ -134,7 +134,7 @@ pub(super) fn change(trail: &Trail, data: &DataSet) -> Option<ChangePoint> {
             rows.push((block, changed));
         }
     }
-    // Where the middles of visits are themselves shifted, nearby pieces may show nothing.
+    // If the medians of the visits are shifted themselves, neighboring parts may show nothing.
     let mut all: Vec<(f64, [usize; 2], Vec<f64>)> = trail
         .blocks
         .iter()
@@ -169,8 +169,9 @@ pub(super) fn change(trail: &Trail, data: &DataSet) -> Option<ChangePoint> {
     found
 }
 
-/// A change at a row if it is a step: large, at once, flat on both sides, not behind a pause and not with a driver; and readings beside those visits
-/// that do not have it. `at_once` squares of what is usual jump over as many readings at most, and the end is this share of the whole.
+/// A change at a row if it is a step: large, sudden, flat on both sides, not after a pause and not together with a driver. Also returns the readings
+/// relative to the visits without the shift. The jump must exceed `at_once` squares of the usual difference, over at most `most` readings, and the
+/// share `sharp` of the whole.
 pub(super) fn judged(
     trail: &Trail,
     data: &DataSet,
@@ -182,7 +183,7 @@ pub(super) fn judged(
     if gain < LEAST || !goes_on {
         return None;
     }
-    // An instrument that is set to zero for every run has it only up to the end of one.
+    // If the instrument is set to zero for every run, a step ends with its run.
     let mut ends = vec![block[1]];
     let run = |row: usize| data.observations.get(row).map(|one| one.run);
     ends.extend((row..block[1]).take_while(|&next| run(next + 1) == run(row)).last().map(|last| last + 1));
@@ -204,7 +205,7 @@ pub(super) fn judged(
     is_one.then_some((ChangePoint { until, ..change }, around))
 }
 
-/// The squares that a shift of some rows explains, in squares of the noise: readings are beside the visits that do not have it.
+/// Squares explained by a shift of some rows, in squares of the noise; the readings are relative to the visits without the shift.
 fn explained(around: &Trail, rows: [usize; 2]) -> f64 {
     let of = |channel: &ReadingTrail| {
         let range = channel.range(rows[0], rows[1]);
@@ -216,7 +217,7 @@ fn explained(around: &Trail, rows: [usize; 2]) -> f64 {
     around.channels.iter().filter_map(of).sum()
 }
 
-/// The row near a step before and behind which readings differ most.
+/// The row near a step with the largest difference between the readings before and after it.
 fn sharpest(around: &Trail, change: &ChangePoint) -> usize {
     let differs = |row: usize| -> f64 {
         let of = |channel: &ReadingTrail| {
@@ -231,13 +232,13 @@ fn sharpest(around: &Trail, change: &ChangePoint) -> usize {
     near.max_by(|a, b| differs(*a).total_cmp(&differs(*b))).unwrap_or(change.row)
 }
 
-/// A change at a row, over the longest sides that its piece has.
+/// A change at a row, over the longest sides that fit into its block.
 fn beside(trail: &Trail, block: [usize; 2], row: usize, gain: f64) -> Option<ChangePoint> {
     for side in SIDES {
         let (mut size, mut count) = (0.0, 0.0_f64);
         for channel in &trail.channels {
             let (range, at) = (channel.range(block[0], block[1]), channel.range(row, row).start);
-            // Some rows may have no visit to be held against.
+            // Some rows may have no visit for comparison.
             let [from, until] = [channel.before(at, side, range.start), channel.beyond(at, side, range.end)];
             let (Some((behind, many)), Some((before, of_before))) = (channel.mean(at, until), channel.mean(from, at))
             else {
@@ -264,7 +265,7 @@ fn is_step(trail: &Trail, change: &ChangePoint, sharp: f64) -> bool {
         if at < range.start + change.side || at + change.side > range.end {
             continue;
         }
-        // As far as the piece goes: what decays or is switched off again is no step.
+        // Over the whole block: a decaying or reversed shift is no step.
         let [before, behind] = [at - range.start, range.end - at].map(|side| side.min(LONG));
         let mean = |from: usize, to: usize| channel.mean(from, to).map_or(0.0, |(mean, _)| mean);
         let jump = mean(at, at + behind) - mean(at - before, at);

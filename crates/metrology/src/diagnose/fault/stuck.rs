@@ -1,10 +1,11 @@
-//! Temperatures that stand still or are missing: one number in row after row where noise should be, or empty cells.
+//! Temperatures that are constant or missing: the same number in consecutive rows despite noise, or empty cells.
 //!
-//! A logger that ends before the readings do repeats its last value, one that pauses holds it, one that begins late has the first one from the beginning.
-//! Such values are missing, no more: the sensor is sound in all other rows. Sensors that stop in one row have one reason, and are one defect.
+//! A logger that ends before the readings repeats its last value, one that pauses holds it, and one that begins late has its first value from the
+//! beginning. Only these values are missing: the sensor is good in all other rows. Sensors that stop in the same row have one reason and are one
+//! fault.
 //!
-//! Equal numbers alone prove nothing. A display of few digits stands at night, and a chiller holds its temperature. The rows beside a piece say how often
-//! neighbours are equal there; where they often are, other sensors must have moved, or the sensor must jump when it goes on.
+//! Equal numbers alone prove nothing. A display with few digits is constant at night, and a chiller holds its temperature. The rows beside a range
+//! show the usual share of equal neighbors. If it is large, other sensors must have moved, or the sensor must jump when it continues.
 
 use std::collections::BTreeMap;
 
@@ -21,41 +22,41 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     look,
 };
 
-/// Rows of one number at least.
+/// Minimum number of rows with one number.
 const ROWS: usize = 8;
-/// Where neighbours are often equal, a piece is this many times as long as any other.
+/// If neighbors are often equal, a range is this many times as long as any other.
 const TIMES: usize = 5;
-/// All sensors of a display of few digits stand at once for this many times as long as ever else.
+/// Ratio of the length of a range in which all sensors are constant to that of any other such range.
 const ALONE: usize = 8;
-/// Pairs of neighbours on each side of a piece that say how often they are equal there.
+/// Number of pairs of neighbors on each side of a range that are examined.
 const PAIRS: usize = 24;
-/// Fewer pairs say nothing.
+/// Minimum number of pairs.
 const FEWEST_PAIRS: usize = 5;
-/// Neighbours that are equal more often than this belong to a display of few digits, or to a body at rest.
+/// Share of equal neighbors above which a display has few digits, or a body is at rest.
 const OFTEN: f64 = 0.5;
-/// −ln of the chance of a piece of equal numbers: 6 · 10⁻⁶, for the some 10⁴ places in a log at which one may begin.
+/// −ln of the probability of a range of equal numbers: 6 · 10⁻⁶, for about 10⁴ rows of a log at which one may begin.
 const CHANCE: f64 = 12.0;
-/// Changes from row to row reverse at least this often where noise makes them; of pure noise two thirds do.
+/// Smallest share of changes that reverse from row to row with noise; for pure noise it is two thirds.
 const REVERSED: f64 = 0.25;
-/// Noise changes a value by more than this many steps of its display.
+/// Smallest change by noise, in steps of the display.
 const NOISE_STEPS: f64 = 1.5;
-/// A display should have moved by this many of its steps.
+/// Smallest expected motion of a display, in its steps.
 const STEPS: f64 = 3.0;
-/// A sensor that goes on after a pause jumps by this many of its steps.
+/// Smallest jump of a sensor that continues after a pause, in its steps.
 const JUMP_STEPS: f64 = 5.0;
-/// Others go this far, K, while a sensor says one number throughout.
+/// Smallest change of other sensors, K, while a sensor is constant throughout.
 const FAR_K: f64 = 1.0;
-/// Another sensor that moves by less than this, K, beside a piece says nothing of what the sensor should have done.
+/// Smallest motion of another sensor beside a range, K, for a comparison.
 const LEAST_K: f64 = 0.3;
-/// Displays of few digits and regulated temperatures are multiples of this, K.
+/// Step of displays with few digits and of regulated temperatures, K.
 const DISPLAY_K: f64 = 0.1;
 
-/// Why a sensor says nothing in a piece of rows.
+/// Kind of missing readings in a range of rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Silence {
-    /// One number stands.
+    /// A constant number.
     Held,
-    /// Cells are empty.
+    /// Empty cells.
     Empty,
 }
 
@@ -84,7 +85,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     }
 }
 
-/// Sensors that say one number in all rows. One on the digits of a display may be regulated, and explains nothing in either case.
+/// Reports sensors that are constant in all rows. A multiple of the display step may be a regulated temperature; it explains nothing in either case.
 fn constant_throughout(set: usize, sensors: &[Sensor], out: &mut Vec<DataDefect>) {
     for sensor in sensors {
         let Some([low, high]) = sensor.range() else { continue };
@@ -106,7 +107,7 @@ fn constant_throughout(set: usize, sensors: &[Sensor], out: &mut Vec<DataDefect>
     }
 }
 
-/// One defect of sensors that are silent in one piece of rows; `None` where the readings around it bridge it anyway.
+/// One fault of sensors without readings in one range of rows; `None` if the readings around it bridge it.
 fn defect(
     view: &View<'_, '_>,
     set: usize,
@@ -185,7 +186,7 @@ fn defect(
     })
 }
 
-/// Pieces of rows in which all sensors hold their values at once.
+/// Ranges of rows in which all sensors hold their values at once.
 fn together(sensors: &[&Sensor]) -> Vec<[usize; 2]> {
     let rows = sensors.iter().map(|sensor| sensor.values.len()).min().unwrap_or(0);
     if sensors.len() < 2 {
@@ -204,7 +205,7 @@ fn together(sensors: &[&Sensor]) -> Vec<[usize; 2]> {
     pieces.iter().copied().filter(is_held).collect()
 }
 
-/// Pieces of rows in which a sensor holds its value.
+/// Ranges of rows in which a sensor holds its value.
 fn held(sensor: &Sensor, sensors: &[Sensor]) -> Vec<[usize; 2]> {
     let pieces = own_pieces(sensor);
     let step = step(sensor, &pieces);
@@ -223,14 +224,14 @@ fn held(sensor: &Sensor, sensors: &[Sensor]) -> Vec<[usize; 2]> {
     pieces.iter().copied().filter(is_held).collect()
 }
 
-/// Pieces of equal numbers of a sensor.
+/// Ranges of equal numbers of a sensor.
 fn own_pieces(sensor: &Sensor) -> Vec<[usize; 2]> {
     let values = &sensor.values;
     let is_equal = |row: usize| values[row].to_bits() == values[row - 1].to_bits();
     pieces(values.len(), &|row| values[row].is_finite(), &is_equal)
 }
 
-/// Pieces of empty cells that are longer than those of a table that leaves cells empty anyway.
+/// Ranges of empty cells that are longer than the usual ones of a table with empty cells.
 fn empty(data: &DataSet, sensor: &Sensor) -> Vec<[usize; 2]> {
     let Some(driver) = data.drivers.iter().find(|driver| driver.name == sensor.name) else { return Vec::new() };
     let pieces = pieces(driver.values.len(), &|row| driver.values[row].is_nan(), &|_| true);
@@ -243,7 +244,7 @@ fn length(piece: [usize; 2]) -> usize {
     piece[1] - piece[0] + 1
 }
 
-/// Pieces of known rows that are equal to the rows before them: first and last row.
+/// Ranges of known rows that are equal to the rows before them: first and last row.
 fn pieces(rows: usize, is_known: &dyn Fn(usize) -> bool, is_equal: &dyn Fn(usize) -> bool) -> Vec<[usize; 2]> {
     let mut pieces: Vec<[usize; 2]> = Vec::new();
     for row in (0..rows).filter(|&row| is_known(row)) {
@@ -255,32 +256,33 @@ fn pieces(rows: usize, is_known: &dyn Fn(usize) -> bool, is_equal: &dyn Fn(usize
     pieces
 }
 
-/// Rows of the longest of the other pieces; 1 without any.
+/// Number of rows of the longest other range; 1 without any.
 fn longest_other(pieces: &[[usize; 2]], piece: [usize; 2]) -> usize {
     pieces.iter().filter(|other| **other != piece).map(|other| length(*other)).max().unwrap_or(1)
 }
 
-/// Share of neighbours beside a piece that are equal, on the side with more of them. `None` where neither side says anything.
+/// Share of equal neighbors beside a range, on the side with more of them. `None` if there are too few pairs on both sides.
 fn often(pieces: &[[usize; 2]], [first, last]: [usize; 2]) -> Option<f64> {
     let share = |rows: std::ops::Range<usize>| {
         let inside = |piece: &[usize; 2]| (piece[1] + 1).min(rows.end).saturating_sub(piece[0].max(rows.start));
         let known: usize = pieces.iter().map(inside).sum();
         let count = pieces.iter().filter(|piece| inside(piece) > 0).count();
         let pairs = known.saturating_sub(1);
-        // One more of each kind: none among some pairs does not say that there never is one.
+        // One more pair of each kind: none among a few pairs does not mean that there never is one.
         (pairs >= FEWEST_PAIRS).then(|| (known - count + 1) as f64 / (pairs + 2) as f64)
     };
     let sides = [share(first.saturating_sub(PAIRS + 1)..first), share(last + 1..last + PAIRS + 2)];
     sides.into_iter().flatten().reduce(f64::max)
 }
 
-/// True if a piece is no chance where neighbours are equal this often.
+/// True if a range of this length is not a coincidence, given the share of equal neighbors.
 fn is_no_chance(piece: [usize; 2], often: f64) -> bool {
     (length(piece) - 1) as f64 * -often.ln() > CHANCE
 }
 
-/// True if sensors stand still from one row to the next, and not because a body comes to rest: until then they have noise, or go by many steps of their
-/// display. At the beginning of a log the rows after the piece must have noise: a body without any, as in a simulated log, may have been at rest.
+/// True if sensors become constant from one row to the next, and not because a body comes to rest: before, they have noise, or move by many steps of
+/// their display. At the beginning of a log the rows after the range must have noise: a body without noise, as in a simulated log, may have been at
+/// rest.
 fn is_sudden(sensors: &[&Sensor], steps: &[f64], [first, last]: [usize; 2]) -> bool {
     let (mut reversed, mut pairs) = (0_usize, 0_usize);
     let mut is_fast = false;
@@ -294,7 +296,7 @@ fn is_sudden(sensors: &[&Sensor], steps: &[f64], [first, last]: [usize; 2]) -> b
         let nearest = changes.get(latest..(latest + FEWEST_PAIRS).min(changes.len())).unwrap_or_default();
         let usual = median(nearest.iter().map(|by| by.abs()).collect());
         is_fast |= nearest.len() == FEWEST_PAIRS && usual > STEPS * step;
-        // A display between two of its values says nothing of noise.
+        // A display that alternates between two values shows no noise.
         if usual > NOISE_STEPS * step {
             pairs += changes.len().saturating_sub(1);
             reversed += changes.windows(2).filter(|two| two[0] * two[1] < 0.0).count();
@@ -304,13 +306,13 @@ fn is_sudden(sensors: &[&Sensor], steps: &[f64], [first, last]: [usize; 2]) -> b
     has_noise || first > 0 && is_fast
 }
 
-/// The step of a display, K: the least change from one piece to the next.
+/// Step of a display, K: the smallest change between two ranges.
 fn step(sensor: &Sensor, pieces: &[[usize; 2]]) -> f64 {
     let value = |piece: &[usize; 2]| sensor.values[piece[0]];
     pieces.windows(2).map(|two| (value(&two[1]) - value(&two[0])).abs()).fold(f64::INFINITY, f64::min)
 }
 
-/// True if a sensor goes on after a piece with a jump that it has nowhere else: it was elsewhere meanwhile.
+/// True if a sensor continues after a range with a larger jump than anywhere else, because its temperature changed meanwhile.
 fn jumps_after(sensor: &Sensor, pieces: &[[usize; 2]], piece: [usize; 2], step: f64) -> bool {
     let value = |piece: &[usize; 2]| sensor.values[piece[0]];
     let change = |two: &[[usize; 2]]| (value(&two[1]) - value(&two[0])).abs();
@@ -319,8 +321,8 @@ fn jumps_after(sensor: &Sensor, pieces: &[[usize; 2]], piece: [usize; 2], step: 
     own.is_some_and(|own| own > JUMP_STEPS * step && own > 2.0 * others)
 }
 
-/// By how much a sensor should have moved over a piece, K: by its share in what others do before and after it, and by what they do meanwhile. Of all others
-/// that say anything the least counts; 0 where none does.
+/// Expected motion of a sensor over a range, K: its share in the motion of another sensor before and after the range, times the motion of that sensor
+/// meanwhile. The smallest value of all other sensors counts; 0 if none can be compared.
 fn should_have_moved(sensor: &Sensor, sensors: &[Sensor], piece: [usize; 2]) -> f64 {
     let long = length(piece);
     let end = sensor.values.len();
@@ -332,13 +334,13 @@ fn should_have_moved(sensor: &Sensor, sensors: &[Sensor], piece: [usize; 2]) -> 
             let [own, other] = [moved(sensor, rows.clone())?, moved(other, rows)?];
             (other > LEAST_K).then_some(own / other)
         };
-        // A body that comes to rest moves before it only.
+        // A body that comes to rest moves only before it.
         Some(share(before.clone())?.min(share(after.clone())?) * meanwhile)
     };
     sensors.iter().filter(|other| other.name != sensor.name).filter_map(of_other).reduce(f64::min).unwrap_or(0.0)
 }
 
-/// By how much a sensor moves from the first quarter of some rows to the last, K.
+/// Motion of a sensor from the first quarter of a range of rows to the last, K.
 fn moved(sensor: &Sensor, rows: std::ops::Range<usize>) -> Option<f64> {
     let share = rows.len() / 4;
     let of = |rows: std::ops::Range<usize>| sensor.median_of(rows);
@@ -353,7 +355,7 @@ mod tests {
     use super::*;
     use crate::diagnose::bench;
 
-    /// A display of few digits that shows each number three times, and one of them 16 times; beside another sensor.
+    /// Tests a display with few digits that shows each number three times, and one of them 16 times, together with another sensor.
     fn found(other: impl Fn(usize) -> f64) -> Vec<String> {
         let machine = bench::machine();
         let sets = [bench::reads_along_x(&machine, &[0.0; 46])];
@@ -374,7 +376,7 @@ mod tests {
 
     #[test]
     fn a_display_of_few_digits_is_stuck_only_while_others_move() {
-        // Within the 16 rows the other one goes up and down by a tenth, and from the first quarter of them to the last by 2 K.
+        // Within the 16 rows the other sensor alternates by a tenth, or moves by 2 K from the first quarter to the last.
         assert_eq!(found(|row| 21.0 + 0.1 * (row % 2) as f64), [""; 0]);
         assert_eq!(found(|row| 21.0 + 2.0 * row as f64 / 12.0), ["T_few_C"]);
     }

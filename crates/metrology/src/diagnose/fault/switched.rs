@@ -1,19 +1,19 @@
-//! Drivers that are switched: what comes and goes with one is an effect of the machine, not a fault of the data.
+//! Drivers that are switched: a shift that follows a driver is an effect of the machine, not a fault of the data.
 
 use super::step::ChangePoint;
 use super::trail::{ReadingTrail, Trail};
 use crate::measure::data::{DataColumn, DataSet};
 
-/// Rows from a change within which a driver goes with it.
+/// Largest distance in rows between a change and that of a driver.
 const NEAR: usize = 2;
-/// A driver that is switched changes by so much of its range.
+/// Smallest change of a switched driver, as a share of its range,
 const SWITCH: f64 = 0.1;
-/// Unless it stays as it is for so many rows on each side: then it is switched, however little.
+/// unless it is constant for this number of rows on each side: then any change is a switch.
 const AROUND: usize = 8;
-/// What goes with a driver has so much of the jump wherever it is switched so; and less of it is left between rows with as much of the driver.
+/// Smallest share of the jump at other switches of the driver; also the largest remaining share between rows with equal values of the driver.
 const WITH: f64 = 0.5;
 
-/// What is no temperature.
+/// All drivers except temperatures.
 fn switches(data: &DataSet) -> impl Iterator<Item = &DataColumn> {
     data.drivers.iter().filter(|driver| !driver.name.starts_with("T_"))
 }
@@ -22,7 +22,7 @@ fn value(driver: &DataColumn, row: usize) -> f64 {
     driver.values.get(row).copied().unwrap_or(f64::NAN)
 }
 
-/// Whether a driver says one thing in just these rows, and another before and behind them.
+/// True if a driver has one value in exactly these rows, and another before and after them.
 pub(super) fn is_on_in(data: &DataSet, [first, last]: [usize; 2]) -> bool {
     switches(data).any(|driver| {
         let middle = value(driver, usize::midpoint(first, last));
@@ -33,7 +33,7 @@ pub(super) fn is_on_in(data: &DataSet, [first, last]: [usize; 2]) -> bool {
     })
 }
 
-/// Whether a driver changes at a step as well and the readings follow it elsewhere too.
+/// True if a driver changes at a step as well and the readings follow it elsewhere too.
 pub(super) fn is_driven(trail: &Trail, change: &ChangePoint, data: &DataSet) -> bool {
     switches(data).any(|driver| goes_with(trail, change, driver))
 }
@@ -44,7 +44,7 @@ fn goes_with(trail: &Trail, change: &ChangePoint, driver: &DataColumn) -> bool {
     if !(before != behind && before.is_finite() && behind.is_finite()) {
         return false;
     }
-    // What hardly changes there makes no step there, unless that is the very row in which it is switched.
+    // A driver that hardly changes causes no step, unless it is switched in exactly this row.
     let said = || driver.values.iter().copied().filter(|value| value.is_finite());
     let range = said().fold(f64::MIN, f64::max) - said().fold(f64::MAX, f64::min);
     let [from, until] = [change.row.saturating_sub(AROUND).max(change.block[0]), change.row + AROUND];
@@ -56,12 +56,12 @@ fn goes_with(trail: &Trail, change: &ChangePoint, driver: &DataColumn) -> bool {
     }
     let alike = if is_small { (behind - before).abs() / 2.0 } else { SWITCH * range };
     let is_like = |row: usize, of: f64| (value(row) - of).abs() < alike;
-    // Elsewhere, beyond the sides of the change, the same switch makes as much.
+    // Elsewhere, beyond the sides of the change, the same switch causes a similar jump.
     let (mut own, mut other) = (0.0, 0.0);
     for channel in &trail.channels {
         let at = channel.range(change.row, change.row).start;
         let near = at.saturating_sub(change.side)..at + change.side;
-        // Before and behind each for itself: what is shifted behind it shall not count for the driver.
+        // Before and after separately, so that the shift after the change does not count for the driver.
         let piece = channel.range(change.block[0], change.block[1]);
         let mean = |side: std::ops::Range<usize>, of: f64| {
             let far = side.filter(|k| !near.contains(k) && channel.left[*k].is_finite());
@@ -72,7 +72,7 @@ fn goes_with(trail: &Trail, change: &ChangePoint, driver: &DataColumn) -> bool {
         let sides: Vec<f64> = [piece.start..at, at..piece.end].into_iter().filter_map(makes).collect();
         let jump = jump(channel, change);
         own += jump * jump;
-        // Where it changes only here nothing tells them apart; a little hardly makes as much.
+        // If the driver changes only here, it may be the cause; a small change hardly causes as much.
         let unknown = if is_small { 0.0 } else { jump };
         let usual = sides.iter().sum::<f64>() / sides.len().max(1) as f64;
         other += jump * if sides.is_empty() { unknown } else { usual };
@@ -80,14 +80,15 @@ fn goes_with(trail: &Trail, change: &ChangePoint, driver: &DataColumn) -> bool {
     other > WITH * own || is_at_rest && is_gone_at_levels(trail, change, driver, SWITCH * range)
 }
 
-/// Mean behind a change less that before it.
+/// Mean after a change minus the mean before it.
 fn jump(channel: &ReadingTrail, change: &ChangePoint) -> f64 {
     let at = channel.range(change.row, change.row).start;
     let mean = |from: usize, to: usize| channel.mean(from, to).map_or(0.0, |one| one.0);
     mean(at, at + change.side) - mean(at.saturating_sub(change.side), at)
 }
 
-/// Whether little is left of a step between rows behind and before it in which the driver says the same: by the middle of its levels behind it.
+/// True if little remains of a step between rows after and before it with equal values of the driver; the median over the levels after the step
+/// counts.
 fn is_gone_at_levels(trail: &Trail, change: &ChangePoint, driver: &DataColumn, alike: f64) -> bool {
     let levels = |rows: std::ops::Range<usize>| {
         let mut levels: Vec<f64> = rows.map(|row| value(driver, row)).filter(|level| level.is_finite()).collect();
@@ -96,13 +97,13 @@ fn is_gone_at_levels(trail: &Trail, change: &ChangePoint, driver: &DataColumn, a
         levels
     };
     let (earlier, levels) = (levels(change.block[0]..change.row), levels(change.row..change.block[1] + 1));
-    // One that goes on changing has no levels.
+    // A driver that keeps changing has no levels.
     if levels.len() * AROUND > change.block[1] - change.row {
         return false;
     }
     let left = levels.into_iter().filter_map(|level| {
         let (mut own, mut with) = (0.0, 0.0);
-        // Held against the level before it that is nearest.
+        // Compared with the nearest level before it.
         let nearest = earlier.iter().map(|other| (other - level).abs()).fold(alike, f64::min);
         for channel in &trail.channels {
             let piece = channel.range(change.block[0], change.block[1]);

@@ -1,7 +1,7 @@
-//! Readings held against their own repetitions, in the order in which they were taken.
+//! Readings relative to their own repetitions, in the order in which they were taken.
 //!
-//! What the machine does wherever it stands, comes from a side or has a feed, it does again when it comes back: without the middle of all visits
-//! what is left has a time but no place. Faults of a moment are looked for there, so that no effect of the machine is taken for one.
+//! Effects of the machine by position, direction or feed repeat when it returns. So the residual relative to the median of all visits depends on time
+//! but not on the position. Short faults are searched there, so that no effect of the machine is mistaken for one.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -12,35 +12,35 @@ use crate::measure::data::DataSet;
 use ncfix_base::geometry::AXES;
 use ncfix_base::numeric::Upright;
 
-/// Visits that make a middle.
+/// Minimum number of visits for a median.
 const VISITS: usize = 3;
-/// Columns that say how a visit was made.
+/// Columns that describe the conditions of a visit.
 const MANNER: [&str; 5] = ["feed_mm_min", "load_N", "load_x_mm", "load_y_mm", "spindle_deg"];
 
-/// Readings of one kind one after the other: one value, or one component.
+/// Readings of one kind in sequence: one value, or one component.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ReadingTrail {
-    /// Row and value of each.
+    /// Row and value of each reading.
     pub(super) at: Vec<(usize, usize)>,
-    /// What the model leaves, mm or rad; NaN for those that do not count.
+    /// Residuals of the model, mm or rad; NaN for rejected readings.
     pub(super) value: Vec<f64>,
-    /// Number of the place from its side at which each was taken; that of all of them where it has no repetitions.
+    /// Index of the position with direction of each reading; the number of all of them if it has no repetitions.
     pub(super) group: Vec<usize>,
-    /// Of how many places there are repetitions.
+    /// Number of positions with repetitions.
     pub(super) groups: usize,
-    /// What may go with the senses of axes, where every visit comes from another side.
+    /// Terms that may depend on the directions of axes, if every visit comes from another side.
     senses: Vec<Vec<f64>>,
-    /// What they span in the readings that count, once it was asked for.
+    /// Their span in the used readings, computed on demand.
     spanned: OnceLock<Arc<Upright>>,
-    /// What is left beside its repetitions, mm or rad; NaN for those that do not count.
+    /// Residuals relative to the repetitions, mm or rad; NaN for rejected readings.
     pub(super) left: Vec<f64>,
-    /// Noise from one to the next, mm or rad.
+    /// Noise from one reading to the next, mm or rad.
     pub(super) noise: f64,
-    /// Uncertainty as it is stated.
+    /// Stated uncertainty.
     pub(super) sigma: f64,
-    /// Rows from one to the next, usually.
+    /// Usual number of rows from one reading to the next.
     pub(super) step: usize,
-    /// Sums and numbers of those that count up to each.
+    /// Cumulative sums and numbers of the used readings.
     sums: Vec<(f64, usize)>,
 }
 
@@ -50,20 +50,20 @@ pub(super) struct Trail {
     pub(super) channels: Vec<ReadingTrail>,
     /// Rows of the table.
     pub(super) rows: usize,
-    /// Pieces of rows within which poses come again: first and last.
+    /// Ranges of rows within which poses repeat: first and last.
     pub(super) blocks: Vec<[usize; 2]>,
-    /// Whether most readings have repetitions.
+    /// True if most readings have repetitions.
     pub(super) is_repeated: bool,
-    /// Whether they come from the same side.
+    /// True if the repetitions come from the same side.
     pub(super) has_sense: bool,
-    /// Whether a run or a sense begins with a row.
+    /// By row: true if a run or a direction begins with it.
     begins: Vec<bool>,
-    /// Rows at the same point from the same side, whatever the tool, by a number for each row.
+    /// By row: an index that is equal for rows at the same point from the same side, with any tool.
     alike: Vec<usize>,
     noise_ratio: Option<f64>,
 }
 
-/// The number of the component of every row.
+/// Index of the component of every row.
 pub(super) fn channels(data: &DataSet) -> Vec<usize> {
     data.observations.iter().map(|one| one.component.and(one.target).unwrap_or(0)).collect()
 }
@@ -164,7 +164,7 @@ impl Trail {
             if let Some(noise) = noise {
                 ratios.push(noise / own.sigma);
             }
-            // In steps of a display neighbours are often the same.
+            // With large display steps neighbors are often equal.
             own.noise = noise.unwrap_or(own.sigma).max(1e-3 * own.sigma);
             own.sum_up();
         }
@@ -172,23 +172,23 @@ impl Trail {
         trail
     }
 
-    /// Noise in units of what is stated.
+    /// Noise in units of the stated uncertainty.
     pub(super) fn noise_ratio(&self) -> Option<f64> {
         self.noise_ratio
     }
 
-    /// Whether a run or a sense begins within some rows of one.
+    /// True if a run or a direction begins within some rows of this one.
     pub(super) fn is_border(&self, row: usize, within: usize) -> bool {
         let end = self.begins.len().min(row + within + 1);
         self.begins.get(row.saturating_sub(within)..end).is_some_and(|near| near.contains(&true))
     }
 
-    /// The piece in which a row is.
+    /// The block that contains a row.
     pub(super) fn block_of(&self, row: usize) -> Option<[usize; 2]> {
         self.blocks.get(self.blocks.partition_point(|block| block[1] < row)).copied().filter(|block| block[0] <= row)
     }
 
-    /// Rows elsewhere at the same points from the same sides as some rows.
+    /// Other rows at the same points from the same sides as a range of rows.
     pub(super) fn other_visits(&self, [first, last]: [usize; 2]) -> Vec<usize> {
         let own: std::collections::HashSet<usize> = self.alike.iter().take(last + 1).skip(first).copied().collect();
         (0..self.rows)
@@ -196,7 +196,7 @@ impl Trail {
             .collect()
     }
 
-    /// Rows that do not count any more.
+    /// Rejects rows.
     pub(super) fn forget(&mut self, [first, last]: [usize; 2]) {
         for channel in &mut self.channels {
             let range = channel.range(first, last);
@@ -206,7 +206,7 @@ impl Trail {
         }
     }
 
-    /// Single readings, in order, that do not count any more.
+    /// Rejects single readings, given in order.
     pub(super) fn forget_readings(&mut self, readings: &[(usize, usize)]) {
         for channel in &mut self.channels {
             for (at, (left, value)) in channel.at.iter().zip(channel.left.iter_mut().zip(&mut channel.value)) {
@@ -224,13 +224,13 @@ impl ReadingTrail {
         &self.senses
     }
 
-    /// Readings may go with these as well.
+    /// Adds columns that are fitted to the readings as well.
     pub(super) fn go_with(&mut self, columns: Vec<Vec<f64>>) {
         self.senses.extend(columns);
         self.spanned = OnceLock::new();
     }
 
-    /// What the senses span in those readings that count, which stay the same.
+    /// Span of the direction terms in the used readings, which do not change.
     pub(super) fn spanned(&self, known: &[usize]) -> Arc<Upright> {
         let of_known = |column: &Vec<f64>| known.iter().map(|&k| column[k]).collect();
         let make = || Arc::new(Upright::new(&self.senses.iter().map(of_known).collect::<Vec<Vec<f64>>>()));
@@ -249,24 +249,24 @@ impl ReadingTrail {
             .collect();
     }
 
-    /// Places of some rows.
+    /// Indices of the readings in a range of rows.
     pub(super) fn range(&self, first: usize, last: usize) -> std::ops::Range<usize> {
         self.at.partition_point(|at| at.0 < first)..self.at.partition_point(|at| at.0 <= last)
     }
 
-    /// Where some readings from a place on end that count.
+    /// End of a number of used readings from an index on.
     pub(super) fn beyond(&self, from: usize, count: usize, last: usize) -> usize {
         let counting = (from..last).filter(|&k| self.left.get(k).is_some_and(|left| left.is_finite()));
         counting.take(count).last().map_or(from, |k| k + 1)
     }
 
-    /// Where some readings up to a place begin that count.
+    /// Beginning of a number of used readings up to an index.
     pub(super) fn before(&self, until: usize, count: usize, first: usize) -> usize {
         let counting = (first..until).rev().filter(|&k| self.left.get(k).is_some_and(|left| left.is_finite()));
         counting.take(count).last().unwrap_or(until)
     }
 
-    /// Mean of some places and how many count; `None` where there are none.
+    /// Mean of a range of readings and number of the used ones; `None` if there are none.
     pub(super) fn mean(&self, from: usize, to: usize) -> Option<(f64, usize)> {
         let (from, to) = (self.sums.get(from)?, self.sums.get(to)?);
         let count = to.1.checked_sub(from.1).filter(|count| *count > 0)?;
@@ -274,13 +274,13 @@ impl ReadingTrail {
     }
 }
 
-/// Whether a run or a sense begins with each row.
+/// By row: true if a run or a direction begins with it.
 fn begins(data: &DataSet) -> Vec<bool> {
     let what = |row: usize| data.observations.get(row).map(|one| (one.setup, one.run, one.reading.state.direction));
     (0..data.observations.len()).map(|row| row == 0 || what(row) != what(row - 1)).collect()
 }
 
-/// Numbers of what rows have in common that are at the same point from the same side.
+/// Indices that are equal for rows at the same point from the same side.
 fn alike(data: &DataSet) -> Vec<usize> {
     let mut known: BTreeMap<Vec<i64>, usize> = BTreeMap::new();
     let fine = |value: f64| (value * 1e3).round() as i64;
@@ -300,9 +300,9 @@ fn alike(data: &DataSet) -> Vec<usize> {
     data.observations.iter().map(&mut number).collect()
 }
 
-/// Noise by differences of neighbours, of the first or second order.
+/// Noise from differences of neighbors, of the first or second order.
 fn noise(values: &[f64], order: usize) -> Option<f64> {
-    /// Three quarters of the absolute values of normal noise are below this, in standard deviations.
+    /// 75th percentile of the absolute values of normal noise, in standard deviations.
     const QUARTER: f64 = 1.150_349;
     const LEAST: usize = 10;
     let counting: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
@@ -321,7 +321,7 @@ fn noise(values: &[f64], order: usize) -> Option<f64> {
     (noise > 0.0).then_some(noise)
 }
 
-/// Pieces of rows that some group spans, one after the other.
+/// Ranges of rows covered by overlapping groups.
 fn blocks(mut spans: Vec<[usize; 2]>) -> Vec<[usize; 2]> {
     spans.sort_unstable();
     let mut blocks: Vec<[usize; 2]> = Vec::new();
@@ -334,7 +334,8 @@ fn blocks(mut spans: Vec<[usize; 2]>) -> Vec<[usize; 2]> {
     blocks
 }
 
-/// What may go with the senses of the axes, alone and along each axis, by item: where every visit comes from another side.
+/// Terms that depend on the directions of the axes, alone and times the position along each axis, by reading: for visits that all come from another
+/// side.
 fn senses(scene: &Scene<'_>, items: &[(&SceneReading, usize)], places: &[usize]) -> Vec<Vec<f64>> {
     let axes = || scene.machine.axes.iter().flatten().map(|data| data.axis);
     let row = |place: usize| scene.rows.get(items[place].0.row);

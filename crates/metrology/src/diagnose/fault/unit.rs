@@ -1,4 +1,4 @@
-//! Readings by a factor: millimetres in a column of micrometres, micrometres in one of millimetres, inches.
+//! Readings with a wrong factor: millimeters in a column of micrometers, micrometers in one of millimeters, inches.
 
 use super::readings::WeighedReadings;
 use super::{DataDefect, DefectCheck, DefectKind, Then, View};
@@ -12,7 +12,7 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     look,
 };
 
-/// Factors and what they are.
+/// Factors and their descriptions.
 const FACTORS: [(f64, &str, &str); 4] = [
     (1e-3, "factor 0.001", "millimeters in a column of micrometers"),
     (1e3, "factor 1000", "a thousandth of its unit"),
@@ -37,21 +37,21 @@ fn multiple(ratio: f64) -> String {
     if ratio < 1.0 { format!("1/{:.0} of", 1.0 / ratio) } else { format!("{ratio:.0} times") }
 }
 
-/// The prediction is at least so large, in units of the noise, to be evidence.
+/// Smallest prediction that is evidence, in units of the noise.
 const SIZE: f64 = 2.0;
-/// And explains so much.
+/// Smallest share of the squares that the prediction explains.
 const SHARE: f64 = 0.3;
-/// A gain is that of a factor within this, as a logarithm.
+/// Tolerance of the gain relative to a factor, as a natural logarithm.
 const NEAR: f64 = 0.3;
-/// The noise is, as a logarithm, where there is a prediction.
+/// Tolerance of the noise, as a natural logarithm, if there is a prediction.
 const NOISE_NEAR: f64 = 2.3;
-/// And where there is none.
+/// Tolerance of the noise without a prediction.
 const NOISE_ALONE: f64 = 0.2;
-/// The prediction, where it and the noise together are evidence.
+/// Smallest prediction if it and the noise together are evidence,
 const SIZE_BOTH: f64 = 0.7;
-/// And the noise.
+/// and the tolerance of the noise in that case.
 const NOISE_BOTH: f64 = 1.2;
-/// No instrument is so much better or worse than is said of it.
+/// Largest plausible error of a stated uncertainty, as a natural logarithm.
 const INCREDIBLE: f64 = 4.6;
 
 fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
@@ -61,14 +61,14 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
         };
         let matched = readings.matched(None);
         let noise = trail.noise_ratio();
-        // Where neighbours differ by more than their noise, what the model leaves of them by this factor.
+        // If neighbors differ by more than their noise, the residual of the model with this factor.
         let rest = readings.left_with(None, matched.gain).sqrt();
         let near = |value: f64, factor: f64| (value / factor).ln().abs();
-        // Without a stated σ nothing says what the noise should be.
+        // Without a stated σ the expected noise is unknown.
         let stated = noise.filter(|_| data.sigma.is_some() || data.sigma_rad.is_some());
         let reads_angles = data.observations.iter().any(crate::measure::data::Observation::is_angle);
         for (factor, what, means) in FACTORS {
-            // Readings that are too small lie below any uncertainty that is assumed.
+            // Readings that are too small are below any assumed uncertainty.
             let is_small = stated.is_none() && factor < 1.0 && !reads_angles;
             let size = matched.size / noise.filter(|_| is_small).unwrap_or(1.0);
             let by_model = size > SIZE
@@ -76,7 +76,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
                 && matched.gain > 0.0
                 && near(matched.gain, factor) < NEAR
                 && stated.is_none_or(|noise| near(noise, factor).min(near(rest, factor)) < NOISE_NEAR);
-            // Where the model says little, both together.
+            // If the prediction is small, gain and noise together.
             let by_both = size > SIZE_BOTH
                 && matched.share > SHARE
                 && matched.gain > 0.0
@@ -86,7 +86,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
             let within = if is_incredible { 1.0 } else { NOISE_ALONE };
             let by_noise =
                 (is_incredible || matched.size < SIZE) && stated.is_some_and(|noise| near(noise, factor) < within);
-            // Without a stated σ: no instrument has noise of some nanometres, and no machine is that good.
+            // Without a stated σ: no instrument has noise of some nanometers, and no machine is that accurate.
             let by_size = is_small && readings.are_tiny() && noise.is_some_and(|noise| noise > 0.0) && is_incredible;
             if !(by_model || by_noise || by_both || by_size) {
                 continue;

@@ -1,22 +1,22 @@
-//! What is left of readings beside their repetitions, where some rows may be shifted.
+//! Residuals of readings relative to their repetitions, if some rows may be shifted.
 //!
-//! The middle of all visits of a place is itself shifted where many of them are in a pulse or behind a step: a shift is then judged with the visits
-//! that it does not have, and what it is follows together with the middles.
+//! If many visits of a position are in a pulse or after a step, their median is itself shifted. So a shift is compared with the visits outside it,
+//! and its size is determined together with the medians.
 
 use std::collections::HashMap;
 
 use super::trail::{ReadingTrail, Trail};
 use super::{median, spread};
 
-/// Readings are far out from so many spreads on.
+/// Limit of an outlier, in standard deviations.
 const FAR: f64 = 6.0;
-/// Readings count up to so many times the noise.
+/// Upper limit of a reading, in units of the noise.
 const MOST: f64 = 6.0;
-/// Rounds in which a shift and the middles settle.
+/// Number of iterations in which a shift and the medians converge.
 const ROUNDS: usize = 4;
 
 impl Trail {
-    /// The same with readings against those visits that are not in some rows.
+    /// The trail with readings relative to the visits outside some rows.
     pub(super) fn around(&self, rows: [usize; 2]) -> Trail {
         let mut trail = self.clone();
         for channel in &mut trail.channels {
@@ -26,7 +26,7 @@ impl Trail {
         trail
     }
 
-    /// The same without the shift that all rows from one on have in its block.
+    /// The trail without the shift of the rows from one on in its block.
     pub(super) fn levelled(&self, rows: [usize; 2]) -> Trail {
         let mut trail = self.clone();
         for channel in &mut trail.channels {
@@ -42,7 +42,7 @@ impl Trail {
         trail
     }
 
-    /// By how much the squares fall, in squares of the noise, where all readings of some rows are shifted.
+    /// Decrease of the sum of squares, in squares of the noise, if all readings of some rows are shifted.
     pub(super) fn window_gain(&self, rows: [usize; 2]) -> f64 {
         let of_channel = |channel: &ReadingTrail| {
             let (centred, _) = channel.centred(0..channel.left.len());
@@ -64,7 +64,7 @@ impl Trail {
         self.channels.iter().map(of_channel).sum()
     }
 
-    /// By how much the squares fall, in squares of the noise, where all readings of a block from each row on are shifted: by row.
+    /// Decrease of the sum of squares, in squares of the noise, if all readings of a block from a row on are shifted: by row.
     pub(super) fn step_gains(&self, block: [usize; 2]) -> Vec<f64> {
         let mut gains = vec![0.0; (block[1] + 1).saturating_sub(block[0])];
         for channel in &self.channels {
@@ -72,7 +72,7 @@ impl Trail {
             let (centred, visits) = channel.centred(range.clone());
             let mut of_group: HashMap<usize, f64> = HashMap::new();
             let known = |k: usize| channel.left[k].is_finite() && channel.group[k] < channel.groups;
-            // From the end of the block: what is behind a row.
+            // Backwards from the end of the block, to accumulate the rows after each row.
             let (mut sum, mut squares) = (0.0, 0.0_f64);
             let mut next = range.end;
             for (place, gain) in gains.iter_mut().enumerate().rev() {
@@ -98,7 +98,7 @@ impl Trail {
 }
 
 impl ReadingTrail {
-    /// Readings of some places against the mean of their visits there, and sums and numbers of these; those far out count less.
+    /// Readings relative to the mean of their visits, and sums and numbers of these visits; outliers are limited.
     fn centred(&self, range: std::ops::Range<usize>) -> (Vec<f64>, HashMap<usize, [f64; 2]>) {
         let limit = MOST * self.noise;
         let own = |k: usize| {
@@ -117,8 +117,8 @@ impl ReadingTrail {
         (centred, sums)
     }
 
-    /// What is left beside the middles of visits; what rows of a window are shifted by stays in them, and counts in no middle. Those in the window
-    /// that have no visit outside say nothing of it.
+    /// Residuals relative to the medians of visits. The shift of the rows of a window stays in them and does not affect the medians. Rows in the
+    /// window without a visit outside are NaN.
     pub(super) fn beside_visits(&self, window: Option<[usize; 2]>) -> Vec<f64> {
         let count = self.value.len();
         let range = window.map_or(0..0, |[first, last]| self.range(first, last));
@@ -166,7 +166,7 @@ impl ReadingTrail {
         left
     }
 
-    /// Takes out what goes with the senses of the axes, beside a shift of some rows, which stays.
+    /// Subtracts terms that depend on the directions of the axes; a shift of some rows is fitted too and kept.
     fn take_senses_out(&self, known: &[usize], shift: &[f64], left: &mut [f64]) {
         let own: Vec<f64> = known.iter().map(|&k| left[k]).collect();
         let senses = self.spanned(known);
@@ -189,14 +189,15 @@ mod tests {
 
     #[test]
     fn one_wild_reading_of_a_shifted_piece_counts_up_to_its_limit() {
-        // Four visits that read 0 and seven in a window that read 1, but for one of 100; its noise of 0.5 lets it count as 3 beyond the middle.
+        // Four visits with readings 0 and seven in a window with readings 1, except for one of 100, which is limited to 3 beyond the median with a
+        // noise of 0.5.
         let mut channel = ReadingTrail::default();
         channel.at = (0..11).map(|row| (row, 0)).collect();
         channel.value = [0.0; 4].into_iter().chain([1.0; 6]).chain([100.0]).collect();
         (channel.group, channel.groups, channel.noise) = (vec![0; 11], 1, 0.5);
         let left = channel.beside_visits(Some([4, 10]));
-        // The middle of all is 1 at first: columns of −7/11 and 4/11 take (4 · 7/11 + 4/11 · 3) / (28/11) = 10/7 for the shift. Then the middle is 1 − 10/7,
-        // the four are 3/7 above it, and 4 · 7/11 · 3/7 = 4/11 · 3: it stays.
+        // The median of all is 1 at first: columns of −7/11 and 4/11 give (4 · 7/11 + 4/11 · 3) / (28/11) = 10/7 for the shift. Then the median is 1
+        // − 10/7, the four are 3/7 above it, and 4 · 7/11 · 3/7 = 4/11 · 3: it has converged.
         for (k, left) in left.iter().enumerate().take(10) {
             let expected = if k < 4 { 3.0 / 7.0 } else { 10.0 / 7.0 };
             assert!((left - expected).abs() < 1e-12, "{k} {left}");

@@ -15,21 +15,21 @@ use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_model::ParameterName;
 use ncfix_model::name::{ErrorKind, ErrorName};
 
-/// mm in a metre, revolutions per minute and mm/min in the units of amounts.
+/// mm in a meter, and factor of the units 1000/min, m/min and m/s.
 const THOUSAND: f64 = 1e3;
-/// Effects of a component and of the tip are equal up to this share.
+/// Effects of a component and of the tip are equal within this share.
 const EQUAL: f64 = 1e-6;
-/// An axis of which the direction deviates from a coordinate by no more than this is along it.
+/// Largest deviation of the direction of an axis from a coordinate.
 const ALONG: f64 = 1e-6;
 
-/// The amount of a term: which columns of the candidate it has, and its unit.
+/// Unit of the amount of a term, and its columns of the candidate.
 #[derive(Clone, Debug)]
 pub(super) struct AmountUnit {
     pub(super) term: String,
-    /// First column; a wave has two, whose amplitude is the amount.
+    /// First column; a wave has two, and its amplitude is the amount.
     pub(super) column: usize,
     pub(super) is_wave: bool,
-    /// From mm or rad per unit inside to the unit.
+    /// Factor from the internal unit, mm or rad per unit, to this one.
     pub(super) factor: f64,
     pub(super) unit: String,
 }
@@ -45,7 +45,7 @@ type OfRow = Arc<dyn Fn(&SceneRow) -> f64 + Send + Sync>;
 
 /// The usual cause of an effect.
 fn usual(effect: EffectKind) -> &'static Cause {
-    // Lobes of an instrument have this effect too, and words of their own.
+    // Lobes of an instrument have the same effect, but descriptions of their own.
     if effect == EffectKind::Unknown {
         return &UNNAMED;
     }
@@ -56,7 +56,7 @@ fn at(values: &Values, row: &SceneRow) -> f64 {
     values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN)
 }
 
-/// A driver by row. A temperature counts from its reference, or since the instrument was set to zero.
+/// A driver by row. A temperature is relative to its reference, or to the zero setting of the instrument.
 fn by_row(scene: &Scene<'_>, of: &Quantity, (lag_s, is_since_zero): (f64, bool)) -> Result<OfRow, String> {
     Ok(match of {
         &Quantity::Position(axis) => Arc::new(move |row: &SceneRow| row.position[axis]),
@@ -80,7 +80,7 @@ fn by_row(scene: &Scene<'_>, of: &Quantity, (lag_s, is_since_zero): (f64, bool))
     })
 }
 
-/// The factor by row: one function, or the sine and the cosine of a wave.
+/// A factor by row: one function, or the sine and the cosine of a wave.
 fn of_factor(scene: &Scene<'_>, factor: &Factor, how: (f64, bool)) -> Result<Vec<OfRow>, String> {
     Ok(match factor {
         Factor::Power { of, minus, power } => {
@@ -103,7 +103,7 @@ fn of_factor(scene: &Scene<'_>, factor: &Factor, how: (f64, bool)) -> Result<Vec
         }
         Factor::Step { of, is_above, limit } => {
             let (is_above, limit) = (*is_above, *limit);
-            // A limit of a temperature is one of the table.
+            // The limit of a temperature refers to the values in the table.
             let of = match of {
                 Quantity::Temperature(column) => by_row(scene, &Quantity::Column(Arc::clone(column)), how)?,
                 other => by_row(scene, other, how)?,
@@ -117,7 +117,7 @@ fn of_factor(scene: &Scene<'_>, factor: &Factor, how: (f64, bool)) -> Result<Vec
     })
 }
 
-/// The columns of a term by row.
+/// The columns of a term, by row.
 fn of_term(scene: &Scene<'_>, term: &StatedTerm, is_since_zero: bool) -> Result<Vec<Weight>, String> {
     let mut all: Vec<OfRow> = vec![Arc::new(|_: &SceneRow| 1.0)];
     for factor in &term.factors {
@@ -136,7 +136,7 @@ fn of_term(scene: &Scene<'_>, term: &StatedTerm, is_since_zero: bool) -> Result<
     Ok(all.into_iter().map(|of| Weight::new(move |row| of(row))).collect())
 }
 
-/// The plain temperature of a factor, or the two of a difference.
+/// The temperature of a factor, or the two temperatures of a difference.
 fn temperatures(factor: &Factor) -> Option<(&Arc<str>, Option<&Arc<str>>)> {
     match factor {
         Factor::Power { of: Quantity::Temperature(one), minus: None, power: 1 } => Some((one, None)),
@@ -149,7 +149,7 @@ fn temperatures(factor: &Factor) -> Option<(&Arc<str>, Option<&Arc<str>>)> {
     }
 }
 
-/// The axis of a position, less a number or not, and its power.
+/// The axis of a position, a number subtracted from it, and its power.
 fn position(factor: &Factor) -> Option<(Axis, Option<f64>, u8)> {
     match factor {
         Factor::Power { of: Quantity::Position(axis), minus: None, power } => Some((*axis, None, *power)),
@@ -171,7 +171,7 @@ fn is_rotation(through: Through) -> bool {
     component_of(through).is_some_and(|name| name.direction.is_rotation())
 }
 
-/// The effect that a finding of this form would have.
+/// The effect of a cause of this form.
 fn effect(through: Through, terms: &[StatedTerm]) -> EffectKind {
     let component = component_of(through);
     let axis = component.and_then(|name| name.axis());
@@ -220,7 +220,7 @@ fn effect(through: Through, terms: &[StatedTerm]) -> EffectKind {
     }
 }
 
-/// Parameters of the machine file that the terms are, one for each.
+/// The parameters of the machine file that the terms correspond to, one for each.
 fn parameters(component: ErrorName, effect: EffectKind, terms: &[StatedTerm]) -> Option<Vec<ParameterName>> {
     let one = |term: &StatedTerm| match (effect, term.factors.as_slice()) {
         (EffectKind::Location, []) => Some(ParameterName::location(component)),
@@ -238,7 +238,7 @@ fn parameters(component: ErrorName, effect: EffectKind, terms: &[StatedTerm]) ->
 /// The candidate of a sum of terms.
 ///
 /// # Errors
-/// Why these data have none.
+/// The reason why these data have none.
 pub(super) fn of_sum(scene: &Scene<'_>, through: Through, terms: &[StatedTerm]) -> Result<Built, String> {
     let effect = effect(through, terms);
     let parameter = match through {
@@ -295,7 +295,7 @@ fn sensor_of(column: &str) -> String {
     column.strip_suffix("_C").unwrap_or(column).to_owned()
 }
 
-/// Drift of one sensor, or of the difference of two: entries of `[[drift]]`, which counts as the tool relative to the workpiece.
+/// Drift with one sensor or with the difference of two: entries of `[[drift]]`, which describes the tool relative to the workpiece.
 fn with_drift(scene: &Scene<'_>, mut candidate: Candidate, (through, term): (Through, &StatedTerm)) -> Candidate {
     let Some((one, other)) = term.factors.first().and_then(temperatures) else { return candidate };
     if other.is_none() {
@@ -327,7 +327,7 @@ fn with_drift(scene: &Scene<'_>, mut candidate: Candidate, (through, term): (Thr
     })
 }
 
-/// Thermal expansion of an axis about the place at which it is held: `scale` of `[[expansion]]`.
+/// Thermal expansion of an axis about its fixed position: `scale` of `[[expansion]]`.
 fn with_expansion(scene: &Scene<'_>, candidate: Candidate, term: &StatedTerm) -> Candidate {
     let sensor = term.factors.iter().find_map(temperatures).map(|(sensor, _)| sensor_of(sensor));
     let held = term.factors.iter().find_map(position);
@@ -351,7 +351,7 @@ fn with_expansion(scene: &Scene<'_>, candidate: Candidate, term: &StatedTerm) ->
     })
 }
 
-/// The unit of the amount of a term, and the factor to it from mm or rad per unit inside.
+/// Unit of the amount of a term, and the factor from the internal unit, mm or rad per unit, to it.
 fn unit(through: Through, term: &StatedTerm) -> (f64, String) {
     let (mut factor, numerator) =
         if is_rotation(through) { (urad_from_rad(1.0), "urad") } else { (um_from_mm(1.0), "um") };
@@ -395,7 +395,7 @@ fn unit(through: Through, term: &StatedTerm) -> (f64, String) {
     (factor, unit)
 }
 
-/// The candidate of a term by its name in explanations; `None` if the axes of the scene have no such term.
+/// Candidate of a term, by its name in explanations; `None` if the axes of the scene have no such term.
 pub(super) fn of_shape(scene: &Scene<'_>, name: &str) -> Option<Candidate> {
     let term = terms(scene).into_iter().find(|term| term.name() == name)?;
     let effect = effect_of(&term);
@@ -413,7 +413,7 @@ pub(super) fn of_shape(scene: &Scene<'_>, name: &str) -> Option<Candidate> {
     Some(if effect == EffectKind::Location { candidate.extends(&[location]) } else { candidate })
 }
 
-/// The effect by which findings name a term of an explanation.
+/// The effect by which causes name a term of an explanation.
 fn effect_of(term: &Shape) -> EffectKind {
     match term.family {
         Family::Squareness | Family::Tilt | Family::Offset => EffectKind::Location,

@@ -7,12 +7,12 @@ use super::super::scene::Through;
 use ncfix_base::geometry::Axis;
 use ncfix_base::source::Span;
 
-/// A hypothesis as a person states it.
+/// A hypothesis stated by a user.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StatedHypothesis {
     /// Its text.
     pub text: String,
-    /// Its place in the text from which it was read.
+    /// Its position in the source text.
     pub span: Span,
     pub(super) statement: StatedContent,
 }
@@ -20,11 +20,11 @@ pub struct StatedHypothesis {
 /// Content of a hypothesis.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum StatedContent {
-    /// A cause by effect and parameter, as findings are named: `backlash EXX`.
+    /// A cause by effect and parameter, as in the results: `backlash EXX`.
     Named(EffectKind, String),
     /// A term by its name in explanations: `EYX X order 2`.
     Shape(String),
-    /// A deviation as a sum of terms, each with an amount of its own.
+    /// A deviation as a sum of terms, each with its own amount.
     Sum(Through, Vec<StatedTerm>),
 }
 
@@ -34,18 +34,18 @@ pub(super) struct StatedTerm {
     /// Its text.
     pub(super) text: String,
     pub(super) factors: Vec<Factor>,
-    /// Time constant with which its temperatures are followed, s.
+    /// Time constant of its temperatures, s.
     pub(super) lag_s: f64,
 }
 
 /// A factor.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Factor {
-    /// A quantity, less another one or a number, to a power.
+    /// A quantity, minus another one or a number, to a power.
     Power { of: Quantity, minus: Option<Operand>, power: u8 },
-    /// A sine and a cosine of a period, mm or rad.
+    /// A sine and a cosine with a period, mm or rad.
     Wave { axis: Axis, period: f64 },
-    /// 1 where a quantity is above a limit (or below it), else 0.
+    /// 1 where a quantity is above a limit (or below it), 0 elsewhere.
     Step { of: Quantity, is_above: bool, limit: f64 },
 }
 
@@ -53,7 +53,7 @@ pub(super) enum Factor {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Operand {
     Quantity(Quantity),
-    /// In the unit of the quantity inside: mm, rad, s, else as the table has it.
+    /// In the internal unit of the quantity: mm, rad, s, otherwise as in the table.
     Number(f64),
 }
 
@@ -77,13 +77,13 @@ pub(super) enum Quantity {
 /// The amount of a term of a stated hypothesis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TermAmount {
-    /// The term as it was stated.
+    /// The term as stated.
     pub term: String,
     /// Its amount.
     pub value: f64,
     /// Expanded uncertainty (95 %).
     pub u95: f64,
-    /// Its unit: `um/m^2`, `um/K`, `um` for a reversal value, an amplitude and a step.
+    /// Its unit: `um/m^2`, `um/K`; `um` for a reversal value, an amplitude and a step.
     pub unit: String,
 }
 
@@ -107,7 +107,7 @@ impl Factor {
 }
 
 impl Quantity {
-    /// Its column, as findings name drivers.
+    /// Its name as a driver in the results.
     pub(super) fn driver(&self) -> String {
         match self {
             Quantity::Position(axis) => axis.to_string(),
@@ -120,7 +120,7 @@ impl Quantity {
 }
 
 impl StatedTerm {
-    /// Drivers of the term, each once.
+    /// Distinct drivers of the term.
     pub(super) fn drivers(&self) -> Vec<String> {
         let mut out: Vec<String> = Vec::new();
         for factor in &self.factors {

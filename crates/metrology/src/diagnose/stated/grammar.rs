@@ -1,4 +1,4 @@
-//! Hypotheses from text, by recursive descent over tokens: one a line, with a diagnostic at its column for every fault.
+//! Parser of hypotheses, by recursive descent over tokens: one hypothesis per line, with a diagnostic at its column for every syntax error.
 //!
 //! ```text
 //! hypothesis = left "~" sum | component "*" product | component "." effect | effect parameter | component shape
@@ -24,12 +24,12 @@ use ncfix_base::units::MM_PER_INCH;
 use ncfix_machine::machine::Machine;
 use ncfix_model::ErrorName;
 
-/// Highest power of a variable, as of coefficients of the machine file.
+/// Highest power of a variable, as for coefficients in the machine file.
 const MOST_POWER: u8 = 9;
-/// Most terms of a hypothesis, and factors of a term: more are no hypothesis that a person can judge.
+/// Maximum number of terms of a hypothesis, and of factors of a term.
 const MOST_PARTS: usize = 12;
 
-/// Effects that findings are named by.
+/// Effects that name causes in the results.
 const EFFECTS: [EffectKind; 22] = [
     EffectKind::Location,
     EffectKind::Motion,
@@ -79,10 +79,11 @@ const UNITS: [(&str, Dimension, f64); 10] = [
     ("rpm", Dimension::Speed, 1.0),
 ];
 
-/// A fault: its place, a message, and what to write.
+/// A syntax error: its position, a message, and a help text.
 type Fault = (Span, String, String);
 
-/// Reads hypotheses, one a line; empty lines and comments after `#` are passed over. Axes are those of the machine, columns those of the measurements. A text without any is a fault.
+/// Reads hypotheses, one per line; empty lines and comments after `#` are skipped. Axes are those of the machine, columns those of the measurements.
+/// A text without any hypothesis is an error.
 #[must_use]
 pub fn read(source: &Source, machine: &Machine, sets: &[&DataSet]) -> (Vec<StatedHypothesis>, Vec<Diagnostic>) {
     let text = String::from_utf8_lossy(source.bytes()).into_owned();
@@ -139,7 +140,7 @@ impl<'t> Reader<'t, '_> {
         self.pieces.get(self.at).map(|piece| &piece.token)
     }
 
-    /// Place of the next piece, or the end of the line.
+    /// Position of the next token, or the end of the line.
     fn here(&self) -> Span {
         self.pieces.get(self.at).map_or(Span::new(self.end, self.end), |piece| piece.span)
     }
@@ -163,7 +164,7 @@ impl<'t> Reader<'t, '_> {
         None
     }
 
-    /// The next piece for messages.
+    /// The next token, for messages.
     fn found(&self) -> String {
         let span = self.here();
         match self.text.get(span.range()).filter(|text| !text.is_empty()) {
@@ -337,7 +338,7 @@ impl<'t> Reader<'t, '_> {
         Some(StatedTerm { text, factors, lag_s })
     }
 
-    /// A factor; `None` inside for the constant 1.
+    /// A factor; the inner value is `None` for the constant 1.
     fn factor(&mut self) -> Option<Option<Factor>> {
         const HELP: &str = "write an axis, a column of the data, t_s, 1, a difference such as (X-300), dir(X), v(X), sin(X/5mm) or step(X > 400)";
         let span = self.here();
@@ -416,7 +417,7 @@ impl<'t> Reader<'t, '_> {
     }
 
     fn function(&mut self, name: &str, span: Span) -> Option<Factor> {
-        // The name, and the parenthesis after it.
+        // Skips the name and the parenthesis after it.
         self.at += 2;
         let factor = match Function::find(name) {
             Some(Function::Dir) => Factor::Power { of: Quantity::Sense(self.axis()?), minus: None, power: 1 },
@@ -466,11 +467,11 @@ impl<'t> Reader<'t, '_> {
         if axis.is_none() {
             self.no_axis(word, span);
         }
-        // The rest of the line is read for further faults.
+        // The rest of the line is still parsed, to report further errors.
         Some(axis.unwrap_or(Axis::X))
     }
 
-    /// A variable, and whether it is known; one that is not known is a fault, and counts as a column so that the rest is read.
+    /// A variable, and whether it is known. An unknown one is reported and counts as a column, so that the rest is parsed.
     fn variable(&mut self, help: &str) -> Option<(Quantity, bool)> {
         let span = self.here();
         let Some((word, span)) = self.word() else {
@@ -516,7 +517,7 @@ impl<'t> Reader<'t, '_> {
         Some((if is_temperature { Quantity::Temperature(name) } else { Quantity::Column(name) }, has_column))
     }
 
-    /// A number with the dimension of its unit, mm, rad or s if it has one.
+    /// A number and the dimension of its unit; with a unit it is converted to mm, rad or s.
     fn number(&mut self, help: &str) -> Option<(f64, Option<Dimension>, Span)> {
         let span = self.here();
         let is_negative = self.takes('-');
@@ -540,7 +541,7 @@ impl<'t> Reader<'t, '_> {
         Some((value * factor, Some(*dimension), span))
     }
 
-    /// A number in the unit of a quantity inside; numbers without a unit are mm, degrees, s, and as tables have them.
+    /// Converts a number into the internal unit of a quantity; numbers without a unit are in mm, degrees, s, otherwise as in tables.
     fn inside(&mut self, of: &Quantity, value: f64, unit: Option<Dimension>, span: Span) -> f64 {
         let own = match of {
             Quantity::Position(axis) if axis.is_rotary() => Some(Dimension::Angle),
@@ -561,7 +562,7 @@ impl<'t> Reader<'t, '_> {
     }
 }
 
-/// Functions by their names.
+/// Functions.
 #[derive(Clone, Copy, Debug)]
 enum Function {
     Dir,
@@ -578,7 +579,7 @@ impl Function {
     }
 }
 
-/// An axis by its upper-case letter.
+/// The axis of an upper-case letter.
 fn axis_of(word: &str) -> Option<Axis> {
     match *word.as_bytes() {
         [letter] if letter.is_ascii_uppercase() => Axis::from_letter(letter),

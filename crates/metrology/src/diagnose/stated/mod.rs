@@ -1,16 +1,16 @@
-//! Hypotheses that a person states: a small language of terms, their candidates, and the test of each against the readings.
+//! Hypotheses stated by a user: a small language of terms, their candidates, and the test of each hypothesis against the readings.
 //!
 //! ```text
-//! token      words, numbers and signs with their places
-//! grammar    hypotheses from text, with a diagnostic at its column for every fault
+//! token      words, numbers and signs with their positions
+//! grammar    parser of hypotheses, with a diagnostic at its column for every syntax error
 //! form       hypotheses as values
 //! build      candidates: the effect of each term on the readings of a scene
-//! subject    the candidate that a hypothesis is, and the amounts of its terms
-//! model      stated terms as parts of a model that is fitted
-//! trial      amount, evidence, gain on unseen readings, rivals, possible correction
+//! subject    the candidate of a hypothesis, and the amounts of its terms
+//! model      stated terms as parts of a fitted model
+//! trial      amount, evidence, gain on unseen readings, other explanations, possible correction
 //! ```
 //!
-//! `docs/reference/terms.md` has the grammar.
+//! `docs/reference/terms.md` describes the grammar.
 
 mod build;
 mod form;

@@ -1,4 +1,4 @@
-//! Stated terms as parts of a model: a joint fit gives each its amounts, and the changes of the machine file that hold it.
+//! Stated terms as parts of a model: a joint fit determines their amounts and the changes of the machine file.
 
 use super::super::cause::{Candidate, Causes, Term, UNNAMED, Weight};
 use super::super::extend::{self, Change};
@@ -15,14 +15,14 @@ use ncfix_model::parameter::ComponentTerm;
 /// A stated term in a model.
 #[derive(Clone, Debug)]
 pub enum ModelTerm {
-    /// Parameters of the machine file, which a calibration fits as any others.
+    /// Parameters of the machine file, which a calibration fits like any others.
     Parameters(Vec<ParameterName>),
-    /// Changes of the machine file that a fit of the readings gives, with the amounts of the terms.
+    /// Changes of the machine file from a fit of the readings, with the amounts of the terms.
     Changes(Vec<Change>, Vec<TermAmount>),
 }
 
-/// Fits stated terms to all readings of a scene, beside the parameters of a model; `bare` has the readings without any model. The outcome for each term is its part of the model, or the
-/// reason why it cannot be fitted.
+/// Fits stated terms to all readings of a scene, together with the parameters `beside` of a model; `bare` contains the readings without any model.
+/// Returns for each term its part of the model, or the reason why it cannot be fitted.
 #[must_use]
 pub fn stated_model(
     stated: &[StatedHypothesis],
@@ -38,7 +38,7 @@ pub fn stated_model(
     let mut kept: Vec<(Taken, f64)> =
         beside.iter().map(|&name| (taken(enter(&mut field, of_parameter(name))), 0.0)).collect();
     let mut subjects = Vec::new();
-    // Noise of the measurements is that beside all terms.
+    // The noise of the measurements is determined with all terms fitted.
     for is_last in [false, true] {
         let mut outcome = Settled::open(&mut field, [&own, &held_out], (causes, bare, used));
         subjects = stated.iter().map(|one| subject(one, &mut outcome)).collect();
@@ -72,7 +72,7 @@ fn taken(candidate: usize) -> Taken {
     Taken { candidate, chance: 0.0 }
 }
 
-/// The effect of a parameter of the machine file.
+/// Candidate with the effect of a parameter of the machine file.
 fn of_parameter(name: ParameterName) -> Candidate {
     let axis = name.component.axis();
     let weight = match name.term {

@@ -1,4 +1,4 @@
-//! The subject of a trial: the candidate that a stated hypothesis is, whether the readings can show it, and the amounts of its terms.
+//! The subject of a trial: the candidate of a stated hypothesis, its visibility in the readings, and the amounts of its terms.
 
 use super::super::cause::{Candidate, EffectKind};
 use super::super::contest::group;
@@ -11,25 +11,25 @@ use super::super::verdict::{AcceptedCause, Settled};
 use super::build::{AmountUnit, Built, of_shape, of_sum};
 use super::form::{StatedContent, StatedHypothesis, TermAmount};
 
-/// A finding that takes this share of the squares of a hypothesis stands for it.
+/// An accepted cause that explains at least this share of the squares of a hypothesis represents it.
 const STANDS: f64 = 0.9;
-/// A column of which set-ups and other terms leave less than this share shows nothing of its own.
+/// A column is invisible if less than this share of it remains after set-ups and other terms.
 const OWN: f64 = 1e-9;
-/// An effect of the usual size that changes the readings by less than this, in standard deviations of all of them together, is not visible: as in the likelihood.
+/// An effect of typical size that changes all readings together by less than this, in standard deviations, is not visible, as in the likelihood.
 const FAINT: f64 = 0.3;
-/// Variants of a named cause that are compared, at most.
+/// Maximum number of variants of a named cause that are compared.
 const VARIANTS: usize = 6;
 
-/// A hypothesis with the number of its candidate among those of the field.
+/// A hypothesis with the index of its candidate in the field.
 pub(super) struct StatedSubject {
     pub(super) number: usize,
     pub(super) units: Vec<AmountUnit>,
     pub(super) variants: usize,
-    /// Places among the accepted candidates that stand for it.
+    /// Indices of the accepted candidates that represent it.
     pub(super) stand_ins: Vec<usize>,
 }
 
-/// The candidate of a hypothesis, or why these readings have none.
+/// The candidate of a hypothesis, or the reason why these readings have none.
 pub(super) fn subject(one: &StatedHypothesis, outcome: &mut Settled<'_, '_, '_>) -> Result<StatedSubject, String> {
     let scene = outcome.field.scene;
     let (number, units, variants) = match &one.statement {
@@ -57,7 +57,8 @@ pub(super) fn enter(field: &mut Field<'_, '_>, candidate: Candidate) -> usize {
     field.candidates.len() - 1
 }
 
-/// The best variant of a cause, and the number of variants: an accepted one if there is one, else the one that explains most for its columns.
+/// The best variant of a cause, and the number of variants: an accepted one if there is one, else the one with the best score by its gain and number
+/// of columns.
 fn named(outcome: &Settled<'_, '_, '_>, effect: EffectKind, parameter: &str) -> Result<(usize, usize), String> {
     let field = &*outcome.field;
     let is_one = |number: &usize| {
@@ -103,7 +104,7 @@ fn named(outcome: &Settled<'_, '_, '_>, effect: EffectKind, parameter: &str) -> 
 /// Checks that the readings can show a candidate.
 ///
 /// # Errors
-/// Why they cannot.
+/// The reason why they cannot.
 fn visible(outcome: &Settled<'_, '_, '_>, number: usize, has_terms: bool, units: &[AmountUnit]) -> Result<(), String> {
     let field = &*outcome.field;
     let Some(one) = field.candidates.get(number) else { return Err("there is no candidate".into()) };
@@ -155,7 +156,7 @@ fn visible(outcome: &Settled<'_, '_, '_>, number: usize, has_terms: bool, units:
     Ok(())
 }
 
-/// Drivers that stay where they are, in words.
+/// Drivers that are constant, as text.
 fn still(outcome: &Settled<'_, '_, '_>, one: &Candidate) -> Vec<String> {
     let scene = outcome.field.scene;
     let is_used = |row: usize| scene.rows.get(row).is_some_and(|row| row.set < outcome.used);
@@ -170,7 +171,7 @@ fn still(outcome: &Settled<'_, '_, '_>, one: &Candidate) -> Vec<String> {
     one.drivers.iter().filter_map(of).collect()
 }
 
-/// Places among the accepted candidates that have the effect of a hypothesis on the readings.
+/// Indices of the accepted candidates with the effect of a hypothesis on the readings.
 fn stand_ins(outcome: &Settled<'_, '_, '_>, number: usize) -> Vec<usize> {
     let field = &*outcome.field;
     let columns = field.columns_of(number);
@@ -180,7 +181,7 @@ fn stand_ins(outcome: &Settled<'_, '_, '_>, number: usize) -> Vec<usize> {
         effect.iter_mut().zip(column).for_each(|(sum, value)| *sum += amount * value);
     }
     let mut series = field.series(outcome.weights, &[], 0.0);
-    // The whole, and each term: one that a finding absorbs would get no amount beside it.
+    // The whole, and each term: a term that a cause absorbs would get no amount in addition to it.
     let parts: Vec<&Vec<f64>> = std::iter::once(&effect).chain(&columns).collect();
     let mut absorbs = |taken: &Taken| {
         let own = field.columns_of(taken.candidate);
@@ -193,14 +194,14 @@ fn stand_ins(outcome: &Settled<'_, '_, '_>, number: usize) -> Vec<usize> {
     kept.filter(|(_, (taken, _))| taken.candidate == number || absorbs(taken)).map(|(place, _)| place).collect()
 }
 
-/// Amounts of the terms; of a named cause its size.
+/// Amounts of the terms; for a named cause, its size.
 pub(super) fn amounts(name: &str, subject: &StatedSubject, accepted: &AcceptedCause) -> Vec<TermAmount> {
     if subject.units.is_empty() {
         let size = &accepted.size;
         let (term, unit) = (name.to_owned(), size.unit.to_owned());
         return vec![TermAmount { term, value: size.value, u95: size.u95, unit }];
     }
-    // Parts that were left out may say that an amount is less sure.
+    // Omitted parts of the data may increase the uncertainty.
     let inflation = match (accepted.size.value.abs(), accepted.amounts.values.as_slice()) {
         (value, [amount]) if value > 0.0 && *amount != 0.0 => {
             let relative = accepted.size.u95 / value;

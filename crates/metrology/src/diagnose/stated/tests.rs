@@ -1,4 +1,4 @@
-//! Hypotheses on readings of a machine whose errors are written here: one that is true, false, invisible, and text that is wrong.
+//! Tests of hypotheses on readings of synthetic machines: true, false and invisible ones, and wrong syntax.
 
 use super::super::bench;
 use super::super::cause::{Causes, Correctable};
@@ -12,7 +12,7 @@ fn source(text: &str) -> Source {
     Source::new(FileId(7), "--hypothesis", text.as_bytes().to_vec()).unwrap()
 }
 
-/// Noise of a standard deviation of 0.5 µm, as an instrument has it: sums of twelve uniform numbers (Knuth, The Art of Computer Programming 2, 3.4.1).
+/// Noise with a standard deviation of 0.5 µm, as of an instrument: sums of twelve uniform numbers (Knuth, The Art of Computer Programming 2, 3.4.1).
 fn noise_um() -> impl FnMut() -> f64 {
     let mut state = 20_261_126_u64;
     move || {
@@ -26,7 +26,7 @@ fn noise_um() -> impl FnMut() -> f64 {
 
 const DISPLACEMENT: &str = "[measurement]\nkind = \"displacement\"\nsigma_um = 0.5\n";
 
-/// A grid over X and Y, run three times there and back along X, with a deviation along X by position and sense, µm.
+/// A grid over X and Y, measured three times in both directions along X, with a deviation along X by position and direction, µm.
 fn grid(machine: &Machine, dx_um: impl Fn(f64, f64, f64) -> f64) -> DataSet {
     let mut noise = noise_um();
     let mut text = "run,X,Y,Z,X_dir,dx_um,dy_um,dz_um\n".to_owned();
@@ -53,7 +53,7 @@ fn tried(machine: &Machine, sets: &[DataSet], used: usize, text: &str) -> Stated
     diagnose_stated(&stated, &Causes::default(), &scene, (&scene, used), &mut |_, _| {}).1
 }
 
-/// The amount lies within its own uncertainty and a half of what was written into the readings.
+/// Demands that the amount is within 1.5 times its uncertainty of the true one.
 fn demand(trial: &HypothesisTrial, amount: f64, unit: &str, most_u95: f64) {
     let one = &trial.amounts[0];
     assert_eq!(one.unit, unit, "{trial:#?}");
@@ -70,7 +70,8 @@ fn a_true_hypothesis_a_false_one_and_an_invisible_one() {
     let [right, wrong, hidden, short] = found.trials.as_slice() else { panic!("{found:#?}") };
     demand(right, 40.0, "um/m^2", 2.0);
     assert!(right.evidence_alone > 50.0 && right.evidence_beside > 50.0, "{right:#?}");
-    // 10 µm over five places of Y are 3.8 µm RMS (mean of (y/0.5)⁴ less the square of that of (y/0.5)², times 10 µm), the noise is 0.5 µm: most of it goes.
+    // 10 µm over five positions of Y are 3.8 µm RMS (mean of (y/0.5)⁴ minus the square of that of (y/0.5)², times 10 µm) and the noise is 0.5 µm, so
+    // most of it is removed.
     assert!(right.is_held_out && right.gain.unwrap() > 0.5, "{:?}", right.gain);
     assert!(wrong.evidence_beside < 0.0 && wrong.amounts[0].value.abs() < 2.0 * wrong.amounts[0].u95, "{wrong:#?}");
     assert_eq!(wrong.correctable, Correctable::No);
@@ -84,7 +85,7 @@ fn a_true_hypothesis_a_false_one_and_an_invisible_one() {
 #[test]
 fn a_reversal_is_named_as_findings_name_it() {
     let machine = bench::machine();
-    // 3 µm on either side: a reversal value of 6 µm.
+    // 3 µm in each direction: a reversal value of 6 µm.
     let sets = [grid(&machine, |_, _, sense| 3.0 * sense)];
     let found = tried(&machine, &sets, 1, "EXX ~ dir(X)\nbacklash EXX\nEXX.backlash\nEXX X_dir\nEXX ~ X_dir*Y");
     for trial in &found.trials[..4] {
@@ -93,7 +94,7 @@ fn a_reversal_is_named_as_findings_name_it() {
         assert!(trial.evidence_beside > 50.0 && trial.gain.unwrap() > 0.3, "{trial:#?}");
         assert_eq!(trial.correctable, Correctable::Program);
     }
-    // It stands in the place of the finding.
+    // It represents the accepted cause.
     assert_eq!(found.trials[0].stands_for, ["backlash EXX"]);
     assert!(found.trials[4].evidence_beside < 0.0 && found.trials[4].beside.contains(&"backlash EXX".to_owned()));
 }
@@ -103,7 +104,7 @@ fn a_drift_follows_its_sensor_with_a_lag() {
     let machine = bench::machine();
     let mut noise = noise_um();
     let mut text = "X,Y,Z,t_s,T_head_C,T_bed_C,dx_um,dy_um,dz_um\n".to_owned();
-    // A ramp of 1 K in 600 s for two hours. The response of a body with a time constant τ is late by τ (1 − exp(−t/τ)): first-order lag of a ramp.
+    // A ramp of 1 K in 600 s for two hours. The response of a body with a time constant τ lags by τ (1 − exp(−t/τ)): first-order lag of a ramp.
     for row in 0..120 {
         let t_s = 60.0 * f64::from(row);
         let lag_s = 600.0;
@@ -183,7 +184,7 @@ fn every_fault_has_its_column_and_says_what_to_write() {
         ("EXX ~ Y Z", vec![(8, "'Z' is not expected here")]),
         ("EQX ~ Y", vec![(0, "'EQX' is no error component")]),
         ("gremlins EXX", vec![(0, "'gremlins' is neither an error nor a cause")]),
-        // Each line has its own; comments are passed over.
+        // Each line has its own errors; comments are skipped.
         ("# of today\nEXX ~ Y^2\nEXX ~ Q", vec![(27, "'Q' is neither an axis nor a column of the data")]),
     ] {
         let found = faults(text);

@@ -1,8 +1,8 @@
-//! Words, numbers and signs of a stated hypothesis, with the bytes at which they stand.
+//! Words, numbers and signs of a stated hypothesis, with their byte positions.
 
 use ncfix_base::source::Span;
 
-/// One piece of the text.
+/// A token.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Token<'t> {
     /// A name: `EXX`, `T_head_C`, `lag`.
@@ -13,14 +13,14 @@ pub(super) enum Token<'t> {
     Sign(char),
 }
 
-/// A piece with its place.
+/// A token with its position.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TermPiece<'t> {
     pub(super) token: Token<'t>,
     pub(super) span: Span,
 }
 
-/// Splits a line whose first byte stands at `offset` of its file.
+/// Splits a line into tokens; `offset` is the position of its first byte in the file.
 pub(super) fn tokens(line: &str, offset: usize) -> Vec<TermPiece<'_>> {
     let mut out = Vec::new();
     let mut at = 0;
@@ -47,7 +47,7 @@ pub(super) fn tokens(line: &str, offset: usize) -> Vec<TermPiece<'_>> {
     out
 }
 
-/// Length of the number at the start: digits, a point, and an exponent only if digits follow it, so that a unit after a number stays one.
+/// Length of the number at the start: digits, a point, and an exponent only if digits follow it, so that a unit after the number is not part of it.
 fn number_length(bytes: &[u8]) -> usize {
     let digits = |from: usize| bytes.iter().skip(from).take_while(|byte| byte.is_ascii_digit()).count();
     let mut length = digits(0);

@@ -1,7 +1,9 @@
-//! The test of stated hypotheses: amount, evidence alone and beside the findings, gain on unseen readings, rivals, possible correction.
+//! The test of stated hypotheses: amount, evidence alone and together with the accepted causes, gain on unseen readings, other explanations, possible
+//! correction.
 //!
-//! The evidence is the ratio of the marginal likelihoods with and without the hypothesis ([`crate::diagnose::explain::likelihood`]), as a natural logarithm. Both sides have
-//! the memory of the noise that suits them best, so that slow noise is no evidence. It holds no odds: those are for the person who states the hypothesis.
+//! The evidence is the ratio of the marginal likelihoods with and without the hypothesis ([`crate::diagnose::explain::likelihood`]), as a natural
+//! logarithm. Each side uses its best autocorrelation of the noise, so that slow noise is no evidence. It contains no odds: those are for the user
+//! who states the hypothesis.
 
 use super::super::cause::{Candidate, Causes, Correctable};
 use super::super::contest::group;
@@ -20,9 +22,9 @@ use super::subject::{StatedSubject, amounts, subject};
 use ncfix_base::geometry::AXES;
 use ncfix_base::numeric::both;
 
-/// Rivals that are compared, at most.
+/// Maximum number of other explanations that are compared.
 const RIVALS: usize = 6;
-/// Hypotheses of which all combinations are compared, at most.
+/// Maximum number of hypotheses for which all combinations are compared.
 const COMBINED: usize = 6;
 
 /// The outcome for one hypothesis. Lengths are in mm, angles in rad.
@@ -30,41 +32,41 @@ const COMBINED: usize = 6;
 pub struct HypothesisTrial {
     /// The hypothesis as stated.
     pub text: String,
-    /// Effect and parameter, as a finding of this form is named.
+    /// Effect and parameter, as a cause of this form is named.
     pub name: String,
-    /// Why these readings cannot show it; `None` if they can.
+    /// The reason why these readings cannot show it; `None` if they can.
     pub why_not_shown: Option<String>,
     /// Amount of each term.
     pub amounts: Vec<TermAmount>,
-    /// Root mean square of its effect on the readings, mm or rad.
+    /// RMS of its effect on the readings, mm or rad.
     pub rms: f64,
-    /// Largest less smallest effect on the readings of a set-up, mm or rad.
+    /// Range of its effect on the readings of a set-up, mm or rad.
     pub alone: f64,
-    /// Natural logarithm of the evidence for it, with no finding beside it.
+    /// Natural logarithm of the evidence for it, without any accepted cause.
     pub evidence_alone: f64,
-    /// Natural logarithm of the evidence for it beside the findings that do not stand for it.
+    /// Natural logarithm of the evidence for it, in addition to the accepted causes that do not represent it.
     pub evidence_beside: f64,
-    /// Names of the findings beside which it was tested.
+    /// Names of the accepted causes that were included in the test.
     pub beside: Vec<String>,
-    /// Names of the findings that have the same effect on the readings: it stands in their place.
+    /// Names of the accepted causes with the same effect on the readings, which it replaces in the test.
     pub stands_for: Vec<String>,
-    /// Natural logarithm of the evidence of all these findings together in its place, less its own; `None` without such findings.
+    /// Natural logarithm of the evidence of all these causes together in its place, minus its own; `None` without such causes.
     pub evidence_of_findings: Option<f64>,
-    /// Share of the root mean square of unseen readings that it removes; `None` if no part could decide.
+    /// Relative reduction of the RMS of unseen readings; `None` if no part of the data could decide.
     pub gain: Option<f64>,
-    /// `true` if the gain is that of the data held out.
+    /// `true` if the gain is that on held-out data.
     pub is_held_out: bool,
-    /// Explanations that are nearly as good, the best first.
+    /// Other explanations that are nearly as good, the best first.
     pub rivals: Vec<EqualExplanation>,
-    /// The measurement that separates it from the first rival.
+    /// The measurement that separates it from the first other explanation.
     pub separate_by: Option<String>,
     /// Possible correction.
     pub correctable: Correctable,
-    /// Changes of the machine file that hold it, or why it cannot.
+    /// Changes of the machine file that hold it, or the reason why it cannot.
     pub changes: Option<Result<Vec<Change>, String>>,
     /// Probability over all combinations of the stated hypotheses, with even odds of each; `None` if it is not visible.
     pub probability: Option<f64>,
-    /// Number of variants of a named cause from which the best was taken.
+    /// Number of variants of a named cause from which the best was selected.
     pub variants: usize,
     /// Its drivers by row of the scene.
     pub drivers: Vec<Driver>,
@@ -74,19 +76,19 @@ pub struct HypothesisTrial {
     pub with: Vec<f64>,
 }
 
-/// Another explanation in the place of a hypothesis.
+/// Another explanation in place of a hypothesis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EqualExplanation {
     /// Effect and parameter.
     pub name: String,
-    /// Natural logarithm of its evidence less that of the hypothesis.
+    /// Natural logarithm of its evidence, minus that of the hypothesis.
     pub log_evidence: f64,
 }
 
 /// A combination of stated hypotheses.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StatedSet {
-    /// Their numbers.
+    /// Their indices.
     pub members: Vec<usize>,
     /// Probability among all combinations.
     pub probability: f64,
@@ -95,13 +97,13 @@ pub struct StatedSet {
 /// The outcome for all hypotheses.
 #[derive(Clone, Debug, Default)]
 pub struct StatedTrials {
-    /// One for each, in the order in which they were stated.
+    /// One for each hypothesis, in the order in which they were stated.
     pub trials: Vec<HypothesisTrial>,
     /// Combinations, the most probable first; empty if none is visible.
     pub sets: Vec<StatedSet>,
 }
 
-/// Diagnoses a scene, and tests hypotheses beside the findings.
+/// Diagnoses a scene, and tests hypotheses together with the accepted causes.
 #[must_use]
 pub fn diagnose_stated(
     stated: &[StatedHypothesis],
@@ -144,14 +146,14 @@ fn of_all(
     for (place, _) in &subjects {
         let own = sets.iter().filter(|set| set.members.contains(place)).map(|set| set.probability);
         if let Some(trial) = trials.get_mut(*place) {
-            // Sums of rounded shares stay probabilities.
+            // Rounding must not make a sum of probabilities exceed 1.
             trial.probability = Some(own.fold(0.0, |sum, one| sum + one).min(1.0));
         }
     }
     StatedTrials { trials, sets }
 }
 
-/// Velocity of an axis by row, mm/s; `None` if the driver is no velocity.
+/// Velocity of an axis by row, mm/s or rad/s; `None` if the driver is not a velocity.
 fn speed(scene: &Scene<'_>, name: &str) -> Option<Driver> {
     let letter = name.strip_prefix("v(")?.strip_suffix(')')?;
     let axis = AXES.into_iter().find(|axis| axis.to_string() == letter)?;
@@ -186,7 +188,7 @@ fn judge(
     trial.stands_for = replaced.iter().map(|&number| named(number)).collect();
     trial.drivers = one.drivers.iter().filter_map(|name| driver(scene, name).or_else(|| speed(scene, name))).collect();
     let with: Vec<usize> = beside.iter().copied().chain([subject.number]).collect();
-    // Who explains as much in its place.
+    // Other explanations in its place.
     let memory = field.memory(weights, &with);
     let whole = field.series(weights, &with, memory);
     let freedom = (whole.count() - whole.rank().min(whole.count())).max(1) as f64;
@@ -224,7 +226,7 @@ fn judge(
     (trial.without, trial.with) = both(|| left_of(field, weights, &beside), || left_of(field, weights, &with));
 }
 
-/// Evidence alone, beside the findings, and of rivals in its place.
+/// Evidence alone, together with the accepted causes, and of other explanations in its place.
 fn evidence(
     trial: &mut HypothesisTrial,
     subject: &StatedSubject,
@@ -250,7 +252,7 @@ fn evidence(
         trial.evidence_beside = own - without - look;
         let is_other = replaced.iter().any(|number| *number != subject.number);
         trial.evidence_of_findings = is_other.then(|| instead - own);
-        // In the place of what is not there anything is as good.
+        // In place of an absent effect, every explanation is equally good.
         if trial.evidence_beside <= 0.0 {
             return;
         }
@@ -263,7 +265,7 @@ fn evidence(
     }
 }
 
-/// Gain on the data held out, else on parts that are left out in turn.
+/// Gain on held-out data, otherwise on parts that are left out in turn.
 fn gain(
     trial: &mut HypothesisTrial,
     subject: &StatedSubject,
@@ -300,7 +302,7 @@ fn gain(
     trial.gain = kept.iter().find(|(taken, _)| taken.candidate == subject.number).map(|(_, gain)| *gain).or(stopped);
 }
 
-/// Probabilities of combinations of visible hypotheses beside the findings that stand for none of them, with even odds of each.
+/// Probabilities of combinations of visible hypotheses, together with the accepted causes that represent none of them, with even odds of each.
 fn combinations(subjects: &[(usize, StatedSubject)], outcome: &Settled<'_, '_, '_>) -> Vec<StatedSet> {
     if subjects.is_empty() {
         return Vec::new();
