@@ -1,4 +1,4 @@
-//! How long a diagnosis of 20,000 readings takes, the whole program with all its cores, and what it says: one hidden row of the catalogue each, measured
+//! How long a diagnosis of 20,000 readings takes, the whole program with all its cores, and what it says: one hidden row of the catalog each, measured
 //! by the plant of the tests. `cargo bench --bench diagnose -- ballbar 03 52` takes some benches and rows only; in a test it is one row and few readings.
 #![allow(clippy::unwrap_used, reason = "a bench that cannot be set up has nothing to measure")]
 #![allow(clippy::print_stdout, reason = "the figures are what it is for")]
@@ -14,7 +14,7 @@ mod plant;
 
 use plant::{Bench, Recipe, rows_shown};
 
-/// Rows of the catalogue from here on are faults of the data.
+/// Rows of the catalog from here on are faults of the data.
 const FIRST_FAULT: u8 = 60;
 /// So densely sampled that there are 20,000 readings of a ball-bar, on the fly, and of a day's drift.
 const BENCHES: [(Bench, f64); 3] = [(Bench::Ballbar, 2.14), (Bench::OnTheFly, 13.92), (Bench::Drift, 43.45)];

@@ -29,7 +29,7 @@ pub fn urad_from_rad(rad: f64) -> f64 {
     rad * 1e6
 }
 
-/// Unit of small quantities in results: micrometres for lengths, microradians for angles. In JSON it has its usual symbol.
+/// Unit of small quantities in results: micrometers for lengths, microradians for angles. In JSON it has its usual symbol.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Unit {

@@ -61,7 +61,7 @@ pub struct AxisValue {
 /// Unit of a number of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisUnit {
-    /// Millimetres.
+    /// Millimeters.
     Millimeter,
     /// Degrees.
     Degree,

@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 const BLOCK: usize = 512;
 /// Singular values below this share of the largest one are zero. Measurement plans in the literature have their last one at 2e-4, and the next one, which is
 /// numerical noise, at 1e-16. If positions scatter slightly about a confounded arrangement, it lies in between. At 1e-6, noise of 1 µm would become
-/// millimetres of errors that cancel each other.
+/// millimeters of errors that cancel each other.
 pub const RANK_LIMIT: f64 = 1e-6;
 /// Components of the null space above this are not rounding errors.
 const LOST: f64 = 1e-6;

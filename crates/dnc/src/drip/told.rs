@@ -21,7 +21,7 @@ const ORIENTED: &str = "M19";
 /// Code of inverse-time feed.
 const INVERSE_TIME: &str = "G93";
 
-/// Millimetres per inch.
+/// Millimeters per inch.
 const MM_PER_INCH: f64 = 25.4;
 /// Feed of the restart path where the program moved down rapidly, mm/min: slow enough to be stopped by hand.
 const DOWN_MM_MIN: f64 = 200.0;

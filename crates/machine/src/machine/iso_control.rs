@@ -10,7 +10,7 @@ use super::section::Section;
 /// Meaning of a number without a decimal point (Fanuc parameter 3401, bit 0).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DecimalPoint {
-    /// Whole millimetres, inches or degrees.
+    /// Whole millimeters, inches or degrees.
     Calculator,
     /// Least input increments.
     Increment,
@@ -29,7 +29,7 @@ pub enum IncrementSystem {
 }
 
 impl IncrementSystem {
-    /// Returns the number of increments per millimetre or degree; an inch has ten times as many.
+    /// Returns the number of increments per millimeter or degree; an inch has ten times as many.
     #[must_use]
     pub fn per_unit(self) -> f64 {
         match self {

@@ -155,10 +155,10 @@ pub struct Control {
     pub grid: [f64; 2],
     /// True if the output is in inches; `None`: metric for programs that do not state their unit.
     pub output_inch: Option<bool>,
-    /// True if an inch has ten times as many increments as a millimetre, the grid of a Fanuc. LinuxCNC reads any decimals; there, a hundred times as many
+    /// True if an inch has ten times as many increments as a millimeter, the grid of a Fanuc. LinuxCNC reads any decimals; there, a hundred times as many
     /// preserve the resolution of `increment_mm`.
     pub has_inch_grid: bool,
-    /// Increments per millimetre of a Sinumerik (MD10200); `None` if the file does not state it.
+    /// Increments per millimeter of a Sinumerik (MD10200); `None` if the file does not state it.
     pub increments_per_mm: Option<f64>,
     /// Largest block number of the output, if blocks must have numbers; `None` without a limit.
     pub last_block_number: Option<u32>,

@@ -14,7 +14,7 @@ pub struct Opaque {
     pub moves: bool,
 }
 
-/// The synchronised actions that may move axes.
+/// The synchronized actions that may move axes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum AllowedSynchronised {
     /// All of them, with an ID or without.

@@ -2,7 +2,7 @@
 //!
 //! A lag along the path does no harm; the relevant quantity is the distance at right angles (Andolfatto, Lavernhe and Mayer 2011, section 3.2 and
 //! Fig. 4, after Sencer, Altintas and Croft 2009). It is measured in the workpiece frame, from the tip by the encoders to the nearest point of the
-//! set-point path of the tip. The search covers only the neighbouring part of the path, as a path may return to a position.
+//! set-point path of the tip. The search covers only the neighboring part of the path, as a path may return to a position.
 
 use ncfix_base::geometry::Vector;
 

@@ -6,7 +6,7 @@
 //!
 //! A machine may be better or worse than usual. The sizes are multiplied by common factors, one for links and one for motion errors, and every pair of
 //! factors counts by the probability of the readings (Bishop 2006, Pattern Recognition and Machine Learning, section 3.4). The variance of the noise is that
-//! of the residual, inflated by its autocorrelation ([`inflation`]), so that neighbours count as one reading.
+//! of the residual, inflated by its autocorrelation ([`inflation`]), so that neighbors count as one reading.
 //!
 //! [`assumptions`]: crate::diagnose::explain::assumptions
 
@@ -34,7 +34,7 @@ const LINK_SCALES: [f64; 3] = [1.0, 2.0, 4.0];
 const MOTION_SCALES: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 /// Standard deviation of the unknowns of the set-up, mm: beyond the range of the probes of an R-test, so that the readings alone decide.
 const SETUP_MM: f64 = 10.0;
-/// Least standard deviation of a reading, mm: the last digit of a table in micrometres.
+/// Least standard deviation of a reading, mm: the last digit of a table in micrometers.
 const LEAST_SIGMA_MM: f64 = 1e-6;
 
 /// A link error.

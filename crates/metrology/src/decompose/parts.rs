@@ -364,7 +364,7 @@ impl Work<'_> {
         rest.into_iter().flatten().sum::<Vector>() / count
     }
 
-    /// Half width of the 95 % interval of the mean residual of a run, mm: neighbours that are alike count as one.
+    /// Half width of the 95 % interval of the mean residual of a run, mm: neighbors that are alike count as one.
     fn mean_95(&self, run: usize, thermal_mm: &Vector) -> Vector {
         let rest = self.minus(run, |work, number| {
             let given = deflection(&work.nominal, &work.found.all, &work.tool_mm, &work.poses[run], number);
@@ -409,7 +409,7 @@ impl Work<'_> {
                 joint.links.iter().zip(&links.links).map(|(whole, first)| whole.value - first.value).collect();
             shifts.add_links(&effects, &off, &joint.covariance);
         }
-        // A speed in samples is half of the difference of the neighbours.
+        // A speed in samples is half of the difference of the neighbors.
         let rate = |of: &[Vector], number: usize| {
             let last = of.len().saturating_sub(1);
             (of[(number + 1).min(last)] - of[number.saturating_sub(1)]) / (2.0 * cycle_s)

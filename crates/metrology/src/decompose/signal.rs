@@ -17,7 +17,7 @@ pub struct Signal {
 impl Signal {
     /// The value at a time by the cubic through the four surrounding samples; constant beyond the ends.
     ///
-    /// Its slope at a sample is half the difference of the neighbours (Catmull and Rom 1974), so that it has no kinks. Its error is of the fourth
+    /// Its slope at a sample is half the difference of the neighbors (Catmull and Rom 1974), so that it has no kinks. Its error is of the fourth
     /// order of the step.
     #[must_use]
     pub fn at(&self, t_s: f64) -> f64 {
@@ -150,10 +150,10 @@ pub fn triangle(values: &[f64], reach: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Variance inflation by autocorrelation: 1 + 2 Σ ρ, up to the last correlated neighbour; at least 1.
+/// Variance inflation by autocorrelation: 1 + 2 Σ ρ, up to the last correlated neighbor; at least 1.
 #[must_use]
 pub fn inflation(values: &[f64]) -> f64 {
-    /// Maximum number of neighbours.
+    /// Maximum number of neighbors.
     const MOST: usize = 2000;
     /// Maximum number of values for estimating the autocorrelation.
     const ENOUGH: usize = 20_000;

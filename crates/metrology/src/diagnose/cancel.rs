@@ -133,7 +133,7 @@ mod tests {
         let rows = 40;
         let first: Vec<f64> = (0..rows).map(f64::from).collect();
         let wave: Vec<f64> = (0..rows).map(|k| (f64::from(k) * 0.9).sin()).collect();
-        // A hundredth of the wave tells it from the first: to say the wave takes a hundred times both.
+        // The columns differ by a hundredth of the wave, so the wave needs a hundred times both.
         let nearly: Vec<f64> = first.iter().zip(&wave).map(|(a, b)| a + 0.01 * b).collect();
         let other: Vec<f64> = (0..rows).map(|k| f64::from(k % 2)).collect();
         let taken = |columns: &[&Vec<f64>]| {
@@ -155,13 +155,13 @@ mod tests {
         let found = |um: f64| {
             let sets = [bench::reads_along_x(&machine, &[um; 8])];
             let scene = bench::scene(&machine, &sets);
-            // Readings show a thousandth of it.
+            // The readings show only a thousandth of it.
             let mut one = bench::candidate(EffectKind::Unknown, Through::Tip(0), |_| 1.0);
             one.columns[0].push((Through::Tip(0), Weight::new(|_| -0.999)));
             let field = Field::new(&scene, vec![one]);
             field.is_absurd(0, &field.series(&bench::even(&scene), &[], 0.0))
         };
-        // 0.5 mm is none, 10 mm is; readings of 0.1 mm show that something is far off.
+        // 0.5 mm is plausible, 10 mm is not; with residuals of 0.1 mm the limit does not apply.
         assert_eq!([0.5, 10.0, 100.0].map(found), [false, true, false]);
     }
 }

@@ -41,7 +41,7 @@ pub(super) fn promising(gains: &[Gain], times: f64, price: f64) -> Vec<bool> {
 }
 
 impl Field<'_, '_> {
-    /// As [`Field::gains_of`] for some candidates; the others gain nothing.
+    /// Like [`Field::gains_of`] for some candidates; the gains of the others are 0.
     pub(super) fn gains_of_some(&self, series: &Series, scores: &mut [Scores; 2], is_in: &[bool]) -> Vec<Gain> {
         let mut gains = Vec::new();
         for scores in scores {
@@ -122,8 +122,8 @@ mod tests {
     #[test]
     fn of_many_those_stay_that_explain_most_for_their_columns() {
         let of = |squares: f64, rank: usize| Gain { squares, rank };
-        // χ² of 30 in a quarter of the readings are 4 · (30 − 1) + 1 − 20 = 97 in all of them, by chance 2 · 4 · √(4 · 29 + 2) = 87 less; those of 1 and
-        // of four columns are worth nothing or −79, by chance as much as 11 or 23 more.
+        // A χ² of 30 in a quarter of the readings predicts 4 · (30 − 1) + 1 − 20 = 97 in all of them, with a margin of 2 · 4 · √(4 · 29 + 2) = 87; a
+        // χ² of 1, or of 4 with four columns, predicts −19 or −76, with margins of 11 or 23.
         let mut gains = vec![of(30.0, 1); MOST];
         gains.extend([of(0.0, 0), of(40.0, 1), of(1.0, 1), of(4.0, 4)]);
         let found = promising(&gains, 4.0, 20.0);
@@ -134,10 +134,10 @@ mod tests {
     #[test]
     fn what_says_no_more_than_noise_gives_way_to_what_surely_says_more() {
         let of = |squares: f64, rank: usize| Gain { squares, rank };
-        // χ² of 26 are 25 beyond noise: 10 · 25 + 1 − 3 = 248 in all readings, by chance 2 · 10 · √(4 · 25 + 2) = 202 less: 46. χ² of 1 is noise:
-        // −2, by chance 2 · 10 · √2 = 28 more.
+        // A χ² of 26 is 25 beyond noise: 10 · 25 + 1 − 3 = 248 in all readings, less the margin of 2 · 10 · √(4 · 25 + 2) = 202: 46. A χ² of 1 is
+        // noise: −2, plus the margin of 2 · 10 · √2 = 28.
         assert_eq!(promising(&[of(1.0, 1), of(26.0, 1)], 10.0, 3.0), [false, true]);
-        // χ² of 3 are 2 beyond it: 10 · 2 + 1 − 3 = 18, by chance 2 · 10 · √10 = 63 more.
+        // A χ² of 3 is 2 beyond noise: 10 · 2 + 1 − 3 = 18, plus the margin of 2 · 10 · √10 = 63.
         assert_eq!(promising(&[of(3.0, 1), of(26.0, 1)], 10.0, 3.0), [true, true]);
     }
 }

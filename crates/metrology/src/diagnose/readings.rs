@@ -197,9 +197,9 @@ pub fn residuals(models: [&Scene<'_>; 2], used: usize, explained: &[f64]) -> [Op
     })
 }
 
-/// Residuals that two models of one scene leave of the measurements that are used and of those held out, beside the set-ups: root of the mean square in units of the uncertainty of each
-/// reading, so that lengths and angles count alike. Both are over the same readings. One does not count if it is far from the others with both models: an error of a single axis makes its readings
-/// far from those of the others until the model has it.
+/// Residuals of two models of one scene after the set-ups, for the measurements used and for those held out: RMS in units of the uncertainty of each
+/// reading, so that lengths and angles have equal weights. Both models are compared on the same readings. A reading is excluded only if it is an
+/// outlier with both models, because an error of a single axis makes its readings outliers until the model contains it.
 #[must_use]
 pub fn levels(scenes: [&Scene<'_>; 2], used: usize) -> [[f64; 2]; 2] {
     let fields = scenes.map(Field::bare);

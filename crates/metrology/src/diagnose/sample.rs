@@ -231,7 +231,7 @@ mod tests {
             let count = some.iter().filter(|row| *row % 4 == within).count();
             assert!((70..=80).contains(&count), "{within}: {count}");
         }
-        // Of a short run, more readings or all are taken.
+        // A short run contributes more of its readings, or all.
         assert_eq!(of_run(&run[..120], 4.0).len(), OF_RUN);
         assert_eq!(of_run(&run[..50], 4.0), run[..50]);
     }
@@ -240,7 +240,7 @@ mod tests {
     fn beside_a_part_of_many_readings_gains_are_those_of_all_where_a_candidate_is_promising() {
         const ROWS: usize = 9000;
         let machine = bench::machine();
-        // Of whole turns over all rows the first one is taken, the second one is there too and the third one is not.
+        // The readings contain two of these waves: the first is an accepted term, the second is still to be found, and the third is absent.
         let turns = |count: f64, row: usize| (std::f64::consts::TAU * count * row as f64 / ROWS as f64).cos();
         let um: Vec<f64> = (0..ROWS).map(|row| 5.0 * turns(3.0, row) + 2.0 * turns(7.0, row)).collect();
         let sets = [bench::reads_along_x(&machine, &um)];

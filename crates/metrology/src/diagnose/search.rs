@@ -132,7 +132,7 @@ impl<'s, 'a> Field<'s, 'a> {
         let Some(one) = self.candidates.get(number) else { return false };
         let is_near = |other: &Candidate| match (one.constant, other.constant) {
             _ if one.sensor.is_some() => true,
-            // Growth at once and heat that follows come together.
+            // An immediate displacement and a thermal one may occur together.
             _ if one.cause.effect == EffectKind::SpindleSpeed => one.constant.is_some() == other.constant.is_some(),
             // A bow has the same component without the slope, which a location has.
             _ if one.cause.effect == EffectKind::Motion && other.term == Term::None => true,

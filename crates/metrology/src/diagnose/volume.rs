@@ -109,7 +109,7 @@ impl Volume {
         out
     }
 
-    /// Count of values of a field for one tool; those of the next tool follow.
+    /// Number of values of a field for one tool; those of the next tool follow.
     pub(super) fn numbers_of_a_tool(&self) -> usize {
         let first = self.places.first().map(|row| row.tool_mm);
         3 * self.places.iter().take_while(|row| Some(row.tool_mm) == first).count()

@@ -119,7 +119,7 @@ fn circles_of(setup: usize, run: &[(usize, Vector)], normal: Option<Vector>) -> 
         .collect()
 }
 
-/// Parts of a run with one direction, `true` for counterclockwise; neighbours share the row of the reversal.
+/// Parts of a run with one direction, `true` for counterclockwise; neighbors share the row of the reversal.
 fn by_sense(rows: &[(usize, f64)]) -> Vec<(&[(usize, f64)], bool)> {
     let mut out = Vec::new();
     let (mut first, mut extreme, mut sense) = (0, 0, 0.0_f64);

@@ -96,7 +96,7 @@ fn step(places: &Places) -> f64 {
     (-DECIMALS..=0).rev().map(|decimals| 10.0_f64.powi(decimals)).find(|step| is_of(*step)).unwrap_or(0.0)
 }
 
-/// Noise of the readings: the stated value, but at most the difference of neighbours, µm or µrad.
+/// Noise of the readings: the stated value, but at most the difference of neighbors, µm or µrad.
 fn noise(data: &DataSet) -> f64 {
     let mut bends: Vec<f64> = data
         .observations

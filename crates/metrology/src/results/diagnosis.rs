@@ -147,7 +147,7 @@ pub enum NoiseFrom {
     Repeats,
     /// From the description of the instrument.
     Instrument,
-    /// From differences of neighbours.
+    /// From differences of neighbors.
     Neighbours,
     /// From the whole residual: it is white, and larger than stated.
     Rest,

@@ -87,7 +87,7 @@ pub struct DriverReadings {
     pub values: Vec<f64>,
 }
 
-/// A cause of the catalogue.
+/// A cause of the catalog.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TriedCauseReport {
     /// Its name.

@@ -27,7 +27,7 @@ pub struct Selection {
     pub steps: Vec<SelectionStep>,
     /// Selected terms.
     pub terms: Vec<SelectedTerm>,
-    /// Autocorrelation of neighbouring readings, by measurement.
+    /// Autocorrelation of neighboring readings, by measurement.
     pub correlation: Vec<Correlation>,
     /// Gain of all terms on holdout readings, with the selection repeated in every fold; `null` if nothing was selected.
     pub held_out: Option<HoldoutGain>,
@@ -121,7 +121,7 @@ pub struct HoldoutGain {
     pub error: f64,
 }
 
-/// Autocorrelation of neighbouring readings.
+/// Autocorrelation of neighboring readings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Correlation {

@@ -48,7 +48,7 @@ fn parts(error: &MotionError) -> Vec<Rest> {
             for knot in &piecewise.knots {
                 let is_rotary = component.axis().is_some_and(|axis| axis.is_rotary());
                 let at = if is_rotary { knot.at.to_degrees() } else { knot.at };
-                // Only knots at whole millimetres or degrees have a name.
+                // Only knots at whole millimeters or degrees have a name.
                 if (at - at.round()).abs() > 1e-9 || at.abs() > f64::from(i32::MAX) {
                     parts.push(Rest::Function(component, "piecewise"));
                     continue;

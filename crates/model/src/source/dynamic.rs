@@ -14,11 +14,11 @@ use ncfix_base::diagnostic::Code;
 use ncfix_machine::machine::Condition;
 use ncfix_machine::machine::file::Section;
 
-/// Largest compliance; greater ones are in another unit: one millimetre for the acceleration of gravity.
+/// Largest compliance; greater ones are in another unit: one millimeter for the acceleration of gravity.
 const MOST: f64 = 1e3;
 /// Factor from µm per m/s² to mm per mm/s², and likewise for angles: from µrad per rad/s² to rad per rad/s².
 const MICRO: f64 = 1e-6;
-/// Millimetres per metre.
+/// Millimeters per meter.
 const MM_PER_M: f64 = 1e3;
 
 /// Name, title and sections of the source.

@@ -122,7 +122,7 @@ impl ReviewRow {
     }
 }
 
-/// The stored value, mm or rad, rounded to a hundredth of a nanometre. Digits beyond are noise, and a limit that is just met must hold.
+/// The stored value, mm or rad, rounded to a hundredth of a nanometer. Digits beyond are noise, and a limit that is just met must hold.
 fn without_noise(value: f32) -> f64 {
     const PARTS: f64 = 1e8;
     (f64::from(value) * PARTS).round() / PARTS

@@ -65,7 +65,7 @@ pub struct Summary {
     pub other_feeds: u64,
     /// Statistics of the axes with changes.
     pub axes: Vec<AxisFigures>,
-    /// The largest difference between the corrections of two neighbours, mm (rad at an arm of 1 m), and the place of the second one.
+    /// The largest difference between the corrections of two neighbors, mm (rad at an arm of 1 m), and the place of the second one.
     pub largest_step: Option<(f64, ReviewPlace)>,
 }
 

@@ -1,6 +1,6 @@
 //! Textual comparison of two programs: for programs that cannot be executed here or that are unrelated.
 //!
-//! Lines are aligned by their text and by their target position to a millimetre. A program in which every line is changed is thus aligned as well as
+//! Lines are aligned by their text and by their target position to a millimeter. A program in which every line is changed is thus aligned as well as
 //! an unchanged one. Block numbers, comments, blanks, number formats and repeated modal words have no effect: `X3.100F30.` equals `N10 G1 X3.1 F030`
 //! while G1 is active.
 
@@ -48,7 +48,7 @@ struct Line {
     at: (u32, u32),
     /// Hash of the line without numbers.
     loose: u64,
-    /// Hash that includes the axis positions to a millimetre.
+    /// Hash that includes the axis positions to a millimeter.
     near: u64,
     /// Axis positions after the line, and the feed, as far as numbers determine them; otherwise NaN.
     now: [f64; MODAL.len()],
@@ -163,7 +163,7 @@ pub fn compare(programs: [(&[u8], u8); 2], tolerance: f64) -> Aligned<'_> {
     let mut pairs = Vec::with_capacity(one.len().max(other.len()));
     for step in steps {
         let (of_one, of_other) = (step.old_range(), step.new_range());
-        // Positions on both sides of a half millimetre, or farther apart: lines still pair if they are equal but for the numbers.
+        // Positions on both sides of a half millimeter, or farther apart: lines still pair if they are equal but for the numbers.
         let is_alike = |(one_at, other_at): &(usize, usize)| one[*one_at].loose == other[*other_at].loose;
         let alike = match step {
             DiffOp::Equal { .. } => of_one.len(),

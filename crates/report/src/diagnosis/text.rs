@@ -29,7 +29,7 @@ const EXPLANATIONS: usize = 4;
 const LEAST_SHOWN: f64 = 0.01;
 /// A cause with this probability is more probable than everything that may stand in its place.
 const MORE_THAN_ALL_OTHERS: f64 = 0.5;
-/// Up to this residual, neighbouring readings show all of it; the uncertainty of their differences is about as large with 30 readings.
+/// Up to this residual, neighboring readings show all of it; the uncertainty of their differences is about as large with 30 readings.
 const LITTLE_MORE: f64 = 1.2;
 /// A residual beyond this multiple of the noise is no noise.
 const NOISY: f64 = 2.0;

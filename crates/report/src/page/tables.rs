@@ -143,7 +143,7 @@ fn listed(out: &mut Markup, report: &TablesReport) {
     );
 }
 
-/// Formats a position to a tenth of a micrometre, without zeros at the end.
+/// Formats a position to a tenth of a micrometer, without zeros at the end.
 fn rounded(position: f64) -> String {
     let text = format!("{position:.4}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()

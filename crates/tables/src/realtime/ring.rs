@@ -61,7 +61,7 @@ impl Words {
         Ok(Words { map: MmapOptions::new().map_raw(file)? })
     }
 
-    /// All words. Every access is atomic, so that a concurrent write by another process is not undefined behaviour.
+    /// All words. Every access is atomic, so that a concurrent write by another process is not undefined behavior.
     #[allow(unsafe_code, reason = "memory that another process shares has no other type; this is the one place")]
     fn all(&self) -> &[AtomicU64] {
         let count = self.map.len() / size_of::<AtomicU64>();

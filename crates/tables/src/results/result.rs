@@ -138,7 +138,7 @@ impl From<&Errors> for VolumeErrors {
     }
 }
 
-/// Rounds a tool vector to one nanometre, mm, to remove rounding noise of the spindle direction and negative zero.
+/// Rounds a tool vector to one nanometer, mm, to remove rounding noise of the spindle direction and negative zero.
 #[must_use]
 pub fn rounded_mm(tool_mm: &Vector) -> [f64; 3] {
     [0, 1, 2].map(|index| (tool_mm[index] * 1e6).round() / 1e6 + 0.0)

@@ -26,7 +26,7 @@ pub(in crate::exec) fn off_mm(start: &AxisVector, ends: &[AxisVector], k: usize,
     };
     match (bend(k), bend(k + 1)) {
         (Some(one), Some(other)) => of(smooth(one, other)),
-        // First and last chord: the neighbouring chord reveals a corner.
+        // First and last chord: the neighboring chord reveals a corner.
         (None, near) => beside(near, bend(k + 2)).map_or(tolerance_mm, of),
         (near, None) => beside(near, k.checked_sub(1).and_then(bend)).map_or(tolerance_mm, of),
     }

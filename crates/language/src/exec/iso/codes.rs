@@ -1,6 +1,6 @@
 //! The groups of G codes, which are given in tenths: `G54.1` is 541.
 //!
-//! The groups are those of the execution, common to both flavours; other codes are looked up in the code table.
+//! The groups are those of the execution, common to both flavors; other codes are looked up in the code table.
 
 use ncfix_dialect::Language;
 

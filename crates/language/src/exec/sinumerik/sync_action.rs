@@ -1,4 +1,4 @@
-//! Synchronised actions: passed through as written if they move no axis.
+//! Synchronized actions: passed through as written if they move no axis.
 //!
 //! They run on the control in parallel with the program, so their effect on positions cannot be simulated. `$` variables live on the control. R
 //! parameters and variables of the program are replaced by their values at the place of the action, as the control does in preprocessing.
@@ -38,7 +38,7 @@ struct Token<'a> {
     depth: u32,
 }
 
-/// Executes a synchronised action: passes it through, or reports the reason for rejection.
+/// Executes a synchronized action: passes it through, or reports the reason for rejection.
 pub(super) fn execute(
     loaded: &Loaded,
     channel: &mut Channel<'_>,
@@ -146,7 +146,7 @@ fn is_moving(upper: &str, depth: u32, behind: &[u8], axes: AxisSet) -> bool {
     if let Some(name) = upper.strip_prefix("$$").or_else(|| upper.strip_prefix('$')) {
         let on_position =
             ["AA_OFF", "AA_TOFF", "AN_CEC", "AN_ETC", "AC_TOFF"].iter().any(|start| name.starts_with(start));
-        // Variables that the control provides for synchronised actions; other variables may affect axes.
+        // Variables that the control provides for synchronized actions; other variables may affect axes.
         let is_free = ["AC_", "AA_", "A_", "AN_"].iter().any(|start| name.starts_with(start));
         let is_parameter =
             name == "R" || name.strip_prefix('R').is_some_and(|rest| rest.bytes().all(|b| b.is_ascii_digit()));

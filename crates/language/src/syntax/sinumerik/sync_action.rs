@@ -1,4 +1,4 @@
-//! Synchronised actions: `[ID=n] [WHEN condition] DO actions`, parsed only as far as needed to locate their parts.
+//! Synchronized actions: `[ID=n] [WHEN condition] DO actions`, parsed only as far as needed to locate their parts.
 
 use super::block::{Draft, Parser};
 use super::token::{Input, Parsed, blanks, fault, identifier, is_name_byte};
@@ -10,7 +10,7 @@ use ncfix_base::source::Span;
 const SCANS: [&[u8]; 4] = [b"WHEN", b"WHENEVER", b"EVERY", b"FROM"];
 
 impl Parser {
-    /// Production `synchronised`: a synchronised action from its first word to the comment.
+    /// Production `synchronised`: a synchronized action from its first word to the comment.
     ///
     /// Its parts are located by their keywords outside brackets and strings, with a scanner: they are not words of this language.
     pub(super) fn synchronised<'a>(&mut self, input: Input<'a>, draft: &mut Draft) -> Parsed<'a, Body> {

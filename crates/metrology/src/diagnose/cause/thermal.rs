@@ -94,7 +94,7 @@ fn sensors(scene: &Scene<'_>) -> Vec<Sensor> {
     names.into_iter().flat_map(|name| LAGS_S.into_iter().filter_map(|lag_s| sensor(scene, name, lag_s))).collect()
 }
 
-/// `None` for a lag without times.
+/// A temperature column followed with a lag, s; `None` for a lag without times.
 fn sensor(scene: &Scene<'_>, column: &str, lag_s: f64) -> Option<Sensor> {
     let name = column.strip_suffix("_C")?;
     let of_set = |set: &DataSet| -> Option<[Vec<f64>; 2]> {
@@ -125,8 +125,8 @@ fn sensor(scene: &Scene<'_>, column: &str, lag_s: f64) -> Option<Sensor> {
     Some(Sensor { name: column.to_owned(), lag_s, rise: Arc::new(rise), since_zero: Arc::new(since_zero) })
 }
 
-/// Rise of a temperature column at each row, K, by measurement: above its reference, and since the instrument was set to zero; followed with a time constant, s.
-/// `None` for a lag without times.
+/// Rise of a temperature column at each row, K, by measurement: above its reference, and since the zero setting of the instrument; followed with a
+/// time constant, s. `None` for a lag without times.
 pub(in crate::diagnose) fn rises(scene: &Scene<'_>, column: &str, lag_s: f64) -> Option<[Values; 2]> {
     sensor(scene, column, lag_s).map(|sensor| [sensor.rise, sensor.since_zero])
 }

@@ -2,12 +2,12 @@
 //!
 //! ```text
 //! Scene::new(machine, errors, sets)   the residual of every reading, and its sensitivity to a deviation anywhere
-//! term::terms                         what readings would have in addition, each error in one form
-//! NoiseSeries::new                    readings in series; noise with memory, filtered
+//! term::terms                         the additional effect of each error on the readings, in one form
+//! NoiseSeries::new                    readings in series; autocorrelated noise, filtered
 //! Likelihood::new                     set-ups eliminated; everything about a set of terms from products of columns
 //! search::explanations                sets of terms with probabilities
-//! contest::contest                    the search over a pool that terms join where they gain something, with the memory of the noise
-//! findings                            terms with the probability that they are there, sizes averaged over all explanations
+//! contest::contest                    the search over a growing pool of terms, with the autocorrelation of the noise
+//! findings                            terms with their probabilities, and sizes averaged over all explanations
 //! ```
 //!
 //! A diagnosis compares the result of its search with all sets of these terms and of the candidates of the register. [`explain`] uses only errors of

@@ -266,7 +266,7 @@ impl ReadingTrail {
         counting.take(count).last().unwrap_or(until)
     }
 
-    /// Mean of a range of readings and number of the used ones; `None` if there are none.
+    /// Mean of a range of readings and number of the used ones; `None` without used readings.
     pub(super) fn mean(&self, from: usize, to: usize) -> Option<(f64, usize)> {
         let (from, to) = (self.sums.get(from)?, self.sums.get(to)?);
         let count = to.1.checked_sub(from.1).filter(|count| *count > 0)?;

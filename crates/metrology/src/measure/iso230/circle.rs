@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | G | circular deviation: width of the minimum zone of one path |
 //! | G(b) | circular deviation of both paths together |
-//! | F | radial deviation: extreme distances of a path from the nominal circle about the common least-squares centre (no set-up eccentricity) |
+//! | F | radial deviation: extreme distances of a path from the nominal circle about the common least-squares center (no set-up eccentricity) |
 //! | D | mean bidirectional radial deviation: middle of the largest and smallest distance of the mean of both paths from the nominal circle |
 //! | H | hysteresis: largest distance between the two paths at one angle |
 
@@ -18,7 +18,7 @@ use super::zone::minimum_zone;
 const STEPS: usize = 3600;
 /// Gap above which a path is not interpolated, rad.
 const GAP: f64 = 0.1;
-/// Iterations of the least-squares centre; the error of each is the square of the last shift.
+/// Iterations of the least-squares center; the error of each is the square of the last shift.
 const ROUNDS: usize = 6;
 
 /// A reading of a ball-bar.
@@ -86,7 +86,7 @@ pub fn figures(radius_mm: f64, counter: &[CirclePoint], clock: &[CirclePoint]) -
     })
 }
 
-/// The centre with the least squares of the radius differences.
+/// The center with the least squares of the radius differences.
 fn centre(points: &[[f64; 2]]) -> Option<[f64; 2]> {
     let mut centre = minimum_zone(points)?.centre;
     for _ in 0..ROUNDS {

@@ -22,7 +22,7 @@ const FLAT: f64 = 1e-3;
 const SAME_PLANE: f64 = 1e-2;
 /// Step of a circle below which it has no direction, rad.
 const LEAST_STEP: f64 = 1e-9;
-/// Minimum arc for a meaningful centre, rad.
+/// Minimum arc for a meaningful center, rad.
 const LEAST_ARC: f64 = PI;
 /// Largest gap of a closed circle, rad.
 const CLOSED: f64 = 0.1;
@@ -63,7 +63,7 @@ pub enum Figures {
     },
     /// Of a sphere.
     Sphere {
-        /// The fitted sphere; its centre is the error of the set-up.
+        /// The fitted sphere; its center is the error of the set-up.
         sphere: sphere::Sphere,
         /// Nominal radius, mm.
         radius_mm: f64,

@@ -18,7 +18,7 @@ const FLAT: f64 = 1e-6;
 /// A fitted sphere, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
-    /// Its centre.
+    /// Its center.
     pub centre_mm: Vector,
     /// Its radius.
     pub radius_mm: f64,
@@ -28,7 +28,7 @@ pub struct Sphere {
     pub deviation_mm: f64,
 }
 
-/// Fits a sphere to points around a centre near the origin; `None` if they are coplanar or too few.
+/// Fits a sphere to points around a center near the origin; `None` if they are coplanar or too few.
 #[must_use]
 pub fn fit(points: &[Vector]) -> Option<Sphere> {
     if points.len() < 5 {

@@ -1,21 +1,21 @@
 //! The minimum zone: two concentric circles of least difference that enclose the points between them, exactly.
 //!
-//! Near the centre the radii are linear in its shift, and the best shift is a Chebyshev problem with three unknowns. It is solved by exchange: the
+//! Near the center the radii are linear in its shift, and the best shift is a Chebyshev problem with three unknowns. It is solved by exchange: the
 //! best circle for four points has residuals of alternating ±h. The farthest point then replaces the one of the four that makes h grow most. h grows
-//! with every step until no point is farther off than h, which is the optimum; then the radii are recomputed about the shifted centre. The last
+//! with every step until no point is farther off than h, which is the optimum; then the radii are recomputed about the shifted center. The last
 //! circle is optimal for its own linear problem, whose error is of second order in a shift that is then zero.
 
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
 /// Maximum number of exchanges.
 const EXCHANGES: usize = 500;
-/// Maximum number of centre shifts; each is smaller than the square of the last one.
+/// Maximum number of center shifts; each is smaller than the square of the last one.
 const SHIFTS: usize = 30;
 
 /// Two concentric circles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Zone {
-    /// Their centre.
+    /// Their center.
     pub centre: [f64; 2],
     /// Radius of the smaller one and of the larger one.
     pub radii: [f64; 2],
@@ -29,7 +29,7 @@ impl Zone {
     }
 }
 
-/// The minimum zone of points on an approximate circle; `None` for fewer than four points, or points that do not determine a centre.
+/// The minimum zone of points on an approximate circle; `None` for fewer than four points, or points that do not determine a center.
 #[must_use]
 pub fn minimum_zone(points: &[[f64; 2]]) -> Option<Zone> {
     let mut centre = mean_circle(points)?;
@@ -62,14 +62,14 @@ pub fn minimum_zone(points: &[[f64; 2]]) -> Option<Zone> {
     zone.width().is_finite().then_some(zone)
 }
 
-/// The circles about a centre.
+/// The circles about a center.
 fn around(points: &[[f64; 2]], centre: [f64; 2]) -> Zone {
     let radii = points.iter().map(|&[x, y]| (x - centre[0]).hypot(y - centre[1]));
     let ends = radii.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], r| [low.min(r), high.max(r)]);
     Zone { centre, radii: ends }
 }
 
-/// The centre of the circle with the least squares of x² + y² − 2ax − 2by − c.
+/// The center of the circle with the least squares of x² + y² − 2ax − 2by − c.
 fn mean_circle(points: &[[f64; 2]]) -> Option<[f64; 2]> {
     if points.len() < 4 {
         return None;

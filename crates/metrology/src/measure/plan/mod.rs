@@ -36,7 +36,7 @@ pub struct PlanKind {
     pub wishes: &'static [&'static str],
     /// Meaning of the option `every` between its rows.
     pub spacing: RowSpacing,
-    /// `true` if several tools and centres make several set-ups.
+    /// `true` if several tools and centers make several set-ups.
     pub has_setups: bool,
     /// Makes the plan.
     pub build: fn(&Machine, &Wishes) -> Result<Builder, PlanRefused>,
@@ -66,7 +66,7 @@ pub fn find(name: &str) -> Option<&'static PlanKind> {
 pub struct Wishes {
     /// Tool vectors, from the spindle gauge point to the tip, along F's directions at the zero pose.
     pub tools_mm: Vec<Vector>,
-    /// Centres, as positions at the tool point; all kinds except plates have one.
+    /// Centers, as positions at the tool point; all kinds except plates have one.
     pub centres_mm: Vec<Vector>,
     /// Radius of circles and spheres, or of the circle of balls.
     pub radius_mm: Option<f64>,
@@ -209,7 +209,7 @@ impl Wishes {
         self.tools_mm.first().copied().unwrap_or_else(Vector::zeros)
     }
 
-    /// The centre, or the middle of the travel, as a position at the tool point.
+    /// The center, or the middle of the travel, as a position at the tool point.
     fn centre_or_middle(&self, machine: &Machine, tool_mm: &Vector) -> Vector {
         self.centres_mm.first().copied().unwrap_or_else(|| middle(machine) + tool_mm)
     }

@@ -32,7 +32,7 @@ const MERIDIANS: u32 = 5;
 /// Chord angle of the path between parts of a sphere, rad.
 const WAY_CHORD: f64 = PI / 180.0;
 
-/// Number of the experiment, radius, centre, tool length, mm (Spaan 1995, Table 3.1).
+/// Number of the experiment, radius, center, tool length, mm (Spaan 1995, Table 3.1).
 const SPAAN: [(u32, f64, [f64; 3], f64); 8] = [
     (4, 300.0, [300.0, 80.0, 300.0], 110.0),
     (14, 150.0, [300.0, 80.0, 300.0], 110.0),

@@ -152,7 +152,7 @@ impl Builder {
         out
     }
 
-    /// Moves to a position on the sphere about a centre along a great circle, in chords; across the pole on the spindle's side if the path is
+    /// Moves to a position on the sphere about a center along a great circle, in chords; across the pole on the spindle's side if the path is
     /// ambiguous.
     pub(super) fn on_sphere(
         &mut self,

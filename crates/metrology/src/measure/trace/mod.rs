@@ -31,7 +31,7 @@ pub struct Trace {
     pub name: String,
     /// Standard uncertainty of one reading, mm; `None` if it is to be estimated.
     pub sigma_mm: Option<f64>,
-    /// The centre of the ball in the workpiece frame, mm, if readings are relative to a ball; otherwise they are relative to the point that nominally
+    /// The center of the ball in the workpiece frame, mm, if readings are relative to a ball; otherwise they are relative to the point that nominally
     /// coincides with the tool.
     pub ball_mm: Option<Vector>,
     /// Unknowns of the set-up.

@@ -5,7 +5,7 @@
 //! `B5=360`; a helix becomes arcs of less than a turn.
 //!
 //! The control moves the tool axis of a rapid move first or last. The execution splits rapid moves accordingly, so each line moves the intended axes.
-//! The order of the few micrometres that the correction adds in other axes has no effect. G27 and G28 are passed through.
+//! The order of the few micrometers that the correction adds in other axes has no effect. G27 and G28 are passed through.
 
 use super::super::{Writer, WriterOptions};
 use super::{Flavour, Language};

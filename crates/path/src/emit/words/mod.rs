@@ -1,6 +1,6 @@
 //! Programs in word-address languages: Fanuc and compatible controls, RS274/NGC, Grundig.
 //!
-//! One writer, three flavours: differences are data of a [`Flavour`] or an arm over its [`Language`]. All coordinates are absolute, in millimetres or
+//! One writer, three flavors: differences are data of a [`Flavour`] or an arm over its [`Language`]. All coordinates are absolute, in millimeters or
 //! inches as in the program. The line before the first words states this; the program's own statements about it are left out.
 
 mod element;
@@ -77,7 +77,7 @@ impl Flavour {
     }
 }
 
-/// Creates the writer of a flavour; `None` if an increment is not a decimal.
+/// Creates the writer of a flavor; `None` if an increment is not a decimal.
 fn create(flavour: &'static Flavour, options: &WriterOptions) -> Option<Box<dyn Writer>> {
     let mut numbers = AxisNumbers::new(&options.increments)?;
     if flavour.is_pointed {

@@ -22,7 +22,7 @@ use ncfix_base::geometry::{AXES, Axis};
 use ncfix_base::units::UnitKey;
 use ncfix_path::review::{ReviewTrace, pairs};
 
-/// Plot library; the page includes its licence, which is in the file beside it.
+/// Plot library; the page includes its license, which is in the file beside it.
 const UPLOT: &str = include_str!("uplot/uPlot.iife.min.js");
 const UPLOT_STYLE: &str = include_str!("uplot/uPlot.min.css");
 const UPLOT_LICENSE: &str = include_str!("uplot/LICENSE");

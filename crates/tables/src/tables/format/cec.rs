@@ -14,7 +14,7 @@ use crate::tables::{Multiplication, Nodes, Sense, Tables, Wiring};
 
 mod reader;
 
-/// Decimals of additive values: a nanometre.
+/// Decimals of additive values: a nanometer.
 const DECIMALS: usize = 6;
 /// Decimals of factors, whose products are smaller than themselves.
 const FACTOR_DECIMALS: usize = 8;

@@ -17,7 +17,7 @@ use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::Axis;
 use ncfix_base::source::Source;
 
-/// Decimals of values and positions: a nanometre.
+/// Decimals of values and positions: a nanometer.
 const DECIMALS: usize = 6;
 /// Mark of the file type after the triplets of our files.
 const TYPE_MARK: &str = "# COMP_FILE_TYPE =";

@@ -17,7 +17,7 @@ use crate::tables::{Lookup, Nodes, Sense, Tables, Wiring};
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::source::{Source, Span};
 
-/// Decimals of values and positions: a nanometre.
+/// Decimals of values and positions: a nanometer.
 const DECIMALS: usize = 6;
 /// Maximum number of tables that are read: 31 axes with two measuring systems each.
 const MOST_TABLES: usize = 62;
@@ -102,7 +102,7 @@ const FIELDS: [&str; 4] = ["STEP", "MIN", "MAX", "IS_MODULO"];
 /// A table as far as read.
 #[derive(Clone, Debug, Default)]
 struct Raw {
-    /// Millimetres of its unit of length.
+    /// Millimeters of its unit of length.
     unit_mm: f64,
     values: BTreeMap<usize, f64>,
     /// Its fields, without the prefix `$AA_ENC_COMP_`.

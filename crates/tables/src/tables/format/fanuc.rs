@@ -17,7 +17,7 @@ use ncfix_base::geometry::Axis;
 use ncfix_base::pattern::{RegexSet, patterns};
 use ncfix_base::source::Source;
 
-/// Decimals of values and positions: a nanometre.
+/// Decimals of values and positions: a nanometer.
 const DECIMALS: usize = 6;
 /// Maximum number of nodes that are read: more than 25 by 25 by 25.
 const MOST_NODES: usize = 64 * 64 * 64;

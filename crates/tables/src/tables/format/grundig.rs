@@ -16,7 +16,7 @@ use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::{Axis, LINEAR_AXES};
 use ncfix_base::source::Source;
 
-/// Millimetres of a unit of T.
+/// Millimeters of a unit of T.
 const UM: f64 = 1e-3;
 /// Radians of a unit of R.
 const ARCSEC: f64 = PI / 648_000.0;

@@ -79,7 +79,7 @@ pub(super) struct IniPosition {
     mark: &'static str,
     /// `true` in a member for another purpose, of which only assignments to tables are relevant.
     is_foreign: bool,
-    /// Millimetres per unit of length.
+    /// Millimeters per unit of length.
     pub(super) unit_mm: f64,
     /// The last assignment without a following end.
     open: Option<Span>,

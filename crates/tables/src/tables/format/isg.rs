@@ -18,9 +18,9 @@ use ncfix_base::source::{Source, Span};
 use ncfix_model::ErrorName;
 use ncfix_model::name::{DIRECTIONS, ErrorKind};
 
-/// Decimals of positions and displacements: a nanometre.
+/// Decimals of positions and displacements: a nanometer.
 const DECIMALS: usize = 6;
-/// Decimals of rotations, rad: a nanometre in a metre.
+/// Decimals of rotations, rad: a nanometer in a meter.
 const ANGLE_DECIMALS: usize = 9;
 /// Maximum number of columns of a block; the manual names fewer parameters.
 const MOST_COLUMNS: usize = 200;

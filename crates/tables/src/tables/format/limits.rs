@@ -121,7 +121,7 @@ pub(super) fn exceeded(limits: &FormatLimits, tables: &Tables) -> Vec<String> {
 /// Largest plausible correction of any axis, mm and degrees: a larger value has another unit, or is not a table.
 const MOST_MM: f64 = 10.0;
 const MOST_DEG: f64 = 5.0;
-/// Largest plausible factor of a matrix: 10 mm in a metre.
+/// Largest plausible factor of a matrix: 10 mm in a meter.
 const MOST_SLOPE: f64 = 0.01;
 
 /// The largest values of additive tables, of a grid and of errors, mm and degrees; factors of products are excluded.

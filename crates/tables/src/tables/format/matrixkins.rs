@@ -14,7 +14,7 @@ use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::pattern::{RegexSet, patterns};
 use ncfix_base::source::Source;
 
-/// Decimals of the factors: a nanometre in a metre.
+/// Decimals of the factors: a nanometer in a meter.
 const DECIMALS: usize = 9;
 /// The letters of rows and columns.
 const LETTERS: [char; 3] = ['x', 'y', 'z'];

@@ -19,7 +19,7 @@ use ncfix_base::geometry::Axis;
 use ncfix_base::pattern::{RegexSet, patterns};
 use ncfix_base::source::{Source, Span};
 
-/// Units of a list per millimetre or degree.
+/// Units of a list per millimeter or degree.
 const PER_UNIT: f64 = 10_000.0;
 /// Decimals of values and positions.
 const DECIMALS: usize = 4;

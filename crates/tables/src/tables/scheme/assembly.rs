@@ -10,7 +10,7 @@ use ncfix_base::geometry::Axis;
 
 /// Decimals of positions, mm or degrees.
 const POSITION_DECIMALS: usize = 6;
-/// Size below which a function is zero everywhere: a tenth of a nanometre, mm or rad.
+/// Size below which a function is zero everywhere: a tenth of a nanometer, mm or rad.
 const NOTHING: f64 = 1e-7;
 
 /// Largest difference of ends that is fit noise, mm or degrees.

@@ -11,7 +11,7 @@ use ncfix_base::diagnostic::Code;
 /// Largest violation of the radius at an element that is left out, mm.
 const GOUGE_MM: f64 = 1e-6;
 
-/// Minimum distance of a crossing from the ends of pieces that are not neighbours, mm.
+/// Minimum distance of a crossing from the ends of pieces that are not neighbors, mm.
 const INSIDE_MM: f64 = 1e-4;
 /// Violation of the radius at an element that may result from the decimals of the program, mm.
 const CLEAR_MM: f64 = 1e-3;
@@ -99,7 +99,7 @@ impl Chain {
         }
     }
 
-    /// CDON: if a piece crosses an earlier one that is not its neighbour, pieces between them that would damage the contour are left out. The last
+    /// CDON: if a piece crosses an earlier one that is not its neighbor, pieces between them that would damage the contour are left out. The last
     /// piece can still be cut back and is examined only if nothing follows it.
     pub(super) fn skip_bottlenecks(&mut self, is_end: bool, most: usize, findings: &mut Vec<Fault>) {
         let mut index = 0;
@@ -122,7 +122,7 @@ impl Chain {
         }
     }
 
-    /// The crossing of a piece with one before its neighbour, if the path between them damages the contour.
+    /// The crossing of a piece with one before its neighbor, if the path between them damages the contour.
     fn bottleneck(&self, later: usize, most: usize) -> Option<Meeting> {
         let link = self.links.get(later)?;
         let mut left_out = 0;
@@ -131,7 +131,7 @@ impl Chain {
             if old.is_sealed || left_out > most {
                 return None;
             }
-            // Touching pieces are neighbours or intended.
+            // Touching pieces are neighbors or intended.
             if old.contour.gap(&link.contour, CLEAR_MM) < CLEAR_MM {
                 left_out += usize::from(old.role == Role::Contour);
                 continue;

@@ -58,7 +58,7 @@ pub(in crate::exec) struct ContourModal {
     pub(in crate::exec) approach: Approach,
     /// `true` for G451, `false` for G450: straight around outer corners.
     pub(in crate::exec) sharp: bool,
-    /// CDON: intersections of motions that are not neighbours count too.
+    /// CDON: intersections of motions that are not neighbors count too.
     pub(in crate::exec) collision: bool,
     pub(in crate::exec) feed_at: FeedAt,
     /// RNDM, mm, 0 for none.

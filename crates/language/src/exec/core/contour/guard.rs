@@ -1,4 +1,4 @@
-//! Checks that the tool center path keeps its distance from contour elements that are not neighbours: bottlenecks.
+//! Checks that the tool center path keeps its distance from contour elements that are not neighbors: bottlenecks.
 //!
 //! A piece that leaves the stage is compared with the elements near it in the program, before and after. A violation is held until it is known
 //! whether the element is a wall: the first and last elements of a closed contour may lead onto it through the air.

@@ -31,7 +31,7 @@ pub(super) fn numbers(source: &Source) -> BTreeSet<usize> {
 /// A table as far as read.
 #[derive(Clone, Debug, Default)]
 struct Raw {
-    /// Millimetres of its unit of length.
+    /// Millimeters of its unit of length.
     unit_mm: f64,
     values: BTreeMap<usize, f64>,
     /// The names of its axes.
