@@ -1,4 +1,4 @@
-//! Feeds a control line by line while a sensor of one's own says how warm the spindle head is; the machine drifts in Z with it.
+//! Feeds a control line by line, with a custom sensor for the temperature of the spindle head, with which Z drifts.
 #![allow(clippy::print_stdout, reason = "an example shows what it found")]
 use std::io::{self, Read as _, Write as _};
 use std::sync::{Arc, Mutex};
@@ -6,14 +6,14 @@ use std::sync::{Arc, Mutex};
 use ncfix::prelude::*;
 use ncfix::sensors::{self, Items, OpenedSource, Section, SensorSource, SensorSources, SourcePlan, Wanted, from_text};
 
-/// A sensor of one's own: it says 30 °C for every channel that asks.
+/// A custom sensor that reads 30 °C on every channel.
 #[derive(Clone, Debug)]
 struct Thermometer(Items);
 
 #[rustfmt::skip]
 impl SensorSource for Thermometer {
     fn name(&self) -> &str { "thermometer" }
-    fn title(&self) -> &str { "a thermometer of one's own" }
+    fn title(&self) -> &str { "a custom thermometer" }
     fn read(&self, _: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn SourcePlan>> {
         Some(Arc::new(Thermometer(sensors::items(wanted))))
     }
@@ -31,7 +31,7 @@ impl SourcePlan for Thermometer {
     }
 }
 
-/// A control with a tape reader: it says XON once, and keeps what it gets.
+/// A control with a tape reader: it sends XON once and stores the received bytes.
 struct Tape(io::Cursor<[u8; 1]>, Arc<Mutex<Vec<u8>>>);
 
 #[rustfmt::skip]

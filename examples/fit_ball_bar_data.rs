@@ -7,7 +7,7 @@ use ncfix::prelude::*;
 
 pub(crate) fn main() -> Result<(), Error> {
     let machine = Machine::from_file("samples/machines/demo.toml")?;
-    // The table of readings; its description, ball_bar.toml, lies beside it.
+    // The table of readings; its description, ball_bar.toml, is in the same folder.
     let data = [DataSet::read("samples/measurements/ball_bar.csv")?];
     let mut options = CalibrationOptions::default();
     // Squareness of X to Y, scale of X, and half of the backlash of X.

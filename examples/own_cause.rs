@@ -1,6 +1,7 @@
-//! A cause of one's own: the spindle grows along its axis with the square of its speed, as balls and rings are pressed outwards.
+//! A custom cause: the spindle expands along its axis with the square of its speed, as balls and rings are pressed outwards.
 //!
-//! The data are made here, with this effect of 9 µm at 10,000 1/min and noise; diagnosis names it and says what it gains on data held out.
+//! The example simulates readings with this effect, 9 µm at 10,000 1/min, and noise. The diagnosis names the cause and
+//! prints its gain on held-out data.
 
 #![allow(clippy::print_stdout, reason = "an example shows what it found")]
 
@@ -23,7 +24,7 @@ static GROWTH: Cause = Cause {
     },
 };
 
-/// Readings at speeds up to 18,000 1/min in an order that drifts with nothing else; noise of about 0.5 µm.
+/// Readings at speeds up to 18,000 1/min in random order, with noise of about 0.5 µm.
 fn readings(mut seed: u32) -> Result<DataSet, Error> {
     let mut random = move || {
         seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -45,11 +46,11 @@ pub(crate) fn main() -> Result<(), Error> {
     let data = [readings(1)?, readings(2)?.held_out()];
     let found = Diagnosis::run(&machine, &data, &DiagnosisOptions::default())?;
     for one in found.causes() {
-        println!("{} {}: {:.2} ± {:.2} {}, the largest", one.effect, one.parameter, one.value, one.u95, one.unit);
+        println!("{} {}: {:.2} ± {:.2} {} at the highest speed", one.effect, one.parameter, one.value, one.u95, one.unit);
     }
-    // The size is that at the largest weight, 18,000 1/min: 9 µm times 1.8 squared.
+    // The size refers to the largest weight, at 18,000 1/min: 9 µm times 1.8 squared.
     let growth = found.causes().iter().find(|one| one.effect == "spindle-growth");
     assert!(growth.is_some_and(|one| (one.value - 29.16).abs() < one.u95));
-    println!("of the readings held out {:.0} % less is left", 100.0 * found.result().holdout_gain.unwrap_or(0.0));
+    println!("residual of the held-out readings: {:.0} % smaller", 100.0 * found.result().holdout_gain.unwrap_or(0.0));
     Ok(())
 }

@@ -1,7 +1,8 @@
-//! A source of error of one's own: the table sags as it reaches out over its bed along Y.
+//! A custom error source: the table sags when it moves out over its bed along Y.
 //!
-//! Its weight times the reach y tips it, and the tip times the reach lowers the workpiece: by s (y/L)², s at the reach L. `[overhang]` of the machine file
-//! has both. The error adds up with all others, is corrected, and calibration fits it as `overhang.sag`.
+//! The weight times the overhang y tilts the table, and the tilt times the overhang lowers the workpiece by s (y/L)²,
+//! which is s at the overhang L. `[overhang]` in the machine file contains s and L. The error adds to all others and is
+//! corrected; a calibration fits it as `overhang.sag`.
 #![allow(clippy::print_stdout, reason = "an example shows what it found")]
 
 use ncfix::extend::source::*;
@@ -53,7 +54,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
         let at = pose.parse()?;
         let dz = |machine: &Machine| machine.deviation(&at, ToolVector::Length(0.0), &State::default()).position_um[2];
         let rise_um = dz(&machine) - dz(&Machine::demo());
-        println!("{pose}: the tool is {rise_um:.2} µm higher above the table");
+        println!("{pose}: the sag raises the tool by {rise_um:.2} µm relative to the table");
         assert!((rise_um - by_hand_um).abs() < 0.01);
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! Errors of the library: a sentence, and the diagnostics that it stands for where a text, a machine file or data are wrong.
+//! Errors of the library: a message, with diagnostics if a text, a machine file or data are wrong.
 
 use std::fmt;
 use std::io;
@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::diagnostics::{Diagnostics, Located};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 
-/// Why a function of the library has no result.
+/// The reason why a function of the library has no result.
 ///
 /// It displays as one line for each diagnostic: `part.mpf:2:4: error[E0302]: …`.
 ///
@@ -29,12 +29,12 @@ pub struct Error {
 }
 
 impl Error {
-    /// A sentence about arguments or files.
+    /// An error in arguments or files, as a sentence.
     pub(crate) fn usage(message: String) -> Error {
         Error { message, diagnostics: Box::default(), is_reader_gone: false }
     }
 
-    /// A file that cannot be read or written: `cannot read part.mpf: no such file`.
+    /// A file that cannot be read or written: `cannot read part.mpf: there is no such file or folder`.
     pub(crate) fn file(doing: &str, path: &Path, error: &io::Error) -> Error {
         Error::usage(format!("cannot {doing} {}: {}", path.display(), reason(error)))
     }
@@ -50,7 +50,7 @@ impl Error {
         Error { message, diagnostics: Box::new(diagnostics), is_reader_gone: false }
     }
 
-    /// One diagnostic without a place.
+    /// One diagnostic without a position.
     pub(crate) fn one(diagnostic: Diagnostic) -> Error {
         let mut diagnostics = Diagnostics::default();
         diagnostics.add(diagnostic, &[]);
@@ -68,7 +68,7 @@ impl Error {
         self.is_reader_gone
     }
 
-    /// One sentence: what cannot be read or done, or the first diagnostic that is an error.
+    /// One sentence: the file that cannot be read, the failed operation, or the first diagnostic that is an error.
     ///
     /// ```
     /// # use ncfix::prelude::*;
@@ -80,7 +80,7 @@ impl Error {
         &self.message
     }
 
-    /// The code of the first diagnostic that is an error; `None` where a file cannot be read or an argument is wrong.
+    /// The code of the first diagnostic that is an error; `None` if a file cannot be read or an argument is wrong.
     ///
     /// ```
     /// # use ncfix::prelude::*;
@@ -119,13 +119,13 @@ impl fmt::Display for Error {
 impl std::error::Error for Error {}
 
 impl From<String> for Error {
-    /// The sentence of a value that cannot be parsed.
+    /// The sentence for a value that cannot be parsed.
     fn from(sentence: String) -> Error {
         Error::usage(sentence)
     }
 }
 
-/// Why a file cannot be read or written, in words.
+/// The reason why a file cannot be read or written, as text.
 pub(crate) fn reason(error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::NotFound => "there is no such file or folder".into(),

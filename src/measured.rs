@@ -1,4 +1,4 @@
-//! Measurement mode: positions that were read on a machine, without the corrections in them.
+//! Correction of positions that were read on a machine: removes the corrections in them.
 
 use std::ops::ControlFlow;
 
@@ -12,8 +12,8 @@ use ncfix_metrology::measure::reading::Readings;
 use ncfix_metrology::results::corrected::{CorrectedReadings, ReadingCorrection};
 use ncfix_model::Solve;
 
-/// Writes a table of readings of a machine in its condition to a file, with corrected positions; `None` if there are errors. Larger corrections are
-/// refused. `progress` receives the share that is done.
+/// Corrects the positions in a table of readings, for the machine and its condition, and writes the table to a file;
+/// `None` if there are errors. Larger corrections are refused. `progress` receives the completed share.
 ///
 /// # Errors
 /// If the file cannot be written.

@@ -1,4 +1,4 @@
-//! Options of the library: how a program is read, in which condition the machine is, how a program is corrected.
+//! Options of the library: reading of a program, condition of the machine, correction.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -28,9 +28,9 @@ pub enum DialectChoice {
     Guess,
     /// Siemens Sinumerik 840D, 828D.
     Sinumerik,
-    /// Fanuc and controls like it.
+    /// Fanuc and compatible controls.
     Fanuc,
-    /// RS274/NGC as LinuxCNC reads it.
+    /// RS274/NGC as in LinuxCNC.
     Rs274,
     /// Grundig, Philips, MillPlus.
     Grundig,
@@ -70,9 +70,10 @@ impl FromStr for DialectChoice {
 /// Options for reading and executing a program.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct ProgramReading {
-    /// Name of the dialect; without it that of the machine file, then by file name and content.
+    /// Name of the dialect; by default that of the machine file, then by file name and content.
     pub(crate) dialect: Option<String>,
-    /// A program that executes more blocks than this is stopped; without it ten million, or twenty times its blocks if that is more.
+    /// Maximum number of executed blocks; by default ten million, or twenty times the number of blocks of the program
+    /// if that is more.
     pub(crate) max_blocks: Option<u64>,
     /// Which levels of `/` blocks are skipped; `/` alone is level 0.
     pub(crate) skip: [bool; 10],
@@ -80,12 +81,13 @@ pub(crate) struct ProgramReading {
     pub(crate) start: Option<AxisVector>,
 }
 
-/// The condition of a machine as files and values say it.
+/// Sources of the condition of a machine: files and values.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ConditionFiles {
-    /// Temperatures and loads: state files (TOML), or logs of them (CSV); laid over each other, the last one wins.
+    /// Temperatures and loads: state files (TOML) or logs (CSV); values of a later file replace those of an earlier
+    /// one.
     pub(crate) files: Vec<PathBuf>,
-    /// Time in the log, s; without it its last entry.
+    /// Time in the log, s; by default its last entry.
     pub(crate) time_s: Option<f64>,
     /// Time in the log at which the zero point of the workpiece was set, s.
     pub(crate) zero_time_s: Option<f64>,
@@ -152,9 +154,9 @@ pub struct Options {
     pub compensation: Compensation,
     /// The feed is lowered where the path deviation of the axes would exceed this, mm; needs `[servo]` in the machine file.
     pub feed_limit_mm: Option<f64>,
-    /// True if a program whose positions, tools or condition are beyond the measured ranges of the machine is refused.
+    /// True to refuse a program whose positions, tools or condition are outside the measured ranges of the machine.
     pub require_coverage: bool,
-    /// Threads to work in, 1 to 3; `None`: as many as help. The output does not depend on it.
+    /// Number of threads, 1 to 3; `None`: as many as are useful. The output does not depend on it.
     pub threads: Option<usize>,
 }
 

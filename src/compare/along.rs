@@ -11,20 +11,20 @@ use ncfix_path::path::Follow;
 use ncfix_report::inputs::InputFile;
 use ncfix_report::verification::{Piece, Verification};
 
-/// Moves that are listed.
+/// Maximum number of listed moves.
 const LARGEST: usize = 10;
 
-/// The errors along the path.
+/// Errors along the path of two programs.
 #[derive(Debug, Default)]
 pub(crate) struct ErrorsAlong {
     path_mm: f64,
-    /// Pieces that count so far: rapid ones until there is one with feed.
+    /// Pieces counted so far: rapid ones only until the first feed move.
     pieces: Vec<Piece>,
     has_feed: bool,
 }
 
 impl ErrorsAlong {
-    /// Takes a piece that both went along.
+    /// Adds a piece of both programs.
     pub(crate) fn see(&mut self, follow: &Follow<'_>) {
         self.path_mm += follow.length_mm;
         let Some(errors_mm) = follow.errors_mm else { return };
@@ -40,7 +40,7 @@ impl ErrorsAlong {
         self.pieces.push(Piece { file: follow.original.file.0, line: follow.original.line, path_m, errors_um });
     }
 
-    /// With what the whole comparison found.
+    /// The verification with the results of the whole comparison.
     pub(crate) fn verification(self, outcome: &Outcome, findings: &Diagnostics) -> Verification {
         let name = |k: usize| outcome.sources[k].first().map_or_else(String::new, |source| source.name().to_owned());
         let program = |k: usize, role: &'static str| outcome.sources[k].first().map(|source| input_of(source, role));
@@ -62,7 +62,7 @@ impl ErrorsAlong {
         }
     }
 
-    /// The lines of which most is left.
+    /// The source lines with the largest remaining errors: file and line, errors before and after, µm.
     fn largest(&self, outcome: &Outcome) -> Vec<(String, [f64; 2])> {
         let mut lines: BTreeMap<(u16, u32), [f32; 2]> = BTreeMap::new();
         for piece in &self.pieces {

@@ -6,10 +6,10 @@ use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_machine::snc::{FeedUnit, Origin};
 use ncfix_path::path::{ProgramDifference, What};
 
-/// Differences that are kept.
+/// Maximum number of reported differences.
 pub(crate) const MOST: usize = 1000;
 
-/// A sentence for a difference, with the place in the corrected program.
+/// Message for a difference, with its position in the corrected program.
 pub(crate) fn diagnostic(difference: &ProgramDifference, [originals, correcteds]: [&[Source]; 2]) -> Diagnostic {
     let (original, corrected) = (at(&difference.original, originals), at(&difference.corrected, correcteds));
     let again = "correct the original again; make an intended change in the original";
@@ -79,7 +79,8 @@ pub(crate) fn line(origin: &Origin, source: Option<&Source>) -> String {
     format!("line {} of {}, \"{text}\",", origin.line, source.name())
 }
 
-/// A word that a program must state before its first move, as the control may have the other from the program before.
+/// Message for a word that a program must state before its first move, because another one may be in force from the
+/// previous program.
 pub(crate) fn unstated(word: &str, corrected: &Source) -> Diagnostic {
     let name = corrected.name();
     let message = format!(
@@ -92,7 +93,8 @@ pub(crate) fn unstated(word: &str, corrected: &Source) -> Diagnostic {
     )
 }
 
-/// A finding for every variable that a corrected program writes: ncfix writes none, and the control may keep it beyond the end.
+/// Diagnostics for variables that a corrected program writes: ncfix writes none, and the control may keep their
+/// values after the end.
 pub(crate) fn assigned(corrected: &Source) -> Vec<Diagnostic> {
     let mut at = 0;
     let mut out = Vec::new();
@@ -116,7 +118,7 @@ pub(crate) fn assigned(corrected: &Source) -> Vec<Diagnostic> {
     out
 }
 
-/// The variable that a line gives a value: `R1` of `R1=5`, `R[1]=`, `#500=`, `#<_x>=`, `E1=`.
+/// The variable to which a line assigns a value: `R1` of `R1=5`, `R[1]=`, `#500=`, `#<_x>=`, `E1=`.
 fn assigned_in(line: &[u8]) -> Option<String> {
     let mut at = 0;
     while at < line.len() {
@@ -151,7 +153,8 @@ fn shown(feed: f64, unit: FeedUnit) -> String {
     if feed > 0.0 { format!("F{}{unit}", (feed * 1e6).round() / 1e6) } else { format!("no F{unit}") }
 }
 
-/// A finding for every line of a corrected program that a skip switch of the control leaves out: ncfix never writes such lines.
+/// Diagnostics for lines of a corrected program that a skip switch of the control skips: ncfix never writes such
+/// lines.
 pub(crate) fn skipped(corrected: &Source) -> Vec<Diagnostic> {
     let mut at = 0;
     let mut out = Vec::new();

@@ -3,7 +3,8 @@
 use ncfix_base::source::Source;
 use ncfix_machine::snc::{Element, Kind};
 
-/// Words one of which says the same as another of its row; where none is there, a control keeps what the program before has set.
+/// Groups of words that exclude each other. Without a word of a group, the setting of the previous program remains in
+/// force.
 const GROUPS: [&[&str]; 6] = [
     &["G20", "G21", "G70", "G71", "G700", "G710"],
     &["G90", "G91"],
@@ -31,7 +32,8 @@ impl Header {
         }
     }
 
-    /// Words that this one, of the corrected program, lacks: those of the original, or what the writer states, that have none of their row here.
+    /// Words that this header, of the corrected program, lacks: for each group without a word here, the one that the
+    /// writer assumes or that the original states.
     pub(crate) fn lacks(&self, original: &Header, assumed: &'static str, corrected: &Source) -> Vec<&'static str> {
         let Some(last) = self.moves_in else { return Vec::new() };
         let lines = corrected.bytes().split(|&byte| byte == corrected.line_end()).take(last as usize);

@@ -1,4 +1,4 @@
-//! The rows of a comparison: which, in which order, with the words of the text.
+//! The rows of a comparison: their selection, their order, and their words.
 
 use super::CompareOptions;
 use ncfix_base::geometry::Axis;
@@ -8,13 +8,13 @@ use ncfix_path::review::words::{LineWord, block_number, decimals, words};
 use ncfix_path::review::{ReviewRow, moves};
 use ncfix_report::review::{Changed, ChangedMove, Look};
 
-/// Largest number of lines above a line in which its modal words are searched.
+/// Maximum number of lines above a line in which its modal words are searched.
 const ABOVE: u32 = 200;
 
 /// The lines of a file.
 pub(crate) struct Text<'a> {
     source: &'a Source,
-    /// Where each line begins.
+    /// Byte offset of each line.
     starts: Vec<u32>,
 }
 
@@ -25,7 +25,8 @@ impl<'a> Text<'a> {
         Text { source, starts }
     }
 
-    /// A line by its number, from 1. Bytes that are not UTF-8 are Latin-1, of which only letters and digits matter here.
+    /// A line by its number, from 1. Bytes that are not UTF-8 are read as Latin-1; only letters and digits matter
+    /// here.
     pub(crate) fn line(&self, number: u32) -> String {
         let at = number.saturating_sub(1) as usize;
         let bytes = self.source.bytes();
@@ -35,7 +36,7 @@ impl<'a> Text<'a> {
     }
 }
 
-/// The rows that are asked for.
+/// Selection of rows.
 pub(crate) struct Listing<'a> {
     wanted: &'a CompareOptions,
     rows: &'a [ReviewRow],
@@ -67,24 +68,24 @@ impl<'a> Listing<'a> {
         largest > same && largest >= least
     }
 
-    /// The moves with the largest changes, the largest first.
+    /// The moves with the largest changes, in descending order.
     fn top(&self, count: usize) -> (Vec<&'a [ReviewRow]>, u64) {
         let mut all: Vec<(f64, &[ReviewRow])> =
             moves(self.rows).filter(|own| self.is_wanted(own)).map(|own| (self.largest(own), own)).collect();
         let more = all.len().saturating_sub(count) as u64;
-        // Of equals the first.
+        // If changes are equal, the first move counts.
         all.sort_by(|a, b| b.0.total_cmp(&a.0));
         all.truncate(count);
         (all.into_iter().map(|(_, own)| own).collect(), more)
     }
 
-    /// Some rows for the object for programs, and how many there are beside them.
+    /// A number of rows for the result of the library, and the number of the others.
     pub(crate) fn some(&self, count: usize) -> (Vec<ChangedMove>, u64) {
         let (own, more) = self.top(count);
         (own.into_iter().map(|own| self.shown(own, 0)).collect(), more)
     }
 
-    /// Draws the rows, one after the other.
+    /// Draws the rows in sequence.
     ///
     /// # Errors
     /// Those of `write`.
@@ -113,14 +114,14 @@ impl<'a> Listing<'a> {
         Ok(())
     }
 
-    /// A move as it is shown.
+    /// A move in the result.
     fn shown(&self, own: &[ReviewRow], folded: u64) -> ChangedMove {
         let (Some(first), Some(last)) = (own.first(), own.last()) else { return ChangedMove::default() };
         let text = self.original.get(usize::from(first.file));
         let before = text.map_or(String::new(), |text| text.line(first.line));
         let file = text.filter(|_| first.file > 0).map(|text| text.source.name());
         let file = file.map(|name| name.rsplit(['/', '\\']).next().unwrap_or(name).to_owned());
-        // Where the move ends; the largest of its pieces where it ends as it was.
+        // The change of the end of the move, or the largest change of its pieces if the end is unchanged.
         let most = own.iter().max_by(|a, b| a.largest(&self.axes).total_cmp(&b.largest(&self.axes))).unwrap_or(last);
         let row = if last.largest(&self.axes) > 0.0 { last } else { most };
         let [mm, rad] = self.wanted.tolerance();
@@ -136,7 +137,7 @@ impl<'a> Listing<'a> {
         }
     }
 
-    /// The words of axes that are changed.
+    /// The changed axis words.
     fn words(&self, row: &ReviewRow, before: &str, axes: impl Iterator<Item = Axis>) -> Vec<Changed> {
         let after = self.corrected.line(row.corrected_line);
         let [of_before, of_after] = [before, &after].map(words);
@@ -150,7 +151,7 @@ impl<'a> Listing<'a> {
         .collect()
     }
 
-    /// A word that stands above, as its value goes on.
+    /// A modal word on a line above, whose value is still in force.
     fn above(&self, row: &ReviewRow, axis: Axis, written: Option<&LineWord<'_>>) -> Changed {
         let highest = row.corrected_line.saturating_sub(ABOVE).max(1);
         for line in (highest..row.corrected_line).rev() {
@@ -163,7 +164,7 @@ impl<'a> Listing<'a> {
     }
 }
 
-/// A word that is changed, from that of the corrected program and that of the original.
+/// A changed word, from that of the corrected program and that of the original.
 fn changed(row: &ReviewRow, axis: Axis, word: Option<&LineWord<'_>>, written: Option<&LineWord<'_>>) -> Changed {
     let added = row.added(axis);
     let unit = UnitKey::of(axis.is_rotary());
@@ -171,7 +172,7 @@ fn changed(row: &ReviewRow, axis: Axis, word: Option<&LineWord<'_>>, written: Op
     let Some(word) = word else { return out };
     let digits = decimals(word.value);
     let was = word.number.unwrap_or_default() - if axis.is_rotary() { added.to_degrees() } else { added };
-    // As it was written, where that is the number; else what it was when it was executed.
+    // The written text if it has this value; otherwise the executed value.
     let near = 0.6 * 10_f64.powi(-(digits as i32));
     let written = written.filter(|written| written.number.is_some_and(|number| (number - was).abs() < near));
     out.after = word.value.to_owned();
@@ -193,7 +194,7 @@ fn word_of<'w, 't>(words: &'w [LineWord<'t>], axis: Axis) -> Option<&'w LineWord
     let letter = axis.letter();
     let is_own = |address: &str| {
         let bare = address.strip_prefix("POS[").and_then(|rest| rest.strip_suffix(']')).unwrap_or(address);
-        // X, and X1 as machines name their axes.
+        // X, or X1 if the machine names its axes like this.
         bare.as_bytes().first().is_some_and(|first| first.eq_ignore_ascii_case(&letter))
             && matches!(&bare[1..], "" | "1")
     };

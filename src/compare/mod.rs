@@ -1,4 +1,4 @@
-//! Two programs compared: executed side by side on the machine, or as they are written.
+//! Comparison of two programs, executed in parallel on the machine, or as texts.
 
 mod along;
 mod at_feed;
@@ -31,10 +31,10 @@ pub(crate) use review::ComparedPrograms;
 pub(crate) use text::TextComparison;
 pub(crate) use walk::{Outcome, Pair};
 
-/// A line of a corrected program is hardly shorter, bytes.
+/// Estimated minimum length of a line of a corrected program, bytes.
 const LEAST_LINE: usize = 16;
 
-/// An angle counts what it makes at this arm, mm.
+/// Lever arm that converts angles into lengths for the comparison, mm.
 const ARM_MM: f64 = 1000.0;
 
 /// The default number of rows of a comparison.
@@ -43,25 +43,25 @@ pub(crate) const ROWS: usize = 20;
 /// Options of a comparison.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CompareOptions {
-    /// Only these axes; all of them where none is named.
+    /// Compared axes; all if empty.
     pub(crate) axes: Vec<Axis>,
-    /// Smaller changes are ignored, mm; a change of a rotary axis counts as its arc at a radius of 1 m.
+    /// Changes up to this are ignored, mm; for a rotary axis, the arc at a radius of 1 m counts.
     pub(crate) tolerance_mm: f64,
-    /// Only moves that are changed by at least this, mm.
+    /// Only moves with at least this change, mm.
     pub(crate) least_mm: Option<f64>,
-    /// Larger changes than this are not allowed, mm.
+    /// Largest permitted change, mm.
     pub(crate) limit_mm: Option<f64>,
-    /// The number of rows shown, the largest first.
+    /// Maximum number of rows, in descending order of the change.
     pub(crate) rows: Option<usize>,
 }
 
 impl CompareOptions {
-    /// The axes that are asked for.
+    /// The compared axes.
     fn all_axes(&self) -> Vec<Axis> {
         AXES.into_iter().filter(|axis| self.axes.is_empty() || self.axes.contains(axis)).collect()
     }
 
-    /// The tolerances in mm and rad.
+    /// The tolerances, mm and rad.
     fn tolerance(&self) -> [f64; 2] {
         [self.tolerance_mm, self.tolerance_mm / ARM_MM]
     }

@@ -1,4 +1,4 @@
-//! Two programs compared, as a report.
+//! The result of a comparison of two programs.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ use ncfix_path::review::{ReviewTrace, Summary};
 use ncfix_report::review::{AxisSummary, Beyond, LargestStep, Limit, Review};
 use ncfix_report::verdict::{LEFT, Verdict};
 
-/// Both programs, compared.
+/// Two compared programs.
 pub(crate) struct ComparedPrograms<'a> {
     pub(crate) wanted: &'a CompareOptions,
     /// The names of both files.
@@ -25,7 +25,7 @@ pub(crate) struct ComparedPrograms<'a> {
 }
 
 impl ComparedPrograms<'_> {
-    /// The report without its rows.
+    /// The result without its rows.
     pub(crate) fn review(&self, findings: &Diagnostics) -> Review {
         let axes = self.wanted.all_axes();
         let found = Summary::of(&self.trace.rows, &axes, self.wanted.tolerance(), self.outcome.increments[0]);
@@ -84,13 +84,13 @@ impl ComparedPrograms<'_> {
 }
 
 impl ComparedPrograms<'_> {
-    /// The name of a file of the original; none for the program itself.
+    /// The name of a file of the original; `None` for the program itself.
     fn subprogram(&self, file: u16) -> Option<String> {
         let files = self.outcome.sources[0].iter().skip(1);
         files.filter(|source| source.id().0 == file).map(|source| source.name().to_owned()).next()
     }
 
-    /// Where the comparison comes from.
+    /// The origin of the comparison.
     fn provenance(&self) -> BTreeMap<&'static str, String> {
         let machine = &self.outcome.machine;
         let mut all = BTreeMap::from([

@@ -1,4 +1,4 @@
-//! `ncfix diff --text`: the words of two programs as they are written.
+//! `ncfix diff --text`: comparison of two programs by their text.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use ncfix_base::source::Source;
 use ncfix_path::review::text::{Aligned, ChangedNumber, Pairing, compare};
 use ncfix_report::review::{TextLine, TextReview, TextWord, WordFigures};
 
-/// Two programs compared as they are written.
+/// Two programs that are compared by their text.
 pub(crate) struct TextComparison<'a> {
     /// The result without its rows.
     pub(crate) review: TextReview,
@@ -17,7 +17,7 @@ pub(crate) struct TextComparison<'a> {
     found: Aligned<'a>,
     texts: [Text<'a>; 2],
     wanted: &'a CompareOptions,
-    /// Places of the rows that are shown, in the order in which they are.
+    /// Indices of the shown rows, in their order.
     shown: Vec<usize>,
 }
 
@@ -33,7 +33,8 @@ impl<'a> TextComparison<'a> {
         let review = TextReview { schema: 1, compared: "text", files: names, ..TextReview::default() };
         let texts = sources.map(Text::new);
         let mut own = TextComparison { review, is_beyond: false, found, texts, wanted, shown: Vec::new() };
-        // Lines that came or went are the largest change of all. Rows are made again when they are shown: there may be millions.
+        // Added and removed lines count as the largest change. Rows are made again for the output, because there may
+        // be millions.
         let mut sizes: Vec<(f64, usize)> = Vec::new();
         for place in 0..own.found.count() {
             let Some(row) = own.row(place) else {
@@ -66,7 +67,7 @@ impl<'a> TextComparison<'a> {
         own
     }
 
-    /// The rows that are shown, made one after the other.
+    /// The shown rows, made one by one.
     pub(crate) fn rows(&self) -> impl Iterator<Item = TextLine> {
         self.shown.iter().filter_map(|&place| self.row(place))
     }
@@ -96,7 +97,7 @@ fn word(change: ChangedNumber) -> TextWord {
     TextWord { address: change.address, before, after, added: change.added }
 }
 
-/// Takes words into the figures of their addresses.
+/// Adds words to the figures of their addresses.
 fn note(figures: &mut BTreeMap<String, WordFigures>, words: &[TextWord], line: u32) {
     for word in words {
         let own = figures.entry(word.address.clone()).or_default();
@@ -107,7 +108,7 @@ fn note(figures: &mut BTreeMap<String, WordFigures>, words: &[TextWord], line: u
     }
 }
 
-/// A line, no longer than a row.
+/// A line, limited to the length of a row.
 fn short(line: &str) -> String {
     const LONGEST: usize = 60;
     let text = line.trim();

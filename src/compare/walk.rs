@@ -1,4 +1,4 @@
-//! Two programs executed side by side, and their moves compared: what `ncfix verify` and `ncfix diff` have in common.
+//! Execution of two programs in parallel and comparison of their moves, for `ncfix verify` and `ncfix diff`.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -27,12 +27,12 @@ use ncfix_path::path::{self, Feeds, Follow, Grouping, ProgramDifference};
 use ncfix_report::coverage::CoverageReport;
 use ncfix_report::json::{AtFeed, ZeroReport};
 
-/// Two programs and how they are executed.
+/// Two programs and the options of their execution.
 pub(crate) struct Pair<'a> {
     /// The original and the corrected one.
     pub(crate) programs: [&'a Program; 2],
     pub(crate) machine: &'a Machine,
-    /// The tolerance of the correction that a person says, mm.
+    /// Tolerance of the correction as stated by the user, mm.
     pub(crate) promised: Option<f64>,
     /// True if both are also passed through the servo model of the machine.
     pub(crate) at_feed: bool,
@@ -43,7 +43,7 @@ pub(crate) struct Pair<'a> {
 }
 
 impl<'a> Pair<'a> {
-    /// An original and its corrected program, without any choice of a person.
+    /// An original and its corrected program, with default options.
     pub(crate) fn of(programs: [&'a Program; 2], machine: &'a Machine) -> Pair<'a> {
         Pair { programs, machine, promised: None, at_feed: false, requires_coverage: false, watch: None }
     }
@@ -89,14 +89,14 @@ impl Pair<'_> {
         let start = |opened: run::Opened, program: &Program| {
             let is_stamped = emit::is_stamped(opened.source.bytes());
             let rapid_order = if is_stamped { RapidOrder::None } else { RapidOrder::Stated };
-            // Where the control has the wear, the original has none.
+            // If the control corrects the wear, the original contains none.
             let radius = if has_wear_alone && !is_stamped { Radius::Beside(0.0) } else { Radius::Whole };
             let options = Options { rapid_order, radius, ..Options::default() };
             program.start_as(opened, &chosen.machine, options)
         };
         let mut promise = stamp::promise(sources, chosen, self.promised, findings);
         if let Some(promise) = &mut promise {
-            // The increment of a program in inches is another one.
+            // The increment of a program in inches differs.
             let mut machine = chosen.machine.clone();
             machine.control.increment_mm = promise.increment_mm.unwrap_or(machine.control.increment_mm);
             run::keep_unit(&sources[0], original.dialect, false, &mut machine);
@@ -109,7 +109,7 @@ impl Pair<'_> {
         let assumed = emit::entry(corrected.dialect.name).map_or("", |entry| entry.assumed);
         let (filler, ahead) = channel();
         std::thread::scope(|scope| {
-            // One core executes the corrected program ahead, the other one the original, and compares.
+            // One thread executes the corrected program ahead; the other one executes the original and compares.
             let run = move || send(start(corrected, self.programs[1]), filler);
             let thread = scope.spawn(run);
             let mut original = start(original, self.programs[0]);
@@ -130,10 +130,10 @@ impl Pair<'_> {
     }
 }
 
-/// An element, or a finding with the files that it may be in.
+/// An element, or a diagnostic with the files in which it may be.
 type Item = Result<Element, (Diagnostic, Vec<Source>)>;
 
-/// Executes a program to its end, or until nobody wants its elements any more; its files.
+/// Executes a program to its end, or until the receiver stops, and returns its files.
 fn send(mut running: Running<'_>, to: Filler<Item>) -> Vec<Source> {
     let items = std::iter::from_fn(|| {
         let item = running.next()?;
@@ -149,11 +149,11 @@ struct How {
     at_feed: bool,
     requires_coverage: bool,
     start: Option<AxisVector>,
-    /// The settings of the corrected program before its first move.
+    /// Settings of the corrected program before its first move.
     assumed: &'static str,
 }
 
-/// Compares two running programs; `files` ends the corrected one and gives its files.
+/// Compares two running programs; `files` ends the corrected one and returns its files.
 fn walk(
     (mut original, corrected): (Running<'_>, Taker<Item>),
     how: &How,
@@ -263,8 +263,8 @@ fn walk(
             .filter(|_| !findings.has_errors())
         }
         Err(mut partings) => {
-            // Where a program could not be executed to its end, that it does not match the other one is no news; that it parts before that is, and a line
-            // that is missing leaves an arc that cannot be.
+            // If a program could not be executed to its end, differences at the end are expected, but earlier ones
+            // are reported; a missing line leads to an impossible arc.
             if findings.has_errors() {
                 let line =
                     partings.first().and_then(|parting| parting.corrected).map_or(0, |origin| origin.line as usize);
@@ -291,34 +291,35 @@ fn walk(
     }
 }
 
-/// Arcs that cannot be.
+/// Diagnostics for impossible arcs.
 const ARCS: &[Code] = &[Code::ARC_OFF_CIRCLE, Code::RADIUS_TOO_SMALL];
 
 /// The result of a comparison.
 pub(crate) struct Outcome {
     pub(crate) comparison: path::Comparison,
-    /// Line and file of the largest error that is left.
+    /// Line and file of the largest remaining error.
     pub(crate) max_at: Option<(u32, String)>,
     /// The files of the original, and those of the corrected program.
     pub(crate) sources: [Vec<Source>; 2],
-    /// Of the control, mm and rad.
+    /// Increments of the control, mm and rad.
     pub(crate) increments: [f64; 2],
-    /// Pieces of the corrected program that end beyond the travel of an axis: how many, and the line of the first.
+    /// Pieces of the corrected program that end outside the travel of an axis: their number, and the line of the
+    /// first one.
     pub(crate) beyond: BTreeMap<Axis, (u64, u32)>,
     pub(crate) machine: MachineUsed,
-    /// The differences that are not a correction, as findings in the corrected program.
+    /// Differences that are not corrections, as diagnostics for the corrected program.
     pub(crate) differences: Vec<Diagnostic>,
-    /// The path deviations at feed of both, if requested.
+    /// Path deviations of both at feed, if requested.
     pub(crate) at_feed: Option<[AtFeed; 2]>,
     /// The coverage of the original by the measured ranges.
     pub(crate) coverage: CoverageReport,
     /// The zero offsets of the original.
     pub(crate) zeros: Vec<ZeroReport>,
-    /// The gaps that are not allowed.
+    /// Gaps in the coverage that are not permitted.
     pub(crate) refused: Vec<Diagnostic>,
 }
 
-/// On which machine they were executed.
+/// The machine on which they were executed.
 pub(crate) struct MachineUsed {
     pub(crate) name: String,
     /// Hash of its file.
@@ -327,11 +328,11 @@ pub(crate) struct MachineUsed {
     pub(crate) state: Option<String>,
 }
 
-/// Added to the file numbers of the corrected program: both programs count their files from 0, and a finding must be drawn in the
-/// right one.
+/// Offset of the file numbers of the corrected program. Both programs number their files from 0, and a diagnostic
+/// must refer to the right one.
 const OF_CORRECTED: u16 = 1 << 15;
 
-/// The elements of a program without its findings, which are put aside.
+/// The elements of a program without its diagnostics, which are stored separately.
 struct Clean<'f, 'm, I> {
     items: I,
     findings: &'f RefCell<Diagnostics>,

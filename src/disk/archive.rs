@@ -14,13 +14,13 @@ use crate::error::Error;
 use ncfix_base::source::{FileId, MAX_BYTES, Source};
 use ncfix_language::exec::Library;
 
-/// The begin of the first record.
+/// Beginning of the first record.
 const MAGIC: &[u8] = b"@@MMCIBN";
 /// Length of a record.
 const RECORD: usize = 512;
-/// Where a program looks for others, behind its own folder.
+/// Folders in which programs are searched after their own folder.
 const FOLDERS: [&str; 4] = ["SPF.DIR", "CUS.DIR", "CMA.DIR", "CST.DIR"];
-/// The number of names shown where one must be chosen.
+/// Number of names shown if one must be selected.
 const SHOWN: usize = 8;
 
 /// A file in an archive.
@@ -41,10 +41,10 @@ pub(crate) struct Archive {
     main: usize,
 }
 
-/// Opens the archive that a path leads to or into (`SAVE.arc/PART.MPF`); `None` where it leads to no archive.
+/// Opens the archive at a path or around it (`SAVE.arc/PART.MPF`); `None` if there is no archive.
 ///
 /// # Errors
-/// If the archive is damaged, or it does not say which of its programs is meant.
+/// If the archive is damaged, or the path does not determine one of its programs.
 pub(crate) fn open(path: &Path) -> Result<Option<Archive>, Error> {
     let Some(file) = path.ancestors().find(|ancestor| ancestor.is_file()) else { return Ok(None) };
     if !is_archive(file) {
@@ -87,7 +87,7 @@ pub(crate) fn open(path: &Path) -> Result<Option<Archive>, Error> {
     Ok(Some(Archive { path: file.to_path_buf(), bytes, entries, main }))
 }
 
-/// True if a file begins as an archive does.
+/// True if a file begins like an archive.
 pub(crate) fn is_archive(file: &Path) -> bool {
     use std::io::Read as _;
     let mut head = [0; 8];
@@ -118,7 +118,8 @@ fn entries(bytes: &[u8]) -> Result<Vec<Entry>, usize> {
     Ok(entries)
 }
 
-/// Files with data of an archive in memory: tools, zero offsets, parameters, variables. `None` where the bytes are no archive.
+/// Data files of an archive in memory: tools, zero offsets, parameters, variables. `None` if the bytes are not an
+/// archive.
 pub(crate) fn saved_data(path: &Path, bytes: &[u8]) -> Result<Option<Vec<Source>>, Error> {
     const ENDINGS: [&str; 6] = [".TOA", ".UFR", ".RPA", ".GUD", ".INI", ".TMA"];
     let is_data = |file: &Source| {
@@ -128,7 +129,7 @@ pub(crate) fn saved_data(path: &Path, bytes: &[u8]) -> Result<Option<Vec<Source>
     Ok(members(path, bytes)?.map(|files| files.into_iter().filter(is_data).collect()))
 }
 
-/// All files of an archive in memory. `None` where the bytes are no archive.
+/// All files of an archive in memory. `None` if the bytes are not an archive.
 pub(crate) fn members(path: &Path, bytes: &[u8]) -> Result<Option<Vec<Source>>, Error> {
     if !bytes.starts_with(MAGIC) {
         return Ok(None);

@@ -14,7 +14,7 @@ use ncfix_base::source::{FileId, MAX_BYTES, Source};
 /// The name shown for standard input.
 pub(crate) const STANDARD_INPUT: &str = "<stdin>";
 
-/// The largest file that people write – a machine, a set-up, a state, a link, a description –, in bytes.
+/// Largest size of a file written by a person, bytes: machine, set-up, state, link or description.
 const MAX_WRITTEN_BYTES: usize = 8 << 20;
 
 /// The largest number of bytes read from a pipe or a device, which have no known length.
@@ -25,25 +25,25 @@ pub(crate) fn is_standard_stream(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// The bytes of a file with the name to show for it; `role` says in a note what it is and how it was found; without one nothing
-/// is noted, where a file is read again.
+/// Reads the bytes of a file with its displayed name. `role` describes the file and the way it was found in a note;
+/// without it, for a file that is read again, there is no note.
 ///
 /// # Errors
-/// A sentence where the file cannot be read or is too large.
+/// If the file cannot be read or is too large.
 pub(crate) fn read(path: &Path, id: FileId, role: &str) -> Result<Source, Error> {
     read_up_to(path, id, role, MAX_BYTES)
 }
 
-/// Reads a file that people write, which is never large.
+/// Reads a file written by a person, which is never large.
 ///
 /// # Errors
-/// A sentence where the file cannot be read or is too large.
+/// If the file cannot be read or is too large.
 pub(crate) fn read_written(path: &Path, id: FileId, role: &str) -> Result<Source, Error> {
     read_up_to(path, id, role, MAX_WRITTEN_BYTES)
 }
 
 fn read_up_to(path: &Path, id: FileId, role: &str, most: usize) -> Result<Source, Error> {
-    // An option that named the file is named in turn.
+    // If an option named the file, the message names the option.
     let is_option = role.contains("--") || role.contains("NCFIX_");
     let fault = |error: io::Error| {
         let sentence = Error::file("read", path, &error).message().to_owned();
@@ -62,12 +62,12 @@ fn read_up_to(path: &Path, id: FileId, role: &str, most: usize) -> Result<Source
     Source::new(id, &name, bytes).map_err(|_| fault(too_large(MAX_BYTES)))
 }
 
-/// The bytes of a file, at most `most`. Nothing is read from a file whose stated length is larger.
+/// The bytes of a file, at most `most`. A file with a larger stated length is not read.
 ///
 /// # Errors
-/// If it cannot be read, or has more.
+/// If it cannot be read or is larger.
 pub(crate) fn bytes_of(path: &Path, most: usize) -> io::Result<Vec<u8>> {
-    // Some systems open a folder and fail with an odd reason when it is read.
+    // Some systems open a folder and then report an unclear error when it is read.
     if path.is_dir() {
         return Err(io::ErrorKind::IsADirectory.into());
     }
@@ -88,7 +88,7 @@ pub(crate) fn bytes_of(path: &Path, most: usize) -> io::Result<Vec<u8>> {
     bytes.try_reserve_exact(length)?;
     let bytes = read_bounded(&mut file, most, bytes)?;
     if Fingerprint::of(&file.metadata()?) != before {
-        // Half of it may be old and half of it new.
+        // One part of the file may be old and the other one new.
         return Err(io::Error::other("the file changed while it was read; run the command again"));
     }
     Ok(bytes)
@@ -98,25 +98,26 @@ pub(crate) fn bytes_of(path: &Path, most: usize) -> io::Result<Vec<u8>> {
 /// user types.
 static BEFORE_STREAM: OnceLock<fn()> = OnceLock::new();
 
-/// True if the files that are read are listed.
+/// True if the input files are listed.
 static IS_LISTED: AtomicBool = AtomicBool::new(false);
 
-/// Lists the files that are read from now on, and says what is done before standard input is read: for a process that is one run.
+/// Lists the input files from now on, and sets the function that is called before standard input is read, in a
+/// process with one run.
 pub(crate) fn begin_run(before_stream: fn()) {
     IS_LISTED.store(true, Ordering::Relaxed);
-    // A second run in one process does the same.
+    // A second run in the same process has the same function.
     let _ = BEFORE_STREAM.set(before_stream);
 }
 
-/// To be called before standard input is read, or standard output is written.
+/// Call it before standard input is read or standard output is written.
 pub(crate) fn before_stream() {
     BEFORE_STREAM.get().inspect(|act| act());
 }
 
-/// Files that this run has read, by whatever option or program.
+/// Files that this run has read, for any option or program.
 static READ: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// The first by name of the files that this run has read for which something holds.
+/// The first input file of this run, by name, that fulfills a condition.
 pub(crate) fn first_read(holds: impl Fn(&Path) -> bool) -> Option<PathBuf> {
     let read = READ.lock().unwrap_or_else(PoisonError::into_inner);
     read.iter().find(|path| holds(path)).cloned()
@@ -126,7 +127,7 @@ fn bounded(reader: &mut dyn io::Read, most: usize) -> io::Result<Vec<u8>> {
     read_bounded(reader, most, Vec::new())
 }
 
-/// Reads to the end, or until there are too many bytes: a file may grow, and a device has no end.
+/// Reads to the end, or until the limit is exceeded: a file may grow, and a device has no end.
 fn read_bounded(reader: &mut dyn io::Read, most: usize, mut bytes: Vec<u8>) -> io::Result<Vec<u8>> {
     reader.take(most as u64 + 1).read_to_end(&mut bytes)?;
     if bytes.len() > most { Err(too_large(most)) } else { Ok(bytes) }

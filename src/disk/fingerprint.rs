@@ -10,7 +10,7 @@ use std::time::SystemTime;
 pub(crate) struct Fingerprint {
     length: u64,
     modified: Option<SystemTime>,
-    /// The disk and the number of the file on it; a text editor that writes beside the file and renames makes another one.
+    /// Device and inode of the file; a text editor that writes a new file and renames it changes them.
     identity: Option<(u64, u64)>,
 }
 
@@ -43,9 +43,9 @@ impl Fingerprint {
 /// The file that a run expects at the path of its output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Expected<'a> {
-    /// The file that was there when the run began; `None`: there was none.
+    /// The file at the path when the run began; `None` if there was no file.
     pub(crate) before: Option<Fingerprint>,
-    /// The content that the run has read of it, if any: the clock may be too coarse to show that the file was written again.
+    /// Its content, if the run has read it: the clock may be too coarse to show that the file was written again.
     pub(crate) content: Option<&'a [u8]>,
 }
 
@@ -69,7 +69,7 @@ impl Expected<'_> {
 mod tests {
     use super::*;
 
-    /// Sets the time of a file to that of another moment.
+    /// Sets the modification time of a file.
     fn touch(path: &Path, time: SystemTime) {
         fs::File::options().write(true).open(path).unwrap().set_modified(time).unwrap();
     }

@@ -1,10 +1,12 @@
-//! Programs and definition files beside the main program and in the folders of a control's file system.
+//! Programs and definition files in the folder of the main program and in the folders of a control's file system.
 //!
-//! `L123`, `POCKET` become files of the main program's folder, then of the folders of `control.search_path`, then of the conventional
-//! folders `SPF.DIR`, `CUS.DIR`, `CMA.DIR`, `CST.DIR` up to two levels above it, whatever the case of their names.
+//! `L123`, `POCKET` become files of the main program's folder, then of the folders of `control.search_path`, then of
+//! the conventional folders `SPF.DIR`, `CUS.DIR`, `CMA.DIR`, `CST.DIR` up to two levels above it, with names in any
+//! case.
 //!
-//! A symbolic link is followed where it ends in, or below, one of these folders. One that leads elsewhere is refused: whoever hands over
-//! a folder of programs shall not choose what else of the disk is read, and shown in findings.
+//! A symbolic link is followed if its target is in one of these folders or below. Any other link is refused: the
+//! author of a folder of programs must not select other files of the disk for reading, whose text could be shown in
+//! diagnostics.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -17,29 +19,29 @@ use crate::error::reason;
 use ncfix_base::source::MAX_BYTES;
 use ncfix_language::exec::Library;
 
-/// Folders of a control that are searched without being named, in its order.
+/// Folders of a control that are searched by default, in its order.
 const USUAL: [&str; 4] = ["SPF", "CUS", "CMA", "CST"];
-/// Folders at the root of a control's file system. In folders above that of the program a path must begin with one of them: these
-/// may be anybody's, and `/etc/passwd` is no program.
+/// Folders at the root of a control's file system. Above the folder of the program a path must begin with one of
+/// them, because other folders may belong to anyone, and `/etc/passwd` is not a program.
 const TOP: [&str; 7] = ["WKS", "MPF", "SPF", "CUS", "CMA", "CST", "DEF"];
 /// The folder of definition files.
 const DEFINITIONS: &str = "DEF";
-/// Definition files of a control in the order in which it reads them, macros first.
+/// Definition files of a control in its reading order, macros first.
 pub(crate) const DEFINITION_FILES: [&str; 14] =
     ["SMAC", "MMAC", "PMAC", "UMAC", "SGUD", "PGUD", "MGUD", "UGUD", "GUD4", "GUD5", "GUD6", "GUD7", "GUD8", "GUD9"];
-/// The number of folders above that of the program that may be the root of the control's file system.
+/// Number of levels above the folder of the program that may be the root of the control's file system.
 const LEVELS_UP: usize = 2;
-/// Folders that one program may add with CALLPATH.
+/// Maximum number of folders that one program may add with CALLPATH.
 const MAX_ADDED: usize = 100;
 
 /// A folder whose files are listed at the first search.
 struct Folder {
     path: PathBuf,
-    /// Files by lower-case name; several where only the case differs.
+    /// Files by lower-case name; several if their names differ only in case.
     files: Option<HashMap<String, Vec<PathBuf>>>,
 }
 
-/// The folders of the main program and its control.
+/// The folders of the main program and of its control.
 pub(crate) struct FolderLibrary {
     /// Searched first: the program's own, those of the machine file, `SPF.DIR`.
     first: Vec<Folder>,
@@ -47,18 +49,18 @@ pub(crate) struct FolderLibrary {
     added: Vec<Folder>,
     /// Searched last: `CUS.DIR`, `CMA.DIR`, `CST.DIR`.
     last: Vec<Folder>,
-    /// Where the definition files are.
+    /// Folders of the definition files.
     definitions: Vec<Folder>,
-    /// Where paths from the root of the control's file system may begin.
+    /// Folders at which paths from the root of the control's file system may begin.
     roots: Vec<PathBuf>,
     loaded: Rc<RefCell<Vec<PathBuf>>>,
-    /// The reason why a file was not read; a further name without a file does not change it.
+    /// The reason why a file was not read; a later name without a file does not change it.
     refused: Option<String>,
 }
 
 impl FolderLibrary {
-    /// The folder of `program` and what belongs to it; none for a program from standard input. The second value lists, as the
-    /// program runs, the files that were read: none of them may be overwritten.
+    /// The folder of `program` and its related folders; none for a program from standard input. The second value
+    /// lists the files that were read while the program runs: they must not be overwritten.
     pub(crate) fn beside(program: Option<&Path>, search_path: &[String]) -> (FolderLibrary, Rc<RefCell<Vec<PathBuf>>>) {
         let loaded = Rc::default();
         let own = program.map(|program| match program.parent() {
@@ -91,14 +93,14 @@ impl FolderLibrary {
         found.filter(|folder| !is_link(folder) || leads_into(folder, &self.roots)).map(Folder::new).collect()
     }
 
-    /// The file of a program. Only names of files in the folders are ever compared, so no name leads out of them.
-    /// The first file of these names, folder by folder.
+    /// The file of a program: the first file with one of these names, folder by folder. Names are only compared with
+    /// those of files in the folders, so no name leads out of them.
     fn find(&mut self, names: &[String]) -> Option<PathBuf> {
         let mut folders = self.first.iter_mut().chain(&mut self.added).chain(&mut self.last);
         folders.find_map(|folder| folder.find(names))
     }
 
-    /// The folder that a path of the control means: `/_N_WKS_DIR/_N_PART_WPD`, `NC:/WKS.DIR/PART.WPD`.
+    /// The folder of a path in the notation of the control: `/_N_WKS_DIR/_N_PART_WPD`, `NC:/WKS.DIR/PART.WPD`.
     fn resolve(&self, path: &str) -> Option<PathBuf> {
         let path = path.replace('\\', "/");
         let path = path.rsplit(':').next().unwrap_or_default();
@@ -122,7 +124,7 @@ impl FolderLibrary {
         })
     }
 
-    /// Reads a file that was found in a folder; where it must not or cannot be read, that is remembered.
+    /// Reads a file of a folder, and stores the reason if it must not or cannot be read.
     fn read(&mut self, path: PathBuf, role: &str) -> Option<(String, Vec<u8>)> {
         let shown = path.strip_prefix(".").unwrap_or(&path).display().to_string();
         if is_link(&path) {
@@ -153,7 +155,7 @@ fn is_link(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok_and(|found| found.is_symlink())
 }
 
-/// True if a link points to one of these folders, or below it.
+/// True if the target of a link is in one of these folders or below.
 fn leads_into(link: &Path, folders: impl IntoIterator<Item = impl AsRef<Path>>) -> bool {
     let Ok(end) = link.canonicalize() else { return false };
     folders.into_iter().any(|folder| folder.as_ref().canonicalize().is_ok_and(|folder| end.starts_with(folder)))
@@ -174,7 +176,7 @@ impl Folder {
     }
 }
 
-/// The forms of the name of a program's file.
+/// The possible names of a program's file.
 fn file_names(name: &str) -> Vec<String> {
     vec![
         format!("{name}.SPF"),
@@ -185,7 +187,7 @@ fn file_names(name: &str) -> Vec<String> {
     ]
 }
 
-/// The folder itself and those above it, as far as they may be the root of the control's file system.
+/// The folder itself and those above it that may be the root of the control's file system.
 fn roots(own: &Path) -> Vec<PathBuf> {
     let full = own.canonicalize().unwrap_or_else(|_| own.to_path_buf());
     let mut roots = vec![own.to_path_buf()];
@@ -265,7 +267,7 @@ impl Library for FolderLibrary {
         }
         let role = "definitions, in a folder that belongs to the program";
         let read = found.into_iter().filter_map(|path| self.read(path, role)).collect();
-        // What it lacks is missed where it is used.
+        // Missing data are reported when they are used.
         self.refused = None;
         read
     }

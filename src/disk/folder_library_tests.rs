@@ -1,4 +1,4 @@
-//! The folders in which programs are looked for, with folders of their own.
+//! Tests of the folders in which programs are searched, in temporary folders.
 
 use std::fs;
 use std::path::Path;
@@ -54,7 +54,7 @@ fn no_name_leads_out_of_the_folder() {
     assert_eq!(load(&inner, outer.path().join("SECRET").to_str().unwrap()), None);
     assert_eq!(load(outer.path(), "inner"), None);
     assert!(library(&inner.join("m.mpf")).load_path("/../SECRET", "SECRET").is_none());
-    // Above the folder of the program are other folders than those of a control.
+    // Folders above that of the program that do not belong to a control.
     let root = folder(&["etc/PASSWD", "jobs/a/MAIN.MPF", "jobs/a/parts/L1.SPF", "MPF.DIR/L2.SPF"]);
     let mut library = library(&root.path().join("jobs/a/MAIN.MPF"));
     assert!(library.load_path("/etc/passwd", "PASSWD").is_none());
@@ -84,9 +84,9 @@ fn links_are_followed_within_the_folders_of_the_program() {
             .unwrap()
             .ends_with("OUTSIDE.SPF is a symbolic link that leads out of the folders that belong to the program")
     );
-    // One that leads to itself is no file.
+    // A link to itself is not a file.
     assert!(library.load("AROUND").is_none() && library.refusal().is_none());
-    // A folder that is a link counts where it ends below those in which the file system of a control may lie.
+    // A linked folder counts if its target is below a possible root of the control's file system.
     let nested = folder(&["a/b/c/MAIN.MPF", "a/other/L4.SPF"]);
     symlink("../../other", nested.path().join("a/b/c/SPF.DIR")).unwrap();
     symlink(outer.path().join("elsewhere"), nested.path().join("a/b/c/CUS.DIR")).unwrap();
@@ -141,7 +141,7 @@ fn definition_files_are_found_macros_first() {
     let root = folder(&["MPF.DIR/MAIN.MPF", "DEF.DIR/UGUD.DEF", "def.dir/_N_SMAC_DEF", "MPF.DIR/OTHER.DEF"]);
     let found = library(&root.path().join("MPF.DIR/MAIN.MPF")).definitions();
     let mut shown: Vec<String> = found.into_iter().map(|file| text(Some(file)).unwrap()).collect();
-    // Where the file system knows no case both are in one folder.
+    // If the file system ignores case, both are in one folder.
     shown.retain(|name| name != "def.dir/_N_SMAC_DEF");
     assert_eq!(shown, ["DEF.DIR/UGUD.DEF"]);
 }

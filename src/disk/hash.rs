@@ -8,14 +8,14 @@ use sha2::{Digest as _, Sha256};
 pub(crate) fn short_hash<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> String {
     let mut hasher = Sha256::new();
     for part in parts {
-        // The length in front keeps the border between two parts.
+        // The length before each part keeps the parts separate.
         hasher.update((part.len() as u64).to_le_bytes());
         hasher.update(part);
     }
     hasher.finalize().iter().take(6).map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// All digits of SHA-256 of a file, as `sha256sum` has them.
+/// All digits of the SHA-256 of a file, as printed by `sha256sum`.
 pub(crate) fn whole_hash(bytes: &[u8]) -> String {
     digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }

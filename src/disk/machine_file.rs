@@ -18,13 +18,13 @@ use ncfix_machine::machine::Condition;
 use ncfix_machine::machine::file::{DEMO, apply_setup};
 use ncfix_model::file::load_with;
 
-/// The name of the machine file that is searched in the folder of the program and above it.
+/// Name of the machine file that is searched in the folder of the program and above it.
 const NEAREST: &str = "ncfix.toml";
 
 /// The environment variable that names a machine file.
 const VARIABLE: &str = "NCFIX_MACHINE";
 
-/// The way in which a machine file was found.
+/// The way in which the machine file was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FoundFile {
     /// It is the argument of the command.
@@ -37,7 +37,7 @@ pub(crate) enum FoundFile {
     AboveProgram,
     /// The nearest `ncfix.toml` in the working folder or above it.
     AboveWorkingFolder,
-    /// None was found: the demo machine.
+    /// The demo machine, as no file was found.
     Demo,
 }
 
@@ -107,7 +107,7 @@ pub(crate) fn of_text(
     read_with(source, &[], registry, findings)
 }
 
-/// Folders of the machine file are beside it if they exist there, else beside the program.
+/// Folders in the machine file are relative to its folder if they exist there, otherwise to that of the program.
 fn lie_beside(machine: &mut Machine, path: Option<&Path>) {
     let base = path.and_then(Path::parent).unwrap_or(Path::new("."));
     for entry in &mut machine.machine.control.search_path {
@@ -118,7 +118,7 @@ fn lie_beside(machine: &mut Machine, path: Option<&Path>) {
     }
 }
 
-/// The text of a machine file that was located; without a path that of the demo machine, with a warning.
+/// The text of a located machine file; without a path that of the demo machine, with a warning.
 ///
 /// # Errors
 /// If the file cannot be read.
@@ -150,7 +150,7 @@ pub(crate) fn read(source: &Source, setups: &[PathBuf], findings: &mut Diagnosti
     read_with(source, setups, &Registry::default(), findings)
 }
 
-/// Reads a machine as [`read`] does; its file may have the keys that a registry knows.
+/// Reads a machine as [`read`] does, with the additional keys of a registry.
 fn read_with(
     source: &Source,
     setups: &[PathBuf],
@@ -236,12 +236,12 @@ pub(crate) struct Member {
     pub(crate) is_saved_data: bool,
 }
 
-/// A set-up file and what it holds: itself, or the data of an archive.
+/// A set-up file and its content: the file itself, or the data of an archive.
 ///
 /// # Errors
 /// If it cannot be read.
 pub(crate) fn members(path: &Path) -> Result<(Source, Vec<Member>), Error> {
-    // An archive has all data of the control, and may be large.
+    // An archive contains all data of the control and may be large.
     let read = if path.is_file() && archive::is_archive(path) { files::read } else { files::read_written };
     let setup = read(path, FileId(0), "set-up file, --setup")?;
     let inside = archive::saved_data(path, setup.bytes())?.unwrap_or_else(|| vec![setup.clone()]);
@@ -270,7 +270,8 @@ pub(crate) fn demo() -> Result<Source, Error> {
         .map_err(|_| Error::usage("the demo machine is too large".into()))
 }
 
-/// The machine file: `named`, else that of the environment, else the nearest one; none if only the demo machine remains.
+/// The machine file: `named`, otherwise that of the environment, otherwise the nearest one; none if only the demo
+/// machine remains.
 pub(crate) fn locate(named: Option<&Path>, program: &Path) -> (Option<PathBuf>, FoundFile) {
     if let Some(named) = named {
         return (Some(named.to_path_buf()), FoundFile::Option);

@@ -15,10 +15,10 @@ use ncfix_metrology::results::measurement::{self, Measurement, Purpose};
 use ncfix_model::ErrorModel;
 use ncfix_report::inputs::InputFile;
 
-/// The description beside a table.
+/// The description of a table, with the same name.
 ///
 /// # Errors
-/// If there can be none.
+/// If the table cannot have one.
 pub(crate) fn description_of(table: &Path) -> Result<PathBuf, Error> {
     measurement::description_of(table).ok_or_else(|| {
         let name = table.display();
@@ -26,10 +26,10 @@ pub(crate) fn description_of(table: &Path) -> Result<PathBuf, Error> {
     })
 }
 
-/// Says where something that is written would overwrite what is read: `files`, and the pairs of these tables.
+/// Reports outputs that would overwrite an input: `files`, and the pairs of these tables.
 ///
 /// # Errors
-/// If a table can have no description.
+/// If a table cannot have a description.
 pub(crate) fn protect_inputs<'a>(
     targets: impl IntoIterator<Item = &'a Target>,
     mut files: Vec<PathBuf>,
@@ -43,7 +43,7 @@ pub(crate) fn protect_inputs<'a>(
     Ok(())
 }
 
-/// Reads a measurement, or the plan of one; `None` if there are errors. `number` tells measurements apart.
+/// Reads a measurement or the plan of one; `None` if there are errors. `number` identifies the measurement.
 ///
 /// # Errors
 /// If a file cannot be read.
@@ -57,7 +57,8 @@ pub(crate) fn read(
     read_for(if is_plan { Purpose::Plan } else { Purpose::Fit }, table, number, machine, findings)
 }
 
-/// Reads a measurement in which sensors may be dead in some rows, which is no refusal; of a trace what goes with the speed, beside a model.
+/// Reads a measurement and accepts sensors that are dead in some rows. For a trace, only the speed-dependent part in
+/// addition to a model is used.
 ///
 /// # Errors
 /// If a file cannot be read.
@@ -103,7 +104,7 @@ pub(crate) fn sources_of(all: &[Measurement]) -> Vec<Source> {
     all.iter().flat_map(|one| one.sources.iter().cloned()).collect()
 }
 
-/// The files of a measurement, as pages name them.
+/// The files of a measurement, for report pages.
 pub(crate) fn inputs(one: &Measurement, is_held_out: bool) -> [InputFile; 2] {
     let roles = if is_held_out { ["readings, held out", "description, held out"] } else { ["readings", "description"] };
     [input_of(&one.sources[0], roles[0]), input_of(&one.sources[1], roles[1])]

@@ -1,6 +1,8 @@
-//! Files of a disk: programs with the folders beside them, archives of controls, tables, machine files are read; texts are written as a whole or not at all.
+//! Access to files: reads programs with their folders, archives of controls, tables and machine files; writes texts
+//! completely or not at all.
 //!
-//! The library opens files here only, and only for functions whose names say so. What was read, and why, is logged.
+//! The library opens files only here, and only in functions whose names state it. Each file that is read is logged
+//! with the reason.
 
 pub(crate) mod archive;
 pub(crate) mod atomic_writes;

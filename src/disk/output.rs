@@ -1,8 +1,9 @@
 //! Writes a file completely or not at all.
 //!
-//! The text is first spooled to a file without a name, so that an error, an interrupt or a crash leaves nothing behind. Only a
-//! complete text, flushed to the disk, gets a name beside the target and takes its place; where a system cannot give a name to such a
-//! file, it gets a copy. It only takes the place of what was there when the run began, or of nothing where there was nothing. A target that is no plain file (standard output, a device, a pipe) gets the complete text as it is.
+//! The text is first spooled to a file without a name, so that an error, an interrupt or a crash leaves no file. Only
+//! a complete text, flushed to the disk, gets a name in the folder of the target and replaces it; if the system
+//! cannot give a name to such a file, a copy is made. It only replaces the file that was there when the run began. A
+//! target that is not a plain file (standard output, a device, a pipe) gets the complete text directly.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Read as _, Seek as _, Write as _};
@@ -16,7 +17,7 @@ pub(crate) use super::target::{OneFile, Target, is_same, is_same_file, protect, 
 use crate::error::Error;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 
-/// Bytes gathered before they go to the disk.
+/// Size of the write buffer, bytes.
 const BUFFER: usize = 1 << 16;
 
 /// A text on its way to a target.
@@ -26,10 +27,10 @@ pub(crate) struct Spool {
 }
 
 impl Spool {
-    /// An empty spool, in the folder of the target because that disk must have room for it anyway.
+    /// An empty spool in the folder of the target, because that disk must have room for it anyway.
     ///
     /// # Errors
-    /// A sentence where the folder cannot be written.
+    /// If the folder cannot be written.
     pub(crate) fn new(target: Target) -> Result<Spool, Error> {
         let file = match &target {
             Target::Standard | Target::Special(_) => tempfile::tempfile(),
@@ -49,7 +50,7 @@ impl Spool {
         &self.target
     }
 
-    /// The reason of a failed write, as text.
+    /// The error of a failed write.
     pub(crate) fn fault(&self, error: &io::Error) -> Error {
         target_fault(&self.target, error)
     }
@@ -57,7 +58,7 @@ impl Spool {
     /// Reads the text so far.
     ///
     /// # Errors
-    /// A sentence where that fails.
+    /// If it cannot be read.
     pub(crate) fn text(&mut self) -> Result<Vec<u8>, Error> {
         let mut text = Vec::new();
         let read = self.file.rewind().and_then(|()| self.file.get_mut().read_to_end(&mut text));
@@ -68,7 +69,7 @@ impl Spool {
     /// Refuses to overwrite files that this run has read.
     ///
     /// # Errors
-    /// A sentence that names the file.
+    /// If it would; the message names the file.
     pub(crate) fn spare_inputs(&self) -> Result<(), Error> {
         match files::first_read(|path| self.target.is(path)) {
             None => Ok(()),
@@ -84,16 +85,16 @@ impl Spool {
     /// Flushes the text to the disk, so that there is room for it when it is published.
     ///
     /// # Errors
-    /// A sentence if there is no room.
+    /// If there is no room.
     pub(crate) fn settle(&mut self) -> Result<(), Error> {
         let settled = self.file.flush().and_then(|()| self.file.get_ref().sync_all());
         settled.map_err(|error| self.fault(&error))
     }
 
-    /// Refuses to overwrite a file that was written since the run began.
+    /// Refuses to overwrite a file that was written after the run began.
     ///
     /// # Errors
-    /// A finding that names the file, or a sentence if the check fails.
+    /// If there is such a file, or the check fails.
     pub(crate) fn is_expected(&self, old: Old<'_>) -> Result<(), Error> {
         let Target::File(file) = &self.target else { return Ok(()) };
         match old.expected(file).is(&file.path) {
@@ -106,7 +107,7 @@ impl Spool {
     /// Puts the complete text at its target. Returns the path of the old file if it is kept.
     ///
     /// # Errors
-    /// A sentence where that fails, a finding where a newer file is there; the target is then unchanged.
+    /// If it cannot be written, or a newer file is there; the target is then unchanged.
     pub(crate) fn publish(self, old: Old<'_>) -> Result<Option<PathBuf>, Error> {
         if old == Old::Replaced {
             self.spare_inputs()?;
@@ -136,7 +137,7 @@ impl Spool {
     }
 }
 
-/// The finding for a newer file at the target of an output.
+/// The diagnostic for a newer file at the target of an output.
 fn newer(file: &OneFile, old: Old<'_>) -> Error {
     let path = file.path.display();
     let message = match (old, file.before) {
@@ -156,7 +157,7 @@ fn target_fault(target: &Target, error: &io::Error) -> Error {
     }
 }
 
-/// The name that the copy of a target would get now.
+/// The name of the next backup of a target.
 pub(crate) fn next_backup(target: &Target) -> Option<PathBuf> {
     let Target::File(file) = target else { return None };
     backups(&file.path).find(|backup| std::fs::symlink_metadata(backup).is_err())

@@ -16,7 +16,7 @@ const NEW_FILE: u32 = 0o666;
 pub(crate) enum Old<'a> {
     /// It is replaced.
     Replaced,
-    /// It is kept as a backup: it is the file that the run has read, and this is its complete content.
+    /// It is kept as a backup. The run has read the file, and this is its complete content.
     Kept(&'a [u8]),
 }
 
@@ -41,7 +41,7 @@ pub(crate) fn without_name(folder: &Path) -> io::Result<File> {
     #[cfg(target_os = "linux")]
     {
         use rustix::fs::{Mode, OFlags, open};
-        // Not every file system supports such files; other faults of the folder are found below.
+        // Not every file system supports such files; other errors of the folder are reported later.
         let flags = OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC;
         if let Ok(file) = open(folder, flags, Mode::from_raw_mode(NEW_FILE)) {
             return Ok(file.into());
@@ -50,7 +50,7 @@ pub(crate) fn without_name(folder: &Path) -> io::Result<File> {
     tempfile::tempfile_in(folder)
 }
 
-/// Gives a file without a name a free name beside the target.
+/// Gives a file without a name a free name in the folder of the target.
 #[cfg(target_os = "linux")]
 fn name_beside(text: &File, names: &tempfile::Builder<'_, '_>, folder: &Path) -> io::Result<tempfile::TempPath> {
     use std::os::fd::AsRawFd as _;
@@ -68,7 +68,7 @@ fn name_beside(_: &File, _: &tempfile::Builder<'_, '_>, _: &Path) -> io::Result<
     Err(io::ErrorKind::Unsupported.into())
 }
 
-/// Names the text beside its target and then puts it at the path of the target.
+/// Gives the text a name in the folder of its target and moves it to the path of the target.
 pub(crate) fn replace(text: &mut File, target: &OneFile, old: Old<'_>) -> io::Result<Put> {
     let path = &target.path;
     let mut names = tempfile::Builder::new();
@@ -76,7 +76,7 @@ pub(crate) fn replace(text: &mut File, target: &OneFile, old: Old<'_>) -> io::Re
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;
-        // As for any new file, the umask is applied. Without this a temporary file is private to its owner.
+        // The umask is applied, as for any new file. Otherwise a temporary file is private to its owner.
         names.permissions(fs::Permissions::from_mode(NEW_FILE));
     }
     let finish = |file: &File| {
@@ -85,7 +85,7 @@ pub(crate) fn replace(text: &mut File, target: &OneFile, old: Old<'_>) -> io::Re
         }
         file.sync_all()
     };
-    // Flushed first: between naming and replacing there are few calls in which a kill would leave the file behind.
+    // Flushed first, so that few calls remain between naming and replacing; a kill between them would leave the file.
     finish(text)?;
     let beside = match name_beside(text, &names, folder_of(path)) {
         Ok(beside) => beside,
@@ -100,18 +100,20 @@ pub(crate) fn replace(text: &mut File, target: &OneFile, old: Old<'_>) -> io::Re
     let backup = if is_kept && path.exists() { Some(back_up(path)?) } else { None };
     let is_there = take_place(beside, path, old.expected(target));
     if !matches!(is_there, Ok(true)) {
-        // The second name of the file that stays in its place.
+        // Removes the second name of the file, which was not replaced.
         backup.as_ref().map_or(Ok(()), fs::remove_file)?;
         return is_there.map(|_| Put::Newer);
     }
-    // The new name is safe on the disk only when the folder is flushed. Some systems cannot flush folders; the file is complete anyway.
+    // The new name is safe only after the folder is flushed. Some systems cannot flush folders; the file is complete
+    // anyway.
     if let Ok(folder) = File::open(folder_of(path)) {
         let _ = folder.sync_all();
     }
     Ok(Put::There(backup))
 }
 
-/// Renames a file to the path of the expected file; returns whether the expected file was there. Any other file stays.
+/// Renames a file to the path of the expected file; returns true if the expected file was there. Any other file
+/// stays.
 fn take_place(beside: tempfile::TempPath, path: &Path, expected: Expected<'_>) -> io::Result<bool> {
     if expected.before.is_none() {
         return match beside.persist_noclobber(path) {
@@ -124,10 +126,10 @@ fn take_place(beside: tempfile::TempPath, path: &Path, expected: Expected<'_>) -
         return Ok(false);
     }
     if exchange(&beside, path).is_err() {
-        // Not every system supports that. The time between the check and the rename is as short as possible.
+        // Not every system supports this. The time between the check and the rename is as short as possible.
         return beside.persist(path).map(|()| true).map_err(|fault| fault.error);
     }
-    // No other process can change it now: the old file has the name beside it.
+    // Now no other process can change it: the old file has the temporary name.
     if expected.is(&beside)? {
         return Ok(true);
     }
@@ -164,7 +166,7 @@ pub(crate) fn backups(path: &Path) -> impl Iterator<Item = PathBuf> {
 fn back_up(path: &Path) -> io::Result<PathBuf> {
     for backup in backups(path) {
         let made = fs::hard_link(path, &backup).or_else(|error| {
-            // Disks without hard links get a copy.
+            // On disks without hard links a copy is made.
             if error.kind() == io::ErrorKind::AlreadyExists { Err(error) } else { copy_new(path, &backup) }
         });
         match made {
@@ -176,7 +178,7 @@ fn back_up(path: &Path) -> io::Result<PathBuf> {
     Err(io::ErrorKind::AlreadyExists.into())
 }
 
-/// Copies to a file that must not exist.
+/// Copies to a new file.
 fn copy_new(from: &Path, to: &Path) -> io::Result<()> {
     let mut copy = File::options().write(true).create_new(true).open(to)?;
     io::copy(&mut File::open(from)?, &mut copy)?;

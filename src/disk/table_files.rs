@@ -149,7 +149,7 @@ pub(crate) fn read(
     Ok((!findings.has_errors()).then_some(ReadTables { tables, formats, tool_mm }))
 }
 
-/// The tables of all formats together, where the control takes those of each.
+/// The tables of all formats together, if the control uses several formats.
 fn joined(
     sets: Vec<(&'static Format, Tables)>,
     names: &str,
@@ -161,7 +161,7 @@ fn joined(
         findings.add(Diagnostic::nowhere(Code::BAD_TABLES, format!("{names}: {message}"), help), &[]);
     };
     for (format, tables) in sets {
-        // Values that the control would refuse are an error. Cells that a file leaves blank are allowed.
+        // Values that the control would refuse are errors. Empty cells of a file are allowed.
         let mut whole = tables.clone();
         whole.multiplication = Multiplication::Instead;
         (format.round)(&mut whole);
@@ -227,16 +227,16 @@ fn left_out(
 
 /// The text before and after the tool in a remark.
 const TOOL: [&str; 2] = ["tool ", " mm from the gauge point"];
-/// Lines in which such a remark can be.
+/// Number of lines that may contain such a remark.
 const REMARKS: usize = 40;
 
-/// The remark that names the tool of the tables.
+/// The remark with the tool of the tables.
 pub(crate) fn tool_remark(tool_mm: &Vector) -> String {
     let [x, y, z] = rounded_mm(tool_mm);
     format!("{}{x} {y} {z}{}", TOOL[0], TOOL[1])
 }
 
-/// The tool of such a remark.
+/// The tool in such a remark.
 fn tool_of(bytes: &[u8]) -> Option<Vector> {
     let lines = bytes.split(|&byte| byte == b'\n').filter_map(|line| std::str::from_utf8(line).ok());
     lines
@@ -272,7 +272,7 @@ fn again(source: &Source, numbers: &BTreeSet<usize>, earlier: &[(Source, BTreeSe
     None
 }
 
-/// A second table for the same, where tables have no numbers.
+/// A second table for the same axes, in a format without table numbers.
 fn second(source: &Source, new: &[(Axis, Axis, Sense)], known: &[(Axis, Axis, Sense)]) -> Option<Diagnostic> {
     let (input, output, _) = new.iter().find(|one| known.contains(one))?;
     let place = Place { file: source.id(), span: Span::new(0, 1) };
@@ -305,7 +305,7 @@ fn members(path: &Path) -> Result<(Vec<Source>, Vec<Source>), Error> {
     const PROGRAMS: [&str; 3] = [".MPF", ".SPF", ".CPF"];
     let source = files::read(path, FileId(0), "compensation tables")?;
     let Some(files) = archive::members(path, source.bytes())? else { return Ok((vec![source], Vec::new())) };
-    // Only formats that name their variables can be distinguished from other data that a control saves.
+    // Only formats with named variables can be distinguished from other saved data of a control.
     let is_table =
         |file: &Source| format::guess(file.name(), file.bytes()).is_some_and(|format| !format.beside.is_empty());
     let is_program = |file: &Source| {

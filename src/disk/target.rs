@@ -1,4 +1,4 @@
-//! The target of a text: the file that a name on the command line means, by whatever name, link or folder.
+//! The target of a text: the file of a name on the command line, through links and folders.
 
 use std::fmt;
 use std::fs;
@@ -14,7 +14,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 /// Symbolic links followed to find a target, as many as Linux follows.
 const MAX_LINKS: usize = 40;
 
-/// Where a text shall go.
+/// Destination of a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Target {
     /// Standard output.
@@ -28,9 +28,9 @@ pub(crate) enum Target {
 /// A file that a run will write.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct OneFile {
-    /// Where.
+    /// Its path.
     pub(crate) path: PathBuf,
-    /// The file at the path when the run began. A later different file is newer, and is not replaced.
+    /// The file at the path when the run began. A different file is newer and is not replaced.
     pub(crate) before: Option<Fingerprint>,
 }
 
@@ -38,7 +38,7 @@ impl Target {
     /// The target of a path on the command line.
     ///
     /// # Errors
-    /// A sentence where nothing can be written there.
+    /// If it cannot be written.
     pub(crate) fn new(path: &Path) -> Result<Target, Error> {
         if is_standard_stream(path) {
             return Ok(Target::Standard);
@@ -62,12 +62,12 @@ impl Target {
         }
     }
 
-    /// True if the target is the file `other`, by whatever name or link, also if neither exists yet.
+    /// True if the target is the file `other`, with any name or link, also if neither exists yet.
     pub(crate) fn is(&self, other: &Path) -> bool {
         self.path().is_some_and(|path| is_same(path, other))
     }
 
-    /// Its name, where it has one.
+    /// Its path, if it has one.
     fn path(&self) -> Option<&Path> {
         match self {
             Target::Standard => None,
@@ -75,7 +75,7 @@ impl Target {
         }
     }
 
-    /// True if it is a file, which is written only when all its content is complete.
+    /// True if it is a file; it is written only when its content is complete.
     pub(crate) fn is_file(&self) -> bool {
         matches!(self, Target::File(_))
     }
@@ -95,11 +95,11 @@ impl fmt::Display for Target {
     }
 }
 
-/// Follows symbolic links, also one that leads to a file that does not exist yet.
+/// Follows symbolic links, including one to a file that does not exist yet.
 fn follow(path: &Path) -> Result<PathBuf, Error> {
     let mut path = path.to_path_buf();
     for _ in 0..MAX_LINKS {
-        // What leads to a pipe or a device need not say where it is: `/dev/stdout`.
+        // The path of a pipe or device need not be resolved: `/dev/stdout`.
         if fs::metadata(&path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
             return Ok(path);
         }
@@ -119,7 +119,7 @@ pub(crate) fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// True if two paths are one file, by whatever name or link, also if neither exists yet.
+/// True if two paths are one file, with any name or link, also if neither exists yet.
 pub(crate) fn is_same(one: &Path, other: &Path) -> bool {
     is_same_file(one, other) || is_same_name(one, other)
 }
@@ -143,12 +143,12 @@ fn is_same_name(one: &Path, other: &Path) -> bool {
     is_missing && name(one) == name(other) && is_same_file(folder_of(one), folder_of(other))
 }
 
-/// Adds a finding where the output would overwrite one of the files that were read.
+/// Reports an output that would overwrite one of the input files.
 pub(crate) fn protect<'f>(target: &Target, files: impl IntoIterator<Item = &'f PathBuf>, findings: &mut Diagnostics) {
     protect_with(target, files, "choose another output", findings);
 }
 
-/// The protection of the program, for a command that can overwrite it.
+/// The protection of the input program, for a command that can overwrite it.
 pub(crate) fn protect_program<'f>(
     target: &Target,
     files: impl IntoIterator<Item = &'f PathBuf>,

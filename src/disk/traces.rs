@@ -12,13 +12,13 @@ use ncfix_machine::machine::Machine;
 use ncfix_metrology::measure::trace::{self, Trace, xml};
 use ncfix_metrology::results::measurement::control_file;
 
-/// A trace with its files: table, description, and what the control recorded.
+/// A trace with its files: table, description, and recording of the control.
 pub(crate) struct Read {
     pub(crate) trace: Trace,
     pub(crate) sources: Vec<Source>,
 }
 
-/// Reads a trace; `None` if there are errors. `number` tells files apart.
+/// Reads a trace; `None` if there are errors. `number` identifies the file.
 ///
 /// # Errors
 /// If a file cannot be read.
@@ -75,7 +75,7 @@ pub(crate) fn files(tables: &[PathBuf]) -> Vec<PathBuf> {
     files
 }
 
-/// Traces of one set-up as one.
+/// Joins the traces of one set-up.
 pub(crate) fn joined(all: Vec<Read>, findings: &mut Diagnostics) -> Option<(Trace, Vec<Source>)> {
     let mut sources = Vec::new();
     let mut whole: Option<Trace> = None;

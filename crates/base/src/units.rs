@@ -33,7 +33,7 @@ pub fn urad_from_rad(rad: f64) -> f64 {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Unit {
-    /// Micrometres, for lengths.
+    /// Micrometers, for lengths.
     #[default]
     #[serde(rename = "µm")]
     Um,
@@ -79,7 +79,7 @@ impl std::fmt::Display for Unit {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum UnitKey {
-    /// Micrometres, for lengths.
+    /// Micrometers, for lengths.
     #[default]
     Um,
     /// Microradians, for angles.

@@ -23,7 +23,6 @@ pub enum Of<'a> {
     Everything,
     /// As [`Of::Everything`], minus fitted links, motion errors, drift and set-up in addition to a model: one path does not separate these, and the
     /// speed-dependent part remains.
-    /// with speed stands out.
     Speed(&'a ErrorModel),
 }
 

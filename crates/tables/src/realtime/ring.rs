@@ -193,7 +193,6 @@ impl Ring {
 
     /// Answers one set-point and returns the status bits of the answer; `None` if there is none, or no room for the answer. Does not allocate or
     /// wait.
-    /// waits for nothing.
     ///
     /// # Errors
     /// [`Overrun`]: some set-points were overwritten before they were answered, so answers would not match their set-points.
