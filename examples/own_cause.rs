@@ -46,7 +46,10 @@ pub(crate) fn main() -> Result<(), Error> {
     let data = [readings(1)?, readings(2)?.held_out()];
     let found = Diagnosis::run(&machine, &data, &DiagnosisOptions::default())?;
     for one in found.causes() {
-        println!("{} {}: {:.2} ± {:.2} {} at the highest speed", one.effect, one.parameter, one.value, one.u95, one.unit);
+        println!(
+            "{} {}: {:.2} ± {:.2} {} at the highest speed",
+            one.effect, one.parameter, one.value, one.u95, one.unit
+        );
     }
     // The size refers to the largest weight, at 18,000 1/min: 9 µm times 1.8 squared.
     let growth = found.causes().iter().find(|one| one.effect == "spindle-growth");

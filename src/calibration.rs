@@ -30,16 +30,16 @@ use ncfix_model::ErrorModel;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct CalibrationOptions {
-    /// The parameters to fit: presets such as `mayer-13` (`ncfix machine presets` lists them), and parameters such as `EC0X`, `EXX1`, `EXXb`,
-    /// `EXX2@150` or `load.EAX`.
+    /// The parameters to fit: presets such as `mayer-13` (`ncfix machine presets` lists them), and parameters such as
+    /// `EC0X`, `EXX1`, `EXXb`, `EXX2@150` or `load.EAX`.
     pub parameters: Vec<String>,
     /// True if outlying readings get a lower weight.
     pub robust: bool,
-    /// True if parameters that the data do not determine are left out, with a warning that names them.
+    /// True to leave out parameters that the data do not determine, with a warning that names them.
     pub reduce: bool,
-    /// A reading, or the effect of a parameter, beyond this is an error, mm.
+    /// Largest plausible reading or effect of a parameter, mm; larger ones are errors.
     pub max_mm: f64,
-    /// Simulated repetitions whose scatter is put beside the uncertainties.
+    /// Number of simulated repetitions, whose scatter is compared with the uncertainties.
     pub monte_carlo: Option<u64>,
     /// Seed of their noise.
     pub seed: u64,
@@ -58,7 +58,7 @@ impl Default for CalibrationOptions {
     }
 }
 
-/// The parameters that data give a machine, with their uncertainties, and what they leave of every measurement.
+/// The parameters of a machine fitted to data, with their uncertainties, and the residuals of every measurement.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -83,7 +83,8 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// Fits parameters to data, beginning with the errors that the machine has; data that are [held out](DataSet::held_out) judge the result.
+    /// Fits parameters to data, starting with the error model of the machine. [Held-out](DataSet::held_out) data only
+    /// evaluate the result.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -139,8 +140,9 @@ impl Calibration {
         }
     }
 
-    /// The complete result, with units in the names or beside the numbers: parameters and set-up unknowns with standard uncertainties, the measured
-    /// value and the residual of every measurement including those held out, ISO 230 figures, and outliers. `--json` prints this value.
+    /// The complete result, with the units in the names or next to the numbers: parameters and set-up unknowns with
+    /// standard uncertainties, the measured value and the residual of every measurement including the held-out ones,
+    /// ISO 230 figures, and outliers. `--json` prints this value.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -175,7 +177,7 @@ impl Calibration {
         &self.diagnostics
     }
 
-    /// The machine with what was found.
+    /// The machine with the fitted parameters.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -196,8 +198,8 @@ impl Calibration {
         machine
     }
 
-    /// The text of a machine file with what was found, and a head that says from which data; `text` is that of the machine file which the calibration began
-    /// with. Comments stay.
+    /// The text of a machine file with the result, and comments at its beginning that list the data. `text` is that
+    /// of the machine file with which the calibration started; its comments stay.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -243,7 +245,8 @@ impl Calibration {
     }
 }
 
-/// The new machine file: the text of the original with the parameters, and a head that says where they come from. The start is the original, or the original with the terms that were stated.
+/// The text of the new machine file: the original with the parameters, and comments at its beginning that list their
+/// source. The calibration starts from the original, or from the original with the stated terms.
 ///
 /// # Errors
 /// If they cannot be written into it.
@@ -263,7 +266,8 @@ pub(crate) fn text_of(
         .map_err(|reason| Error::usage(format!("cannot write into the text of {}: {reason}", start.name())))
 }
 
-/// The parameters of a model, and with stated terms the start that holds them, fitted to the first `used` of the measurements; `None` if there are errors.
+/// Fits the parameters of a model to the first `used` measurements; with stated terms, from the start model that
+/// contains them. `None` if there are errors.
 pub(crate) fn with_terms(
     chosen: &Machine,
     start: &Source,

@@ -12,9 +12,9 @@ use ncfix_metrology::measure::kind::Instruments;
 use ncfix_metrology::measure::trace;
 use ncfix_metrology::results::measurement::{self, Measurement, Purpose};
 
-/// A measurement as its files have it: a table of readings (`NAME.csv`) and its description (`NAME.toml`), which names the kind of measurement and what is
-/// unknown of its set-ups. What it means is found on a machine: [`Calibration::run`](crate::prelude::Calibration::run),
-/// [`Diagnosis::run`](crate::prelude::Diagnosis::run).
+/// A measurement from its files: a table of readings (`NAME.csv`) and its description (`NAME.toml`), which contains
+/// the kind of measurement and the unknowns of its set-ups. It is interpreted for a machine:
+/// [`Calibration::run`](crate::prelude::Calibration::run), [`Diagnosis::run`](crate::prelude::Diagnosis::run).
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -34,7 +34,8 @@ pub struct DataSet {
 }
 
 impl DataSet {
-    /// Reads a table with the description of the same name beside it, and where that names one the file that a control recorded.
+    /// Reads a table with the description of the same name in its folder, and the recording of the control if the
+    /// description names one.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -90,7 +91,7 @@ impl DataSet {
         Ok(DataSet { name: name.to_owned(), table, description, control: None, is_held_out: false })
     }
 
-    /// Adds a data set for validation: it is not used in the search, only to evaluate the result.
+    /// Holds a data set out: it is not used in the search, only to evaluate the result.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -105,7 +106,7 @@ impl DataSet {
         self
     }
 
-    /// Its name: that of the table without its ending.
+    /// Its name: that of the table without its extension.
     ///
     /// ```
     /// # use ncfix::prelude::*;
@@ -152,13 +153,14 @@ impl DataSet {
     }
 }
 
-/// The same text under another identity.
+/// The text with another identity.
 fn with_id(source: &Source, id: FileId) -> Source {
     // It was not too large before.
     Source::new(id, source.name(), source.bytes().to_vec()).unwrap_or_else(|_| source.clone())
 }
 
-/// The measurements of data on a machine, those that are used first, their number, and their texts; `None` where diagnostics forbid to use them.
+/// The measurements of data on a machine, used ones first, their number, and their texts; `None` if diagnostics
+/// forbid their use.
 pub(crate) fn measurements(
     data: &[DataSet],
     machine: &Machine,

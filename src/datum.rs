@@ -19,7 +19,7 @@ pub(crate) struct StatedZero {
     /// Name of the zero offset.
     name: String,
     setting: ZeroSetting,
-    /// Axis positions of the touch, machine coordinates; the axes that are stated.
+    /// Axis positions of the touch, machine coordinates, for the stated axes.
     at: Option<(AxisSet, AxisVector)>,
 }
 
@@ -83,12 +83,13 @@ pub(crate) fn with_zeros(chosen: &Machine, model: Model) -> Model {
     model.with_zeros(&touches_mm, &relative)
 }
 
-/// True if errors count from the touched place.
+/// True if errors are relative to the touched position.
 fn is_relative(datum: &Datum) -> bool {
     datum.setting.is_some_and(ZeroSetting::is_relative)
 }
 
-/// The zero offsets of these indices, and a warning for those whose method nobody states although it matters by more than `tolerance_mm`.
+/// The zero offsets of these indices, with a warning for those without a stated method if it matters by more than
+/// `tolerance_mm`.
 pub(crate) fn of_run(
     chosen: &Machine,
     model: &Model,
@@ -111,7 +112,7 @@ pub(crate) fn of_run(
     });
     let reports: Vec<ZeroReport> = reports.collect();
     let is_doubtful = |one: &&ZeroReport| !one.is_stated && one.distance_um > um_from_mm(tolerance_mm);
-    // Nobody has touched off a workpiece on the demo machine.
+    // On the demo machine no workpiece was touched off.
     for one in reports.iter().filter(is_doubtful).filter(|_| !chosen.is_demo) {
         let name = &one.name;
         let message = format!("{name} counts as the true place, which nobody states; {}", one.contents());

@@ -1,4 +1,4 @@
-//! Diagnosis: what the error model of a machine lacks, and why.
+//! Diagnosis: errors that the error model of a machine lacks, and their causes.
 
 use crate::data::{DataSet, measurements};
 use crate::diagnostics::Diagnostics;
@@ -24,12 +24,13 @@ use ncfix_metrology::results::readings::ShownReadings;
 pub struct DiagnosisOptions {
     /// The text of the machine file. The causes found are added to it. A cause that it cannot express is not reported as correctable.
     pub machine_text: Option<String>,
-    /// Hypotheses to test beside the search, such as `EXX ~ Y^2` or `backlash EXX`; `docs/reference/terms.md` has the grammar.
+    /// Hypotheses to test in addition to the search, such as `EXX ~ Y^2` or `backlash EXX`; `docs/reference/terms.md`
+    /// describes the grammar.
     pub hypotheses: Vec<String>,
 }
 
-/// The causes that the error model of a machine lacks, the largest first, each with its evidence, its gain on validation readings, and whether it can
-/// be corrected; and the residual.
+/// The causes that the error model of a machine lacks, the largest first, each with its evidence, its gain on
+/// held-out readings, and whether it can be corrected; and the residual.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -51,8 +52,9 @@ pub struct Diagnosis {
 }
 
 impl Diagnosis {
-    /// Checks the data for defects and searches for causes of the residual errors, including causes from the [registry](crate::Registry) of the machine.
-    /// Data that are [held out](DataSet::held_out) only evaluate the result.
+    /// Checks the data for faults and searches for causes of the residual errors, including causes from the
+    /// [registry](crate::Registry) of the machine. Data that are [held out](DataSet::held_out) only evaluate the
+    /// result.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -99,8 +101,9 @@ impl Diagnosis {
             .ok_or_else(|| Error::found(diagnostics))
     }
 
-    /// The accepted causes, the largest first: each with its value and expanded uncertainty (95 %), its share of the residual, its gain on validation readings,
-    /// its p-value, other explanations, and whether a corrected program removes it.
+    /// The accepted causes, the largest first: each with its value and expanded uncertainty (95 %), its share of the
+    /// residual, its gain on held-out readings, its p-value, other explanations, and whether a corrected program
+    /// removes it.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -116,7 +119,8 @@ impl Diagnosis {
         &self.found.findings
     }
 
-    /// The outcome of the stated hypotheses, in their order: amounts, evidence, gain on unseen readings, other explanations.
+    /// The results for the stated hypotheses, in their order: amounts, evidence, gain on unseen readings, other
+    /// explanations.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -136,8 +140,8 @@ impl Diagnosis {
         &self.found.hypotheses
     }
 
-    /// Everything that was found: noise, sizes before and after, causes, defects of the data, rejected candidates, the unexplained residual.
-    /// `--json` prints it.
+    /// The complete result: noise, sizes before and after, causes, faults of the data, rejected candidates, the
+    /// unexplained residual. `--json` prints it.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -167,7 +171,8 @@ impl Diagnosis {
         &self.diagnostics
     }
 
-    /// The text of the machine file with the causes that it can hold, all parameters fitted again together; comments stay.
+    /// The text of the machine file with the causes that it can hold, all parameters fitted together again; comments
+    /// stay.
     ///
     /// ```
     /// use ncfix::prelude::*;

@@ -1,4 +1,4 @@
-//! Diagnostics of a run: gathered from all crates with the file that each belongs to.
+//! Diagnostics of a run, collected from all crates with their files.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt;
@@ -7,10 +7,11 @@ use ncfix_base::diagnostic::{Code, Diagnostic, Place, Severity};
 use ncfix_base::source::{Source, Span};
 use ncfix_report::{json, terminal};
 
-/// Diagnostics kept. A program with an error in every block is clear after fewer; memory stays bounded.
+/// Maximum number of stored diagnostics. A program with an error in every block is understood with fewer, and memory
+/// stays bounded.
 const MOST_KEPT: usize = 1000;
 
-/// Diagnostics drawn.
+/// Maximum number of printed diagnostics.
 const MOST_DRAWN: usize = 50;
 
 /// Number of errors drawn for a file that is probably in another language.
@@ -27,7 +28,8 @@ const ABOUT_FILES: &[Code] = &[
     Code::OTHER_ACT,
 ];
 
-/// The identity of a finding, used to report it once although a loop meets it in every pass. Without a place the message is the identity.
+/// The identity of a diagnostic, so that one in a loop is reported only once. Without a position the message is the
+/// identity.
 type Identity = (Code, String, Option<Place>);
 
 /// Diagnostics of a run, each once, in order of occurrence; at most a thousand are kept.
@@ -50,7 +52,7 @@ pub struct Diagnostics {
     has_language_error: bool,
     /// The help for the first syntax error of a file, by file name.
     hints: HashMap<String, Hint>,
-    /// The hints that were of use: files that turned out to be in another language.
+    /// The hints that applied: files that turned out to be in another language.
     misread: BTreeMap<String, Hint>,
 }
 
@@ -61,7 +63,7 @@ impl fmt::Display for Diagnostics {
     }
 }
 
-/// A diagnostic with the place in its file.
+/// A diagnostic with its position in its file.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -137,7 +139,7 @@ impl<'a> Located<'a> {
         &self.diagnostic.help
     }
 
-    /// The name of its file; `None` where it has no place.
+    /// The name of its file; `None` if it has no position.
     ///
     /// ```
     /// # use ncfix::prelude::*;
@@ -179,7 +181,7 @@ impl<'a> Located<'a> {
         self.as_data().column
     }
 
-    /// The bytes of its file that it is about.
+    /// Its byte range in its file.
     ///
     /// ```
     /// # use ncfix::prelude::*;
@@ -209,7 +211,7 @@ impl fmt::Display for Located<'_> {
     }
 }
 
-/// The message for a file that is not in the language in which it was read.
+/// The message for a file that is not in the language in which it was parsed.
 #[derive(Clone, Debug)]
 pub(crate) struct Hint {
     /// The suggested action.
@@ -219,7 +221,7 @@ pub(crate) struct Hint {
 }
 
 impl Diagnostics {
-    /// Adds a finding whose place, if any, is in one of `sources`.
+    /// Adds a diagnostic whose position, if any, is in one of `sources`.
     pub(crate) fn add(&mut self, mut diagnostic: Diagnostic, sources: &[Source]) {
         let source = diagnostic.place.and_then(|place| sources.iter().find(|source| source.id() == place.file));
         let name = source.map_or(diagnostic.message.as_str(), Source::name);
@@ -247,7 +249,7 @@ impl Diagnostics {
         }
     }
 
-    /// Takes over what was found elsewhere.
+    /// Adds the diagnostics of another collection.
     pub(crate) fn absorb(&mut self, other: Diagnostics) {
         for (finding, source) in other.kept {
             self.add(finding, source.as_slice());
@@ -256,12 +258,12 @@ impl Diagnostics {
         self.misread.extend(other.misread);
     }
 
-    /// Says beforehand what helps where the language of a file turns out to be wrong.
+    /// Stores the help for the case that a file is in another language.
     pub(crate) fn hint(&mut self, source: &Source, hint: Hint) {
         self.hints.insert(source.name().to_owned(), hint);
     }
 
-    /// Adds findings whose places are in `sources`.
+    /// Adds diagnostics with positions in `sources`.
     pub(crate) fn extend(&mut self, diagnostics: impl IntoIterator<Item = Diagnostic>, sources: &[Source]) {
         diagnostics.into_iter().for_each(|diagnostic| self.add(diagnostic, sources));
     }
@@ -271,7 +273,7 @@ impl Diagnostics {
         self.kept.first().map(|(diagnostic, _)| diagnostic)
     }
 
-    /// The first finding of a code, with the file that it is about.
+    /// The first diagnostic with a code, and its file.
     pub(crate) fn first_of(&self, code: Code) -> Option<&(Diagnostic, Option<Source>)> {
         self.kept.iter().find(|(diagnostic, _)| diagnostic.code == code)
     }
@@ -314,7 +316,7 @@ impl Diagnostics {
         self.kept.len()
     }
 
-    /// All that are kept, errors and warnings.
+    /// All stored diagnostics, errors and warnings.
     ///
     /// ```
     /// # use ncfix::prelude::*;
@@ -336,7 +338,7 @@ impl Diagnostics {
         self.iter().filter(|one| one.severity() == Severity::Error)
     }
 
-    /// All of them as `ncfix` draws them, with the lines that they are about, without colors.
+    /// All of them as `ncfix` prints them, with their source lines, without colors.
     ///
     /// ```
     /// # use ncfix::prelude::*;
@@ -349,7 +351,7 @@ impl Diagnostics {
         self.drawing(terminal::Colors::Plain, true)
     }
 
-    /// The errors, with the line of each where it is in one of these files.
+    /// The errors, with the line of each if it is in one of these files.
     pub(crate) fn errors_in(&self, sources: &[Source]) -> impl Iterator<Item = (Code, Option<usize>)> {
         let line = |one: &Diagnostic, source: &Option<Source>| {
             let source = source.as_ref().filter(|source| sources.iter().any(|one| one.name() == source.name()))?;
@@ -359,7 +361,7 @@ impl Diagnostics {
         errors.map(move |(one, source)| (one.code, line(one, source)))
     }
 
-    /// True if the limit of errors is reached, after which the work stops.
+    /// True if the maximum number of errors is reached, after which the work stops.
     pub(crate) fn is_hopeless(&self) -> bool {
         self.errors >= MOST_KEPT
     }
@@ -374,11 +376,12 @@ impl Diagnostics {
         self.kept.iter().map(|(diagnostic, source)| json::Finding::new(diagnostic, source.as_ref())).collect()
     }
 
-    /// The drawing of the first findings: a program that was corrected for another machine, errors, warnings (or errors alone), each group in order of occurrence.
+    /// The printed first diagnostics: a program that was corrected for another machine, errors, warnings (or only
+    /// errors), each group in order of occurrence.
     pub(crate) fn drawing(&self, colors: terminal::Colors, with_warnings: bool) -> String {
         let mut shown: Vec<&(Diagnostic, Option<Source>)> = self.kept.iter().collect();
         shown.retain(|(diagnostic, _)| with_warnings || diagnostic.is_error());
-        // Another machine than that of the correction is the cause of all that follows.
+        // A machine other than that of the correction is the cause of everything that follows.
         shown.sort_by_key(|(diagnostic, _)| (diagnostic.code != Code::OTHER_STAMP, !diagnostic.is_error()));
         let mut total = self.errors + if with_warnings { self.warnings } else { 0 };
         let mut out = String::new();
@@ -414,7 +417,7 @@ impl Diagnostics {
 }
 
 impl Diagnostics {
-    /// A finding without the hint that stands above all of them.
+    /// A diagnostic without the hint that is printed above all of them.
     fn without_hint(&self, diagnostic: &Diagnostic, source: Option<&Source>) -> Option<Diagnostic> {
         let hint = self.misread.get(source?.name()).filter(|hint| hint.sentence.is_some())?;
         let help = diagnostic.help.strip_prefix(hint.help.as_str())?.strip_prefix("; else ")?.to_owned();

@@ -181,7 +181,7 @@ impl Machine {
         &self.registry
     }
 
-    /// The same machine in another condition: temperatures, loads on the table.
+    /// The machine in another condition: temperatures, loads on the table.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -202,9 +202,9 @@ impl Machine {
         self
     }
 
-    /// The errors at a pose: position error of the tip and orientation error of the tool, relative to the workpiece, along and about the directions of the
-    /// foundation.
-    /// `pose` has the axis commands, mm and rad (`"X100,C30".parse()` takes mm and degrees); `state` says how the axes moved last.
+    /// The errors at a pose: position error of the tip and orientation error of the tool, relative to the workpiece,
+    /// along and about the directions of the foundation. `pose` contains the axis commands, mm and rad
+    /// (`"X100,C30".parse()` takes mm and degrees); `state` contains the directions of the last motions.
     ///
     /// ```
     /// use ncfix::prelude::*;

@@ -1,4 +1,4 @@
-//! The flat stream of a program: as an iterator, and in its text form.
+//! The flat stream of a program, as an iterator and as a text.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -15,7 +15,7 @@ use ncfix_base::source::Span;
 use ncfix_language::exec::{Options, RapidOrder};
 use ncfix_machine::snc::{Element, TextReader, TextWriter};
 
-/// The start of a file that is a flat stream already.
+/// The first line of a flat stream.
 const HEAD: &str = "; snc 1";
 
 /// The elements of a program in their order, from [`Program::moves`](crate::Program::moves): moves, dwells, tool and auxiliary words.
@@ -154,7 +154,8 @@ impl<'a> FlatText<'a> {
         Ok(Some(FlatText { program, machine, running }))
     }
 
-    /// Writes the elements up to the first error and gathers all that is found; the files of the subprograms that were read.
+    /// Writes the elements up to the first error and collects all diagnostics; returns the files of the subprograms
+    /// that were read.
     ///
     /// # Errors
     /// Those of `out`.

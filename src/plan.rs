@@ -30,7 +30,7 @@ pub(crate) struct PlanRequest<'a> {
     pub(crate) has_program: bool,
 }
 
-/// A plan as it is written.
+/// A finished plan.
 #[derive(Clone, Debug)]
 pub(crate) struct MadePlan {
     /// The result.

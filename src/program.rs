@@ -1,4 +1,4 @@
-//! Part programs: read, checked, corrected, compared.
+//! Part programs: reading, checks, correction, comparison.
 
 use std::path::Path;
 
@@ -14,7 +14,8 @@ use ncfix_base::source::{FileId, Source};
 use ncfix_language::exec;
 use ncfix_path::emit;
 
-/// The text of a part program and how it is read. It is parsed again for every run, so that memory is bounded by the text.
+/// The text of a part program and the options for reading it. It is parsed again for every run, so that memory is
+/// bounded by the text.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -53,8 +54,8 @@ impl Program {
         Program { source, reading: ProgramReading::default(), subprograms: Subprograms::None }.parsed(dialect)
     }
 
-    /// A program from a file, or from an archive of a control (`SAVE.arc/PART.MPF`); `-` is standard input. Subprograms are read from the folders
-    /// beside it and those of the machine file when it runs.
+    /// A program from a file, or from an archive of a control (`SAVE.arc/PART.MPF`); `-` is standard input. When it
+    /// runs, subprograms are read from the folder of the program and those of the machine file.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -226,7 +227,7 @@ impl Program {
         &self.reading
     }
 
-    /// The same program with another text.
+    /// The program with another text.
     pub(crate) fn with_source(&self, source: Source) -> Program {
         Program { source, ..self.clone() }
     }

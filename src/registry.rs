@@ -1,4 +1,5 @@
-//! The registries of the library, which a program extends: error sources, causes, instruments, table formats, links, sensors.
+//! The registries of the library, which a program can extend: error sources, causes, instruments, table formats,
+//! links, sensors.
 
 use ncfix_dialect::{Detector, Detectors};
 use ncfix_dnc::feed::{LinkFile, Links, Protocol, Protocols};
@@ -10,8 +11,9 @@ use ncfix_model::preset::Preset;
 use ncfix_model::{ErrorSource, ModelRegisters, MotionKind};
 use ncfix_tables::tables::{Format, Formats, Scheme, Schemes};
 
-/// One registry for each kind of thing that can be extended. [`Registry::default`] has the built-in entries. Each `with_…` adds an entry of another
-/// crate; built-in entries use the same types. `docs/how-to/extending.md` says what an entry must provide.
+/// One registry for each kind of extension. [`Registry::default`] contains the built-in entries. Each `with_…` adds
+/// an entry of another crate; built-in entries use the same types. `docs/how-to/extending.md` describes the
+/// requirements of an entry.
 ///
 /// ```
 /// use ncfix::prelude::*;

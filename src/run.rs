@@ -1,4 +1,4 @@
-//! Programs as they run: bytes, dialect, syntax tree, execution.
+//! Execution of programs: bytes, dialect, syntax tree, execution.
 
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -115,7 +115,7 @@ impl Subprograms {
         Subprograms::Disk((!is_standard_stream(path)).then(|| path.to_path_buf()))
     }
 
-    /// Those beside the text itself, by its name: a program in an archive has the definitions of the archive.
+    /// The subprograms of the text itself, by its name: a program in an archive has the definitions of the archive.
     fn beside(&self, source: &Source) -> Subprograms {
         match self {
             Subprograms::None => Subprograms::None,

@@ -1,4 +1,4 @@
-//! Files that a control keeps beside part programs: machine data, tools, zero offsets, definitions, screens, logs.
+//! Files of a control other than part programs: machine data, tools, zero offsets, definitions, screens, logs.
 
 use std::sync::LazyLock;
 
@@ -25,7 +25,7 @@ const KINDS: [(&[&str], &str); 6] = [
 static FIRST_LINES: LazyLock<RegexSet> = LazyLock::new(|| patterns([r"^//[SM][({]", r"^\[SINUMERIK_HEADER\]"]));
 /// A block number, a G code, an address with a number or the end of a program at the start of a line, or a character that only blocks have.
 static BLOCK: LazyLock<RegexSet> = LazyLock::new(|| patterns([r#"^(?:[NGMTSFDR][0-9]|RET(?:[^A-Z0-9]|$))|[=;("$%]"#]));
-/// Two words; a word of three letters or more that goes on in lower case.
+/// Two words; a word of three letters or more that continues in lower case.
 static SENTENCE: LazyLock<RegexSet> = LazyLock::new(|| {
     patterns([
         r"[^ \t\n\r\x0c][ \t\n\r\x0c]+[^ \t\n\r\x0c]",

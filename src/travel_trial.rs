@@ -1,4 +1,5 @@
-//! A trial of a machine file: a program of lines through the whole travel goes through correction and verification, as any program of a person does.
+//! Trial of a machine file: corrects and verifies a program of lines through the whole travel, like any program of a
+//! user.
 
 use std::fmt::Write as _;
 
@@ -16,7 +17,8 @@ use ncfix_path::path::volume;
 
 /// Share of the travel of an axis that the lines use: corrected ends stay within its limits.
 const USED: f64 = 0.99;
-/// No error of a file that was found by readings is refused for its size alone, mm: the largest of them is a millimeter.
+/// Largest correction in a trial, mm. Errors found by readings are not refused for their size alone; the largest of
+/// them is a millimeter.
 const MAX_CORRECTION_MM: f64 = 2.0;
 /// Feed of the lines, mm/min.
 const FEED_MM_MIN: u32 = 1000;
@@ -39,8 +41,8 @@ pub(crate) fn try_travel(machine: &Machine) -> Result<Option<TravelSizes>, Error
     }))
 }
 
-/// Tries the text of an extended machine file, and notes the errors along the travel in the result of the diagnosis. A file with which the lines are refused is not to be written: a diagnostic
-/// says why.
+/// Tries the text of an extended machine file, and notes the errors along the travel in the result of the diagnosis.
+/// If the lines are refused, the file must not be written; a diagnostic states the reason.
 pub(crate) fn tried(
     made: Extended,
     old: Option<&Source>,
@@ -48,7 +50,7 @@ pub(crate) fn tried(
     found: &mut Vec<Diagnostic>,
 ) -> Option<String> {
     let text = made.text(found)?;
-    // A file that only completes others is no machine by itself.
+    // A file that only completes others is not a machine by itself.
     let Ok(machine) = Machine::from_text("extended machine file", &text) else { return Some(text) };
     match try_travel(&machine) {
         Ok(sizes) => {
@@ -57,7 +59,7 @@ pub(crate) fn tried(
             }
             Some(text)
         }
-        // Such lines are no program for this machine, with its old file either.
+        // Such lines are not possible on this machine, even with its old file.
         Err(_) if !old.is_some_and(|old| is_possible(&String::from_utf8_lossy(old.bytes()))) => Some(text),
         Err(error) => {
             let reason = error.to_string();

@@ -1,4 +1,4 @@
-//! The way from a program to its corrected text: executed, corrected, written, judged.
+//! Correction of a program: execution, correction, output, evaluation.
 
 mod feed_limit;
 mod pieces;
@@ -41,7 +41,8 @@ pub(crate) use pipeline::MOST_THREADS;
 use pipeline::{Pipeline, threads_for};
 pub(crate) use writing::Writing;
 
-/// A program that will be corrected for a machine. Nothing is executed before its text, its pieces or its report are asked for.
+/// A program that will be corrected for a machine. It is executed only when its text, its pieces or its report are
+/// requested.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -70,7 +71,7 @@ impl<'a> Correction<'a> {
         if let Some(increment_mm) = options.increment_mm {
             machine.machine.control.increment_mm = increment_mm;
         }
-        // A dialect that does not exist is an error where the program is opened.
+        // A nonexistent dialect is reported when the program is opened.
         if let Ok((dialect, _)) = run::resolve(program.reading().dialect.as_deref(), Some(&machine), program.source()) {
             run::keep_unit(program.source(), dialect, false, &mut machine.machine);
         }
@@ -78,8 +79,8 @@ impl<'a> Correction<'a> {
         Correction { program, machine, model, options: options.clone() }
     }
 
-    /// Executes, corrects and writes the program. It streams: memory is bounded by the text of the program, and what was written before an
-    /// error was met stays written.
+    /// Executes, corrects and writes the program. It streams: memory is bounded by the text of the program, and text
+    /// that was written before an error stays written.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -123,7 +124,7 @@ impl<'a> Correction<'a> {
             let written = prepared.write(out, None, found, report, nothing)?;
             return written.map(drop).map_err(|error| Error::sink(&error));
         }
-        // Whether the control can follow the wear is known when all is written.
+        // It is known only after the output whether the control can follow the wear.
         let mut text = Vec::new();
         let has_wear = prepared.write(&mut text, None, found, report, nothing)?.is_ok_and(|written| written.has_wear);
         if has_wear && !found.has_errors() {
@@ -135,7 +136,7 @@ impl<'a> Correction<'a> {
         Ok(())
     }
 
-    /// The corrected text as a whole.
+    /// The complete corrected text.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -174,7 +175,7 @@ impl<'a> Correction<'a> {
         self.write_to(&mut io::sink())
     }
 
-    /// The corrected pieces of moves, one after the other, and between them the elements without motion.
+    /// The corrected pieces of moves in sequence, and between them the elements without motion.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -203,7 +204,7 @@ impl<'a> Correction<'a> {
         }
     }
 
-    /// Parses the program and looks whether it can be corrected like that; `None` if there are errors.
+    /// Parses the program and checks whether it can be corrected with these options; `None` if there are errors.
     ///
     /// # Errors
     /// If an option is wrong.
@@ -218,7 +219,7 @@ impl<'a> Correction<'a> {
         }
         let bytes = self.program.source().bytes();
         let threads = self.options.threads.unwrap_or_else(|| threads_for(bytes.len()));
-        // What the stamp says of the program is worked out beside its parsing.
+        // The entries of the stamp about the program are determined in parallel with its parsing.
         let (opened, hash) = std::thread::scope(|scope| {
             let hashing = (threads > 1).then(|| scope.spawn(|| short_hash([bytes])));
             let opened = self.program.open(Some(&self.machine), found);
@@ -229,7 +230,7 @@ impl<'a> Correction<'a> {
         Ok(opened.map(|opened| Prepared { correction: self, opened, hash, threads }))
     }
 
-    /// A text that was written, to be read again.
+    /// A written text, for reading it again.
     ///
     /// # Errors
     /// If it is too long.
@@ -238,7 +239,7 @@ impl<'a> Correction<'a> {
         Source::new(original.id(), name, text).map_err(|_| Error::usage(too_long))
     }
 
-    /// Executes a text that was written as the control would with the largest wear to either side.
+    /// Executes a written text as the control would with the largest wear to either side.
     ///
     /// # Errors
     /// If it cannot be opened.
@@ -248,7 +249,7 @@ impl<'a> Correction<'a> {
     }
 }
 
-/// A corrected text that was written.
+/// A written corrected text.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WrittenText {
     /// True if the control compensates radii by wear.
@@ -266,7 +267,7 @@ pub(crate) struct Prepared<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    /// The program as it begins to run, with how it is written.
+    /// The program at its start, with the options of the output.
     ///
     /// # Errors
     /// If it cannot be written like that.
@@ -311,8 +312,8 @@ impl<'a> Prepared<'a> {
         Ok(written.elements)
     }
 
-    /// Executes, corrects and writes. After the first error nothing more is written, but all findings are collected. `guard` reports other reasons
-    /// against the output when the list of read files is complete.
+    /// Executes, corrects and writes. After the first error the output stops, but all diagnostics are collected.
+    /// `guard` reports other reasons against the output when the list of read files is complete.
     ///
     /// # Errors
     /// If the program cannot be written like that; inside, where the text is refused.

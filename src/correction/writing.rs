@@ -18,7 +18,7 @@ pub(crate) struct Writing {
 }
 
 impl Writing {
-    /// For a program in a dialect, its bytes and their hash, with the position before its first block.
+    /// Options for a program in a dialect, from its bytes and their hash, with the position before its first block.
     ///
     /// # Errors
     /// If it cannot be written like that.
@@ -72,7 +72,7 @@ impl Writing {
         Ok(Writing { options, dialect, entry, writer })
     }
 
-    /// The stamp says that the control has the wear of tools.
+    /// Notes in the stamp that the control has the wear of tools.
     pub(crate) fn keep_wear(&mut self) {
         self.writer.stamp.promise.keeps_wear = true;
     }

@@ -12,7 +12,7 @@ use crate::error::Error;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_dnc::feed::{HeadKey, JournalContents, JournalEnd, Store, read_journal};
 
-/// A file that another thread writes through.
+/// A file that another thread writes.
 pub(super) struct Book {
     file: File,
     ask: SyncSender<()>,
@@ -63,7 +63,7 @@ pub(crate) fn is_held(path: &Path) -> bool {
     file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
 }
 
-/// Says in an old journal that its job went on in another one: there is nothing to take up again by it.
+/// Notes in an old journal that its job was resumed in another one, so that it cannot be resumed from the old one.
 fn supersede(mut file: &File, bytes: &[u8], path: &Path) -> io::Result<()> {
     let is_done = String::from_utf8_lossy(bytes).lines().last().is_some_and(|line| line.ends_with(" E done"));
     if is_done {
@@ -84,7 +84,7 @@ fn is_there(file: &File, path: &Path) -> bool {
     file.metadata().ok().map(of) == std::fs::metadata(path).ok().map(of)
 }
 
-/// The same where an open file keeps its name.
+/// The check on systems where an open file keeps its name.
 #[cfg(not(unix))]
 fn is_there(_file: &File, path: &Path) -> bool {
     path.exists()
@@ -123,7 +123,7 @@ fn gives_way(told: &JournalContents) -> bool {
         || told.frozen == 0 && told.head.iter().all(|(key, _)| *key != HeadKey::Resumed)
 }
 
-/// A name beside a journal that no file has.
+/// A free name for an old journal.
 fn kept(path: &Path) -> PathBuf {
     let name = |number: Option<u32>| {
         let mut name = path.as_os_str().to_owned();
@@ -135,8 +135,9 @@ fn kept(path: &Path) -> PathBuf {
 }
 
 impl Book {
-    /// Begins a journal, in place of that of a job that is done or, with the bytes of its journal, taken up again, which is kept as `….old`, `….old1` ….
-    /// The lock is held from here on: this comes before all operations that may wait.
+    /// Begins a journal. It replaces that of a finished job or, with the bytes of its journal, of a resumed one,
+    /// which is kept as `….old`, `….old1` …. The lock is held from here on: this happens before all operations that
+    /// may wait.
     ///
     /// # Errors
     /// If it cannot be written, is that of a job that is running, or has changed.
@@ -162,7 +163,7 @@ impl Book {
         Ok(Book { file, ask, fault: shared })
     }
 
-    /// Writes through and waits for it.
+    /// Writes everything and waits for it.
     pub(super) fn close(&mut self) -> io::Result<()> {
         self.file.sync_data()
     }
@@ -184,7 +185,7 @@ impl Store for Book {
             return Err(error);
         }
         match self.ask.try_send(()) {
-            // One that waits is enough.
+            // One waiting request is sufficient.
             Ok(()) | Err(TrySendError::Full(())) => Ok(()),
             Err(TrySendError::Disconnected(())) => {
                 Err(io::Error::other("the journal can no longer be written to the disk"))

@@ -1,4 +1,4 @@
-//! Sends: the loop over port, sender, sensors and the keyboard, with one clock.
+//! The send loop over port, sender, sensors and keyboard, with one clock.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -23,7 +23,7 @@ use ncfix_report::feed::{Before, FeedEvent, FeedOutcome, Status};
 
 /// Interval between two checks of the clock, the keyboard and the sensors while nothing arrives.
 const IDLE: Duration = Duration::from_millis(5);
-/// The same where bytes wait for the port, or lines for the execution.
+/// Interval between two checks while bytes wait for the port, or lines for the execution.
 const BUSY: Duration = Duration::from_micros(200);
 /// Sensors without a value for this time before the start are missing.
 const FIRST_READING: Duration = Duration::from_secs(180);
@@ -48,11 +48,11 @@ impl From<Error> for NotBegun {
 /// The link of a transfer.
 pub(crate) struct Lane<'a> {
     pub(crate) port: Box<dyn Port>,
-    /// Characters a second that it takes.
+    /// Characters per second of the link.
     pub(crate) characters_per_s: f64,
-    /// The sensors that are read meanwhile.
+    /// The sensors that are read at the same time.
     pub(crate) panel: Option<Panel>,
-    /// Where the journal is written.
+    /// Path of the journal.
     pub(crate) journal: &'a Path,
 }
 
@@ -108,12 +108,12 @@ pub(crate) fn run(
 /// The place where a transfer begins.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Begin {
-    /// The names of the program and of the port, as they were given.
+    /// The names of the program and of the port, as given.
     pub(crate) input: String,
     pub(crate) port: String,
     /// Elements of the program up to this one are skipped.
     pub(crate) skip: u64,
-    /// The lines that are sent before.
+    /// The lines that are sent first.
     pub(crate) lines: Vec<String>,
     /// The words of the command line that began the job.
     pub(crate) words: Vec<String>,
@@ -141,7 +141,7 @@ fn head(job: &Transfer, before: &Before, begin: &Begin) -> Vec<(HeadKey, String)
     head
 }
 
-/// Waits until every sensor has given a value.
+/// Waits until every sensor has a value.
 fn wait_for_sensors(thermal: &Thermal, view: &mut dyn FeedView, started: Instant) -> Result<(), NotBegun> {
     loop {
         let (standing, _) = thermal.standing();
@@ -175,7 +175,7 @@ struct Drive<'a> {
     port: Box<dyn Port>,
     view: &'a mut dyn FeedView,
     before: &'a Before,
-    /// Characters a second that the link takes.
+    /// Characters per second of the link.
     speed: f64,
     /// Largest number of blocks that the control has received and not executed, from the profile.
     bound: Option<u64>,

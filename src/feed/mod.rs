@@ -1,8 +1,9 @@
-//! Transfers: a corrected program is sent to a control line by line, corrected for the current temperatures.
+//! Transfers: a corrected program is sent to a control line by line, with a correction for the current temperatures.
 //!
-//! The program is run twice. The first time ([`survey`]) nothing is sent: all findings come up, every line is held against the link, and the forecast is
-//! made. The second time a thread of its own executes and corrects ([`source`]), another one looks at the temperatures ([`thermal`]), and the one that called
-//! adds the second step, sends and listens ([`drive`]).
+//! The program is executed twice. The first time ([`survey`]) nothing is sent: all diagnostics are reported, every
+//! line is checked against the link, and the forecast is made. The second time one thread executes and corrects
+//! ([`source`]), another one reads the temperatures ([`thermal`]), and the calling thread adds the second step, sends
+//! and listens ([`drive`]).
 
 mod book;
 mod drive;
@@ -35,7 +36,7 @@ pub use link::ControlLink;
 pub use options::FeedOptions;
 pub(crate) use resume::{Broken, began_with, check_same, plan, read as read_broken};
 
-/// Why a transfer has ended.
+/// The reason why a transfer has ended.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -54,15 +55,15 @@ pub(crate) use resume::{Broken, began_with, check_same, plan, read as read_broke
 pub enum FeedEnd {
     /// All lines were carried out, or at least answered.
     Done,
-    /// A line could not be made.
+    /// A line could not be generated.
     Fault,
-    /// The link is gone.
+    /// The link is lost.
     Link,
     /// The control has refused a line, or no longer answers.
     Control,
-    /// The sensors stay bad.
+    /// The sensors remain faulty.
     Sensors,
-    /// A person has stopped it.
+    /// The user has stopped it.
     Stopped,
 }
 
@@ -79,9 +80,9 @@ pub enum FeedEnd {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Sent {
-    /// Counts, and what people should read.
+    /// Counts, and the text for the user.
     pub status: Status,
-    /// Why it has ended.
+    /// The reason why it has ended.
     pub end: FeedEnd,
 }
 
@@ -113,7 +114,7 @@ pub trait FeedView {
         false
     }
 
-    /// Where it stands.
+    /// Receives the current status.
     fn status(&mut self, _status: &Status, _now: Duration) {}
 
     /// Called while the transfer waits before the first line.
@@ -122,13 +123,13 @@ pub trait FeedView {
     /// Called for each event on the link.
     fn event(&mut self, _event: &Event, _now: Duration) {}
 
-    /// Time has passed.
+    /// Called as time passes.
     fn tick(&mut self, _now: Duration) {}
 
     /// Sensors are in doubt, and the correction is frozen.
     fn frozen(&mut self, _why: &str, _now: Duration) {}
 
-    /// They are good again.
+    /// The sensors are valid again.
     fn thawed(&mut self, _now: Duration) {}
 
     /// Called for an event that the user should see at once, with the link line that it is about.
@@ -141,7 +142,7 @@ pub trait FeedView {
     }
 }
 
-/// Nobody.
+/// An observer that does nothing.
 struct Nobody;
 
 impl FeedView for Nobody {}

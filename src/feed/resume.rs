@@ -24,7 +24,7 @@ use ncfix_report::feed::{Before, Plan};
 const SHOWN: usize = 3;
 const MOST_SHOWN: usize = 40;
 
-/// A job that was broken off.
+/// An interrupted job.
 pub(crate) struct Broken {
     /// Its journal.
     pub(crate) source: Source,
@@ -32,7 +32,7 @@ pub(crate) struct Broken {
     pub(crate) told: JournalContents,
 }
 
-/// Reads the journal of a job that was broken off.
+/// Reads the journal of an interrupted job.
 ///
 /// # Errors
 /// If it cannot be read, or there is nothing to take up again.
@@ -84,7 +84,7 @@ fn head(told: &JournalContents, key: HeadKey) -> &str {
     told.head.iter().find(|(known, _)| *known == key).map_or("", |(_, value)| value)
 }
 
-/// Refuses what is not as it was.
+/// Refuses a job with changed settings or files.
 pub(crate) fn check_same(told: &JournalContents, job: &Transfer, before: &Before, findings: &mut Diagnostics) {
     let state = job.machine.state.clone().unwrap_or_default();
     let first = |key: HeadKey| head(told, key).split(' ').next().unwrap_or_default().to_owned();
@@ -206,7 +206,7 @@ pub(crate) fn plan(
     let holds = holds(told, job);
     let sure = ends.sure(told, holds.as_ref().map(|(most, _)| *most));
     let at = |number: u64| told.lines.iter().find(|line: &&Frozen| line.number == number);
-    // Without a record of it nothing but the beginning is sure.
+    // Without a record, only the beginning is certain.
     let until = at(sure + 1).or(at(sure)).map_or(0, |line| line.element);
     let sent = at(told.frozen).map_or(0, |line| line.element);
     let grammar = Grammar::new(job.dialect, job.machine.machine.control.tool_change == ToolChange::T);

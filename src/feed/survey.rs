@@ -1,4 +1,4 @@
-//! The first run of a program that is fed: all findings, every line held against the link, the forecast.
+//! The first run of a program that is fed: all diagnostics, a check of every line against the link, the forecast.
 
 use crate::correction::corrected_before;
 use crate::coverage;
@@ -17,13 +17,13 @@ use ncfix_report::feed::{Before, FeedEvent, Late, rate};
 
 use super::job::Transfer;
 
-/// The largest number of lines shown that the link cannot take.
+/// Maximum number of reported lines that the link cannot take.
 const MOST_SHOWN: usize = 20;
-/// The control may stand still for so much of the motion before that is an error.
+/// Largest permitted share of the motion during which the control is starved.
 const MOST_STARVED: f64 = 0.01;
-/// Stretches in which it does so for less are not shown, s.
+/// Starved intervals shorter than this are not reported, s.
 const UNNOTICED_S: f64 = 0.05;
-/// And for so long, s.
+/// Starvation up to this total time, s, is always permitted.
 const LEAST_STARVED_S: f64 = 0.5;
 
 /// Runs the program without sending anything; `None` if there are errors.
@@ -41,7 +41,7 @@ pub(crate) fn run(
         characters_per_s: port::characters_per_s(port, profile),
         answer_s: profile.answer_s,
         lines: profile.window.lines + profile.window.planned,
-        // Lines that were answered take no bytes of the window.
+        // Answered lines use no bytes of the window.
         bytes: if profile.window.planned > 0 { usize::MAX } else { profile.window.bytes },
     };
     let mut forecaster = Forecaster::new(link);

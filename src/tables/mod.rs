@@ -36,19 +36,19 @@ pub struct TableOptions {
     /// The scheme that fills the tables: `fik`, `grid`, `own` or another, or `auto` for the fewest tables that reach the tolerance (`ncfix tables
     /// --list`).
     pub scheme: String,
-    /// Points of a table.
+    /// Number of points of a table.
     pub points: usize,
-    /// The permitted residual, mm: root mean square over the travel.
+    /// Largest permitted residual, mm: RMS over the travel.
     pub tolerance_mm: f64,
-    /// The tool for which they are made and checked; without it the longest of the machine file.
+    /// The tool for which they are made and checked; by default the longest one of the machine file.
     pub tool: Option<ToolVector>,
-    /// Poses at which they are checked.
+    /// Number of poses at which they are checked.
     pub poses: usize,
     /// How the rotary axes treat the tool orientation; `None` for the default of each scheme.
     pub orientation: Option<Orientation>,
-    /// Ranges of axes that the tables cover in place of their travel, mm or deg.
+    /// Ranges of axes that the tables cover instead of their travel, mm or deg.
     pub ranges_mm_deg: Vec<(Axis, [f64; 2])>,
-    /// The axis names of the control, where the machine file does not give them.
+    /// The axis names of the control, if the machine file does not state them.
     pub axis_names: Vec<(Axis, String)>,
     /// The value of a table that is multiplied by another one; `None` for the setting of the machine file.
     pub multiplication: Option<Multiplication>,
@@ -70,7 +70,7 @@ impl Default for TableOptions {
     }
 }
 
-/// The residual of a set of tables over the travel of a machine, root mean square.
+/// The residual of a set of tables over the travel of a machine, RMS.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -85,13 +85,13 @@ impl Default for TableOptions {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct TableCheck {
-    /// Poses.
+    /// Number of poses.
     pub poses: usize,
-    /// Root mean square error of the tool tip without tables, µm.
+    /// RMS error of the tool tip without tables, µm.
     pub before_um: f64,
-    /// Root mean square error of the tool tip with them, µm.
+    /// RMS error of the tool tip with them, µm.
     pub tables_um: f64,
-    /// Root mean square error of the tool tip with the exact correction of the kinematics, µm.
+    /// RMS error of the tool tip with the exact correction of the kinematics, µm.
     pub exact_um: f64,
 }
 
@@ -136,7 +136,7 @@ impl Tables {
         made.ok_or_else(|| Error::found(found))
     }
 
-    /// Makes tables and notes in the result what was made, tried and checked; `None` if there are errors.
+    /// Makes tables and notes in the result which ones were made, tried and checked; `None` if there are errors.
     ///
     /// # Errors
     /// If there is no such scheme, or the machine has no such part of its volume.
@@ -247,7 +247,7 @@ impl Tables {
         written.into_iter().map(|one| (format!("{name}{}", one.suffix), one.text)).collect()
     }
 
-    /// The files as they are written to `output`: its name, which formats with several files extend.
+    /// The files for `output`: its name, which formats with several files extend.
     ///
     /// # Errors
     /// If several files would go to standard output.
