@@ -3,7 +3,7 @@
 //! [`identify()`] determines the identifiability for data or a plan. [`fit()`] determines the parameters and the unknowns of all set-ups by
 //! Gauss–Newton iterations on the full kinematics, with robust weights. It refuses data that do not separate the parameters: [`FitError::NotIdentified`] names
 //! them in [`words`], and [`reduce()`] leaves them out. Set-up unknowns without effect are held. Results have uncertainties, which [`monte_carlo()`]
-//! checks, and [`quality()`] compares a model with data, including holdout data. [`select()`] selects the parameters that the data need. [`sensors`]
+//! checks, and [`quality()`] compares a model with data, including held-out data. [`select()`] selects the parameters that the data need. [`sensors`]
 //! selects temperature sensors for a drift.
 
 #[cfg(test)]

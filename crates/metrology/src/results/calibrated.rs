@@ -60,7 +60,7 @@ pub struct EstimateReport {
     pub unit: String,
     /// Its value in the initial machine file; 0 for set-ups.
     pub start: f64,
-    /// Tip motion due to it, root mean square over the readings; `null` for set-ups.
+    /// Tip motion due to it, RMS over the readings; `null` for set-ups.
     pub effect_um: Option<f64>,
     /// Variance inflation factor due to the other unknowns.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
@@ -81,11 +81,11 @@ pub struct Data {
     pub readings: usize,
     /// The unit of all sizes.
     pub unit: Unit,
-    /// Root mean square of the measured values, i.e. the residuals of an error-free machine.
+    /// RMS of the measured values, i.e. the residuals of an error-free machine.
     pub measured_rms: f64,
     /// The largest measured value.
     pub measured_max: f64,
-    /// Root mean square residual of the model.
+    /// RMS residual of the model.
     pub left_rms: f64,
     /// The largest residual.
     pub left_max: f64,
@@ -121,7 +121,7 @@ pub struct OutlierRow {
 }
 
 impl CalibrationResult {
-    /// The efficiency of all measurements in a unit together, held out or used; `None` if there are none.
+    /// The efficiency of all measurements in a unit together, held out or used; `None` without such measurements.
     #[must_use]
     pub fn efficiency(&self, is_held_out: bool, unit: Unit) -> Option<f64> {
         let own = self.data.iter().filter(|one| one.is_held_out == is_held_out && one.unit == unit);

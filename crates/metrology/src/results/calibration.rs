@@ -247,7 +247,7 @@ impl PreparedFit<'_> {
 /// Beginning of a header line of an earlier calibration.
 const HEAD: &str = "# calibrated:";
 
-/// The residual of the held-out readings of lengths, root mean square, µm; `None` without such readings.
+/// The RMS residual of the held-out readings of lengths, µm; `None` without such readings.
 #[must_use]
 pub fn holdout_um(result: &CalibrationResult) -> Option<f64> {
     let own = result.data.iter().filter(|one| one.is_held_out && one.unit == Unit::Um && one.readings > 0);
@@ -255,7 +255,7 @@ pub fn holdout_um(result: &CalibrationResult) -> Option<f64> {
         let readings = one.readings as f64;
         [squares + readings * one.left_rms * one.left_rms, count + readings]
     });
-    // Nanometres suffice in a file that people read.
+    // Nanometers suffice in a file that people read.
     (count > 0.0).then(|| ((squares / count).sqrt() * 1e3).round() / 1e3)
 }
 

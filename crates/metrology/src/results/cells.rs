@@ -116,7 +116,7 @@ impl<'a> Cells<'a> {
     }
 }
 
-/// The place of a value of a row in its table; the row itself if there is none.
+/// The position of a value of a row in its table; the row itself if the table has no cell for it.
 pub(super) fn cell(measurement: &Measurement, row: Place, index: usize) -> (Place, String) {
     let (table, _) = Table::read(&measurement.sources[0]);
     let columns = measurement.data.kind.columns;

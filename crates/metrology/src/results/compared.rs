@@ -16,11 +16,11 @@ pub struct MeasurementPart {
     pub readings: usize,
     /// The unit of all sizes.
     pub unit: Unit,
-    /// Root mean square of the measured values, i.e. the residuals of an error-free machine.
+    /// RMS of the measured values, i.e. the residuals of an error-free machine.
     pub measured_rms: f64,
     /// The largest measured value.
     pub measured_max: f64,
-    /// Root mean square residual of the model.
+    /// RMS residual of the model.
     pub left_rms: f64,
     /// The largest residual.
     pub left_max: f64,
@@ -57,7 +57,7 @@ pub struct ReadingPoint {
     pub measured: f64,
     /// Residual of the model.
     pub left: f64,
-    /// Its weight, 0 to 1; 1 for holdout readings.
+    /// Its weight, 0 to 1; 1 for held-out readings.
     pub weight: f64,
 }
 

@@ -10,7 +10,6 @@ use ncfix_model::{Effect, ErrorModel};
 
 /// Reports missing sensors and loads: an error if a fitted parameter needs them and no table has them, otherwise a note that an effect is in its
 /// reference state.
-/// an effect counts as in the reference state.
 pub(super) fn check(
     (errors, base): (&ErrorModel, &Condition),
     all: &[Measurement],

@@ -1,7 +1,7 @@
-//! Data defects, the first step of a diagnosis: reports them, rejects files whose content is not what was measured, and removes defective data.
+//! Faults of the data, the first step of a diagnosis: reports them, rejects files that do not describe their measurement, and excludes faulty data.
 //!
-//! In holdout data rows stay whatever is found: they are the independent test, and must not be selected. The readings of a defective sensor are
-//! dropped, though, rows without temperatures are left out, and a file in another unit or with other axes is rejected too, as it tests nothing.
+//! Rows of held-out data always stay: they are the independent test and must not be selected. However, the readings of a faulty sensor are dropped,
+//! rows without temperatures are left out, and a file in another unit or with other axes is rejected, because it tests nothing.
 
 use serde::Serialize;
 
@@ -15,7 +15,7 @@ use ncfix_base::source::Source;
 use ncfix_machine::machine::Machine;
 use ncfix_model::ErrorModel;
 
-/// A data defect.
+/// A fault of the data.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DataFault {
@@ -24,7 +24,7 @@ pub struct DataFault {
     pub kind: DefectKind,
     /// The measurement, sensor or column.
     pub name: String,
-    /// The defect.
+    /// Its description.
     pub what: String,
     /// Rows from 1: the first and the last, or each row of outliers.
     pub rows: Vec<usize>,
@@ -39,8 +39,8 @@ pub struct DataFault {
     pub is_range: bool,
 }
 
-/// Searches measurements for defects, of which the first `used` are used and the others held out, and removes defective sensors. Rows of the former
-/// are excluded from a scene with [`crate::diagnose::fault::exclude`] by the returned list.
+/// Searches measurements for faults, of which the first `used` are used and the others held out, and removes faulty sensors. The returned faults
+/// serve to exclude rows of the used ones from a scene with [`crate::diagnose::fault::exclude`].
 pub(super) fn look(
     of: (&Machine, &ErrorModel, &Checks),
     all: &mut [Measurement],
@@ -52,7 +52,7 @@ pub(super) fn look(
     let used = own.len();
     let mut faults = look_in(of, (own, false), findings, report);
     let of_held_out = look_in(of, (held_out, true), findings, report);
-    // Rows without temperatures test no cause that needs them. Their readings had no part in finding them, so nothing is selected.
+    // Rows without temperatures test no cause that needs them. Their readings were not used to find these rows, so this is not a selection.
     let missing = of_held_out.into_iter().filter(|fault| matches!(fault.then, Then::WithoutTemperatures(_)));
     faults.extend(missing.map(|fault| DataDefect { set: used + fault.set, ..fault }));
     faults
@@ -65,9 +65,9 @@ fn look_in(
     report: &mut Vec<DataFault>,
 ) -> Vec<DataDefect> {
     let mut sets = data_of(measurements);
-    // If readings do not even determine the set-ups, a later step reports it.
+    // If the readings do not even determine the set-ups, a later step reports it.
     let mut faults = Scene::new(machine, errors, &sets).map_or_else(|_| Vec::new(), |scene| find_with(checks, &scene));
-    // Holdout rows stay: only the sensor is dropped.
+    // Held-out rows stay; only the sensor is dropped.
     for fault in faults
         .iter_mut()
         .filter(|fault| is_held_out && fault.kind == DefectKind::Sensor && fault.then == Then::WithoutRows)
@@ -85,7 +85,7 @@ fn look_in(
     faults
 }
 
-/// `true` if the measurement is unusable. An outdated model resembles an active table: in holdout data both are left to the reader.
+/// `true` if the measurement is unusable. An outdated model resembles an active table, so in held-out data both are left to the user.
 fn is_refused(fault: &DataDefect, is_held_out: bool) -> bool {
     fault.then == Then::Refuse
         && !(is_held_out && [DefectKind::Compensated, DefectKind::Topology].contains(&fault.kind))
@@ -112,7 +112,7 @@ fn excluded(fault: &DataDefect, is_held_out: bool) -> String {
     }
 }
 
-/// Outliers are single readings, all other defects affect ranges of rows.
+/// Outliers are single readings; all other faults affect ranges of rows.
 fn is_range(fault: &DataDefect) -> bool {
     fault.kind != DefectKind::Outlier
 }
@@ -139,7 +139,7 @@ fn reported(fault: &DataDefect, set: &DataSet, is_held_out: bool) -> DataFault {
     }
 }
 
-/// The first row, in the defective column if there is one.
+/// The first row, in the faulty column if there is one.
 fn place(fault: &DataDefect, source: &Source) -> Option<Place> {
     let table = Table::read(source).0?;
     let first = match &fault.then {

@@ -58,7 +58,7 @@ pub struct Delay {
     pub uncertainty_95_ms: f64,
     /// Delay of every run alone.
     pub by_run_ms: Vec<f64>,
-    /// Half widths of their 95 % intervals; `null` if a run says nothing.
+    /// Half widths of their 95 % intervals; `null` if a run does not determine it.
     pub by_run_95_ms: Vec<Option<f64>>,
 }
 
@@ -82,9 +82,9 @@ pub struct Loop {
     pub shift_ms: Vec<Option<f64>>,
     /// Half width of the 95 % interval of the velocity gain; `null` without a visible lag.
     pub velocity_gain_95_per_s: Option<f64>,
-    /// Half width of the 95 % interval of the feed-forward; `null` if the data say nothing.
+    /// Half width of the 95 % interval of the feed-forward; `null` if it is not determined.
     pub feed_forward_95: Option<f64>,
-    /// Half width of the 95 % interval of the lag; `null` if the data say nothing.
+    /// Half width of the 95 % interval of the lag; `null` if it is not determined.
     pub lag_95_ms: Option<f64>,
     /// Half width of the 95 % interval of the RMS residual.
     pub rms_95: f64,
@@ -108,7 +108,7 @@ pub struct LinkReport {
     pub is_told: bool,
     /// True if its 95 % interval is narrower than its usual size.
     pub is_determined: bool,
-    /// Half width of its 95 % interval, with all that a smooth motion error may take from it.
+    /// Half width of its 95 % interval, including the part that a smooth motion error may explain.
     pub uncertainty_95: f64,
     /// Its 95 % interval.
     pub interval_95: [f64; 2],

@@ -1,4 +1,4 @@
-//! A complete diagnosis: data defects, the search for causes, their presentation, and the extended machine file.
+//! A complete diagnosis: faults of the data, the search for causes, their presentation, and the extended machine file.
 
 use std::panic::resume_unwind;
 
@@ -56,18 +56,18 @@ pub struct DiagnosisResult {
     pub data_faults: Vec<DataFault>,
     /// Residuals after all findings.
     pub after: ReadingSizes,
-    /// Relative reduction of the root mean square.
+    /// Relative reduction of the RMS.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub gain: f64,
-    /// Relative reduction on the holdout data.
+    /// Relative reduction on the held-out data.
     pub holdout_gain: Option<f64>,
     /// Its 95 % interval.
     pub holdout_gain_95: Option<[f64; 2]>,
-    /// True if the model fits the data (holdout data, if any) worse than no model.
+    /// True if the model fits the data (held-out data, if any) worse than no model.
     pub expired: bool,
     /// Residual beyond the noise.
     pub unexplained: Unexplained,
-    /// Causes in the data that the holdout data did not confirm.
+    /// Causes in the data that the held-out data did not confirm.
     pub not_confirmed: Vec<String>,
     /// Candidates that failed an acceptance test.
     pub rejected: Vec<RejectedReport>,
@@ -102,19 +102,19 @@ impl DiagnosisResult {
     }
 }
 
-/// Residuals of the model and of the extended machine file, which holds the causes that a file can hold; over the same readings.
+/// Residuals of the model and of the extended machine file, which contains the causes that a file can hold, for the same readings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WrittenSizes {
     /// Number of causes in it.
     pub causes: usize,
-    /// Root of the mean square with the current model.
+    /// RMS with the current model.
     pub before_rms_um: f64,
-    /// Root of the mean square with the extended file.
+    /// RMS with the extended file.
     pub after_rms_um: f64,
-    /// Root of the mean square of the holdout data with the current model.
+    /// RMS of the held-out data with the current model.
     pub holdout_before_rms_um: Option<f64>,
-    /// Root of the mean square of the holdout data with the extended file.
+    /// RMS of the held-out data with the extended file.
     pub holdout_after_rms_um: Option<f64>,
     /// Errors along lines through the whole travel, corrected and verified with the extended file; `null` without a written file.
     pub travel: Option<TravelSizes>,
@@ -124,11 +124,11 @@ pub struct WrittenSizes {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TravelSizes {
-    /// Root of the mean square as programmed.
+    /// RMS as programmed.
     pub before_rms_um: f64,
     /// Largest as programmed.
     pub before_max_um: f64,
-    /// Root of the mean square of the corrected lines.
+    /// RMS of the corrected lines.
     pub after_rms_um: f64,
     /// Largest of the corrected lines.
     pub after_max_um: f64,
@@ -168,7 +168,7 @@ impl From<NoiseSource> for NoiseFrom {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ReadingSizes {
-    /// Root of the mean square.
+    /// RMS.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub rms_um: f64,
     /// Its 95 % interval.
@@ -180,13 +180,13 @@ pub struct ReadingSizes {
     /// Explained share of the sum of magnitudes (Spaan 1995, eq. 3.6).
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub efficiency: f64,
-    /// Root mean square of the holdout data.
+    /// RMS of the held-out data.
     pub holdout_rms_um: Option<f64>,
     /// Its 95 % interval.
     pub holdout_rms_95_um: Option<[f64; 2]>,
-    /// Largest magnitude of the holdout data.
+    /// Largest magnitude of the held-out data.
     pub holdout_max_um: Option<f64>,
-    /// Efficiency on the holdout data.
+    /// Efficiency on the held-out data.
     pub holdout_efficiency: Option<f64>,
 }
 
@@ -194,7 +194,7 @@ pub struct ReadingSizes {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Unexplained {
-    /// Root of the mean square beyond the noise.
+    /// RMS beyond the noise.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub rms_um: f64,
     /// True if it is more than noise, and large enough to matter.
@@ -212,7 +212,7 @@ pub struct Unexplained {
 pub struct With {
     /// Its name.
     pub driver: String,
-    /// Correlated part, root mean square.
+    /// Correlated part, RMS.
     pub rms_um: f64,
 }
 
@@ -230,7 +230,7 @@ pub struct RejectedReport {
     pub why: Gate,
     /// p-value, corrected for all candidates.
     pub p: f64,
-    /// Relative reduction of the root mean square of unseen readings; `null` if not determined.
+    /// Relative reduction of the RMS of unseen readings; `null` if not determined.
     pub gain: Option<f64>,
     /// Its value in each file, if files differ significantly; otherwise empty.
     pub by_file: Vec<InFile>,
@@ -256,11 +256,11 @@ pub struct InFile {
 pub struct ShapePlace {
     /// Values of the drivers, in their order and units.
     pub at: Vec<f64>,
-    /// The deviation there (µrad if the unit of the finding is `urad`).
+    /// The deviation at this point (µrad if the unit of the finding is `urad`).
     pub value_um: f64,
 }
 
-/// One finding.
+/// A finding.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -271,7 +271,7 @@ pub struct CauseReport {
     pub parameter: String,
     /// Its drivers.
     pub drivers: Vec<String>,
-    /// Temperature sensor; `null` if there is none.
+    /// Temperature sensor; `null` without one.
     pub sensor: Option<String>,
     /// Its time constant.
     pub lag_s: Option<f64>,
@@ -289,13 +289,13 @@ pub struct CauseReport {
     pub unit: String,
     /// Expanded uncertainty (95 %).
     pub u95: f64,
-    /// Effect on the readings (root mean square).
+    /// RMS of its effect on the readings.
     pub rms_um: f64,
     /// Range of its effect on the readings of a set-up: largest minus smallest.
     pub alone_um: f64,
     /// Share of this range in the sum over all findings.
     pub alone_share: f64,
-    /// Relative reduction of the root mean square of unseen readings.
+    /// Relative reduction of the RMS of unseen readings.
     pub gain_holdout: f64,
     /// Share of the squares (Shapley).
     pub share: f64,
@@ -321,7 +321,7 @@ pub struct CauseReport {
     pub made_by: String,
     /// Evidence.
     pub shown_by: String,
-    /// For an unnamed finding: its drivers and place of action, in a sentence.
+    /// For an unnamed finding: its drivers and the range where it acts, as a sentence.
     pub what: Option<String>,
     /// Its value over its drivers; empty if the single value suffices.
     pub shape: Vec<ShapePlace>,
@@ -335,17 +335,17 @@ pub struct CauseReport {
 pub struct DiagnosisSettings<'a> {
     /// The causes to search; default: the built-in ones.
     pub causes: Option<&'a Causes>,
-    /// The kinds of data defects to search; default: the built-in ones.
+    /// The kinds of faults of the data to search; default: the built-in ones.
     pub checks: Option<&'a Checks>,
     /// Error types of the machine file; default: the built-in ones.
     pub model: Option<&'a ModelRegisters>,
     /// The machine file, if any: errors that it cannot contain are not called correctable.
     pub file: Option<&'a source::Source>,
-    /// `true` if it is to be written with the findings: these then give a reason if they are not in it.
+    /// `true` if it is to be written with the findings; they then contain the reason if they are not in it.
     pub is_extended: bool,
     /// `true` to keep single readings for pictures.
     pub with_readings: bool,
-    /// Hypotheses to test, one a line.
+    /// Hypotheses to test, one per line.
     pub hypotheses: Option<&'a source::Source>,
 }
 

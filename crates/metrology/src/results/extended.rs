@@ -30,23 +30,24 @@ pub(super) struct ExtensionJob<'a> {
     /// Number of used measurements; those after them were held out.
     pub(super) used: usize,
     pub(super) found: &'a DiagnosedCauses,
-    /// For every finding its changes, or the reason why there are none.
+    /// For every finding its changes, or the reason why it has no changes.
     pub(super) extension: Vec<Result<Vec<Change>, String>>,
 }
 
 /// The extended file.
 #[derive(Clone, Debug)]
 pub struct Extended {
-    /// The text, or the reason why there is none, and help.
+    /// The text, or the reason why it cannot be written, with help.
     pub text: Result<String, NotWritten>,
     /// For every finding the reason why it is not in the file; `None` if it is.
     pub why_not: Vec<Option<String>>,
-    /// Residuals of the model and of this file, mm or rad, over the used and the held-out readings; `None` without a text, or without such readings.
+    /// Residuals of the model and of this file, mm or rad, for the used and for the held-out readings; `None` without a text, or without such
+    /// readings.
     pub residuals: [Option<[f64; 2]>; 2],
 }
 
 impl Extended {
-    /// The text; a diagnostic explains why there is none.
+    /// The text; without one, a diagnostic states the reason.
     #[must_use]
     pub fn text(self, findings: &mut Vec<Diagnostic>) -> Option<String> {
         self.text.map_err(|(message, help)| findings.push(Diagnostic::nowhere(Code::NOT_TOLD, message, help))).ok()
@@ -155,8 +156,8 @@ impl ExtensionJob<'_> {
         self.helps(&written, grown).map(|()| out)
     }
 
-    /// The same errors where angles of linear axes have gained no mean over the positions that were measured: it is a squareness (ISO 230-1), of which the readings may say nothing. `None` if there
-    /// is no such angle, or the readings do determine it.
+    /// Errors in which angles of linear axes do not change their mean over the measured positions, because the mean is a squareness (ISO 230-1),
+    /// which the readings may not determine. `None` if there is no such angle, or if the readings determine its mean.
     fn without_means(&self, [old, new]: [&ErrorModel; 2], parameters: &[Parameter]) -> Option<ErrorModel> {
         let mut angles: Vec<ErrorName> = parameters
             .iter()
@@ -218,7 +219,7 @@ impl ExtensionJob<'_> {
         found.map_err(stay).ok()
     }
 
-    /// A fit as good as the result of the search; least squares without noise autocorrelation fail if terms are similar.
+    /// A fit as good as the result of the search; least squares without autocorrelation of the noise fail if terms are similar.
     fn fit(&self, read: &ErrorModel, parameters: &[Parameter], data: &[DataSet]) -> Result<Fit, String> {
         let found = fit(self.machine, read, parameters, data, FitOptions { robust: true });
         let found = found.map_err(not_identified::words)?;
@@ -264,7 +265,7 @@ impl ExtensionJob<'_> {
         out
     }
 
-    /// The levels of readings less an amount for each, mm or rad, with two models.
+    /// RMS levels of the readings with two models, after subtracting an amount from each, mm or rad.
     fn levels(&self, errors: [&ErrorModel; 2], away: &[f64]) -> [[f64; 2]; 2] {
         let scenes = errors.map(|errors| self.with_errors(errors, away));
         match &scenes {
@@ -273,18 +274,18 @@ impl ExtensionJob<'_> {
         }
     }
 
-    /// The readings under other errors, less an amount for each, mm or rad; `None` if they do not determine the set-ups.
+    /// The readings with other errors, after subtracting an amount from each, mm or rad; `None` if they do not determine the set-ups.
     fn with_errors(&self, errors: &ErrorModel, away: &[f64]) -> Option<Scene<'_>> {
         let new = Scene::new(self.machine, errors, self.scene.sets).ok()?;
-        // Data excluded as defective do not count here either, and what has a zero of its own keeps it.
+        // Data excluded as faulty do not count here either, and rows with their own zero keep it.
         let mut scene = self.scene.clone();
         scene.items.iter_mut().zip(&new.items).for_each(|(item, new)| item.left = new.left);
         scene.items.iter_mut().zip(away).for_each(|(item, away)| item.left -= away);
         Some(scene)
     }
 
-    /// Checks that the model fits the data better with the change, on the holdout data if any; effects of findings that the file does not hold are taken out of the readings on both sides:
-    /// they stay as they are, and may have had a part of what is corrected.
+    /// Checks that the model fits the data better with the change, on the held-out data if there are any. The effects of findings that the file does
+    /// not hold are subtracted from the readings for both models: they remain uncorrected and may have absorbed a part of the correction.
     fn helps(&self, errors: &ErrorModel, grown: &Grown) -> Result<(), NotWritten> {
         let holds: Vec<bool> = grown.anchors.iter().map(Result::is_ok).collect();
         let away = effect_of_others(self.found, self.scene, &holds);
@@ -305,7 +306,7 @@ impl ExtensionJob<'_> {
 
 /// Highest degree of a polynomial that a finding writes.
 const HIGHEST_DEGREE: u8 = 6;
-/// Readings say nothing of a change if the residual grows by less, as a ratio.
+/// The readings are insensitive to a change if the residual increases by a smaller factor than this.
 const SAME: f64 = 1.001;
 /// Largest accepted ratio of the residual to that of the search.
 const LOST: f64 = 1.01;

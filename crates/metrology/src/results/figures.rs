@@ -37,7 +37,7 @@ pub struct FigureGroup {
     pub values: Vec<FigureValue>,
     /// Their conditions: runs, radius, feed, start.
     pub conditions: Vec<String>,
-    /// Reason why there are none; `null` otherwise.
+    /// Reason why no figures exist; `null` otherwise.
     pub reason: Option<String>,
 }
 

@@ -15,14 +15,14 @@ const STRONG: f64 = 3.0;
 /// The number of the text of hypotheses among the files of a run; files count from zero.
 const STATED: FileId = FileId(u16::MAX);
 
-/// The text of hypotheses, one a line; `None` without any.
+/// The text of hypotheses, one per line; `None` without any.
 #[must_use]
 pub fn source(stated: &[String]) -> Option<Source> {
     let text = stated.join("\n").into_bytes();
     Source::new(STATED, "--hypothesis", text).ok().filter(|_| !stated.is_empty())
 }
 
-/// The outcome for a stated hypothesis.
+/// The result for a stated hypothesis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -33,31 +33,32 @@ pub struct HypothesisReport {
     pub name: String,
     /// The answer.
     pub answer: HypothesisAnswer,
-    /// Why the data cannot show it; `null` if they can.
+    /// Reason why the data cannot show it; `null` if they can.
     pub why_not_shown: Option<String>,
     /// Amount of each term.
     pub amounts: Vec<HypothesisAmount>,
-    /// Effect on the readings (root mean square).
+    /// RMS of its effect on the readings.
     pub rms_um: f64,
     /// Range of its effect on the readings of a set-up: largest minus smallest.
     pub alone_um: f64,
     /// Natural logarithm of the evidence for it without any finding: positive for it, negative against it; `null` if the data cannot show it.
     pub log_evidence: Option<f64>,
-    /// Natural logarithm of the evidence beside the findings of `beside`.
+    /// Natural logarithm of the evidence in addition to the findings in `beside`.
     pub log_evidence_beside: Option<f64>,
-    /// Findings beside which it was tested.
+    /// Findings that were included in the test.
     pub beside: Vec<String>,
-    /// Findings that have the same effect on the readings, in whose place it was tested.
+    /// Findings that have the same effect on the readings, and that it replaced in the test.
     pub stands_for: Vec<String>,
-    /// Natural logarithm of the evidence of all these findings together in its place, less its own: positive if they explain the readings better; `null` without such findings.
+    /// Natural logarithm of the evidence of all these findings together in its place, minus its own: positive if they explain the readings better;
+    /// `null` without such findings.
     pub log_evidence_of_findings: Option<f64>,
-    /// Relative reduction of the root mean square of unseen readings, beside the findings of `beside`; `null` if no part could decide.
+    /// Relative reduction of the RMS of unseen readings, in addition to the findings in `beside`; `null` if no part could decide.
     pub gain_unseen: Option<f64>,
-    /// True if the unseen readings are the data held out, false if parts were left out in turn.
+    /// True if the unseen readings are held-out data, false if parts were left out in turn.
     pub gain_is_held_out: bool,
-    /// Explanations that are nearly as good, the best first.
+    /// Other explanations that are nearly as good, the best first.
     pub rivals: Vec<HypothesisRival>,
-    /// The measurement that separates it from the first rival.
+    /// The measurement that separates it from the first other explanation.
     pub separate_by: Option<String>,
     /// Possible correction.
     pub correctable: Correctable,
@@ -65,7 +66,7 @@ pub struct HypothesisReport {
     pub extends_why: Option<String>,
     /// Probability over all combinations of the stated hypotheses, with even odds of each; `null` if the data cannot show it.
     pub probability: Option<f64>,
-    /// Number of variants of a named cause of which the best is shown.
+    /// Number of variants of a named cause from which the best is shown.
     pub variants: usize,
     /// Columns on which it depends.
     pub drivers: Vec<String>,
@@ -103,13 +104,13 @@ pub struct HypothesisAmount {
     pub u95: f64,
 }
 
-/// Another explanation in the place of a hypothesis.
+/// Another explanation in place of a hypothesis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HypothesisRival {
     /// Effect and parameter.
     pub name: String,
-    /// Natural logarithm of its evidence less that of the hypothesis: positive if it explains the readings better.
+    /// Natural logarithm of its evidence, minus that of the hypothesis: positive if it explains the readings better.
     pub log_evidence: f64,
 }
 
@@ -117,7 +118,7 @@ pub struct HypothesisRival {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HypothesisSet {
-    /// Hypotheses that hold; empty for none.
+    /// Hypotheses that hold; empty if none holds.
     pub hypotheses: Vec<String>,
     /// Probability among all combinations, with even odds of each hypothesis.
     pub probability: f64,
@@ -126,7 +127,7 @@ pub struct HypothesisSet {
 /// Combinations less probable than this are not listed.
 const LISTED: f64 = 1e-3;
 
-/// The outcome of all trials; `micro` is the factor from mm or rad to the unit of readings.
+/// The results of all trials; `micro` is the factor from mm or rad to the unit of readings.
 pub(super) fn reports(trials: &StatedTrials, scene: &Scene<'_>) -> (Vec<HypothesisReport>, Vec<HypothesisSet>) {
     let micro = UnitKey::of(crate::diagnose::reads_angles(scene)).unit().shown(1.0);
     let texts = |members: &[usize]| {

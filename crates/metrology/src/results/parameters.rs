@@ -1,4 +1,4 @@
-//! The model of a calibration from a text: parameters by name, and terms that a person states.
+//! The model of a calibration from a text: parameters by name, and terms stated by the user.
 
 use std::collections::HashSet;
 
@@ -29,12 +29,12 @@ fn no_effect(text: &str, effects: &[EffectParameter]) -> Option<(String, String)
     Some((format!("{text} is not a parameter of [[{section}]]"), format!("there are {shown}{more}")))
 }
 
-/// A model as a text states it.
+/// A model in a text.
 #[derive(Clone, Debug, Default)]
 pub struct ModelText {
-    /// Parameters that are named.
+    /// Named parameters.
     pub parameters: Vec<Parameter>,
-    /// The lines that state terms, at their places in the text: what [`crate::diagnose::stated::read`] reads; `None` without any.
+    /// The lines with stated terms, at their positions in the text, for [`crate::diagnose::stated::read`]; `None` without any.
     pub terms: Option<Source>,
 }
 

@@ -16,7 +16,7 @@ const READ: f64 = 0.0;
 /// Maximum number of shown names of parameters to be left out.
 const MOST_NAMES: usize = 30;
 
-/// A plan that was made.
+/// The result of a plan.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PlanResult {
@@ -203,7 +203,7 @@ pub fn has_reading(row: &Observation) -> bool {
     row.values.iter().any(Option::is_some) || row.target.is_some() && row.component.is_none()
 }
 
-/// The measurement as if it had been made.
+/// The measurement as if it had been carried out.
 fn as_read(plan: &Builder) -> DataSet {
     let mut read = plan.data.clone();
     let values = values(plan);

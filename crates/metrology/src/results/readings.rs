@@ -48,7 +48,7 @@ pub struct Set {
     pub circles: Vec<Circle>,
 }
 
-/// Residuals of a stated hypothesis beside the findings that do not stand for it.
+/// Residuals of a stated hypothesis in addition to the findings that do not represent it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HypothesisReadings {
     /// Of every reading without the hypothesis; empty if the data cannot show it.
@@ -81,7 +81,7 @@ pub struct DriverReadings {
     pub name: String,
     /// Its name with unit: `X in mm`.
     pub title: String,
-    /// Whether it is the time of the readings.
+    /// True for the time of the readings.
     pub is_time: bool,
     /// Its value for each reading.
     pub values: Vec<f64>,

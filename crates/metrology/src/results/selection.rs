@@ -1,4 +1,4 @@
-//! The selection of parameters: steps, terms with alternatives, gain on holdout readings.
+//! The selection of parameters: steps, terms with alternatives, gain on held-out readings.
 
 use std::collections::HashMap;
 
@@ -29,7 +29,7 @@ pub struct Selection {
     pub terms: Vec<SelectedTerm>,
     /// Autocorrelation of neighboring readings, by measurement.
     pub correlation: Vec<Correlation>,
-    /// Gain of all terms on holdout readings, with the selection repeated in every fold; `null` if nothing was selected.
+    /// Gain of all terms on held-out readings, with the selection repeated in every fold; `null` if nothing was selected.
     pub held_out: Option<HoldoutGain>,
     /// Number of alternations between selection and fit.
     pub passes: usize,
@@ -71,7 +71,7 @@ pub enum StepChange {
     /// It was not significant.
     #[serde(rename = "not significant")]
     NotSignificant,
-    /// It did not improve holdout readings.
+    /// It did not improve held-out readings.
     #[serde(rename = "no gain")]
     NoGain,
 }
@@ -101,19 +101,19 @@ pub struct SelectedTerm {
     pub freedom: f64,
     /// p-value, times the number of candidates.
     pub p: f64,
-    /// Gain on holdout readings, in addition to the other terms.
+    /// Gain on held-out readings, in addition to the other terms.
     pub held_out: HoldoutGain,
     /// Candidates that are not distinguishable from it.
     pub rivals: Vec<String>,
 }
 
-/// Residuals of holdout readings, in units of their uncertainty.
+/// Residuals of held-out readings, in units of their uncertainty.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HoldoutGain {
-    /// Root mean square without it.
+    /// RMS without it.
     pub before: f64,
-    /// Root mean square with it.
+    /// RMS with it.
     pub after: f64,
     /// Relative reduction of the squares.
     pub gain: f64,
@@ -144,7 +144,7 @@ pub(super) fn refuse(refusal: Refusal, all: &[Measurement], findings: &mut Vec<D
     }
 }
 
-/// The selection in words and numbers.
+/// The result of the selection, with names and numbers for the report.
 pub(super) fn told(found: &Selected, rule: Rule, data: &[DataSet]) -> Selection {
     let choice = &found.choice;
     let name = |number: usize| found.candidates.get(number).map_or_else(String::new, Parameter::to_string);

@@ -1,4 +1,4 @@
-//! Which temperature sensors explain the drift of a machine: selection from the texts of runs.
+//! Selection of the temperature sensors that explain the drift of a machine, from the texts of runs.
 
 use serde::Serialize;
 

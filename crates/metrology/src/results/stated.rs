@@ -1,4 +1,4 @@
-//! A calibration with terms that a person states: the machine file that holds them, and the parameters that remain to be fitted.
+//! A calibration with terms stated by the user: the machine file that holds them, and the parameters that remain to be fitted.
 
 use serde::Serialize;
 
@@ -47,7 +47,7 @@ pub struct StatedStart {
     pub terms: Vec<StatedEstimate>,
 }
 
-/// Fits stated terms to the measurements that are used, and puts them into the machine file; `None` if diagnostics, all in the text of the terms, forbid it.
+/// Fits stated terms to the used measurements and puts them into the machine file; `None` if diagnostics, all about the text of the terms, forbid it.
 #[must_use]
 pub fn start_with_terms(
     (file, registers): (&Source, &ModelRegisters),
@@ -150,7 +150,7 @@ fn enter(from: (&Source, &ModelRegisters), text: &str, changes: &[Change], note:
     Ok(if is_noted { edit.text() } else { own })
 }
 
-/// The note beside a term in the file.
+/// The note at the term in the file.
 fn note(one: &StatedHypothesis, amounts: &[TermAmount]) -> Vec<String> {
     let amount = |own: &TermAmount| {
         let TermAmount { term, value, u95, unit } = own;
