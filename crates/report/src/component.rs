@@ -8,7 +8,7 @@ pub(crate) fn component_of(parameter: &str) -> Option<ErrorName> {
     begins(4).or_else(|| begins(3))
 }
 
-/// Returns what a parameter is, in words: `EC0X` is `squareness X–Y`, `EXX1` belongs to `positioning of X`; `None` if its name is no error component.
+/// Returns the description of a parameter: `squareness X–Y` for `EC0X`, `positioning of X` for `EXX1`; `None` if its name is not an error component.
 pub(crate) fn spelled_out(parameter: &str) -> Option<String> {
     component_of(parameter).map(|name| {
         // The parameters of a backlash end with a b: EXXb, EYXb.

@@ -11,7 +11,7 @@ use super::number::{counted, duration, grouped, micrometers, significant};
 use super::verdict::Verdict;
 use ncfix_base::geometry::AxisKey;
 
-/// Share of the error up to which the form error is stated beside it.
+/// Largest share of the form error in the error at which it is stated separately.
 pub(super) const MOST_FORM: f64 = 0.5;
 
 /// Output of `ncfix fix`. Errors are distances of the tool tip from the programmed path, predicted by the error model.

@@ -275,7 +275,7 @@ pub struct Said {
     pub time_s: f64,
     /// Line concerned.
     pub line: Option<u64>,
-    /// Description in words.
+    /// Its text.
     pub message: String,
 }
 

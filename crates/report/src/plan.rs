@@ -8,7 +8,7 @@ use ncfix_metrology::results::planned::{JudgedPlan, PlanJudgement, PlanResult};
 /// Maximum number of sentences that are shown.
 const MOST_SENTENCES: usize = 12;
 
-/// Returns the text for people about a plan that was written to `table`, with `description` beside it.
+/// Returns the text for the user about a plan that was written to `table` and its description in `description`.
 #[must_use]
 pub fn page(plan: &PlanResult, table: &str, description: &str) -> String {
     let model = plan.model.as_deref().unwrap_or_default();
@@ -22,7 +22,7 @@ pub fn page(plan: &PlanResult, table: &str, description: &str) -> String {
     out
 }
 
-/// Describes in words what measurements by a plan can determine.
+/// Describes the parameters that measurements by a plan can determine.
 fn said(judgement: &PlanJudgement, model: &str) -> String {
     let who = match judgement.of {
         JudgedPlan::Plan => "the plan".to_owned(),

@@ -132,7 +132,7 @@ impl StepReport {
         out
     }
 
-    /// Returns further results beside the answer.
+    /// Returns further results, in addition to the answer.
     pub(super) fn entries(&self) -> Vec<(&'static str, String)> {
         let mut entries = Vec::new();
         let mut row = |name: &'static str, text: &str| entries.push((name, text.to_owned()));

@@ -187,13 +187,13 @@ pub fn colored(text: &str) -> String {
     })
 }
 
-/// Reasons why moves stay unchanged in words; those whose keys are other words have them in the list of keys.
+/// Reasons why moves stay unchanged, as text, for keys that differ from their text.
 #[must_use]
 pub fn left_in_words(key: &str) -> &str {
     LEFT_IN_WORDS.iter().find(|(own, _)| *own == key).map_or(key, |(_, words)| words)
 }
 
-/// Keys that are older than the words that people read.
+/// Keys with another text for people.
 const LEFT_IN_WORDS: [(&str, &str); 1] =
     [("without an error of an increment", "with an error smaller than one increment")];
 

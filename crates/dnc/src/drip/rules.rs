@@ -27,7 +27,7 @@ const STRAIGHT: &[&str] = &[
 /// Key of codes that exclude each other: a group, and a name if a code excludes only itself.
 pub(super) type Key = (u8, &'static str);
 
-/// Meaning of axis words beside a code.
+/// Meaning of axis words in a block with a code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Axes {
     /// Target positions of that block.
@@ -41,7 +41,7 @@ pub(super) enum Axes {
 /// Effect of a code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rule {
-    /// Selects the motion. True if the words beside it state where the axes are afterwards.
+    /// Selects the motion. True if the axis words of its block state the end position.
     Motion(bool),
     /// No lasting effect.
     Passing,
@@ -89,7 +89,7 @@ impl Grammar {
         Grammar { codes: dialect.codes(), language: dialect.language, changes_on_t }
     }
 
-    /// Returns the code that a word stands for; `None` if it is an address with a value.
+    /// Returns the code of a word; `None` if it is an address with a value.
     pub(super) fn code(&self, word: &str) -> Option<BlockCode> {
         let number =
             |letter: char| word.strip_prefix(letter).filter(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));

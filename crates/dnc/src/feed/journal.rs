@@ -37,10 +37,10 @@ const GROUP: Duration = Duration::from_millis(50);
 /// Decimals of axis values, mm or degrees.
 const DECIMALS: usize = 4;
 
-/// How a journal ended whose job was taken up again in another one.
+/// End of a journal whose job was resumed in another one.
 const TAKEN_UP: &str = "taken up again in ";
 
-/// What the head of a journal says.
+/// Keys in the head of a journal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HeadKey {
     /// The version of the program that wrote it.
@@ -57,11 +57,11 @@ pub enum HeadKey {
     Sensors,
     /// The port.
     Port,
-    /// How many lines the job has.
+    /// Number of lines of the job.
     Lines,
     /// The folder in which it began.
     Folder,
-    /// From which line a job went on that was taken up again.
+    /// Line from which the job was resumed.
     Resumed,
     /// A word of the command line.
     Argument,
@@ -100,14 +100,14 @@ impl HeadKey {
     }
 }
 
-/// How a journal says that its job ended.
+/// End of a job in a journal.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum JournalEnd {
     /// All lines were acknowledged, or have left.
     Done,
-    /// It went on in the journal of this path.
+    /// It was resumed in the journal at this path.
     TakenUp(String),
-    /// It was broken off: why.
+    /// It was interrupted, for this reason.
     BrokenOff(String),
 }
 
@@ -327,7 +327,7 @@ pub fn read(text: &str) -> Result<JournalContents, (usize, String)> {
         }
         if let Some(head) = line.strip_prefix("# ") {
             let (name, value) = head.split_once(' ').unwrap_or((head, ""));
-            // What another version may have written besides is for people.
+            // Additional keys of another version are information for people.
             let key = HeadKey::ALL.into_iter().find(|key| key.word() == name);
             told.head.extend(key.map(|key| (key, value.to_owned())));
             continue;

@@ -1,4 +1,4 @@
-//! Limits the time that a transfer may make no progress: nothing waits for ever, whatever the control says meanwhile.
+//! Limits the time that a transfer may make no progress: nothing waits forever, even if the control sends data meanwhile.
 
 use std::collections::VecDeque;
 use std::time::Duration;

@@ -14,7 +14,7 @@ pub(crate) fn machine() -> Machine {
     built("wFXYZSt", "")
 }
 
-/// The same machine with a rotary table.
+/// The machine with a rotary table.
 pub(crate) fn turning() -> Machine {
     built("wCFXYZSt", "[axis.C]\ndirection = [0, 0, -1]\ntravel_deg = [-360, 360]\n")
 }

@@ -26,7 +26,7 @@ use super::signal::{SIGMAS_95, inflation};
 
 /// Largest width of the 95 % interval of a determined link, as a share of the usual size of such an error.
 pub const DETERMINED_SHARE: f64 = 1.0;
-/// Maximum number of samples: neighbors are alike, and more of them add nothing.
+/// Maximum number of samples: neighbors are similar, and more of them add no information.
 const SAMPLES: usize = 2_000;
 /// Factors of the usual sizes of links, up to those of a machine that was never aligned. The sizes are limits of acceptance: no machine is presumed better.
 const LINK_SCALES: [f64; 3] = [1.0, 2.0, 4.0];
@@ -200,7 +200,7 @@ fn usual_motion(run: &SlowRun<'_>, basis: &Basis, used: &[usize]) -> DMatrix<f64
     for direction in 0..3 {
         let moving = |axis: Axis| terms.iter().any(|term| term.0.is_none_or(|own| own == axis));
         let constant = by_axis.iter().map(|(axis, squares)| {
-            // An axis that stands adds the error of its place, which is constant.
+            // An axis that does not move contributes a constant, the error at its position.
             squares[direction] / if moving(*axis) { whole } else { 1.0 }
         });
         out[(0, direction)] = constant.sum();

@@ -10,12 +10,12 @@
 //! δc  = χenc − χnom                               contouring: the servo loops           eq. 10
 //! δl  = J δq from the slowest run                 link errors                            eq. 14
 //! δm  = smooth function of the pose, from it      motion errors                          eq. 16, 17
-//! δtd = mean of what is left of each run          thermal drift, 0 in the slowest run    eq. 18
-//! δd  = what is left                              dynamics                               eq. 20
+//! δtd = mean of the residual of each run          thermal drift, 0 in the slowest run    eq. 18
+//! δd  = the residual                              dynamics                               eq. 20
 //! ```
 //!
-//! Link errors of the division above hold what motion errors do in their place on this path. The values of the links, with their intervals, come from a fit
-//! of both together ([`LinkError`]).
+//! The link errors of this division include the effects of motion errors on this path. The values of the links, with their intervals, come from a joint
+//! fit of both ([`LinkError`]).
 //!
 //! Beyond the paper, the delays of the recordings are estimated together with the lags of the loops ([`servo`]) and with smooth errors ([`clock`]).
 //! The true contouring error is given in addition to the difference of the axes ([`contour`]). The dynamic part is explained by compliances under the

@@ -278,7 +278,7 @@ fn limits(runs: &[AxisSignals], delay: f64, delay_error: f64, found: &Follows, i
     let variance = squares * alike / f64::max(count - 3.0, 1.0);
     let rms = SIGMAS_95 * (squares / count * alike / (2.0 * count)).sqrt();
     let own = products.fixed_view::<2, 2>(1, 1).into_owned();
-    // In units of their columns: a loop without lag says nothing about its time constant.
+    // In units of their columns: a loop without lag does not determine its time constant.
     let scale = own.diagonal().map(|square| if square > 0.0 { square.sqrt().recip() } else { 0.0 });
     let scaled = Matrix2::from_fn(|row, column| own[(row, column)] * scale[row] * scale[column]);
     let Some(inverse) = scaled.try_inverse().filter(|_| scaled.determinant() > SINGULAR) else {

@@ -47,7 +47,7 @@ mod tests {
 
     #[test]
     fn shares_are_means_of_shares_and_not_shares_of_means() {
-        // Two samples: 3-4-0 by contouring beside 5 of links; 15 of links alone. (50 + 0)/2 and (50 + 100)/2.
+        // Two samples: 3-4-0 by contouring and 5 of links; 15 of links alone. (50 + 0)/2 and (50 + 100)/2.
         let x = |value: f64| Vector::new(value, 0.0, 0.0);
         let none = Vector::zeros();
         let samples = [[Vector::new(3.0, -4.0, 0.0), x(5.0), none, none, none], [none, x(-15.0), none, none, none]];

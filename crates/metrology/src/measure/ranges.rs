@@ -24,7 +24,7 @@ pub fn measured_ranges<'d>(
     ranges
 }
 
-/// The ranges of one measurement. An axis that stands still in it was not measured.
+/// The ranges of one measurement. An axis that did not move in it was not measured.
 fn of_set(machine: &Machine, set: &DataSet) -> MeasuredRanges {
     let rows = &set.observations;
     let moved = AXES.into_iter().filter(|&axis| machine.axis(axis).is_some()).filter_map(|axis| {

@@ -12,7 +12,7 @@ use ncfix_metrology::results::hypotheses::{HypothesisAmount, HypothesisAnswer, H
 const MOST_TIMES: f64 = 1e4;
 /// Factors below 1.05 are no difference, as a natural logarithm.
 const EQUALLY: f64 = 0.05;
-/// Maximum number of rivals and of combinations that are named.
+/// Maximum number of other explanations and of combinations that are named.
 const RIVALS: usize = 4;
 const SETS: usize = 3;
 

@@ -29,7 +29,8 @@ const EXPLANATIONS: usize = 4;
 const LEAST_SHOWN: f64 = 0.01;
 /// A cause with this probability is more probable than everything that may stand in its place.
 const MORE_THAN_ALL_OTHERS: f64 = 0.5;
-/// Up to this residual, neighboring readings show all of it; the uncertainty of their differences is about as large with 30 readings.
+/// Largest ratio of the residual to the noise at which the differences of neighboring readings explain it; their uncertainty is about as large with 30
+/// readings.
 const LITTLE_MORE: f64 = 1.2;
 /// A residual beyond this multiple of the noise is no noise.
 const NOISY: f64 = 2.0;

@@ -178,7 +178,7 @@ impl Picture for Chart {
         let count: usize = self.series.iter().map(|series| series.points.len()).sum();
         let most = if self.is_sparing { SPARING } else { MOST_POINTS };
         for (number, series) in self.series.iter().enumerate() {
-            // A line of few points beside many others stays a line.
+            // A line of few points stays a line, even with many points of other series.
             let is_line = series.shape == Shape::Line && series.points.len() <= MOST_POINTS;
             let is_dense = count > most && !is_line;
             let [shapes, lines, dots] = self.paths(number, series, &frame, is_dense);

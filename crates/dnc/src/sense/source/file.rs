@@ -151,7 +151,7 @@ impl Tail {
             // It was truncated and is read again from the beginning.
             return Ok(());
         }
-        // New bytes were written since the last look, whatever the clock of another computer says.
+        // New bytes were written since the last look, regardless of the clock of another computer.
         let (before, now) = (std::mem::replace(&mut self.looked, SystemTime::now()), SystemTime::now());
         let written = file.metadata()?.modified().unwrap_or(now).max(before).min(now);
         let mut bytes = vec![0; 1 << 14];

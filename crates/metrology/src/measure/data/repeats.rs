@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use ncfix_base::diagnostic::Diagnostic;
 
-/// Keeps the first `most` of diagnostics whose codes and messages differ only in numbers; the last one kept says how many more there are.
+/// Keeps the first `most` of diagnostics whose codes and messages differ only in numbers; the last kept one states the number of the others.
 pub(super) fn without_repeats(findings: &mut Vec<Diagnostic>, most: usize) {
     let key = |one: &Diagnostic| -> (&'static str, String) {
         let is_number = |letter: &char| letter.is_ascii_digit() || ['.', '-', '+'].contains(letter);

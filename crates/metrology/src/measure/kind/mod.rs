@@ -28,7 +28,7 @@ pub struct Instrument {
     pub name: &'static str,
     /// Its title.
     pub title: &'static str,
-    /// What its readings are of.
+    /// Measured quantity.
     pub measurand: Measurand,
     /// Possible unknowns of its set-ups.
     pub free: &'static [Free],

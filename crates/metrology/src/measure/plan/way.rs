@@ -49,7 +49,7 @@ impl Builder {
         self.of_last(candidate.target, candidate.component);
         self.at_pose();
         if let PlanReach::Above { clearance_mm, retract, feed, .. } = self.reach {
-            // After manual probing the tool may be beside the ball: the first path is along the tool.
+            // After manual probing the tool may be next to the ball: the first path is along the tool.
             let is_tilting = self.machine.topology.tool.iter().any(|axis| axis.is_rotary());
             if !retract || is_tilting {
                 let up = self.raised(&position, &tool_mm, clearance_mm)?;

@@ -6,11 +6,11 @@
 //! pair can mask the other one in the single test, which is why pairs are tried.
 //!
 //! Of two different readings at one position, either may be disturbed. If other candidates explain the readings almost as well (by their likelihood),
-//! none of them is left out: they are rivals. More readings are then needed, unless the contradiction is within the scatter of the residuals.
+//! none of them is left out: they are alternatives. More readings are then needed, unless the contradiction is within the scatter of the residuals.
 
 use super::fit::{WeighingEquation, WeighingFit};
 
-/// Probability of leaving out any undisturbed reading in one step; also the likelihood relative to the best above which a candidate is a rival.
+/// Probability of leaving out any undisturbed reading in one step; also the likelihood relative to the best above which a candidate is an alternative.
 const CHANCE: f64 = 0.01;
 /// Probability below which a disturbance that cannot be located is certain.
 const CERTAIN: f64 = 1e-4;
@@ -137,7 +137,7 @@ impl<'a> Search<'a> {
         (determinant > LEAST_CHECK).then(|| (b * r * r - 2.0 * c * r * s + a * s * s) / determinant)
     }
 
-    /// The rivals of a single reading. A reading that is contradictory even without the best is not a rival, but the next to be left out.
+    /// The alternatives to a single reading. A reading that is contradictory even without the best is not an alternative, but the next to be left out.
     fn single_rivals(&self, singles: &[Candidate], best: &Candidate, left: usize) -> Vec<usize> {
         let rivals = self.rivals(singles, best, left);
         let Some(left) = left.checked_sub(1).filter(|&left| left > 0) else { return rivals };

@@ -148,7 +148,7 @@ fn strongest(shown: &PageReadings, number: usize) -> Option<(&Set, usize)> {
 /// Returns the drivers of a cause; if it names none, those that explain its effect.
 fn drivers<'a>(set: &'a Set, part: usize, one: &CauseReport, does: &[f64]) -> Vec<&'a DriverReadings> {
     let mut named: Vec<&DriverReadings> = one.drivers.iter().filter_map(|name| driver_of(set, part, name)).collect();
-    // A direction of motion alone says little about where it acts.
+    // A direction of motion alone does not describe well where it acts.
     if named.iter().all(|driver| driver.name.ends_with("_dir")) {
         let place = |driver: &&DriverReadings| !driver.name.starts_with("T_") && !driver.name.ends_with("_dir");
         let others = set.drivers.iter().filter(place).filter_map(|driver| driver_of(set, part, &driver.name));

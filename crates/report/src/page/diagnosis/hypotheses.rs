@@ -12,7 +12,7 @@ use ncfix_metrology::results::readings::{DriverReadings, HypothesisReadings, Set
 
 /// Maximum number of drivers that are drawn for a hypothesis.
 const MOST_DRIVERS: usize = 3;
-/// Maximum number of rivals that are named.
+/// Maximum number of other explanations that are named.
 const RIVALS: usize = 4;
 
 /// Draws the answers.
