@@ -25,6 +25,7 @@ const ABOUT_FILES: &[Code] = &[
     Code::POOR_FIT,
     Code::DATA_FAULT,
     Code::FAULTY_DATA,
+    Code::LOAD_ASSUMED,
     Code::OTHER_ACT,
 ];
 
@@ -399,7 +400,7 @@ impl Diagnostics {
             out.push_str(&terminal::hint(sentence, colors));
             if hidden > 0 {
                 out.push_str(&format!(
-                    "{MOST_MISREAD} of its {count} faults are shown; --json lists all, and --dialect shows them in the source\n"
+                    "{MOST_MISREAD} of its {count} faults are shown; `ncfix check --json` lists all, and --dialect shows them in the source\n"
                 ));
             }
             out.push('\n');

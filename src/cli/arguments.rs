@@ -101,10 +101,14 @@ where
     Ok((switches::verbosity(&matches), command?))
 }
 
-/// Replaces the message of clap for a file or option in the place of a command: clap takes it for the program of the default command and reports a
-/// conflict with the words after it, which helps nobody.
+/// Replaces the message of clap for a word in the place of a command, which clap takes for the program of the default
+/// command: it reports a conflict with the next words, or a missing output.
 fn explained(error: clap::Error, first: &str) -> clap::Error {
-    if error.kind() != ErrorKind::ArgumentConflict || !error.to_string().contains("the subcommand") {
+    let is_word = first.starts_with(char::is_alphanumeric) && !first.contains(['.', '/', '\\']);
+    let is_unknown = is_word && definition().find_subcommand(first).is_none() && !PathBuf::from(first).exists();
+    let is_alone = error.kind() == ErrorKind::MissingRequiredArgument && is_unknown;
+    let is_conflict = error.kind() == ErrorKind::ArgumentConflict && error.to_string().contains("the subcommand");
+    if !is_alone && !is_conflict {
         return error;
     }
     let commands: Vec<String> = definition().get_subcommands().map(|command| command.get_name().to_owned()).collect();

@@ -1,7 +1,5 @@
 //! `ncfix explain`: the long text of a diagnostic code.
 
-use std::fmt::Write as _;
-
 use super::arguments::ExplainArguments;
 use super::exit_code::ExitCode;
 use super::print;
@@ -11,16 +9,15 @@ use ncfix_base::diagnostic::{CODES, Code};
 /// Prints the text of a code, or the list of codes.
 pub(super) fn run(arguments: &ExplainArguments) -> Result<ExitCode, Stop> {
     let Some(text) = &arguments.code else {
-        let mut list = String::new();
-        for row in CODES {
-            // Writing into a String cannot fail.
-            let _ = writeln!(list, "{}  {}", row.code, row.title);
-        }
-        print(&list)?;
+        let list: Vec<String> = CODES.iter().map(|row| format!("{}  {}\n", row.code, row.title)).collect();
+        print(&list.concat())?;
         return Ok(ExitCode::Done);
     };
-    let row = Code::find(text)
-        .ok_or_else(|| Stop::Usage(format!("unknown code '{text}'; `ncfix explain` lists all codes")))?;
-    print(&format!("{}: {}\n\n{}\n", row.code, row.title, row.explain))?;
+    let found = Code::meant(text).map(|row| format!("{}: {}\n\n{}\n", row.code, row.title, row.explain));
+    let texts: Vec<String> = found.collect();
+    if texts.is_empty() {
+        return Err(Stop::Usage(format!("unknown code '{text}'; `ncfix explain` lists all codes")));
+    }
+    print(&texts.join("\n"))?;
     Ok(ExitCode::Done)
 }

@@ -90,8 +90,9 @@ pub(super) fn read_location(
         let help = "write E, a direction, 0 and an axis of the machine or S, for example EC0Y or EX0S";
         let place = section.place_of_key(key);
         let Some(name) = known_component(&mut section, key, place, axes, ErrorKind::Location, help) else { continue };
-        if let Some(value) = section.number(key) {
-            let value = if name.direction.is_rotation() { rad_from_urad(value) } else { mm_from_um(value) };
+        let is_angle = name.direction.is_rotation();
+        if let Some(value) = section.number_in(key, if is_angle { "_urad" } else { "_um" }) {
+            let value = if is_angle { rad_from_urad(value) } else { mm_from_um(value) };
             errors.push(LocationError { name, value });
         }
     }

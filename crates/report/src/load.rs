@@ -41,7 +41,9 @@ impl Load {
         if let Some(noise) = self.found.noise_um_m {
             let (all, freedom) = (self.found.readings + self.found.left_out, self.found.degrees_of_freedom);
             let used = self.found.readings;
-            row("readings", &format!("{used} of {all}, ± {noise:.3} µm/m each, {freedom} degrees of freedom"));
+            let freedom =
+                if freedom == 1 { "1 degree of freedom".to_owned() } else { format!("{freedom} degrees of freedom") };
+            row("readings", &format!("{used} of {all}, ± {noise:.3} µm/m each, {freedom}"));
         }
         row("machine", &self.machine);
         if let Some(output) = &self.output {

@@ -7,17 +7,14 @@ use crate::cli::exit_code::ExitCode;
 use crate::cli::findings::Findings;
 use crate::cli::stop::Stop;
 use crate::cli::{machine_choice, print};
-use ncfix_model::preset::{PRESETS, find};
+use ncfix_model::preset::{find, unknown};
 use ncfix_report::presets::{list, page};
 
 /// Lists the presets, or shows one of them on a machine.
 pub(super) fn run(arguments: &PresetArguments) -> Result<ExitCode, Stop> {
     let preset = match &arguments.name {
         None => None,
-        Some(name) => Some(find(name).ok_or_else(|| {
-            let known: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
-            Stop::Usage(format!("unknown preset '{name}'; the presets are {}", known.join(", ")))
-        })?),
+        Some(name) => Some(find(name).ok_or_else(|| Stop::Usage(unknown(name)))?),
     };
     if preset.is_none() && arguments.machine.machine.is_none() {
         print(&list(None))?;

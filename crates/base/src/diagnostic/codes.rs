@@ -36,6 +36,17 @@ impl Code {
         CODES.iter().find(|row| row.code.0.eq_ignore_ascii_case(text))
     }
 
+    /// Returns the rows that a person may mean by a code in any case, `e0203`, without its zeros or without its letter: `e203`, `203`.
+    pub fn meant(text: &str) -> impl Iterator<Item = &'static CodeRow> {
+        let has_letter = text.starts_with(|first: char| first.is_ascii_alphabetic());
+        let (letter, digits) = text.split_at(usize::from(has_letter));
+        let number: Option<u16> = digits.parse().ok().filter(|_| digits.bytes().all(|byte| byte.is_ascii_digit()));
+        CODES.iter().filter(move |row| {
+            let (own, digits) = row.code.0.split_at(1);
+            number.is_some() && number == digits.parse().ok() && (!has_letter || own.eq_ignore_ascii_case(letter))
+        })
+    }
+
     /// Returns the severity, which follows from the first letter.
     #[must_use]
     pub fn severity(self) -> Severity {
@@ -430,7 +441,8 @@ accepted; save UTF-16 and workbooks (XLSX) as CSV first.
     DATA_COLUMN = "E0602" "column that does not match the machine"
 "Every axis of the machine needs a column of its name (X, Y, Z, C …) with positions in mm or degrees. A column named after an axis
 that the machine does not have, or a repeated name, is refused: the data are probably from another measurement or machine. A log
-needs t_s and at least one temperature (T_head_C for the sensor T_head) or load_N.";
+needs t_s and at least one temperature (T_head_C for the sensor T_head) or load_N. A table for weighing needs only the axis of
+[strain] and strain_um_m.";
     DATA_CELL = "E0603" "cell that is not a number"
 "A position or a tool length is a plain number: 12.5 or, if the separator is not a comma, 12,5; the same decimal sign in all cells,
 no unit, no thousands separators. Cells must not be empty. The sense of motion (X_dir …) is -1, 0 or 1, or empty. In a log
@@ -709,7 +721,7 @@ repetitions could not be fitted. Reasons are few readings, weights that follow t
 degrees Fahrenheit; a pulse of some minutes, a first cycle before the machine had settled, a step in all later readings, single
 outliers, or the resolution of a display. The message gives the rows and the evidence, and the help the consequence: faulty data are
 excluded from the search for causes, or get their own zero or noise. The file is not changed. Where the log of temperatures ends or
-pauses, only these rows are excluded. In holdout data all other rows are kept, so that the test data are not selected.";
+pauses, only these rows are excluded. In held-out data all other rows are kept, so that the test data are not selected.";
     STARVING = "W0701" "the link is too slow in places"
 "In some places the control waits briefly for lines (see E0702), but not long enough to forbid the transfer.";
     SERIAL_SETTINGS = "W0702" "port with different settings or a name that may change"

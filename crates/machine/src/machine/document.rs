@@ -2,6 +2,8 @@
 //!
 //! The tables of the TOML crate are copied once, so that no other code depends on it. [`Section`] reads them.
 
+use std::borrow::Cow;
+
 use toml::de::{DeTable, DeValue};
 
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
@@ -139,16 +141,19 @@ impl TomlItem {
         TomlItem { value, span }
     }
 
-    pub(super) fn found(&self) -> &'static str {
-        match self.value {
+    pub(super) fn found(&self) -> Cow<'static, str> {
+        /// Numbers up to this are written without an exponent.
+        const PLAIN: f64 = 1e15;
+        Cow::Borrowed(match self.value {
             TomlValue::Text(_) => "a text",
             TomlValue::Number { value, .. } if !value.is_finite() => "a number that is not finite",
-            TomlValue::Number { .. } => "a number",
+            TomlValue::Number { value, .. } if value.abs() <= PLAIN => return Cow::Owned(value.to_string()),
+            TomlValue::Number { value, .. } => return Cow::Owned(format!("{value:e}")),
             TomlValue::Boolean(_) => "true or false",
             TomlValue::Items(_) => "a list",
             TomlValue::Table(_) => "a section",
             TomlValue::Date => "a date",
-        }
+        })
     }
 
     pub(super) fn number(&self) -> Option<f64> {

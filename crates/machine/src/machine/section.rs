@@ -10,7 +10,7 @@ use ncfix_base::geometry::Vector;
 use ncfix_base::source::FileId;
 
 use super::document::{TomlEntry, TomlItem, TomlTable, TomlValue};
-use super::range::{most_in_list, range_of};
+use super::range::{NumberRange, most_in_list, range_of};
 use ncfix_base::source::is_deceptive;
 
 /// Maximum number of unknown keys that are reported for one table; a file with more is not a machine file.
@@ -114,6 +114,12 @@ impl<'a> Section<'a> {
     /// Reads a finite number.
     pub fn number(&mut self, key: &str) -> Option<f64> {
         self.value(key, "a finite number", TomlItem::number).filter(|&value| self.is_in_range(key, &[value]))
+    }
+
+    /// Reads a number of a key without a unit in its name, in the range of the keys that end with `unit`, such as `_urad`.
+    pub fn number_in(&mut self, key: &str, unit: &str) -> Option<f64> {
+        let found = self.value(key, "a finite number", TomlItem::number);
+        found.filter(|&value| self.is_within(&range_of(unit), key, &[value]))
     }
 
     /// Reads a number that must satisfy a condition.
@@ -255,7 +261,10 @@ impl<'a> Section<'a> {
 
     /// Checks range and number of the values of a key; reports the first fault.
     fn is_in_range(&mut self, key: &str, values: &[f64]) -> bool {
-        let range = range_of(key);
+        self.is_within(&range_of(key), key, values)
+    }
+
+    fn is_within(&mut self, range: &NumberRange, key: &str, values: &[f64]) -> bool {
         let most = most_in_list(key);
         if values.len() > most {
             let message = format!("{key} has {} numbers, more than {most}", values.len());

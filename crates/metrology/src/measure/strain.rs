@@ -36,8 +36,8 @@ pub fn read(table: &Table, gauge: &StrainGauge) -> Result<Vec<StrainReading>, Ve
     let mut findings = Vec::new();
     let axis = gauge.axis.to_string();
     let unit = if gauge.axis.is_rotary() { "deg" } else { "mm" };
-    let position = column(table, &axis, &format!("positions of the axis in {unit}"), &mut findings);
-    let strain = column(table, STRAIN, "readings of the strain gauge in µm/m", &mut findings);
+    let position = column(table, &axis, &format!("axis positions ({unit})"), &mut findings);
+    let strain = column(table, STRAIN, "readings of the strain gauge (µm/m)", &mut findings);
     let (Some(position), Some(strain)) = (position, strain) else { return Err(findings) };
     let (run, time) = (table.column("run"), table.column("t_s"));
     let numbers: Vec<usize> = [Some(position), Some(strain), time].into_iter().flatten().collect();
@@ -61,7 +61,7 @@ pub fn read(table: &Table, gauge: &StrainGauge) -> Result<Vec<StrainReading>, Ve
 fn column(table: &Table, name: &str, what: &str, findings: &mut Vec<Diagnostic>) -> Option<usize> {
     let column = table.column(name);
     if column.is_none() {
-        let help = format!("name the column with {what} {name}");
+        let help = format!("rename the column with the {what} to `{name}`");
         let message = format!("there is no column {name}");
         findings.push(Diagnostic::at(Code::DATA_COLUMN, table.header_place(None), message, help));
     }

@@ -18,6 +18,7 @@ use std::fmt;
 use super::parameter::ParameterName;
 use ncfix_base::register::{Register, Registered};
 use ncfix_machine::machine::Machine;
+use ncfix_machine::machine::file::nearest;
 
 /// Named set of parameters.
 #[derive(Clone, Copy, Debug)]
@@ -115,4 +116,13 @@ pub fn location_errors(machine: &Machine) -> Vec<ParameterName> {
 #[must_use]
 pub fn find(name: &str) -> Option<&'static Preset> {
     PRESETS.iter().find(|preset| preset.name == name)
+}
+
+/// Returns the message for a name without a built-in preset, with the nearest one and all of them.
+#[must_use]
+pub fn unknown(name: &str) -> String {
+    let known: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
+    let near = nearest(name, known.iter().copied());
+    let guess = near.map_or_else(String::new, |near| format!("did you mean {near}? "));
+    format!("unknown preset '{name}'; {guess}the presets are {}", known.join(", "))
 }

@@ -246,7 +246,7 @@ impl<'a> Weigher<'a> {
                 likeness * 1e4
             );
             let help = format!(
-                "give the position with --known {letter}0; runs with more positions, or in both directions with t_s, may determine it"
+                "state the coordinate in mm if you know it, for example --known {letter}25; runs with more positions, or in both directions with t_s, may determine it"
             );
             findings.push(self.warning(message, &help));
             for line in &mut self.lines {
