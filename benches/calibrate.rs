@@ -1,4 +1,5 @@
-//! How long fits take on one core: thirteen parameters on 109 probings, 84 on the same, and 60 on tens of thousands of rows of a ball-bar.
+//! Duration of fits on one core: thirteen parameters on 109 probings, 84 on the same, and 60 on tens of thousands of
+//! rows of a ball-bar.
 #![allow(clippy::unwrap_used, reason = "a bench that cannot be set up has nothing to measure")]
 
 use std::hint::black_box;
@@ -19,7 +20,7 @@ use ncfix_model::{ErrorModel, file, preset};
 /// Noise of a reading, mm.
 const NOISE_MM: f64 = 1e-3;
 
-/// Readings of a machine, and what is fitted to them.
+/// Readings of a machine, and the parameters fitted to them.
 struct Job {
     name: String,
     machine: Machine,
@@ -33,7 +34,7 @@ fn machine(name: &str) -> (Machine, ErrorModel) {
     file::load(&source).0.unwrap()
 }
 
-/// The plan as it would be read on the machine.
+/// The readings of a plan on the machine.
 fn measured(machine: &Machine, errors: &ErrorModel, plan: &DataSet, reads: [bool; 3]) -> DataSet {
     let mut data = plan.clone();
     data.observations.iter_mut().for_each(|row| row.values = reads.map(|is_read| is_read.then_some(0.0)));
@@ -62,7 +63,7 @@ fn preset_of(name: &str, machine: &Machine) -> Vec<Parameter> {
     (preset::find(name).unwrap().parameters)(machine).unwrap().into_iter().map(Parameter::from).collect()
 }
 
-/// Table 4-1 with the parameters of a preset that it tells; the stylus is known.
+/// Table 4-1 with the parameters of a preset that it determines; the stylus is known.
 fn probings(preset: &str) -> Job {
     let (machine, errors) = machine("esmaeili_xyz5");
     let wishes =
@@ -75,7 +76,8 @@ fn probings(preset: &str) -> Job {
     Job { name, machine, parameters, data }
 }
 
-/// Circles in three planes with that many rows in all, and the first 60 parameters of Spaan's model that they tell.
+/// Circles in three planes with this number of rows in total, and the first 60 parameters of Spaan's model that they
+/// determine.
 fn circles(rows: usize) -> Job {
     let (machine, errors) = machine("demo");
     // Two full circles, and four of 220°: 5.78 turns of the plane.

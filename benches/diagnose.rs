@@ -1,5 +1,6 @@
-//! How long a diagnosis of 20,000 readings takes, the whole program with all its cores, and what it says: one hidden row of the catalog each, measured
-//! by the plant of the tests. `cargo bench --bench diagnose -- ballbar 03 52` takes some benches and rows only; in a test it is one row and few readings.
+//! Duration of a diagnosis of 20,000 readings by the whole program on all cores, and its result: one hidden row of
+//! the catalog each, measured by the synthetic machine of the tests. `cargo bench --bench diagnose -- ballbar 03 52`
+//! selects benches and rows; a test uses one row and few readings.
 #![allow(clippy::unwrap_used, reason = "a bench that cannot be set up has nothing to measure")]
 #![allow(clippy::print_stdout, reason = "the figures are what it is for")]
 #![allow(dead_code, unused_imports, unreachable_pub, reason = "the plant is that of the tests, which use all of it")]
@@ -14,13 +15,13 @@ mod plant;
 
 use plant::{Bench, Recipe, rows_shown};
 
-/// Rows of the catalog from here on are faults of the data.
+/// First row of the catalog that is a fault of the data.
 const FIRST_FAULT: u8 = 60;
-/// So densely sampled that there are 20,000 readings of a ball-bar, on the fly, and of a day's drift.
+/// Sampling densities with 20,000 readings of a ball-bar, on the fly, and of the drift of a day.
 const BENCHES: [(Bench, f64); 3] = [(Bench::Ballbar, 2.14), (Bench::OnTheFly, 13.92), (Bench::Drift, 43.45)];
-/// As few as a test needs.
+/// Sampling density of a test.
 const FEW: f64 = 0.12;
-/// What is hidden, in units of the noise, and the seed of the afternoon.
+/// Size of the hidden effect in units of the noise, and the seed of the noise.
 const SIZE: f64 = 5.0;
 const SEED: u64 = 2;
 

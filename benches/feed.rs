@@ -1,6 +1,7 @@
-//! How fast the built program feeds: a pseudo-terminal whose other end acknowledges at once, with the buffers of Grbl and of grblHAL. Lines a second and
-//! the delay from an answer to the next line, as `ncfix feed --json` reports them, and beside them what the system does alone: the pseudo-terminal with as
-//! many lines a round trip, and the calls that a line cannot do without. With `--test` a short program, without figures to hold.
+//! Speed of feeding by the built program: a pseudo-terminal whose other end acknowledges at once, with the buffers of
+//! Grbl and of grblHAL. The bench prints lines per second and the delay from an answer to the next line, as in `ncfix
+//! feed --json`. For comparison it measures the system alone: the pseudo-terminal with as many lines per round trip,
+//! and the calls that every line needs. With `--test` the program is short, and no limits apply.
 
 #![allow(clippy::print_stdout, reason = "figures are what a bench is for")]
 
@@ -14,12 +15,12 @@ use std::time::{Duration, Instant};
 
 use serialport::{SerialPort as _, TTYPort};
 
-/// A control: its link, the blocks and bytes of its buffers, and how long it takes for a line.
+/// A control: its link, the blocks and bytes of its buffers, and its time for a line.
 type Control = (&'static str, &'static str, Duration);
 const AT_ONCE: Duration = Duration::ZERO;
 const PACED: Duration = Duration::from_millis(1);
 
-/// Answers every line, and what Grbl is asked for.
+/// Answers every line, and the requests of Grbl.
 fn acknowledge(mut port: TTYPort, buffers: &str, pause: Duration, is_over: &AtomicBool) {
     let mut bytes = [0; 4096];
     let mut line = Vec::new();
@@ -50,7 +51,7 @@ fn acknowledge(mut port: TTYPort, buffers: &str, pause: Duration, is_over: &Atom
     }
 }
 
-/// Lines a second of the pseudo-terminal alone, with so many lines a round trip.
+/// Lines per second of the pseudo-terminal alone, with a number of lines per round trip.
 fn alone(lines: usize, trips: usize) -> f64 {
     let Some((master, mut slave)) = pair() else { return f64::NAN };
     let is_over = Arc::new(AtomicBool::new(false));
@@ -76,7 +77,7 @@ fn alone(lines: usize, trips: usize) -> f64 {
     speed
 }
 
-/// The calls that a line cannot do without, from an answer to its bytes: to read, to write it down, to ask for the queue, to write; µs.
+/// The calls that every line needs, from an answer to the next bytes: read, record, query the queue, write; µs.
 fn calls_alone(folder: &Path, count: usize) -> Option<[f64; 3]> {
     let (master, mut slave) = pair()?;
     let is_over = Arc::new(AtomicBool::new(false));
@@ -101,14 +102,14 @@ fn calls_alone(folder: &Path, count: usize) -> Option<[f64; 3]> {
     Some([count / 2, count * 99 / 100, count - 1].map(|at| took[at]))
 }
 
-/// Both ends of a pseudo-terminal; the first one waits no longer than a millisecond.
+/// Both ends of a pseudo-terminal; the first one waits for a millisecond at most.
 fn pair() -> Option<(TTYPort, TTYPort)> {
     let (mut master, slave) = TTYPort::pair().ok()?;
     master.set_timeout(Duration::from_millis(1)).ok()?;
     Some((master, slave))
 }
 
-/// Feeds a program to a control; says how fast that was. False where it did not end well.
+/// Feeds a program to a control and prints the speed; false if it did not end successfully.
 fn feed((link, buffers, pause): Control, program: &Path) -> bool {
     let Some((master, slave)) = pair() else {
         println!("no pseudo-terminal here");

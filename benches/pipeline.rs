@@ -22,7 +22,7 @@ use ncfix_path::path::{CorrectionOptions, Corrector, Increments, Output, OutputF
 const BLOCKS: u32 = 200_000;
 const BLOCKS_PER_LINE: u32 = 400;
 
-/// What stands before the surface in each dialect.
+/// Lines before the surface in each dialect.
 const HEADS: &[(&str, &str)] = &[
     ("sinumerik", "N1 G17 G90 G71 G64\nN2 T7\nN3 M6\nN4 G54 D1 S9000 M3\nN5 G0 X0 Y0 Z20\nN6 G1 Z1 F2500\n"),
     ("fanuc", "%\nO0001\nN1 G17 G90 G21 G54\nN2 T7 M6\nN3 G43 H7 S9000 M3\nN5 G0 X0. Y0. Z20.\nN6 G1 Z1. F2500.\n"),
@@ -90,7 +90,7 @@ impl Shop {
         Corrector::new(elements, &self.machine, &self.model, CorrectionOptions::default())
     }
 
-    /// Writes into nothing but a buffer; the number of blocks.
+    /// Writes into a buffer and returns the number of blocks.
     fn emit(&self, outputs: impl Iterator<Item = Result<Output, ncfix_base::diagnostic::Diagnostic>>) -> u64 {
         let mut writer = emit::writer(self.dialect.name, &self.writer_options).unwrap();
         emit::emit(outputs, writer.as_mut(), &mut std::io::sink(), |finding| panic!("{finding:?}")).unwrap()
@@ -145,7 +145,7 @@ fn stages(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// The way into the stream and the whole way, for each language.
+/// The flat stream and the complete correction, for each language.
 fn dialects(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("dialects");
     group.throughput(Throughput::Elements(u64::from(BLOCKS))).sampling_mode(SamplingMode::Flat);

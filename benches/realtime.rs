@@ -1,6 +1,6 @@
-//! How long the cycle of a control takes for its correction: a million set-points along a path on a machine with three axes and on one with five,
-//! the time of each in a histogram, and the proof that a cycle allocates nothing while new kernels are handed over to it. With `--test` fewer
-//! set-points, and no figures to hold.
+//! Duration of the correction in the cycle of a control: a million set-points along a path on a machine with three
+//! axes and on one with five, with a histogram of the durations. It also proves that a cycle allocates nothing while
+//! new kernels are handed over. With `--test` there are fewer set-points, and no limits apply.
 
 #![allow(clippy::print_stdout, reason = "figures are what a bench is for")]
 #![allow(unsafe_code, reason = "an allocator that counts must be one; it hands everything on to that of the system")]
@@ -20,18 +20,18 @@ use ncfix_model::{Model, Solve, file::load};
 use ncfix_tables::realtime::{Cycle, Dosing, Kernel, LatencyHistogram, Updater, handover};
 
 thread_local! {
-    /// Allocations of this thread, and memory that it freed.
+    /// Number of allocations and deallocations of this thread.
     static TOUCHED: Cell<u64> = const { Cell::new(0) };
 }
 
-/// The allocator of the system, counting what each thread asks of it.
+/// The allocator of the system, which counts the calls of each thread.
 struct Counting;
 
-// SAFETY: every call goes to the allocator of the system with the arguments as they came.
+// SAFETY: every call passes its arguments unchanged to the allocator of the system.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         let _ = TOUCHED.try_with(|touched| touched.set(touched.get() + 1));
-        // SAFETY: the caller keeps the contract of this function, which is that of the system's.
+        // SAFETY: the caller keeps the contract of this function, which is that of the allocator of the system.
         unsafe { System.alloc(layout) }
     }
 
@@ -45,7 +45,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// A machine, what its path looks like, and what is demanded of 99.9 % of its cycles, ns.
+/// A machine, its path, and the limit of 99.9 % of its cycles, ns.
 struct Case {
     name: &'static str,
     file: &'static str,
@@ -58,10 +58,10 @@ const CASES: [Case; 2] = [
     Case { name: "five axes", file: "esmaeili_xyz5", path: five_axes, limit_ns: 3000 },
 ];
 
-/// Parts of a run whose tails are shown one by one: what else runs on the computer disturbs some of them only.
+/// Number of parts of a run whose tails are printed separately: other processes disturb only some of them.
 const PARTS: usize = 10;
 
-/// Circles that sink and wander over the table.
+/// Descending circles that move over the table.
 fn three_axes(s: f64) -> AxisVector {
     let mut point = AxisVector::ZERO;
     point[Axis::X] = 350.0 + 200.0 * (s * 0.11).sin() + 100.0 * s.cos();
@@ -70,7 +70,7 @@ fn three_axes(s: f64) -> AxisVector {
     point
 }
 
-/// The same with a tool that leans to all sides.
+/// The same circles with a tool that tilts to all sides.
 fn five_axes(s: f64) -> AxisVector {
     let mut point = three_axes(s);
     point[Axis::X] -= 350.0;
@@ -87,13 +87,13 @@ fn read(name: &str) -> Option<(Machine, Model)> {
     Some((machine, model))
 }
 
-/// The figures of a case; whether the target is met and nothing was allocated.
+/// Measures a case; returns whether it meets its limit and whether nothing was allocated.
 fn measure(case: &Case, set_points: usize, criterion: &mut Criterion) -> Option<(bool, bool)> {
     let (machine, model) = read(case.file)?;
     let tool_mm = Vector::new(0.0, 0.0, -120.0);
     let make = move || Kernel::new(&machine, &model, &tool_mm, Solve::Full);
     let (publisher, subscriber) = handover(make());
-    // Far more often than once a minute, so that handing over shows.
+    // Far more often than once per minute, so that handovers have a visible effect.
     let updater = Updater::start(publisher, Duration::from_millis(200), move || Some(make()));
     let mut cycle = Cycle::new(subscriber, Dosing::new(1e-3, 5e-6), 1e-4, 1e-6);
     // 15 ms at 6 m/min.

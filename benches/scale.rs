@@ -1,5 +1,6 @@
-//! How the cost of the whole way grows with the number of blocks, with the size of the file and with the number of error terms, over three
-//! decades each. `NCFIX_WRITE_DOCS=1` draws it into `docs/scale.svg`; `-- --test` only shows that it runs.
+//! Cost of a complete correction as a function of the number of blocks, the size of the file and the number of error
+//! terms, over three decades each. `NCFIX_WRITE_DOCS=1` draws it into `docs/scale.svg`; `-- --test` only checks that
+//! it runs.
 #![allow(clippy::unwrap_used, reason = "a bench that cannot be set up has nothing to measure")]
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
@@ -16,13 +17,13 @@ use ncfix_report::plot::{Chart, Picture, PlotSeries, Shape};
 use std::fmt::Write as _;
 use std::time::Instant;
 
-/// Rounds of which the best counts.
+/// Number of repetitions, of which the best counts.
 const ROUNDS: usize = 3;
 
 /// A remark of a hundred bytes, with its end of line.
 const REMARK_BYTES: usize = 100;
 
-/// A surface milled in lines of short blocks, each with so many remarks in lines of their own behind it.
+/// A surface milled in lines of short blocks, each followed by a number of remarks in lines of their own.
 fn program(blocks: usize, remarks: usize) -> String {
     let mut text = String::from("G17 G90 G71 G64\nT7\nM6\nG54 D1 S9000 M3\nG0 X0 Y0 Z20\nG1 Z1 F2500\n");
     let remarks = format!(";{}\n", "x".repeat(REMARK_BYTES - 2)).repeat(remarks);
@@ -36,7 +37,7 @@ fn program(blocks: usize, remarks: usize) -> String {
     text + "M30\n"
 }
 
-/// So many waves, dealt out over the 18 errors of three axes.
+/// A number of waves, distributed over the 18 errors of three axes.
 fn waves(terms: usize) -> ErrorModel {
     let names: Vec<String> =
         "XYZ".chars().flat_map(|axis| "XYZABC".chars().map(move |d| format!("E{d}{axis}"))).collect();
@@ -50,7 +51,7 @@ fn waves(terms: usize) -> ErrorModel {
     ErrorModel { motion: motion.collect(), ..ErrorModel::default() }
 }
 
-/// Seconds of the whole way in one thread, the best of some rounds.
+/// Seconds of a complete correction in one thread, the best of some repetitions.
 fn seconds(text: &str, machine: &Machine, errors: &ErrorModel) -> f64 {
     let source = Source::new(FileId(0), "surface", text.as_bytes().to_vec()).unwrap();
     let model = Model::new(machine, errors);
@@ -83,7 +84,7 @@ struct Row {
 }
 
 impl Row {
-    /// The power of the size with which the cost grows over the last decade: 1 where it is proportional.
+    /// Exponent of the cost as a function of the size over the last decade: 1 if it is proportional.
     fn power(&self) -> f64 {
         let &[.., (from, before), (to, after)] = self.points.as_slice() else { return f64::NAN };
         (after / before).ln() / (to / from).ln()

@@ -52,7 +52,7 @@ impl Basis {
         }
     }
 
-    /// `true` if there are none.
+    /// `true` without any.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0

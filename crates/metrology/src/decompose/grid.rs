@@ -24,7 +24,7 @@ pub struct RunGrid {
     pub count: usize,
     /// Set-points and encoder positions by axis of the machine.
     pub axes: Vec<(Axis, AxisSignals)>,
-    /// Readings along F's directions by the clock of the instrument, mm; empty if there are none.
+    /// Readings along F's directions by the clock of the instrument, mm; empty without readings.
     pub readings: Vec<Signal>,
     /// RMS of single readings about these, mm: the noise of the instrument and motion too fast for the control.
     pub fast_mm: [f64; 3],

@@ -273,7 +273,7 @@ impl FileTerm {
     /// The changes for these amounts.
     ///
     /// # Errors
-    /// The reason if there are none.
+    /// The reason if no change is possible.
     pub fn changes(&self, amounts: &[f64]) -> Result<Vec<Change>, String> {
         (self.0)(amounts)
     }

@@ -36,7 +36,7 @@ pub struct MeasuredFigures {
     pub setup: String,
     /// Its subject: `EXX`, `XY`, `sphere`.
     pub of: String,
-    /// The figures, or a sentence with the reason why there are none.
+    /// The figures, or the reason why they do not exist, as a sentence.
     pub figures: Result<Figures, String>,
 }
 
