@@ -328,8 +328,8 @@ impl DiagnosisReport {
         out.push(self.unexplained_sentence());
         match self.found.data_faults.len() {
             0 => {}
-            1 => out.push("The data have a defect, see below.".into()),
-            count => out.push(format!("The data have {count} defects, see below.")),
+            1 => out.push("The data have a fault, see below.".into()),
+            count => out.push(format!("The data have {count} faults, see below.")),
         }
         out.join(" ")
     }
