@@ -9,6 +9,7 @@ use crate::machine::Machine;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Vector};
 use ncfix_base::units::um_from_mm;
+use ncfix_machine::machine::condition::Condition;
 use ncfix_machine::machine::{Datum, TouchedAt, ZeroSetting};
 use ncfix_model::Model;
 use ncfix_report::json::ZeroReport;
@@ -73,8 +74,12 @@ pub(crate) fn with_zeros(chosen: &Machine, model: Model) -> Model {
         Model::at(machine, &chosen.errors, &then)
     });
     let then = earlier.as_ref().unwrap_or(&model);
+    // Nobody knows how warm the machine was at a touch that no file states: drift counts from the reference condition.
+    let reference = Model::at(machine, &chosen.errors, &Condition::default());
     let datums = machine.zero_offsets.iter().map(|(name, zero)| {
         let datum = machine.datums.get(name).copied().unwrap_or_default();
+        let is_assumed = datum.setting.is_none() && earlier.is_none();
+        let then = if is_assumed { &reference } else { then };
         let touch_mm = then.displacement_at(&[0, 1, 2].map(|side| datum.pose(side, zero, machine)));
         let touch_mm = if touch_mm.iter().all(|mm| mm.is_finite()) { touch_mm } else { Vector::zeros() };
         (touch_mm, is_relative(&datum))
@@ -85,7 +90,7 @@ pub(crate) fn with_zeros(chosen: &Machine, model: Model) -> Model {
 
 /// True if errors are relative to the touched position.
 fn is_relative(datum: &Datum) -> bool {
-    datum.setting.is_some_and(ZeroSetting::is_relative)
+    datum.method().is_relative()
 }
 
 /// The zero offsets of these indices, with a warning for those without a stated method if it matters by more than
@@ -100,12 +105,12 @@ pub(crate) fn of_run(
     let machine = &chosen.machine;
     let all = machine.zero_offsets.keys().zip(0_u16..).filter(|(_, index)| used.contains(index));
     let reports = all.map(|(name, index)| {
-        let setting = machine.datums.get(name).and_then(|datum| datum.setting);
+        let datum = machine.datums.get(name).copied().unwrap_or_default();
         let contains_mm = model.touch_mm(index);
         ZeroReport {
             name: name.clone(),
-            set: setting.unwrap_or(ZeroSetting::Absolute).name(),
-            is_stated: setting.is_some(),
+            set: datum.method().name(),
+            is_stated: datum.setting.is_some(),
             contains_um: [0, 1, 2].map(|axis| um_from_mm(contains_mm[axis])),
             distance_um: um_from_mm(contains_mm.norm()),
         }
@@ -115,7 +120,7 @@ pub(crate) fn of_run(
     // On the demo machine no workpiece was touched off.
     for one in reports.iter().filter(is_doubtful).filter(|_| !chosen.is_demo) {
         let name = &one.name;
-        let message = format!("{name} counts as the true place, which nobody states; {}", one.contents());
+        let message = format!("{name} counts as touched, because no method is stated; {}", one.contents());
         let help = format!(
             "state it: set = \"touched\" or \"absolute\" in [zero_offset.{name}], or --zero {name}=touched or {name}=absolute"
         );
@@ -124,11 +129,16 @@ pub(crate) fn of_run(
     reports
 }
 
-/// The zero offsets that count as touched, for the stamp: `G54-touched`.
+/// The zero offsets that count as touched, for the stamp: `G54-touched`; `unstated-touched` stands for all without a statement.
 pub(crate) fn stamped(chosen: &Machine) -> Option<String> {
-    let relative = chosen.machine.datums.iter().filter(|(_, datum)| is_relative(datum));
-    let parts: Vec<String> = relative
-        .filter_map(|(name, datum)| Some(format!("{}-{}", name.replace(' ', "_"), datum.setting?.name())))
-        .collect();
+    let machine = &chosen.machine;
+    let stated = |name: &String| machine.datums.get(name).and_then(|datum| datum.setting);
+    let relative = machine.zero_offsets.keys().filter_map(|name| Some((name, stated(name)?)));
+    let relative = relative.filter(|(_, setting)| setting.is_relative());
+    let mut parts: Vec<String> =
+        relative.map(|(name, setting)| format!("{}-{}", name.replace(' ', "_"), setting.name())).collect();
+    if machine.zero_offsets.keys().any(|name| stated(name).is_none()) {
+        parts.push(format!("unstated-{}", Datum::default().method().name()));
+    }
     (!parts.is_empty()).then(|| parts.join(","))
 }

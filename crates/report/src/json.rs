@@ -72,7 +72,7 @@ pub struct ZeroReport {
     pub name: String,
     /// Method by which it was set: `touched`, `probed` or `absolute`.
     pub set: &'static str,
-    /// True if the method is stated; otherwise the zero counts as absolute.
+    /// True if the method is stated; otherwise the zero counts as touched.
     pub is_stated: bool,
     /// Error of the tip that a touched zero contains, in the directions of the workpiece, µm.
     pub contains_um: [f64; 3],

@@ -660,9 +660,10 @@ positions is unknown. Add the range, as docs/reference/machine-file.md describes
 "A temperature or the weight on the table is beyond the range in which its effect was measured ([measured] temperature_C, load_N). The
 effect is extrapolated by the error model.";
     ZERO_NOT_STATED = "W0321" "method of setting the zero not stated"
-"Nobody states how the zero offset was set, so its value counts as the true place in the machine. A zero that was touched off or probed
-contains the error of the machine at that place. In a program corrected for the true place, the tool then misses the touched side by this
-error. State it: set = \"touched\", \"probed\" or \"absolute\" in [zero_offset.NAME], or --zero G54=touched. See docs/how-to/set-the-zero.md.";
+"No file or option states how the zero offset was set, so it counts as touched off with the tip at the workpiece zero. A touched zero
+contains the error of the machine at that place, and only the difference to it is corrected. If the zero is the true place in the machine,
+the cut is wrong by this error. State it: set = \"touched\", \"probed\" or \"absolute\" in [zero_offset.NAME], or --zero G54=absolute.
+See docs/how-to/set-the-zero.md.";
     UNKNOWN_CUT = "W0322" "cut at a position that is not known"
 "The program has a feed move while the position of a linear axis is not known. Either no earlier block states it, or a program that the
 control runs itself has moved the axes. The errors of the machine depend on this position, so the correction there is incomplete, and

@@ -61,13 +61,19 @@ pub struct TouchedAt {
 /// Statement about a zero offset.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Datum {
-    /// Method; `None` if nobody states it.
+    /// Method, if it is stated.
     pub setting: Option<ZeroSetting>,
     /// Poses at which the sides along X, Y and Z were touched.
     pub at: [TouchedAt; 3],
 }
 
 impl Datum {
+    /// Returns the method; a zero without a statement counts as touched, because most zeros are.
+    #[must_use]
+    pub fn method(&self) -> ZeroSetting {
+        self.setting.unwrap_or(ZeroSetting::Touched)
+    }
+
     /// Returns the pose at which a side (0 for X, 1 for Y, 2 for Z) was touched. Positions that are not stated are those at which the tip is at the
     /// workpiece zero; a tool that is not stated has no length.
     #[must_use]
