@@ -160,8 +160,8 @@ pub fn form_row(before: SpreadReport, form: Option<SpreadReport>) -> String {
     if let Some(form) = form.filter(|form| form.mean_um < MOST_FORM * before.mean_um) {
         push_row(
             &mut out,
-            "of it form",
-            &format!("{}   the rest is constant: a touched zero takes it up", columns(form)),
+            "form error",
+            &format!("{}   of the error before; the rest is a constant offset, which a touched-off zero removes", columns(form)),
         );
     }
     out

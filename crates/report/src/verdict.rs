@@ -33,6 +33,9 @@ pub struct Reason {
     pub text: String,
     /// Code of the diagnostic, if the reason is one.
     pub code: Option<&'static str>,
+    /// True if it states an assumption, which is neither for nor against running the program.
+    #[serde(skip)]
+    pub is_neutral: bool,
 }
 
 /// Verdict on running a program.
@@ -60,6 +63,12 @@ impl Grade {
 }
 
 impl Reason {
+    /// Returns the name of its mark on a page: that of its grade, or `note`.
+    #[must_use]
+    pub fn mark(&self) -> &'static str {
+        if self.is_neutral { "note" } else { self.grade.name() }
+    }
+
     /// True if it is a gap in the measured ranges.
     fn is_gap(&self) -> bool {
         self.code.and_then(Code::find).is_some_and(|row| row.code.is_coverage())
@@ -71,7 +80,8 @@ impl Verdict {
     #[must_use]
     pub fn of(review: &Review) -> Verdict {
         let mut reasons = Vec::new();
-        let mut say = |grade, text: String| reasons.push(Reason { grade, text, code: None });
+        let mut neutral: Vec<String> = Vec::new();
+        let mut say = |grade, text: String| reasons.push(Reason { grade, text, code: None, is_neutral: false });
         if review.same {
             say(Grade::Warn, "nothing was changed".into());
         }
@@ -100,10 +110,12 @@ impl Verdict {
             && form.mean_um < MOST_FORM * before.mean_um
         {
             let [whole, own] = [before.mean_um, form.mean_um].map(micrometers);
-            say(Grade::Ok, format!("of the mean error of {whole}, {own} is form; a touched zero takes up the rest"));
+            neutral.push(format!(
+                "of the mean error of {whole}, {own} is form error; the rest is a constant offset, which a touched-off zero removes"
+            ));
         }
         for zero in review.zeros.iter().filter(|zero| zero.is_stated) {
-            say(Grade::Ok, format!("{} counts as {}; {}", zero.name, zero.set, zero.contents()));
+            neutral.push(format!("{} counts as {}; {}", zero.name, zero.set, zero.contents()));
         }
         for (why, is_harmless) in LEFT {
             if let Some(count) = review.left.get(why).filter(|_| !is_harmless) {
@@ -124,13 +136,14 @@ impl Verdict {
         let is_covered = coverage.is_some_and(|coverage| coverage.is_complete);
         if coverage.is_some_and(|coverage| !coverage.is_stated) {
             let text = "the machine file does not state the measured ranges: the errors are assumed to hold at all positions of the program";
-            say(Grade::Ok, text.into());
+            neutral.push(text.into());
         } else if is_covered {
             say(Grade::Ok, "all positions are within the measured ranges".into());
         }
+        reasons.extend(neutral.into_iter().map(|text| Reason { text, is_neutral: true, ..Reason::default() }));
         let of_finding = |finding: &Finding| {
             let text = format!("{} {}", finding.code, finding.message);
-            Reason { grade: grade_of(finding), text, code: Some(finding.code) }
+            Reason { grade: grade_of(finding), text, code: Some(finding.code), is_neutral: false }
         };
         reasons.extend(review.diagnostics.iter().map(of_finding));
         // Among equals, gaps of the coverage come first: they limit every number that follows.

@@ -24,7 +24,7 @@ pub(in crate::cli) fn run(arguments: &CheckArguments) -> Result<ExitCode, Stop> 
             }
             (false, _) => "not understood".to_owned(),
             (true, false) if arguments.syntax_only => "understood".to_owned(),
-            (true, false) => "understood, not corrected to the end".to_owned(),
+            (true, false) => "understood, but a correction would be refused".to_owned(),
             (true, true) => format!("understood and executed, {}", counted(elements, "element")),
         };
         tell(&format!("{}: {done}; {}\n", arguments.input.display(), findings.count()));

@@ -329,8 +329,8 @@ path. Check zero offset and tool length first: a wrong one shifts the whole prog
 machine are smaller: check the units in the machine file before raising the limit.";
     UNKNOWN_START = "E0304" "motion from an unknown position"
 "An incremental move or an arc starts from a position that the program has not stated: at its beginning, or after a tool change. The
-corrected program is absolute, so it would move to a different place from the original. Begin with an absolute position, or give
---start X0,Y0,Z0 for the beginning.";
+corrected program is absolute, so it would move to a different place from the original. Or the plane is tilted, and the positions of
+the axes are not known. Begin with an absolute position of all axes, or give --start X0,Y0,Z0 for the beginning.";
     UNITS_DOUBT = "E0305" "ambiguous units"
 "Positions were programmed before the unit was stated, and the program switches between inch (G70, G700) and metric (G71, G710) later.
 Whether the first positions are mm or inch depends on what was active on the control before. State the unit in the first block.";
@@ -592,7 +592,8 @@ after are checked. Check whether a smaller tool is intended.";
     EITHER_WAY = "W0235" "rotary axis may turn in either direction"
 "A rapid motion turns a rotary axis by exactly half a turn in the shortest direction (DC). The control may turn in either direction.
 The word is unchanged in the output, but its position is corrected by a few thousandths of a degree, which may reverse the
-direction. The end position is the same; check that the axis may turn in both directions there, or program ACP or ACN.";
+direction. The end position is the same; check that the axis may turn in both directions there, or program ACP or ACN. CYCLE800 has
+no such words: position the rotary axes before it, or choose the other solution with _DIR.";
     WEAR_WITHOUT_EFFECT = "W0236" "radius compensation is replaced by the tool center path"
 "The program uses G41 or G42 (Grundig: G43 and G44 too), and the corrected one has the tool center path instead, for the radius of
 the tool in the machine file. The control no longer uses its own radius: another radius or wear entered at the control has no effect

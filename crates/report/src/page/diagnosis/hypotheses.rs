@@ -51,9 +51,9 @@ pub(super) fn section(out: &mut Markup, report: &DiagnosisReport, shown: &PageRe
         "other explanations",
         "why not corrected",
     ]);
-    let caption = "Evidence: how much more probable the readings are with the hypothesis than without it, each with the memory of the noise that suits it best. \
-                   Findings that have the effect of the hypothesis are left out beside it. Gain on unseen: by how much less is left (RMS) of readings that did not \
-                   determine the amount.";
+    let caption = "Evidence: how much more probable the readings are with the hypothesis than without it, each with the noise correlation that fits it best. \
+                   Causes with the effect of the hypothesis are not part of the comparison. Gain on unseen: by how much it reduces the residual (RMS) of readings \
+                   that did not determine the amount.";
     table(out, &heads, &rows, caption, MOST_ROWS);
     side_by_side(out, |out| {
         for (number, one) in report.found.hypotheses.iter().enumerate() {

@@ -150,7 +150,7 @@ fn verdict(out: &mut Markup, review: &Review) {
         out.leaf("b", &[], capital(verdict.sentence()));
         out.element("ul", &[], |out| {
             for reason in &verdict.reasons {
-                out.leaf("li", &[("class", &reason.grade.name())], &reason.text);
+                out.leaf("li", &[("class", &reason.mark())], &reason.text);
             }
         });
     });
