@@ -147,9 +147,9 @@ fn a_hemisphere_has_size_and_form() {
     near(value(group, "form"), 4.0, 0.05);
     // n - 1 of 360 readings of ±2.
     near(value(group, "s"), 2.0 * (360.0_f64 / 359.0).sqrt(), 0.02);
-    near(value(group, "centre X"), 40.0, 0.05);
-    near(value(group, "centre Y"), -25.0, 0.05);
-    near(value(group, "centre Z"), 10.0, 0.1);
+    near(value(group, "center X"), 40.0, 0.05);
+    near(value(group, "center Y"), -25.0, 0.05);
+    near(value(group, "center Z"), 10.0, 0.1);
     let flat: Vec<Vector> = points.iter().map(|point| Vector::new(point.x, point.y, 0.0)).collect();
     assert_eq!(sphere::fit(&flat), None);
     assert_eq!(sphere::fit(&points[..4]), None);

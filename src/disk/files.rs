@@ -34,7 +34,11 @@ pub(crate) fn read(path: &Path, id: FileId, role: &str) -> Result<Source, Error>
     read_up_to(path, id, role, MAX_BYTES)
 }
 
-/// Reads a file written by a person, which is never large.
+/// Role of the description of a measurement; a message that it cannot be read states it.
+pub(crate) const DESCRIPTION: &str =
+    "the description of the measurement; write this file as docs/reference/data-files.md shows";
+
+/// Reads a file that people write, which is never large.
 ///
 /// # Errors
 /// If the file cannot be read or is too large.
@@ -43,8 +47,8 @@ pub(crate) fn read_written(path: &Path, id: FileId, role: &str) -> Result<Source
 }
 
 fn read_up_to(path: &Path, id: FileId, role: &str, most: usize) -> Result<Source, Error> {
-    // If an option named the file, the message names the option.
-    let is_option = role.contains("--") || role.contains("NCFIX_");
+    // An option that named the file is named in turn, and a description, which no option names.
+    let is_option = role.contains("--") || role.contains("NCFIX_") || role == DESCRIPTION;
     let fault = |error: io::Error| {
         let sentence = Error::file("read", path, &error).message().to_owned();
         Error::usage(if is_option { format!("{sentence} ({role})") } else { sentence })

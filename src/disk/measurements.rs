@@ -82,7 +82,7 @@ fn read_for(
     let [own, beside] = measurement::ids(number);
     let sources = [
         files::read(table, own, "measurement")?,
-        files::read_written(&description, beside, "its description, beside it")?,
+        files::read_written(&description, beside, files::DESCRIPTION)?,
     ];
     let name = table.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let mut all = sources.to_vec();

@@ -164,7 +164,8 @@ impl Tables {
         let mut gaps = of_ranges(machine, &used).diagnostics(false);
         // Tables have a range instead of a workpiece that can be moved.
         for gap in gaps.iter_mut().filter(|gap| gap.code == Code::BEYOND_MEASURED) {
-            gap.help = gap.help.replace("move the workpiece", "limit the tables with --range");
+            let measure = gap.help.trim_start_matches("move the workpiece, or ");
+            gap.help = format!("limit the tables with --range, or {measure}");
         }
         found.extend(gaps, &[]);
         let notes = notes(machine, &request, format, &made);

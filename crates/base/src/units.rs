@@ -135,7 +135,10 @@ pub fn parse_length_mm(text: &str) -> Result<f64, String> {
         .iter()
         .find_map(|&(unit, factor)| text.strip_suffix(unit).map(|number| (number, factor)))
         .ok_or_else(|| format!("'{text}' has no unit; write for example 1um or 0.02mm"))?;
-    let value: f64 = number.trim().parse().map_err(|_| format!("'{number}' is not a number"))?;
+    let value: f64 = number.trim().parse().map_err(|_| match number.contains(',') {
+        true => format!("'{number}' is not a number; write a decimal point"),
+        false => format!("'{number}' is not a number"),
+    })?;
     if value.is_finite() { Ok(value * factor) } else { Err(format!("'{text}' is not finite")) }
 }
 

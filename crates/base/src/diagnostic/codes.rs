@@ -440,9 +440,9 @@ accepted; save UTF-16 and workbooks (XLSX) as CSV first.
   1,100,50,0,-3.2";
     DATA_COLUMN = "E0602" "column that does not match the machine"
 "Every axis of the machine needs a column of its name (X, Y, Z, C …) with positions in mm or degrees. A column named after an axis
-that the machine does not have, or a repeated name, is refused: the data are probably from another measurement or machine. A log
-needs t_s and at least one temperature (T_head_C for the sensor T_head) or load_N. A table for weighing needs only the axis of
-[strain] and strain_um_m.";
+that the machine does not have, or a repeated name, is refused: the data are probably from another measurement or machine. Readings
+of lengths are in µm: convert a column value_mm to µm, and name it value_um. A log needs t_s and at least one temperature (T_head_C
+for the sensor T_head) or load_N. A table for weighing needs only the axis of [strain] and strain_um_m.";
     DATA_CELL = "E0603" "cell that is not a number"
 "A position or a tool length is a plain number: 12.5 or, if the separator is not a comma, 12,5; the same decimal sign in all cells,
 no unit, no thousands separators. Cells must not be empty. The sense of motion (X_dir …) is -1, 0 or 1, or empty. In a log

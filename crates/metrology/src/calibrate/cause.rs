@@ -68,6 +68,8 @@ impl UndeterminedCause {
     /// The remedy; `many` for several parameters.
     pub(super) fn remedy(self, many: bool) -> String {
         let them = if many { "them" } else { "it" };
+        // Of a pair, either one can be left out.
+        let one_of_them = if many { "them" } else { "one of them" };
         match self {
             UndeterminedCause::Few(axis, found, needed) if axis.is_rotary() => {
                 let more = needed.saturating_sub(found).max(1);
@@ -113,9 +115,11 @@ impl UndeterminedCause {
             UndeterminedCause::Lever => {
                 "measure the same with a second tool vector (another length, or off the spindle)".into()
             }
-            UndeterminedCause::Plane => format!("measure also in another plane, or leave {them} out"),
+            UndeterminedCause::Plane => {
+                format!("leave {one_of_them} out, or measure in poses in which they differ, outside this plane")
+            }
             UndeterminedCause::Angles(axis) => format!("index {axis} at three more angles, or leave {them} out"),
-            UndeterminedCause::Poses => format!("measure in poses in which they differ, or leave {them} out"),
+            UndeterminedCause::Poses => format!("leave {one_of_them} out, or measure in poses in which they differ"),
         }
     }
 }

@@ -174,9 +174,9 @@ fn fill(group: &mut FigureGroup, figures: &Figures) {
             put("size", Some(sphere.radius_mm - radius_mm), um);
             put("form", Some(sphere.form_mm), um);
             put("s", Some(sphere.deviation_mm), um);
-            put("centre X", Some(sphere.centre_mm.x), um);
-            put("centre Y", Some(sphere.centre_mm.y), um);
-            put("centre Z", Some(sphere.centre_mm.z), um);
+            put("center X", Some(sphere.centre_mm.x), um);
+            put("center Y", Some(sphere.centre_mm.y), um);
+            put("center Z", Some(sphere.centre_mm.z), um);
             group.standard = Standard::LeastSquares;
             group.conditions = vec![format!("R {radius_mm:.3} mm"), format!("{points} readings")];
         }

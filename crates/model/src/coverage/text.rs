@@ -99,7 +99,9 @@ fn sentence(gap: &CoverageGap) -> Option<(String, String)> {
                 None => format!("the measured range, {ends} {unit}"),
             };
             let message = format!("{axis} {used} {unit} is {far} {unit} beyond {range}{size}");
-            (message, format!("move the workpiece, or measure {axis} to {used} {unit}"))
+            let measure = format!("measure {axis} to {used} {unit}");
+            // Another place of the workpiece does not change the angle of a rotary axis.
+            (message, if axis.is_rotary() { measure } else { format!("move the workpiece, or {measure}") })
         }
         GapKind::ToolLength => {
             let than = if gap.beyond > 0.0 { "longer" } else { "shorter" };

@@ -129,6 +129,6 @@ pub(super) fn either_way(ways: &[RotaryDirection; 3], span: Span) -> Option<Faul
         Code::EITHER_WAY,
         span,
         message,
-        "check that it may turn in both directions here, or program ACP(…) or ACN(…)",
+        "check that it may turn in both directions here, or program ACP(…) or ACN(…); for CYCLE800, position the rotary axes before it, or choose the other solution with _DIR",
     ))
 }

@@ -117,7 +117,7 @@ fn read_measurement(name: &str, section: &mut Section<'_>, instruments: &Instrum
                 Code::BAD_VALUE,
                 place,
                 format!("unknown kind \"{text}\""),
-                format!("write one of {}", names.join(", ")),
+                format!("write one of {}; a laser interferometer is direct", names.join(", ")),
             );
         }
         kind

@@ -255,7 +255,12 @@ fn no_expansion(data: &DataSet, table: &Table, findings: &mut Vec<Diagnostic>) {
 pub fn needed(row: &Row<'_>, name: &str) -> Result<usize, Diagnostic> {
     row.column(name).ok_or_else(|| {
         let message = format!("there is no column {name}");
-        Diagnostic::at(Code::DATA_COLUMN, row.header_place(), message, format!("add the column {name}"))
+        let in_mm = name.strip_suffix("_um").map(|stem| format!("{stem}_mm"));
+        let help = match in_mm.filter(|in_mm| row.column(in_mm).is_some()) {
+            Some(in_mm) => format!("convert the column {in_mm} to µm, and name it {name}"),
+            None => format!("add the column {name}"),
+        };
+        Diagnostic::at(Code::DATA_COLUMN, row.header_place(), message, help)
     })
 }
 
