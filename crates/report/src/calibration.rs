@@ -141,7 +141,11 @@ impl CalibrationReport {
         out.push_str(&figures::lines(&found.figures));
         if let Some(condition) = found.condition {
             let (freedom, rounds) = (found.degrees_of_freedom, found.rounds);
-            push_row(&mut out, "condition", &format!("{condition:.1}, {freedom} degrees of freedom, {rounds} rounds"));
+            push_row(
+                &mut out,
+                "condition",
+                &format!("{condition:.1}, {freedom} degrees of freedom, {rounds} iterations"),
+            );
         }
         let left_out: usize = found.left_out.iter().map(|one| one.parameters.len()).sum();
         let rest = if left_out > 0 { format!(" less {left_out} parameters") } else { String::new() };

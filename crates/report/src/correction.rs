@@ -161,7 +161,10 @@ pub fn form_row(before: SpreadReport, form: Option<SpreadReport>) -> String {
         push_row(
             &mut out,
             "form error",
-            &format!("{}   of the error before; the rest is a constant offset, which a touched-off zero removes", columns(form)),
+            &format!(
+                "{}   of the error before; the rest is a constant offset, which a touched-off zero removes",
+                columns(form)
+            ),
         );
     }
     out

@@ -66,7 +66,7 @@ fn summary(out: &mut Markup, report: &CalibrationReport, is_refused: bool) {
     if let Some(condition) = found.condition {
         entries.push(("degrees of freedom", count(found.degrees_of_freedom)));
         entries.push(("condition", significant(condition)));
-        entries.push(("rounds", count(found.rounds)));
+        entries.push(("iterations", count(found.rounds)));
     }
     for (unit, of) in
         [(Unit::Um, ["efficiency, used", "efficiency, held out"]), (Unit::Urad, ["angles, used", "angles, held out"])]
