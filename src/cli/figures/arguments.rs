@@ -11,7 +11,7 @@ pub(in crate::cli) const AFTER_HELP: &str = "\
 A measurement is a pair of files, NAME.csv and NAME.toml, as ncfix calibrate reads it. Figures need no error model.
 
 direct:  A, E, R, B, M of ISO 230-2 for every component and set-up; the direction of approach is given in X_dir …, or follows from the row order
-ballbar: G, F, D, H of ISO 230-4 for circles in a plane through the ball on the table, without the eccentricity of the set-up; size and form of the least-squares sphere for rows that are not in one plane
+ballbar: G, F, D, H of ISO 230-4 for circles in a plane through the ball on the table, without the eccentricity of the set-up; D and H only where the readings of each path are at most 0.1 rad (5.7 deg) apart; size and form of the least-squares sphere for rows that are not in one plane
 
 Examples:
   ncfix iso230 laser_x.csv --machine mill.toml
