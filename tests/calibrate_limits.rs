@@ -104,7 +104,7 @@ fn a_name_may_be_longer_than_a_table_is_wide() {
         .file("plate.toml", "[measurement]\nkind = \"displacement\"\nfree = [\"offset\"]\n")
         .file("model.txt", "EXX1\n");
     let words = "calibrate plate.csv --machine start.toml --model model.txt -o m.toml";
-    shop.run(words.split_whitespace()).exits(0).says("X of the artefact");
+    shop.run(words.split_whitespace()).exits(0).says("X of the artifact");
 }
 
 #[test]

@@ -509,7 +509,7 @@ fn what_is_no_trace_is_refused_at_its_place() {
         ),
         (format!("{head}{}", row(0.0, 9999.0, "0,0,0,1000,a")), description(), "E0302", "outside the travel"),
         (format!("{head}{}", row(0.0, 1.0, "0,0,x,1000,a")), description(), "E0603", "'x'"),
-        (format!("{head}{}", row(0.0, 1.0, "0,0,99999999,1000,a")), description(), "E0608", "centimetres"),
+        (format!("{head}{}", row(0.0, 1.0, "0,0,99999999,1000,a")), description(), "E0608", "centimeters"),
         (
             format!("{head}{}{}", rows(40, 0.1, "0,0,0,1000,a"), row(9.0, 1.0, "0,0,0,2000,a")),
             description(),

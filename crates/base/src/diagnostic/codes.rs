@@ -362,7 +362,7 @@ move the tool in some direction.";
 "verify walks the original and the corrected program side by side. Their motions do not follow the same path, or the numbers of moves
 differ.";
     NO_SERVO = "E0312" "machine file without servo loops"
-"The dynamic behaviour of the axes can be computed only if the machine file describes it: [servo] with the interpolation cycle, the
+"The dynamic behavior of the axes can be computed only if the machine file describes it: [servo] with the interpolation cycle, the
 smoothing and the tolerance of corners of the control, and [servo.X] for every axis with its velocity gain, its feed-forward and its
 acceleration. The control shows them (Sinumerik MD32200, MD32610, MD32300); ncfix decompose finds gain and feed-forward in a trace.
 docs/reference/servo.md has an example.";
@@ -404,7 +404,7 @@ states the gap. Nothing was written. Measure the missing range and calibrate, ch
     BAD_TOML = "E0401" "machine file is not TOML"
 "The file breaks the rules of TOML 1.0 at this place.";
     UNKNOWN_KEY = "E0402" "unknown key in the machine file"
-"The key is not known in this section; a misspelt key would have no effect without notice, so it is refused.";
+"The key is not known in this section; a misspelled key would have no effect without notice, so it is refused.";
     MISSING_KEY = "E0403" "missing key in the machine file"
 "The section needs this key.";
     BAD_VALUE = "E0404" "value not allowed in the machine file"
@@ -677,7 +677,7 @@ machine; if both describe the same parts, the drift is corrected twice. Use both
 of the other.";
     UNUSED_SENSOR = "W0403" "unused sensor"
 "[sensor.NAME] gives the reference temperature of a sensor that is not used in any [[drift]], [[expansion]] or [[segment]]. If the
-name is misspelt, the intended sensor keeps the reference temperature of the machine.";
+name is misspelled, the intended sensor keeps the reference temperature of the machine.";
     PARTIAL_OFFSET = "W0404" "zero offset without an axis"
 "[zero_offset.NAME] states some linear axes of the machine and not all; the others count as 0. If the control has another value
 there, the corrected program is related to the wrong place. Write every axis as the control shows it, including 0. The external

@@ -44,7 +44,7 @@ pub const RANGES: &[NumberRange] = &[
     of("longest_line", 1.0, 4096.0, "no control takes longer blocks"),
     of("repeats", 0.0, 100.0, "after a hundred failures, a line never arrives"),
     of("*sigma_um_per_m", 0.0, 1e6, "a strain of 1"),
-    of("*um_per_m_K", -1e4, 1e4, "a thousand times the expansion of aluminium is another unit"),
+    of("*um_per_m_K", -1e4, 1e4, "a thousand times the expansion of aluminum is another unit"),
     of("*um_per_K", -1e4, 1e4, "10 mm per K"),
     of("*_mm_min", 0.0, 1e7, "10 km/min"),
     of("*_deg_min", 0.0, 1e9, "a million turns a minute"),

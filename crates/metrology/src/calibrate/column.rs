@@ -121,9 +121,9 @@ impl fmt::Display for Named<'_> {
                 let component = set.targets.get(which % count).map_or("", String::as_str);
                 write!(f, "zero of {component}{}", setup(which / count))
             }
-            Unknown::Offset(which, direction) => write!(f, "{} of the artefact{}", axis(direction), setup(which)),
+            Unknown::Offset(which, direction) => write!(f, "{} of the artifact{}", axis(direction), setup(which)),
             Unknown::Rotation(which, direction) => {
-                write!(f, "rotation of the artefact about {}{}", axis(direction), setup(which))
+                write!(f, "rotation of the artifact about {}{}", axis(direction), setup(which))
             }
             Unknown::Place(target, direction) => {
                 let label = set.targets.get(target).map_or("?", String::as_str);

@@ -167,7 +167,7 @@ fn told_apart(pair: [EffectKind; 2]) -> (Option<&'static str>, Option<Separating
             None,
         );
     } else if is(EffectKind::Motion, EffectKind::Setup) {
-        ("the same line with the artefact shifted along it and turned by 90°", SeparatingPlan::Line)
+        ("the same line with the artifact shifted along it and turned by 90°", SeparatingPlan::Line)
     } else if is(EffectKind::Motion, EffectKind::Cross) {
         ("lines at three positions of the other axis", SeparatingPlan::Grid)
     } else if is(EffectKind::Motion, EffectKind::Periodic) {
@@ -180,7 +180,7 @@ fn told_apart(pair: [EffectKind; 2]) -> (Option<&'static str>, Option<Separating
             SeparatingPlan::Heights,
         )
     } else if both(EffectKind::Location) {
-        ("the same poses with a second tool length, and the artefact turned by 90°", SeparatingPlan::Heights)
+        ("the same poses with a second tool length, and the artifact turned by 90°", SeparatingPlan::Heights)
     } else if is(EffectKind::ThermalDrift, EffectKind::Drift)
         || both(EffectKind::ThermalDrift)
         || both(EffectKind::Drift)

@@ -98,7 +98,7 @@ fn excluded(fault: &DataDefect, is_held_out: bool) -> String {
         Then::WithoutSensors(names) => format!("the effect of {}, as a cause", names.join(" and ")),
         Then::InFahrenheit(name) => format!("nothing; {name} counts in °C"),
         Then::WithoutTemperatures(missing) if missing.uncounted.is_empty() => {
-            "these values of the sensor, which its neighbours bridge".into()
+            "these values of the sensor, which its neighbors bridge".into()
         }
         Then::WithoutTemperatures(_) => "these rows".into(),
         _ if is_held_out => "nothing: the file is held out and used unchanged".into(),

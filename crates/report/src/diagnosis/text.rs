@@ -72,7 +72,7 @@ impl DiagnosisReport {
             NoiseFrom::Repeats => "from repeated readings",
             NoiseFrom::Instrument => "as stated for the instrument",
             NoiseFrom::Rest => "from the residual, which is not systematic",
-            NoiseFrom::Neighbours | NoiseFrom::Nowhere => "from neighbouring readings",
+            NoiseFrom::Neighbours | NoiseFrom::Nowhere => "from neighboring readings",
         };
         let unit = self.unit_sign();
         let times = self.found.noise_stated_um.map_or(1.0, |stated| self.found.noise_um / stated);
@@ -112,7 +112,7 @@ impl DiagnosisReport {
             let is_known = found.noise_from != NoiseFrom::Neighbours;
             if !found.unexplained.structure && !is_known && found.before.rms_um > LITTLE_MORE * found.noise_um {
                 return format!(
-                    "No cause exceeds the scatter of neighbouring readings, {} {unit}. Next: measure the same positions again, which shows the noise of a reading.",
+                    "No cause exceeds the scatter of neighboring readings, {} {unit}. Next: measure the same positions again, which shows the noise of a reading.",
                     significant(found.noise_um)
                 );
             }

@@ -299,7 +299,7 @@ fn rejected(out: &mut Markup, report: &DiagnosisReport, shown: &PageReadings) {
         table(out, &heads, &rows, caption, MOST_ROWS);
     }
     out.element("details", &[], |out| {
-        out.leaf("summary", &[], format_args!("All causes of the catalogue, and what each could still explain"));
+        out.leaf("summary", &[], format_args!("All causes of the catalog, and what each could still explain"));
         let row = |one: &TriedCauseReport| {
             let (best, share) = match &one.best {
                 Some((parameter, share)) => (parameter.clone(), percent(*share)),

@@ -104,7 +104,7 @@ pub(super) fn other_axes(
                 target::here(&channel.modal, &channel.standing)[other]
             );
             let help = format!(
-                "program {other} too, or set control.one_axis_in_rotation to the behaviour of the control (Fanuc parameter 11600, bit 5)"
+                "program {other} too, or set control.one_axis_in_rotation to the behavior of the control (Fanuc parameter 11600, bit 5)"
             );
             return Err(in_doubt(span, message, help));
         }

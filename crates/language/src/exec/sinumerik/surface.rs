@@ -137,7 +137,7 @@ fn check_only_direction(outlet: &MotionSink<'_>, gathered: &Gathered, word: Opti
 pub(super) fn follow_path(machine: &Machine, modal: &mut Modal, outlet: &mut MotionSink<'_>) -> Result<(), Fault> {
     if machine.control.ori_path == OriPath::Path {
         let message = "ORIPATH that keeps the tool relative to the path within a block is not supported";
-        let help = "control.oripath states this behaviour; program the directions with A3, B3, C3";
+        let help = "control.oripath states this behavior; program the directions with A3, B3, C3";
         return Err(fault(Code::NOT_SUPPORTED, outlet.origin.span, message, help));
     }
     modal.transform.surface.follows_path = true;

@@ -10,7 +10,7 @@ pub(super) const CAUSE: Cause = Cause {
     effect: EffectKind::Location,
     made_by: "assembly, a collision, a foundation that moved",
     shown_by: "ball-bar: an oval at 45° that is the same in both senses; chase-the-ball: readings that turn with the axis",
-    separate_by: "turn the artefact by 90°, or index the rotary axis at three more angles",
+    separate_by: "turn the artifact by 90°, or index the rotary axis at three more angles",
     correctable: Correctable::Program,
     propose,
 };

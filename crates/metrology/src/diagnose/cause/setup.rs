@@ -9,9 +9,9 @@ use crate::measure::data::Free;
 use crate::measure::kind::Measurand;
 
 pub(super) const PLACE: Cause = Cause {
-    name: "place of the artefact",
+    name: "place of the artifact",
     effect: EffectKind::Setup,
-    made_by: "a ball or an artefact that is not at its described position",
+    made_by: "a ball or an artifact that is not at its described position",
     shown_by: "ball-bar: a circle off its center; the same in both senses, different in the next set-up",
     separate_by: "mount it again",
     correctable: Correctable::No,
@@ -31,9 +31,9 @@ pub(in crate::diagnose) const TOOL: Cause = Cause {
 pub(in crate::diagnose) const SCALE: Cause = Cause {
     name: "scale of the instrument",
     effect: EffectKind::Setup,
-    made_by: "a beam that is not along the axis, air or artefact at another temperature than assumed",
-    shown_by: "lengths that are wrong in one set-up, or with the temperature of air or artefact",
-    separate_by: "mount it again; an artefact of another material",
+    made_by: "a beam that is not along the axis, air or artifact at another temperature than assumed",
+    shown_by: "lengths that are wrong in one set-up, or with the temperature of air or artifact",
+    separate_by: "mount it again; an artifact of another material",
     correctable: Correctable::No,
     propose: scale,
 };

@@ -25,7 +25,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
             kind: DefectKind::Outlier,
             set,
             name: data.name.clone(),
-            what: "far from neighbours and repetitions".into(),
+            what: "far from neighbors and repetitions".into(),
             rows: [first.0, last.0],
             evidence: format!("{} readings are more than {FAR} times the noise from both", readings.len()),
             then: Then::WithoutReadings(readings),

@@ -8,7 +8,7 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     made_by: "a column in another unit than its name says",
     shown_by: "readings go with the model but for a factor, and their noise is as far from that of the instrument; without errors that the model knows, \
                the noise alone",
-    source: "parsing and units first; ISO 230-1 has micrometres",
+    source: "parsing and units first; ISO 230-1 has micrometers",
     look,
 };
 

@@ -109,7 +109,7 @@ impl Conditions {
                 Ok(value) if matches!(column, ConditionColumn::Sensor(_)) => {
                     *found = value;
                     if value.is_none() && !self.has_time && row.text(index).is_empty() {
-                        let help = "write the temperature of this row, or add a column t_s: then it is interpolated from neighbouring rows";
+                        let help = "write the temperature of this row, or add a column t_s: then it is interpolated from neighboring rows";
                         let message = "there is no temperature, and without t_s it cannot be interpolated";
                         findings.push(Diagnostic::at(Code::DATA_CELL, row.place(index), message, help));
                     }

@@ -197,8 +197,8 @@ fn read_row(row: &Row<'_>, columns: &Columns, machine: &Machine, run: &mut Trace
         for (value, column) in along.iter_mut().zip([x, y, z]) {
             *value = mm_from_um(number(column)?);
             if value.abs() > MOST_MM {
-                let message = "a deviation of centimetres".to_owned();
-                let help = "dx_um, dy_um, dz_um are the position of the tool relative to the ball in micrometres";
+                let message = "a deviation of centimeters".to_owned();
+                let help = "dx_um, dy_um, dz_um are the position of the tool relative to the ball in micrometers";
                 return Err(Diagnostic::at(Code::DATA_SIZE, row.place(column), message, help));
             }
         }

@@ -86,7 +86,7 @@ const slices = {
   },
 };
 
-// ---------------------------------------------------------------- colours
+// ---------------------------------------------------------------- colors
 
 /** Pale to strong on light paper, dull to bright on dark: the largest deviations stand out on both. */
 const RAMPS = {
@@ -351,7 +351,7 @@ class Review {
     return out;
   }
 
-  /** Colours begin at 0, or where nearly all sizes are far from it, at these: else all of the path has one colour. */
+  /** Colors begin at 0, or where nearly all sizes are far from it, at these: else all of the path has one color. */
   paleSize() {
     const low = ranked(this.size.slice(), this.largest, Math.floor(0.02 * this.count));
     return low > 0.3 * this.largest && low < this.largest ? low : 0;
@@ -702,7 +702,7 @@ function padded(least, most) {
   return [least - room, most + room];
 }
 
-/** A box to tick, with the colour of its line. */
+/** A box to tick, with the color of its line. */
 function lineToggle(name, color, changed, isDashed = false) {
   const box = make('input', { type: 'checkbox', checked: true });
   box.addEventListener('change', () => changed(box.checked));
@@ -1090,7 +1090,7 @@ class PathView {
     return out;
   }
 
-  /** Paints the original in grey, then the corrected path in colours; yields now and then. */
+  /** Paints the original in gray, then the corrected path in colors; yields now and then. */
   * paint(canvas, blocks, most) {
     const ctx = canvas.getContext('2d');
     ctx.setTransform(1, 0, 0, 1, 0, 0);
@@ -1337,7 +1337,7 @@ function distanceToLine(x, y, [x0, y0], [x1, y1]) {
 /** Up to three digits. */
 const plain = value => String(Number(value.toPrecision(3)));
 
-/** Gathers lines by colour. What is closer than half a pixel and no larger is left out. */
+/** Gathers lines by color. What is closer than half a pixel and no larger is left out. */
 class Pen {
   constructor(ctx, ratio, isColored, matrix) {
     Object.assign(this, { ctx, ratio, isColored, matrix, x: 0, y: 0, last: 0, segments: 0, paths: new Map() });
@@ -1422,7 +1422,7 @@ class PathViews {
       this.start();
       this.views.forEach(view => view.fit());
     });
-    const hint = 'grey: original, coloured: corrected; drag pans (3D: turns, with Shift pans), wheel zooms, click selects';
+    const hint = 'gray: original, colored: corrected; drag pans (3D: turns, with Shift pans), wheel zooms, click selects';
     return [label, legend, fit, make('span', { className: 'hint' }, hint)];
   }
 

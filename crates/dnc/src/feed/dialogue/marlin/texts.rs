@@ -28,7 +28,7 @@ const TEXTS: &[(&str, MarlinText)] = &[
     // Nothing may follow these texts.
     ("endstops hit", MarlinText::Ends("an axis hit its limit switch")),
     (r"printer stopped|printer halted|kill\(|killed", MarlinText::Ends("the control has halted")),
-    ("//action:cancel", MarlinText::Ends("the job was cancelled at the control")),
+    ("//action:cancel", MarlinText::Ends("the job was canceled at the control")),
     ("//action:poweroff", MarlinText::Ends("the control switches off its power")),
     ("//action:disconnect", MarlinText::Ends("the control asks the host to disconnect")),
     ("cold extrusion", MarlinText::Ends("the control skips moves")),
