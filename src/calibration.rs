@@ -324,7 +324,7 @@ fn chosen(machine: &Machine, names: &[String], found: &mut Diagnostics) -> Resul
             let terms: Vec<&str> =
                 names.iter().map(String::as_str).filter(|name| parameters::states_term(name)).collect();
             return Err(Error::usage(format!(
-                "'{}' is no preset and no parameter; a stated term needs the text of the machine file: test it with DiagnosisOptions::hypotheses, or fit it with ncfix calibrate --model",
+                "'{}' is neither a preset nor a parameter; a stated term needs the text of the machine file: test it with DiagnosisOptions::hypotheses, or fit it with ncfix calibrate --model",
                 terms.join("', '")
             )));
         }

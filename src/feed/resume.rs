@@ -54,7 +54,7 @@ pub(crate) fn read(path: &Path) -> Result<Broken, Error> {
     }
     if told.frozen == 0 && !head(&told, HeadKey::Resumed).is_empty() {
         return Err(Error::usage(format!(
-            "{shown} has no line: the control accepted none when the job was resumed; use the newest journal beside it, `ncfix resume {shown}.old` or .old1 …"
+            "{shown} has no line: the control accepted none when the job was resumed; use the newest journal in its folder, `ncfix resume {shown}.old` or .old1 …"
         )));
     }
     Ok(Broken { source, told })

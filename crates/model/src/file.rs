@@ -149,7 +149,7 @@ pub(super) fn known_component(
     help: &str,
 ) -> Option<ErrorName> {
     let fault = match text.parse::<ErrorName>() {
-        Err(_) => format!("\"{text}\" is no error component"),
+        Err(_) => format!("\"{text}\" is not an error component"),
         Ok(name) if name.axis().is_some_and(|axis| !axes.contains(axis)) => {
             format!("{text}: the machine has no axis {}", char::from(text.as_bytes()[text.len() - 1]))
         }

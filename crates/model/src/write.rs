@@ -21,7 +21,7 @@ pub fn write(text: &str, read: &ErrorModel, changed: &ErrorModel) -> Result<Stri
     let mut edit = Edit::parse(text).ok_or_else(|| NotWritable("the machine file is not TOML".into()))?;
     for (index, error) in changed.location.iter().enumerate() {
         if read.location.get(index) != Some(error) && !edit.set("location", &error.name.to_string(), &value_of(error)) {
-            return Err(NotWritable("location of the machine file is no section".into()));
+            return Err(NotWritable("location of the machine file is not a section".into()));
         }
     }
     for (index, error) in changed.motion.iter().enumerate() {

@@ -18,7 +18,7 @@ pub fn page(plan: &PlanResult, table: &str, description: &str) -> String {
     }
     let [rows, set_ups] =
         [(plan.rows, "row"), (plan.setups, "set-up")].map(|(count, noun)| counted(count as u64, noun));
-    let _ = writeln!(out, "{table}: {rows} in {set_ups}; {description} beside it");
+    let _ = writeln!(out, "{table}: {rows} in {set_ups}; description in {description}");
     out
 }
 

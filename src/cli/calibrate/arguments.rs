@@ -9,7 +9,7 @@ use crate::cli::value;
 
 /// End of `ncfix calibrate --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
-A measurement is a table NAME.csv and its description NAME.toml beside it: docs/reference/data-files.md. All measurements are fitted together, with the \
+A measurement is a table NAME.csv with its description NAME.toml in the same folder: docs/reference/data-files.md. All measurements are fitted together, with the \
 unknowns of each set-up. START.toml gives the axes, the kinematic chain and the initial errors; its text is kept, and only the parameters of the model \
 change. If the data cannot separate some parameters, a message names them, and nothing is written.
 
@@ -34,7 +34,7 @@ Examples:
 /// `ncfix calibrate`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct CalibrateArguments {
-    /// Tables of readings, each with its description NAME.toml beside it
+    /// Tables of readings, each with its description NAME.toml in the same folder
     #[arg(value_name = "DATA.csv", required = true)]
     pub(in crate::cli) data: Vec<PathBuf>,
     /// Initial machine file
@@ -76,7 +76,7 @@ pub(in crate::cli) struct CalibrateArguments {
     /// Largest reading and parameter allowed, with unit; larger ones are refused
     #[arg(long, value_name = "LENGTH", default_value = "1mm", value_parser = value::positive_length_mm)]
     pub(in crate::cli) max: f64,
-    /// Simulate the readings N times with the estimated noise, fit them again, and show the scatter beside the uncertainties
+    /// Simulate the readings N times with the estimated noise, fit them again, and show the scatter next to the uncertainties
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(10..=1_000_000))]
     pub(in crate::cli) monte_carlo: Option<u64>,
     /// Seed of the noise of --monte-carlo

@@ -171,7 +171,7 @@ center is not determined; use I, J, K.";
 "The label or block number does not occur in the search direction: GOTOF searches towards the end of this program, GOTOB towards its
 start, never in other programs.";
     NO_SUBPROGRAM = "E0212" "subprogram not found"
-"The called program is neither in this file (as a %_N_…_SPF section) nor beside it. Names searched: NAME.SPF, NAME.MPF, NAME, and the
+"The called program is neither in this file (as a %_N_…_SPF section) nor in its folder. Names searched: NAME.SPF, NAME.MPF, NAME, and the
 same in lower case. L10 and L010 are different programs. A program that must run on the control itself (tool change, washing) is named
 in the machine file; its call is passed on with its values:
 

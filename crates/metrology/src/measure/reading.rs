@@ -203,7 +203,7 @@ fn missing(table: &Table, axis: Axis) -> Diagnostic {
         None => (
             format!("there is no column {letter}"),
             format!(
-                "every axis of the machine needs a column with its positions in {unit}; the description of a measurement can give an axis that stood still once, under [position]"
+                "every axis of the machine needs a column with its positions in {unit}; for an axis that did not move, the description of a measurement can state it once, under [position]"
             ),
         ),
     };

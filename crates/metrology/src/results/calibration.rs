@@ -272,7 +272,7 @@ pub fn machine_text(
     let old = std::str::from_utf8(start.bytes()).map_err(|_| "it is not UTF-8")?;
     let errors = &fit.errors;
     let body = write::write(old, before, errors).map_err(|reason| reason.0)?;
-    let body = measured.written_into(&body).ok_or("measured is no section")?;
+    let body = measured.written_into(&body).ok_or("measured is not a section")?;
     let head = head.iter().map(|line| format!("{HEAD} {line}"));
     let kept = body.lines().skip_while(|line| line.starts_with(HEAD)).map(str::to_owned);
     let text: String = head.chain(kept).map(|line| line + "\n").collect();

@@ -144,7 +144,7 @@ impl ExtensionJob<'_> {
         let changed = write::write(&grown.text, &read, errors).map_err(|reason| (reason.0, SECTIONS))?;
         let used = self.scene.sets.iter().take(self.used);
         let ranges = measured_ranges(self.machine, used, None);
-        let changed = ranges.written_into(&changed).ok_or(("measured is no section".to_owned(), SECTIONS))?;
+        let changed = ranges.written_into(&changed).ok_or(("measured is not a section".to_owned(), SECTIONS))?;
         let out = self.noted(&changed, grown, fitted.as_ref());
         let written = load(from, &out).ok_or(("the result is not a valid machine file".to_owned(), SECTIONS))?;
         for parameter in &parameters {

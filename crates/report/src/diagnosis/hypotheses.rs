@@ -44,7 +44,7 @@ impl DiagnosisReport {
         let of_findings = if one.beside.is_empty() {
             String::new()
         } else {
-            format!("; beside {}: {}", one.beside.join(", "), times_in_words(beside))
+            format!("; together with {}: {}", one.beside.join(", "), times_in_words(beside))
         };
         out.push(format!("alone: {}{of_findings}", times_in_words(alone)));
         if !one.stands_for.is_empty() {

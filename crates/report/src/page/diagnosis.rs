@@ -312,12 +312,12 @@ fn rejected(out: &mut Markup, report: &DiagnosisReport, shown: &PageReadings) {
         let rows: Vec<PageRow> = shown.readings.causes.iter().map(row).collect();
         let listed: usize = shown.readings.causes.iter().map(|one| one.candidates).sum();
         let caption = format!(
-            "Of the squares that are left with all findings, before either gate. Beside these {} candidates {} periods, chords and shapes without a name were \
-             sought by what was left.",
+            "Shares are those of the squared residual with all findings, before the acceptance tests. In addition to these {} candidates, {} periods, chords and shapes without a name \
+             were searched in the residual.",
             grouped(listed as u64),
             grouped(report.found.tried.saturating_sub(listed) as u64)
         );
-        let heads = columns(["cause", "effect", "what shows it", "#candidates", "best", "#would explain"]);
+        let heads = columns(["cause", "effect", "evidence", "#candidates", "best", "#would explain"]);
         table(out, &heads, &rows, &caption, MOST_ROWS);
     });
 }

@@ -155,9 +155,9 @@ impl Interpreter<'_> {
         let Some((program, part)) = self.find(part_kind, number) else {
             let (what, ending) = if kind == LevelKind::Macro { ("macro", "MM") } else { ("program", "PM") };
             let message = self.library.refusal().unwrap_or_else(|| {
-                format!("{what} {number} is not in this file, and there is no file {number}.{ending} beside it")
+                format!("{what} {number} is not in this file, and there is no file {number}.{ending} in its folder")
             });
-            return Err(fault(Code::NO_SUBPROGRAM, span, message, "put it into the same file or beside it"));
+            return Err(fault(Code::NO_SUBPROGRAM, span, message, "put it into this file or its folder"));
         };
         let start = self.programs.get(program).and_then(|loaded| loaded.program.parts.get(part));
         let start = start.map_or(0, |part| part.blocks.start);

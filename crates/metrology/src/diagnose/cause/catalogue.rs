@@ -75,7 +75,7 @@ pub const CATALOGUE: &[CatalogueEntry] = &[
     entry(28, "circles that shrink", "(τω)²R/2", "ball-bar at two feeds", "length of the bar", "another feed", Sought::By(&[&servo::FOLLOWING])),
     entry(29, "friction", "sense and speed in currents", "traces", "backlash", "traces of currents", Sought::Not("no kind of measurement reads currents")),
     entry(30, "deflection by acceleration", "acceleration", "R-test less encoders", "lag", "encoders", Sought::By(&[&servo::DYNAMIC])),
-    entry(31, "residual vibration", "damped wave behind a corner", "R-test at a corner", "deflection", "traces of corners", Sought::Not("a corner is no reading of any kind of measurement")),
+    entry(31, "residual vibration", "damped wave after a corner", "R-test at a corner", "deflection", "traces of corners", Sought::Not("no kind of measurement reads corners")),
     entry(32, "forced vibration", "sin 2πft", "spectrum over time at two feeds", "cyclic error", "another feed", Sought::By(&[&vibration::CAUSE])),
     entry(33, "delay between records", "Δt·v on all axes", "correlation of the records", "following error, backlash", "an external clock", Sought::By(&[&servo::DELAY])),
     entry(34, "clock that runs fast", "t·v", "long records", "delay", "a longer record", Sought::By(&[&servo::DELAY])),

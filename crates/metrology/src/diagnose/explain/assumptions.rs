@@ -202,7 +202,7 @@ pub const ASSUMPTIONS: &[Assumption] = &[
         family: Family::Creep,
         size: Size::Um(10.0),
         odds: 0.03,
-        source: "set-ups that creep; warming that nobody measured",
+        source: "set-ups that creep; warming that was not measured",
     },
     Assumption {
         family: Family::Deflection,

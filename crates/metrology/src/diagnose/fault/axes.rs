@@ -161,18 +161,17 @@ impl SwappedAxes {
         let [as_is, otherwise] = self.left.map(|left| (left / noise).sqrt());
         let beside = match self.beside {
             Allowance::Nothing => "",
-            Allowance::Turning => " beside all that turns over with the sense of an axis",
-            Allowance::Straight => " beside all that grows with an axis or turns over with its sense",
-            Allowance::Bent => " beside all that grows with an axis, turns over with its sense or bends over it",
+            Allowance::Turning => " after a fit of effects that reverse with the direction of an axis",
+            Allowance::Straight => " after a fit of effects that are linear in an axis or reverse with its direction",
+            Allowance::Bent => {
+                " after a fit of effects that are linear or quadratic in an axis or reverse with its direction"
+            }
         };
         let what = &self.what;
-        let open = if self.left[1] > CLEAN * noise {
-            "; what else is wrong beside it leaves open which columns they are"
-        } else {
-            ""
-        };
+        let open =
+            if self.left[1] > CLEAN * noise { "; because of further errors, the columns are uncertain" } else { "" };
         format!(
-            "as they are the readings leave {as_is:.1} times their noise{beside}, {what} {otherwise:.1} times{open}"
+            "the residual of the readings as given is {as_is:.1} times their noise{beside}; {what}, it is {otherwise:.1} times{open}"
         )
     }
 }

@@ -13,7 +13,7 @@ use ncfix_base::numeric::Series;
 pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "offset of a sensor",
     made_by: "a sensor that came off, an amplifier or plug that was exchanged",
-    shown_by: "a jump between two rows that is complete at once and stays for ever, beside other sensors that do not jump, with nothing switched there",
+    shown_by: "a jump from one row to the next that is complete and permanent, while other sensors do not jump and nothing is switched",
     source: "cross-sensor regression; first-order response of a body to a heater",
     look,
 };
@@ -130,17 +130,17 @@ fn origin(
         return JumpOrigin::Unsure("without t_s a fast heater looks alike");
     }
     if row.checked_sub(1).and_then(|last| clock.step(last, row)).is_none_or(|step_s| step_s > MOST_S) {
-        return JumpOrigin::Unsure("the rows are so far apart in time that something switched looks alike");
+        return JumpOrigin::Unsure("the rows are so far apart in time that a switched heat source would look alike");
     }
     if goes_on.is_none_or(|[_, whole]| whole.abs() > GOES_ON) {
-        return JumpOrigin::Unsure("its rates before and after the jump are not alike, as those of something heated");
+        return JumpOrigin::Unsure("its rates before and after the jump differ, as for a heated body");
     }
     if is_switched(data, row) {
-        return JumpOrigin::Unsure("a driver is switched there");
+        return JumpOrigin::Unsure("a driver is switched in that row");
     }
     let [early, late] = levels(sensors, number, row).map(|level| level / jump);
     if (early - 1.0).abs() > STAYS || (late - 1.0).abs() > STAYS {
-        return JumpOrigin::Unsure("beside the other sensors it does not stay where it jumps to");
+        return JumpOrigin::Unsure("relative to the other sensors, it does not stay at its new level");
     }
     JumpOrigin::Broken
 }

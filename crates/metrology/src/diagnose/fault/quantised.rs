@@ -8,7 +8,7 @@ use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "steps of a display",
     made_by: "a display or file with few digits",
-    shown_by: "all readings are multiples of a step that is wide beside their noise",
+    shown_by: "all readings are multiples of a step that is large compared with their noise",
     source: "uniform noise of step/√12",
     look,
 };

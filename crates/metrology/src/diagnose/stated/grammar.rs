@@ -239,7 +239,7 @@ impl<'t> Reader<'t, '_> {
         let span = self.here();
         let Some((word, span)) = self.word() else {
             let found = self.found();
-            self.fault(span, format!("the left side is no error: {found}"), HELP);
+            self.fault(span, format!("the left side is not an error: {found}"), HELP);
             self.at = self.pieces.iter().position(|piece| piece.token == Token::Sign('~')).map_or(self.at, |at| at + 1);
             return None;
         };
@@ -251,7 +251,7 @@ impl<'t> Reader<'t, '_> {
             }
             (Err(_), Some(direction)) => Some(Through::Tip(direction)),
             (Err(_), None) => {
-                self.fault(span, format!("'{word}' is no error component"), HELP);
+                self.fault(span, format!("'{word}' is not an error component"), HELP);
                 None
             }
         };
@@ -348,7 +348,7 @@ impl<'t> Reader<'t, '_> {
                 if value != 1.0 {
                     self.fault(
                         span,
-                        "a number is no factor: the amount of each term is found by the fit",
+                        "a number is not a factor: the fit determines the amount of each term",
                         "leave the number out",
                     );
                 }
@@ -444,7 +444,7 @@ impl<'t> Reader<'t, '_> {
                 Factor::Step { limit: self.inside(&of, value, unit, at), of, is_above }
             }
             None => {
-                self.fault(span, format!("'{name}' is no function"), "functions are dir, v, sin and step");
+                self.fault(span, format!("'{name}' is not a function"), "functions are dir, v, sin and step");
                 return None;
             }
         };

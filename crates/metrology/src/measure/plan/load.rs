@@ -58,7 +58,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     };
     plan.is_geometric = false;
     if wishes.places_mm.is_empty() {
-        plan.notes.push("the weights are taken to be at 0,0,0; give --place X,Y,Z for each place".into());
+        plan.notes.push("the weights are assumed at 0,0,0; give --place X,Y,Z for each place".into());
     }
     Ok(plan)
 }

@@ -193,10 +193,11 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     if wishes.balls_mm.is_empty() {
         let shown = balls_mm.iter().map(|ball| format!("{:.0},{:.0},{:.0}", ball.x, ball.y, ball.z));
         let shown: Vec<String> = shown.collect();
-        plan.notes.push(format!("the balls are taken to be at {}; give --ball X,Y,Z for each", shown.join(" and ")));
+        plan.notes.push(format!("the balls are assumed at {}; give --ball X,Y,Z for each", shown.join(" and ")));
     }
     if strategy == ProbeStrategy::Samba {
-        plan.notes.push("the stylus is taken as calibrated: angles of the spindle only repeat its pose".into());
+        plan.notes
+            .push("the stylus is assumed to be calibrated: other angles of the spindle only repeat a pose".into());
     }
     if plan.data.observations.is_empty() {
         return Err(PlanRefused("no pose is within the travel; give --ball, --tool or a smaller --tilt".into()));

@@ -284,7 +284,7 @@ impl<'a> Weigher<'a> {
                 "the load is not significant: {:.0} N with a standard uncertainty of {:.0} N",
                 force.value, force.sigma
             );
-            findings.push(self.warning(message, "the position is taken as the center of the table"));
+            findings.push(self.warning(message, "the position is assumed to be the center of the table"));
         }
         for (column, &i) in self.moments.iter().enumerate().map(|(index, i)| (index + 1, i)) {
             position_mm[i] = Coordinate::Assumed;

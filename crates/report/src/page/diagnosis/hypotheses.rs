@@ -45,7 +45,7 @@ pub(super) fn section(out: &mut Markup, report: &DiagnosisReport, shown: &PageRe
         "answer",
         "amount ± 95 %",
         "alone",
-        "beside findings",
+        "together with findings",
         "these findings",
         "#gain on unseen",
         "other explanations",

@@ -85,7 +85,7 @@ impl Chain {
                 findings.push(dropped.moving.fault(
                     Code::ELEMENT_LEFT_OUT,
                     format!(
-                        "the tool, {:.4} mm beside the contour, cannot reach this element; the control skips it",
+                        "the tool, {:.4} mm from the contour, cannot reach this element; the control skips it",
                         dropped.clearance_mm
                     ),
                     "check whether a smaller tool is intended",
@@ -226,11 +226,11 @@ impl Chain {
         let Some(first) = self.waiting.first() else { return false };
         let message = match first.contour {
             Curve::Arc { radius, .. } => format!(
-                "this arc of radius {radius:.4} mm cannot be followed {:.4} mm beside it: the tool center paths do not meet",
+                "this arc of radius {radius:.4} mm cannot be followed at a distance of {:.4} mm: the tool center paths do not meet",
                 first.clearance_mm
             ),
             Curve::Line { .. } => format!(
-                "this element cannot be followed {:.4} mm beside it: the tool center paths do not meet",
+                "this element cannot be followed at a distance of {:.4} mm: the tool center paths do not meet",
                 first.clearance_mm
             ),
         };

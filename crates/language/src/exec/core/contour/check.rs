@@ -42,7 +42,7 @@ pub(super) fn too_narrow(moving: &Moving, contour: &Curve, beside: f64) -> Fault
     moving.fault(
         Code::CONTOUR_NOT_FOLLOWED,
         format!(
-            "this inner arc of radius {radius:.4} mm is too narrow for a tool center {:.4} mm beside it",
+            "this inner arc of radius {radius:.4} mm is too narrow for a tool center at a distance of {:.4} mm",
             beside.abs()
         ),
         "use a smaller tool, or a wider arc",

@@ -273,7 +273,7 @@ fn not_straight(moving: &Moving) -> Fault {
 fn too_narrow(moving: &Moving, beside: f64) -> Fault {
     moving.fault(
         Code::CONTOUR_NOT_FOLLOWED,
-        format!("this arc is too narrow for a tool center {:.4} mm beside it", beside.abs()),
+        format!("this arc is too narrow for a tool center at a distance of {:.4} mm", beside.abs()),
         "use a smaller tool, or a wider arc",
     )
 }
