@@ -11,7 +11,7 @@ pub(super) const BACKLASH: Cause = Cause {
     effect: EffectKind::Backlash,
     made_by: "backlash of nut, preload or gear; wind-up of the screw",
     shown_by: "ball-bar: steps at the reversals of the axis, of opposite sign in the two senses; laser in both directions",
-    separate_by: "a second feed: lag grows with it, backlash does not",
+    separate_by: "a second feed: lag increases with the feed, backlash does not",
     correctable: Correctable::Program,
     propose: |scene, out| propose(scene, out, &BACKLASH, true),
 };
@@ -34,7 +34,7 @@ const WAY: f64 = 0.5;
 pub(super) const WIND_UP: Cause = Cause {
     name: "backlash that depends on the position",
     effect: EffectKind::Backlash,
-    made_by: "a screw that winds up, worn where it is used most",
+    made_by: "wind-up of the screw, or wear where it is used most",
     shown_by: "laser in both directions over the whole travel: the two lines are not parallel",
     separate_by: "both directions at three or more positions",
     correctable: Correctable::Program,

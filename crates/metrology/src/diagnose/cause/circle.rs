@@ -32,7 +32,7 @@ pub(super) const CUP: Cause = Cause {
     name: "ball that rolls in its cup",
     effect: EffectKind::Setup,
     made_by: "a cup that is worn or dirty",
-    shown_by: "ball-bar: three lobes that are never the same twice",
+    shown_by: "ball-bar: three lobes that differ from run to run",
     separate_by: "repeat the run",
     correctable: Correctable::No,
     propose: cup,
@@ -41,7 +41,7 @@ pub(super) const CUP: Cause = Cause {
 pub(super) const LOBES: Cause = Cause {
     name: "lobes over the angle of a circle",
     effect: EffectKind::Unknown,
-    made_by: "a ball or a cup out of round, or an unknown cause",
+    made_by: "an out-of-round ball or cup, or an unknown cause",
     shown_by: "ball-bar: the same number of lobes in both senses and at all feeds",
     separate_by: "turn the bar end for end and the ball in its cup: lobes of the instrument turn with it",
     correctable: Correctable::No,

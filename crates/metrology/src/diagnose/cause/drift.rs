@@ -6,7 +6,7 @@ use crate::diagnose::scene::{Scene, Through};
 pub(super) const CAUSE: Cause = Cause {
     name: "drift with time",
     effect: EffectKind::Drift,
-    made_by: "warming up, a set-up that creeps",
+    made_by: "warm-up, creep of the set-up",
     shown_by: "readings of the same pose at different times",
     separate_by: "temperature sensors; the poses in another order",
     correctable: Correctable::No,
@@ -14,7 +14,7 @@ pub(super) const CAUSE: Cause = Cause {
 };
 
 pub(super) const EVENT: Cause = Cause {
-    name: "drift behind an event",
+    name: "drift after an event",
     effect: EffectKind::Drift,
     made_by: "coolant, an opened door, a cold workpiece",
     shown_by: "a step in the readings of one pose that decays",

@@ -12,8 +12,8 @@ pub(in crate::diagnose) const CAUSE: Cause = Cause {
     name: "change between measurements",
     effect: EffectKind::Earlier,
     made_by: "a collision, a repair, new levelling or a transport between two measurements",
-    shown_by: "an error that has one value in all files before a date and another one in all after it",
-    separate_by: "measure again: the present value stays",
+    shown_by: "an error with one value in all files before a date, and another value in all files after it",
+    separate_by: "measure again: the present value remains",
     correctable: Correctable::No,
     propose: |_, _| {},
 };

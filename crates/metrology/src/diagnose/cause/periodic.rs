@@ -11,8 +11,8 @@ pub(in crate::diagnose) const CAUSE: Cause = Cause {
     name: "periodic error",
     effect: EffectKind::Periodic,
     made_by: "pitch of the screw, interpolation of the scale, an eccentric encoder",
-    shown_by: "fine steps along the axis; ball-bar: ripples that stay at their positions at another feed",
-    separate_by: "another feed: a vibration moves along the path, an error periodic in position stays",
+    shown_by: "fine steps along the axis; ball-bar: ripples that remain at their positions at another feed",
+    separate_by: "another feed: a vibration moves along the path, an error that is periodic in position does not",
     correctable: Correctable::Program,
     propose,
 };

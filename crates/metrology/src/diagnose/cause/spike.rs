@@ -8,7 +8,7 @@ pub(super) const CAUSE: Cause = Cause {
     effect: EffectKind::ReversalSpike,
     made_by: "friction and a slow control loop",
     shown_by: "ball-bar: short outward peaks after each reversal, higher at higher feed",
-    separate_by: "repeat it: a spike recurs at its position, a false reading does not",
+    separate_by: "repeat the run: a spike recurs at its position, a false reading does not",
     correctable: Correctable::No,
     propose,
 };

@@ -13,9 +13,9 @@ use crate::diagnose::scene::{Scene, Through};
 pub(super) const CAUSE: Cause = Cause {
     name: "displacement with the spindle speed",
     effect: EffectKind::SpindleSpeed,
-    made_by: "heat of the bearings, centrifugal growth, a drawbar that yields",
+    made_by: "heat of the bearings, centrifugal expansion, compliance of the drawbar",
     shown_by: "readings of one pose at several spindle speeds, from cold",
-    separate_by: "a temperature sensor at the spindle nose; speeds in random order, each until nothing moves any more",
+    separate_by: "a temperature sensor at the spindle nose; speeds in random order, each until the displacement is constant",
     correctable: Correctable::No,
     propose,
 };

@@ -26,7 +26,7 @@ pub(super) const DRIFT: Cause = Cause {
 };
 
 pub(in crate::diagnose) const ON: Cause = Cause {
-    name: "drift with a temperature that goes on from run to run",
+    name: "drift with a temperature that continues from run to run",
     effect: EffectKind::ThermalDrift,
     made_by: "thermal expansion of spindle, head and column, with an instrument not zeroed for each run",
     shown_by: "readings of one pose in several runs that begin at different temperatures",
@@ -36,7 +36,7 @@ pub(in crate::diagnose) const ON: Cause = Cause {
 };
 
 pub(super) const EXPANSION: Cause = Cause {
-    name: "growth of a scale",
+    name: "thermal expansion of a scale",
     effect: EffectKind::ThermalExpansion,
     made_by: "thermal expansion of scale, screw, table and workpiece",
     shown_by: "a line measured at two temperatures",
@@ -48,7 +48,7 @@ pub(super) const EXPANSION: Cause = Cause {
 pub(super) const SQUARENESS: Cause = Cause {
     name: "squareness with a temperature",
     effect: EffectKind::ThermalSquareness,
-    made_by: "a frame warmer on one side",
+    made_by: "a frame that is warmer on one side",
     shown_by: "a plate measured at two temperatures",
     separate_by: "sensors on both sides of the frame",
     correctable: Correctable::Live,

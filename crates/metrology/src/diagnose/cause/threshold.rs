@@ -12,8 +12,8 @@ use ncfix_model::name::{DIRECTIONS, ErrorName};
 pub(super) const CAUSE: Cause = Cause {
     name: "cross-coupled error beyond a threshold",
     effect: EffectKind::Cross,
-    made_by: "a joint of a guide, a foot that carries only beyond a place, a cover that drags",
-    shown_by: "a grid of lines: the lines beyond one position differ from all before it",
+    made_by: "a joint of a guideway, a machine foot that carries only beyond a position, friction of a cover",
+    shown_by: "a grid of lines: the lines beyond one position differ from all lines before it",
     separate_by: "lines in smaller steps around the threshold",
     correctable: Correctable::Program,
     propose,

@@ -10,7 +10,7 @@ pub(super) const CAUSE: Cause = Cause {
     effect: EffectKind::Dynamic,
     made_by: "a fan, a pump, the spindle",
     shown_by: "ripples that move along the path at another feed: a line in the spectrum over time",
-    separate_by: "another feed: an error periodic in position stays in place",
+    separate_by: "another feed: an error that is periodic in position does not move",
     correctable: Correctable::No,
     // Periods in time are searched in [`crate::diagnose::sweep`].
     propose: |_, _| {},

@@ -14,8 +14,8 @@ use ncfix_base::units::um_from_mm;
 
 pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "exchanged or reversed axes",
-    made_by: "cables or columns that are confused, an instrument that counts the other way",
-    shown_by: "readings that fit the model to the noise when two columns are exchanged or one is reversed, and not as they are",
+    made_by: "exchanged cables or columns, an instrument with the opposite sign",
+    shown_by: "readings that fit the model within the noise if two columns are exchanged or one is reversed, but not as given",
     source: "likelihood over permutations",
     look,
 };

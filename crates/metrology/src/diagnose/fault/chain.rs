@@ -11,8 +11,8 @@ use ncfix_machine::machine::{Machine, Topology};
 
 pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "another machine",
-    made_by: "a machine file with another order of the axes than the machine, or of one like it",
-    shown_by: "readings that the known errors predict to the noise when axes change places in the chain, and not as it is",
+    made_by: "a machine file with another order of the axes than the machine, or the file of a similar machine",
+    shown_by: "readings that the known errors predict within the noise with another order of the axes, but not with the order of the file",
     source: "likelihood over permutations",
     look,
 };

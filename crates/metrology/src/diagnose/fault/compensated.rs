@@ -7,8 +7,8 @@ use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 
 pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "active compensation",
-    made_by: "a table of the control that was active while measuring, or one with the wrong sign",
-    shown_by: "nothing in the readings goes with the errors that the model knows, or twice as much as it should",
+    made_by: "a table of the control that was active during the measurement, or one with the wrong sign",
+    shown_by: "the readings contain the errors of the model not at all, or twice",
     source: "residual = −1 or +1 × the known map",
     look,
 };

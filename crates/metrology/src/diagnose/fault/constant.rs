@@ -5,8 +5,8 @@ use crate::measure::data::DataSet;
 
 pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "constant readings",
-    made_by: "a channel without a signal, a probe that hangs, a logger that repeats its last value",
-    shown_by: "the same number at many places, digit by digit, while others differ",
+    made_by: "a channel without a signal, a probe that sticks, a logger that repeats its last value",
+    shown_by: "one number at many positions, identical in every digit, while other readings differ",
     source: "noise: no two readings in fine steps are the same so often",
     look,
 };

@@ -6,7 +6,7 @@ use ncfix_machine::machine::condition::file::READABLE_C;
 
 pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "dead sensor",
-    made_by: "an open circuit, a plug that is out, a logger without a signal",
+    made_by: "an open circuit, a disconnected plug, a logger without a signal",
     shown_by: "temperatures that no machine has, or exactly 0 °C while all others are warm",
     source: "Spaan 1995, ch. 6: sensors that fail during a day",
     look,

@@ -7,8 +7,8 @@ use super::{DataDefect, DefectCheck, DefectKind, Then, View, spread};
 
 pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "exchanged sensors",
-    made_by: "plugs that were confused when the logger was connected again",
-    shown_by: "two sensors that jump in the same row, each to where the other one was",
+    made_by: "plugs that were exchanged when the logger was reconnected",
+    shown_by: "two sensors that jump in the same row, each to the level of the other",
     source: "likelihood over permutations of the channels before and behind a row",
     look,
 };

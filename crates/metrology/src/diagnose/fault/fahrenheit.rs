@@ -6,7 +6,7 @@ use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "degrees Fahrenheit",
     made_by: "a logger that is set to another unit",
-    shown_by: "a sensor far above all others throughout, that is amidst them when its readings are converted",
+    shown_by: "a sensor far above all others in all rows, and in their range after conversion to °C",
     source: "cross-sensor regression",
     look,
 };

@@ -10,8 +10,8 @@ use crate::measure::data::DataSet;
 
 pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "first cycle",
-    made_by: "seats and lubrication that settle, a machine that was not moved before",
-    shown_by: "the first run shifted against all later ones of the same places, or a step soon after the beginning",
+    made_by: "contact surfaces and lubrication that settle, a machine that was not moved before",
+    shown_by: "the first run is shifted relative to all later runs at these positions, or there is a step soon after the start",
     source: "ISO 230-2: warm-up before the measurement",
     look,
 };

@@ -6,8 +6,8 @@ use ncfix_base::geometry::AXES;
 
 pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "rows out of order",
-    made_by: "a table that was sorted or shuffled, rows that were put together from several ones",
-    shown_by: "no columns of senses, and from row to row axes move as far as between any two rows, or time goes back",
+    made_by: "a table that was sorted or shuffled, or combined from several tables",
+    shown_by: "no columns of directions, and axis positions jump at random from row to row, or the time decreases",
     source: "the sense of motion follows from the order of rows",
     look,
 };

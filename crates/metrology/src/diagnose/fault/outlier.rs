@@ -6,8 +6,8 @@ use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 
 pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "single readings far out",
-    made_by: "a chip under the probe, a beam that was broken, a cable that was touched",
-    shown_by: "isolated in time, and not repeated at the same place",
+    made_by: "a chip under the probe, an interrupted beam, a touched cable",
+    shown_by: "isolated in time, and not repeated at the same position",
     source: "isolation and non-repetition; median of absolute deviations",
     look,
 };

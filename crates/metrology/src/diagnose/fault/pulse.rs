@@ -7,8 +7,8 @@ use super::{DataDefect, DefectCheck, DefectKind, Then, View, spread, switched};
 
 pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "isolated pulse",
-    made_by: "lubrication, a door, somebody who leans on the machine",
-    shown_by: "readings of one to five minutes shifted alike, sharp at both ends, not at other visits of the same places",
+    made_by: "lubrication, a door, a person who leans on the machine",
+    shown_by: "readings of one to five minutes with an equal shift, sharp at both ends, absent at other visits of these positions",
     source: "Spaan 1995: pulses of lubrication of 15 to 17 µm",
     look,
 };

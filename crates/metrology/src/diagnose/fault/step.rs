@@ -11,7 +11,7 @@ use crate::measure::data::DataSet;
 pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "step in time",
     made_by: "a crash, a new reference point, an instrument that was knocked",
-    shown_by: "all readings from a row on shifted, against earlier visits of the same places, and flat before and behind",
+    shown_by: "all readings from one row on are shifted relative to earlier visits of the same positions, and constant before and after it",
     source: "change point with a penalty by the memory of the noise",
     look,
 };

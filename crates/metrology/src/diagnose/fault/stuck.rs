@@ -17,7 +17,7 @@ use crate::measure::data::DataSet;
 pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "stuck sensor",
     made_by: "a logger that ends, pauses or begins late and repeats a value; a bus that is down; empty cells",
-    shown_by: "no variance at all in rows in which noise should be",
+    shown_by: "no variance in rows in which noise is expected",
     source: "Spaan 1995, ch. 6: sensors that fail during a day",
     look,
 };

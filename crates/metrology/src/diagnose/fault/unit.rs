@@ -5,8 +5,8 @@ use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 
 pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "factor of units",
-    made_by: "a column in another unit than its name says",
-    shown_by: "readings go with the model but for a factor, and their noise is as far from that of the instrument; without errors that the model knows, \
+    made_by: "a column in another unit than its name states",
+    shown_by: "readings follow the model except for a factor, and their noise differs from that of the instrument by this factor; if the model has no errors, \
                the noise alone",
     source: "parsing and units first; ISO 230-1 has micrometers",
     look,
