@@ -42,7 +42,7 @@ fn page_of_words() -> String {
         .filter_map(|line| line.strip_prefix('#'))
         .skip(2)
         .map(|line| line.strip_prefix(' ').unwrap_or(line));
-    let mut text = String::from("\n### Words that are no codes\n\n```text\n");
+    let mut text = String::from("\n### Words that are not codes\n\n```text\n");
     legend.for_each(|line| writeln!(text, "{line}").unwrap());
     text.push_str(
         "```\n\n| word | place | treatment | arguments | source | meaning |\n| --- | --- | --- | --- | --- | --- |\n",
