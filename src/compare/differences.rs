@@ -167,7 +167,7 @@ pub(crate) fn skipped(corrected: &Source) -> Vec<Diagnostic> {
                 "block skip: / (line {} of {name}) is new: a switch of the control skips that block",
                 number + 1
             );
-            let help = "remove the /; --skip of ncfix fix has decided which blocks stay";
+            let help = "remove the /; --skip of ncfix fix has decided which blocks remain";
             out.push(Diagnostic::at(Code::OTHER_ACT, place, message, help));
         }
         at += line.len() + 1;

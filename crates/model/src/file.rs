@@ -57,7 +57,7 @@ pub fn load_with(source: &Source, registers: &ModelRegisters) -> (Option<(Machin
     }
     if root.has("segment") && root.has("drift") {
         let message = "[[drift]] and [[segment]] both say how far the warm machine drifts, and add up";
-        let help = "keep one of them, or give each what the other leaves out";
+        let help = "keep one of them, or let each describe the parts that the other does not";
         root.report(Code::TWO_DRIFTS, root.place_of_key("segment"), message, help);
     }
     root.finish(&mut findings);

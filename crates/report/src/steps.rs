@@ -176,7 +176,7 @@ impl StepReport {
                 "any: no line bends (errors that are constant, or depend only on the direction of motion, bend no line)"
                     .into()
             }
-            (Some(StepAnswer::Any), _) => format!("any: in one piece every line stays within {limit}"),
+            (Some(StepAnswer::Any), _) => format!("any: every line is within {limit} even as one piece"),
             _ => {
                 let smallest = self.steps.first().map_or(0.0, |row| row.step_mm);
                 format!("none: the residual at {} mm is already more than {limit}", three_digits(smallest))

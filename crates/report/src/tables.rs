@@ -73,7 +73,7 @@ impl TablesReport {
         if let Some(check) = &self.found.check {
             let [x, y, z] = check.tool_mm;
             let senses = check.senses.join(" ");
-            let senses = if senses.is_empty() { senses } else { format!(", {senses} moving in both senses") };
+            let senses = if senses.is_empty() { senses } else { format!(", {senses} moving in both directions") };
             let _ = writeln!(page, "residual over the volume ({} poses{senses}; tool {x} {y} {z} mm)", check.poses);
             page.push_str("                 tip: mean     rms     max µm    tool axis: rms     max µrad\n");
             for (name, one) in [("without", check.before), ("with tables", check.tables), ("exact", check.exact)] {

@@ -40,10 +40,7 @@ pub(in crate::cli) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
             print(&json::line(&review).map_err(Stop::Usage)?)?;
         } else {
             findings.draw();
-            tell(&format!(
-                "{}; nothing was compared; --text compares the words as they are written\n",
-                findings.count()
-            ));
+            tell(&format!("{}; nothing was compared; --text compares the programs as text\n", findings.count()));
         }
         return Ok(findings.exit_code());
     };

@@ -63,13 +63,12 @@ pub(super) fn separating(scene: &Scene<'_>, one: &Candidate, rival: &Candidate) 
     }
 }
 
-const BALLS: &str =
-    "the balls again with a second tool length: the effect of a tilt grows with the arm, that of an offset does not";
+const BALLS: &str = "the balls again with a second tool length: the effect of a tilt increases with the arm, that of an offset does not";
 
 /// Measurements that show the same errors in another way, the most informative first.
 const OTHERS: [(&str, SeparatingPlan); 5] = [
     (
-        "the same poses with a second tool length: angles grow with the arm, displacements do not",
+        "the same poses with a second tool length: the effect of an angle increases with the arm, that of a displacement does not",
         SeparatingPlan::Heights,
     ),
     ("a grid of points over the travel, which shows each axis along its whole length", SeparatingPlan::Grid),
@@ -139,17 +138,17 @@ fn told_apart(pair: [EffectKind; 2]) -> (Option<&'static str>, Option<Separating
     let both = |a| pair == [a, a];
     let (sentence, plan) = if is(EffectKind::Location, EffectKind::ServoMismatch) {
         (
-            "the same circle in the other sense: squareness stays, a servo mismatch changes its sign",
+            "the circle in the other direction: squareness does not change, a servo mismatch changes its sign",
             SeparatingPlan::Circles,
         )
     } else if is(EffectKind::Backlash, EffectKind::Following) || is(EffectKind::Backlash, EffectKind::Delay) {
-        ("the same line at another feed: a lag changes with the feed, backlash stays", SeparatingPlan::SlowLine)
+        ("the same line at another feed: a lag changes with the feed, backlash does not", SeparatingPlan::SlowLine)
     } else if is(EffectKind::Backlash, EffectKind::LateralPlay)
         || both(EffectKind::LateralPlay)
         || both(EffectKind::Backlash)
     {
         (
-            "both directions with two tool lengths, and with an indicator along and across: a rotation of the carriage grows with the tool length",
+            "both directions with two tool lengths, and with an indicator along and across: the effect of a rotation of the carriage increases with the tool length",
             SeparatingPlan::Line,
         )
     } else if is(EffectKind::Backlash, EffectKind::Motion) {
@@ -176,7 +175,7 @@ fn told_apart(pair: [EffectKind; 2]) -> (Option<&'static str>, Option<Separating
         ("lines at two heights, and at the ends of the other axis", SeparatingPlan::Heights)
     } else if both(EffectKind::Motion) {
         (
-            "the same lines at two positions of the other axes, and with a second tool length: the effect of an angle grows with its arm, that of a displacement does not",
+            "the same lines at two positions of the other axes, and with a second tool length: the effect of an angle increases with its arm, that of a displacement does not",
             SeparatingPlan::Heights,
         )
     } else if both(EffectKind::Location) {
@@ -203,7 +202,7 @@ fn told_apart(pair: [EffectKind; 2]) -> (Option<&'static str>, Option<Separating
         )
     } else if is(EffectKind::Periodic, EffectKind::Dynamic) {
         (
-            "another feed: a vibration moves along the path, an error periodic in position stays",
+            "another feed: a vibration moves along the path, an error that is periodic in position does not",
             SeparatingPlan::SlowCircles,
         )
     } else if pair[0] == EffectKind::Cross {

@@ -185,7 +185,7 @@ fn finding(fault: &DataDefect, set: &DataSet, is_held_out: bool, place: Option<P
             "converted for this diagnosis; convert the column, (°F − 32) / 1.8, for all users of the file".into()
         }
         DefectKind::Compensated => "check whether a table of the control was active; if not, the model has expired".into(),
-        DefectKind::Order => "give the rows in the order in which they were taken, or the senses of motion in columns X_dir …".into(),
+        DefectKind::Order => "give the rows in the order of measurement, or the directions of motion in columns X_dir …".into(),
         _ => format!("excluded: {}", excluded(fault, is_held_out)),
     };
     let code = if is_refused { Code::DATA_FAULT } else { Code::FAULTY_DATA };

@@ -401,9 +401,8 @@ pub fn run(
     fault::exclude(&mut bare, &faults);
     let [readings, unknowns] = freedom_of(&of_model, used);
     if readings < unknowns + LEAST {
-        let message = format!(
-            "{readings} readings that count and {unknowns} unknowns of the set-ups: no degree of freedom remains"
-        );
+        let message =
+            format!("{readings} usable readings and {unknowns} unknowns of the set-ups: no degree of freedom remains");
         let help = "measure more, or describe what is known of the set-ups (remove it from free)";
         findings.push(Diagnostic::nowhere(Code::NOT_TOLD, message, help));
         return None;

@@ -59,7 +59,7 @@ fn percent(share: f64) -> String {
 fn summary(out: &mut Markup, report: &DiagnosisReport) {
     let is_refused = report.found.readings == 0;
     let text = if is_refused {
-        "Refused: nothing was diagnosed. The diagnostics below say why.".to_owned()
+        "Refused: nothing was diagnosed. The diagnostics below give the reason.".to_owned()
     } else {
         report.verdict()
     };

@@ -60,7 +60,7 @@ fn left(out: &mut Markup, check: &TablesCheck) {
         .collect();
     let [x, y, z] = check.tool_mm;
     let senses = check.senses.join(" ");
-    let senses = if senses.is_empty() { senses } else { format!(", {senses} moving in both senses") };
+    let senses = if senses.is_empty() { senses } else { format!(", {senses} moving in both directions") };
     let note = format!(
         "{} poses{senses}; tool {x} {y} {z} mm from the gauge point to the tip; with the tables the residual is largest at {}.",
         grouped(check.poses as u64),

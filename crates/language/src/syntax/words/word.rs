@@ -76,7 +76,7 @@ impl Parser {
             return Ok((rest, value));
         }
         if input.is_empty() {
-            return fault(Code::MISSING_VALUE, input, 1, "a value is missing behind '='");
+            return fault(Code::MISSING_VALUE, input, 1, "a value is missing after '='");
         }
         let (rest, id) = self.expression(input)?;
         Ok((rest, Value::Expr(id)))

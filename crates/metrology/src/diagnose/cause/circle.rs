@@ -42,7 +42,7 @@ pub(super) const LOBES: Cause = Cause {
     name: "lobes over the angle of a circle",
     effect: EffectKind::Unknown,
     made_by: "an out-of-round ball or cup, or an unknown cause",
-    shown_by: "ball-bar: the same number of lobes in both senses and at all feeds",
+    shown_by: "ball-bar: one number of lobes in both directions and at all feeds",
     separate_by: "turn the bar end for end and the ball in its cup: lobes of the instrument turn with it",
     correctable: Correctable::No,
     propose: |_, _| {},

@@ -9,7 +9,7 @@ pub(super) const CAUSE: Cause = Cause {
     name: "location of an axis",
     effect: EffectKind::Location,
     made_by: "assembly, a collision, a foundation that has moved",
-    shown_by: "ball-bar: an oval at 45° that is the same in both senses; chase-the-ball: readings that turn with the axis",
+    shown_by: "ball-bar: an oval at 45° that is equal in both directions; chase-the-ball: readings that turn with the axis",
     separate_by: "turn the artifact by 90°, or index the rotary axis at three more angles",
     correctable: Correctable::Program,
     propose,

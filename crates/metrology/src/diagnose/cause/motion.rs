@@ -10,7 +10,7 @@ pub(in crate::diagnose) const CAUSE: Cause = Cause {
     name: "motion of an axis",
     effect: EffectKind::Motion,
     made_by: "guideways, ball screw, scale",
-    shown_by: "laser, level, hole plate; ball-bar: lobes that are the same in both senses and at all feeds",
+    shown_by: "laser, level, hole plate; ball-bar: lobes that are equal in both directions and at all feeds",
     separate_by: "a second tool length or plate height separates angles from straightness; two radii separate a scale from the length of the bar",
     correctable: Correctable::Program,
     propose,

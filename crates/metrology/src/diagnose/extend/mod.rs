@@ -171,7 +171,7 @@ fn is_sound(one: &AcceptedCause, left: f64) -> Result<(), String> {
         ));
     }
     if one.is_partly_visible {
-        return Err("the unknowns of the set-ups or other findings absorb a part of it: only the visible part has a size; describe what is known of the set-ups, or measure more of them".into());
+        return Err("the unknowns of the set-ups or other findings absorb a part of it, so only the remaining part is determined; describe what is known of the set-ups, or measure more of them".into());
     }
     if one.rms > CANCELS * left {
         let times = one.rms / left;

@@ -9,7 +9,7 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "exchanged sensors",
     made_by: "plugs that were exchanged when the logger was reconnected",
     shown_by: "two sensors that jump in the same row, each to the level of the other",
-    source: "likelihood over permutations of the channels before and behind a row",
+    source: "likelihood over permutations of the channels before and after a row",
     look,
 };
 
@@ -45,7 +45,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
             what: "exchanged".into(),
             rows: [best.row, sensors[best.pair[0]].values.len().saturating_sub(1)],
             evidence: format!(
-                "both jump in one row by {:.2} K in opposite senses; exchanged from there on no jump above {:.2} K is left",
+                "both jump in one row by {:.2} K in opposite directions; if they are exchanged from this row on, no jump exceeds {:.2} K",
                 best.apart_k, best.left_k
             ),
             then: Then::WithoutSensors(names.to_vec()),

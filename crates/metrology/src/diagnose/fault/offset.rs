@@ -92,12 +92,12 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
             }
             let origin = origin(data, &clock, sensors, number, (row, jump));
             let evidence = format!(
-                "it jumps by {jump:+.1} K between two rows and stays; its next largest jump is {next:.1} K, no other sensor jumps by more than {with:.1} K there"
+                "it jumps permanently by {jump:+.1} K between two rows; its next largest jump is {next:.1} K, and no other sensor jumps by more than {with:.1} K there"
             );
             let (evidence, then) = match origin {
                 JumpOrigin::Thermal => continue,
                 JumpOrigin::Broken => (evidence, Then::WithoutSensors(vec![sensor.name.clone()])),
-                JumpOrigin::Unsure(why) => (format!("{evidence}; {why}: it stays in use"), Then::Nothing),
+                JumpOrigin::Unsure(why) => (format!("{evidence}; {why}: it remains in use"), Then::Nothing),
             };
             out.push(DataDefect {
                 kind: DefectKind::Sensor,
@@ -127,10 +127,12 @@ fn origin(
         return JumpOrigin::Thermal;
     }
     if data.observations.get(row).and_then(|one| one.t_s).is_none() {
-        return JumpOrigin::Unsure("without t_s a fast heater looks alike");
+        return JumpOrigin::Unsure("without t_s, a fast heater has the same effect");
     }
     if row.checked_sub(1).and_then(|last| clock.step(last, row)).is_none_or(|step_s| step_s > MOST_S) {
-        return JumpOrigin::Unsure("the rows are so far apart in time that a switched heat source would look alike");
+        return JumpOrigin::Unsure(
+            "the rows are so far apart in time that a switched heat source would have the same effect",
+        );
     }
     if goes_on.is_none_or(|[_, whole]| whole.abs() > GOES_ON) {
         return JumpOrigin::Unsure("its rates before and after the jump differ, as for a heated body");

@@ -28,7 +28,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
             name: data.name.clone(),
             what: "rows in no order".into(),
             rows: [0, data.observations.len().saturating_sub(1)],
-            evidence: format!("{evidence}: senses of motion, which follow from the order of rows, say nothing here"),
+            evidence: format!("{evidence}: directions of motion cannot be derived from the order of rows"),
             then: Then::Nothing,
         });
     }

@@ -12,7 +12,7 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "step in time",
     made_by: "a crash, a new reference point, an instrument that was knocked",
     shown_by: "all readings from one row on are shifted relative to earlier visits of the same positions, and constant before and after it",
-    source: "change point with a penalty by the memory of the noise",
+    source: "change point with a penalty for the autocorrelation of the noise",
     look,
 };
 
@@ -87,7 +87,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
 /// The evidence as text.
 pub(super) fn evidence(change: &ChangePoint) -> String {
     format!(
-        "readings shift by {:.1} times their noise within a reading and stay: flat over {} readings on both sides, against earlier visits of the same places",
+        "readings shift permanently by {:.1} times their noise from one reading to the next; relative to earlier visits of the same positions, they are constant over {} readings on both sides",
         change.size, change.side
     )
 }

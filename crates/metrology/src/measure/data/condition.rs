@@ -137,7 +137,7 @@ impl Conditions {
         let time_s = t_s.filter(|_| self.has_temperatures).unwrap_or(0.0);
         let clock = self.clock(run, time_s).map_err(|message| {
             let column = self.columns.iter().position(|column| *column == ConditionColumn::Time);
-            let help = "sort the rows of each run by time; a column run separates runs whose time begins again";
+            let help = "sort the rows of each run by time; a column run separates runs in which the time starts again";
             vec![Diagnostic::at(Code::DATA_CELL, row.place(column.unwrap_or(0)), message, help)]
         })?;
         self.note(clock, time_s, &temperatures);

@@ -101,7 +101,7 @@ fn note(data: &mut DataSet, own: &[Member], cycle: RepeatCycle, findings: &mut V
     let turns = own.iter().any(|member| member.sense != own.first().map_or(0, |first| first.sense));
     if !(turns && duration > 0.0) {
         let message = format!(
-            "the readings of {component} from here are in one direction only: their drift is not separable from an error that grows along the axis"
+            "the readings of {component} from here are in one direction only: their drift is not separable from an error that increases along the axis"
         );
         findings.push(Diagnostic::at(Code::DRIFT_NOT_TOLD, place(data, own.first()), message, HELP));
         return;

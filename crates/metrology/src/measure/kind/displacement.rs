@@ -53,7 +53,11 @@ pub(super) fn read(
 
 pub(super) fn check(data: &DataSet, table: &Table, findings: &mut Vec<Diagnostic>) {
     if !data.is_plan && COLUMNS.iter().all(|name| table.column(name).is_none()) {
-        let help = "name the columns of the readings dx_um, dy_um, dz_um (any of them)";
+        let is_in_mm = COLUMNS.iter().any(|name| table.column(&name.replace("_um", "_mm")).is_some());
+        let help = match is_in_mm {
+            true => "convert the readings to µm, and name their columns dx_um, dy_um, dz_um",
+            false => "name the columns of the readings dx_um, dy_um, dz_um (any of them)",
+        };
         findings.push(Diagnostic::at(Code::DATA_COLUMN, table.header_place(None), "there is no reading column", help));
     }
     no_expansion(data, table, findings);

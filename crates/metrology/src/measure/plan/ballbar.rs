@@ -13,7 +13,7 @@ use ncfix_machine::machine::Machine;
 /// The plan.
 pub(super) const PLAN: PlanKind = PlanKind {
     name: "ballbar",
-    title: "circles about a ball on the table, both senses (ISO 230-4)",
+    title: "circles about a ball on the table, in both directions (ISO 230-4)",
     wishes: &["centre", "radius", "feed", "plane", "every", "sweep", "overlap", "dwell"],
     spacing: RowSpacing::Angle,
     has_setups: false,

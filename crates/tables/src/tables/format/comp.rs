@@ -73,7 +73,7 @@ fn faults(tables: &Tables, _: &Wiring) -> Vec<String> {
         };
         if !is_pair {
             faults.push(format!(
-                "{input} has tables that are not one for both senses or one for each at the same points"
+                "{input} must have one table for both directions, or one for each direction with the same points"
             ));
         }
     }

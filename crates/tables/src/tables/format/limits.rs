@@ -52,12 +52,12 @@ pub(super) fn kinds(format: &Format, tables: &Tables) -> Vec<String> {
         (
             Holds::Senses,
             lookups.iter().any(|one| one.sense != crate::tables::Sense::Both),
-            "tables for one sense of motion",
+            "tables for one direction of motion",
         ),
         (
             Holds::CrossSenses,
             lookups.iter().any(|one| one.sense != crate::tables::Sense::Both && one.input != one.output),
-            "tables for one sense of motion that correct another axis",
+            "tables for one direction of motion that correct another axis",
         ),
         (Holds::Repetition, lookups.iter().any(|one| one.modulo), "tables that repeat"),
         (Holds::Grid, tables.grid.is_some(), "a grid of corrections"),

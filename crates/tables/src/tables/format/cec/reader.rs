@@ -156,7 +156,7 @@ impl Reader<'_> {
         let fault = match field {
             "STEP" | "MIN" | "MAX" | "WEIGHT" => None,
             "DIRECTION" => (!is_sense).then(|| {
-                let help = "write 0 for both senses, 1 for the positive or -1 for the negative one";
+                let help = "write 0 for both directions, 1 for the positive or -1 for the negative one";
                 (format!("table {t} has the direction {number}, which is not valid"), help)
             }),
             "MULT_BY_TABLE" => {
