@@ -410,7 +410,7 @@ impl DiagnosisReport {
             None => {
                 let depends = one.depends();
                 let goes = if depends.is_empty() { String::new() } else { format!("depends on {depends}; ") };
-                let _ = writeln!(out, "   {goes}usual reasons: {}{}", one.made_by, one.remedy());
+                let _ = writeln!(out, "   {goes}usual causes: {}{}", one.made_by, one.remedy());
             }
         }
         if let Some(differs) = differing(&one.by_file) {

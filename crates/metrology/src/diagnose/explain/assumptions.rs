@@ -109,7 +109,7 @@ pub const ASSUMPTIONS: &[Assumption] = &[
         family: Family::Scale,
         size: Size::UmPerM(50.0),
         odds: 1.0,
-        source: "growth of a screw by 4 K at 11.5 µm/(m K), which most workshops have in a day",
+        source: "expansion of a screw by 4 K at 11.5 µm/(m K), a usual change of temperature in a day",
     },
     Assumption {
         family: Family::Backlash,

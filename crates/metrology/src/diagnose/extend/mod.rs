@@ -200,9 +200,9 @@ fn doubtful(doubt: &ExtrapolationRisk) -> String {
         return format!("over the whole travel its uncertainty exceeds its size; measure {}", doubt.separate_by);
     }
     let (verb, does, differ) =
-        if doubt.rivals.len() > 1 { ("do", "together ", "differ") } else { ("does", "", "differs") };
+        if doubt.rivals.len() > 1 { ("have", "together ", "differ") } else { ("has", "", "differs") };
     format!(
-        "{} {does}{verb} the same to the readings and {differ} where nothing was measured, so a correction could increase the error; to separate them: {}",
+        "{} {does}{verb} the same effect on the readings, but {differ} where nothing was measured, so a correction could increase the error; to separate them: {}",
         doubt.rivals.join(" and "),
         doubt.separate_by
     )

@@ -59,7 +59,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
                 }
                 let is_sure = more > SURELY * noise;
                 let single =
-                    if is_sure { "; no single cause explains as much" } else { "; a single cause does the same" };
+                    if is_sure { "; no single cause explains as much" } else { "; a single cause explains as much" };
                 out.push(DataDefect {
                     kind: DefectKind::Compensated,
                     set,

@@ -62,7 +62,7 @@ fn words(out: &mut Markup, report: &DiagnosisReport, one: &CauseReport) {
     let mut all: Vec<(&str, String)> = Vec::new();
     match &one.what {
         Some(what) => all.push(("what it is", what.clone())),
-        None => all.push(("usual reasons", one.made_by.clone())),
+        None => all.push(("usual causes", one.made_by.clone())),
     }
     let depends = one.depends();
     if !depends.is_empty() {
