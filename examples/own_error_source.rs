@@ -1,8 +1,7 @@
 //! A custom error source: the table sags when it moves out over its bed along Y.
 //!
-//! The weight times the overhang y tilts the table, and the tilt times the overhang lowers the workpiece by s (y/L)²,
-//! which is s at the overhang L. `[overhang]` in the machine file contains s and L. The error adds to all others and is
-//! corrected; a calibration fits it as `overhang.sag`.
+//! The weight times the overhang y tilts the table, and the tilt times the overhang lowers the workpiece by s (y/L)². `[overhang]` in the machine file
+//! contains s, the sag at the overhang L, and L. The error adds to all others and is corrected; a calibration fits it as `overhang.sag`.
 #![allow(clippy::print_stdout, reason = "an example shows what it found")]
 
 use ncfix::extend::source::*;

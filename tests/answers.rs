@@ -106,7 +106,7 @@ const ROWS: &[(&str, bool, &str, Then)] = &[
     ("marlin", UNDER_WAY, "Error:Printer halted. kill() called!", Lost("has halted")),
     ("marlin", NONE, "!!", Lost("has halted")),
     ("marlin", UNDER_WAY, "Error:MINTEMP triggered, system stopped! Heater_ID: bed", Lost("has halted")),
-    ("marlin", UNDER_WAY, "//action:cancel", Lost("cancelled")),
+    ("marlin", UNDER_WAY, "//action:cancel", Lost("canceled")),
     ("marlin", UNDER_WAY, "wait", On),
     ("marlin", UNDER_WAY, "echo:busy: processing", On),
     ("marlin", UNDER_WAY, "echo:busy: paused for user", On),

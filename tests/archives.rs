@@ -157,7 +157,7 @@ fn saved_data_with_the_header_of_a_program_is_refused() {
         .file("right.RPA", "%_N_RPA_INI\nR1=25\n")
         .file("part.mpf", "G0 X=R1 Y0 Z0\nM30\n");
     shop.run(["fix", "part.mpf", "-o", "o.mpf", "--setup", "r.RPA"])
-        .exits(4)
+        .exits(3)
         .says("error[E0101]: this header names a program (MPF), not saved data: nothing is read\n --> r.RPA:1:1");
     shop.run(["fix", "part.mpf", "-o", "o.mpf", "--setup", "right.RPA"]).exits(0);
 }

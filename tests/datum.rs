@@ -119,14 +119,17 @@ fn what_nobody_states_is_pointed_out_with_its_size() {
     let shop = shop(&format!("{LINEAR}{OFF_AND_LONG}{G54}"), &program("X400"));
     let fix = ["fix", "in.mpf", "-o", "out.mpf", "--machine", "m.toml", "--max-correction", "1mm"];
     let run = shop.run(fix).exits(0);
-    run.says("warning[W0321]: G54 counts as the true place").says("X 310 µm").says("G54=touched");
+    run.says("warning[W0321]: G54 counts as touched, because no method is stated").says("X 310 µm").says("G54=touched");
     let json = shop.run(fix.iter().chain(&["--json"])).exits(0).json();
-    assert_eq!(json["zeros"][0]["set"], "absolute");
+    assert_eq!(json["zeros"][0]["set"], "touched");
     assert_eq!(json["zeros"][0]["is_stated"], false);
     assert!((json["zeros"][0]["distance_um"].as_f64().unwrap() - 310.0).abs() < 1e-6, "{json}");
     // Of 0.31 to 0.35 mm at X 100 to 500 only the part beyond 0.31 is form.
     let [before, form] = ["before", "before_form"].map(|key| json[key]["max_um"].as_f64().unwrap());
-    assert!((before - 350.0).abs() < 1.0 && (form - 40.0).abs() < 1.0, "{json}");
+    assert!((before - 40.0).abs() < 1.0 && (form - 40.0).abs() < 1.0, "{json}");
+    let absolute = shop.run(fix.iter().chain(&["--zero", "G54=absolute", "--json"])).exits(0).json();
+    let [before, form] = ["before", "before_form"].map(|key| absolute[key]["max_um"].as_f64().unwrap());
+    assert!((before - 350.0).abs() < 1.0 && (form - 40.0).abs() < 1.0, "{absolute}");
     let check = shop.run(["check", "in.mpf", "--machine", "m.toml", "--max-correction", "1mm"]).exits(0);
     check.says("warning[W0321]");
     for set in ["touched", "absolute"] {
