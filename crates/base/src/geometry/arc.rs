@@ -80,13 +80,15 @@ pub struct Arc {
 
 /// Distance in the plane, mm, below which start and end are one point and the arc is a full circle.
 const SAME_POINT_MM: f64 = 1e-9;
+/// Largest squared angle at the start between the lines to the programmed center and to the center on the bisector, rad² (Sinumerik alarm 14040).
+const CENTER_ANGLE_SQUARED: f64 = 0.001;
 
 impl Arc {
-    /// Builds the arc like a Sinumerik. A center that is off by at most `tolerance_mm` (difference of the two radii, and distance from the perpendicular
-    /// bisector of the chord) is moved onto the bisector; the end is kept.
+    /// Builds the arc like a Sinumerik: the center moves onto the perpendicular bisector of the chord, start and end stay. The radii at start and end may
+    /// differ by `tolerance_mm` of the radius at the start. The center may be off the bisector by this length, or by √0.001 rad as seen from the start.
     ///
     /// # Errors
-    /// If the center is off by more, or the radius is zero.
+    /// If the radii differ by more, the center is off by more, or the radius is zero.
     pub fn through(
         plane: Plane,
         clockwise: bool,
@@ -117,14 +119,21 @@ impl Arc {
         let middle = [s[0].midpoint(e[0]), s[1].midpoint(e[1])];
         let off_bisector = (center_mm[0] - middle[0]) * unit[0] + (center_mm[1] - middle[1]) * unit[1];
         let off_radius = (start_radius_mm - end_radius_mm).abs();
-        if off_radius.max(off_bisector.abs()) > tolerance_mm {
+        arc.center_mm = [center_mm[0] - off_bisector * unit[0], center_mm[1] - off_bisector * unit[1]];
+        let is_near = off_bisector.abs() <= tolerance_mm || {
+            // The two centers are on a line parallel to the chord, this far from it.
+            let height = (center_mm[1] - s[1]) * unit[0] - (center_mm[0] - s[0]) * unit[1];
+            let angle = height.atan2(length / 2.0 + off_bisector) - height.atan2(length / 2.0);
+            let moved_radius_mm = (s[0] - arc.center_mm[0]).hypot(s[1] - arc.center_mm[1]);
+            angle * angle < CENTER_ANGLE_SQUARED && (moved_radius_mm - start_radius_mm).abs() <= tolerance_mm
+        };
+        if off_radius > tolerance_mm || !is_near {
             return Err(CenterFault::OffCircle { start_radius_mm, end_radius_mm, off_bisector_mm: off_bisector.abs() });
         }
-        arc.center_mm = [center_mm[0] - off_bisector * unit[0], center_mm[1] - off_bisector * unit[1]];
         Ok(arc)
     }
 
-    /// Builds the arc like LinuxCNC: the center stays as programmed. If the radii at start and end differ, by at most `tolerance_mm` of the larger one, the
+    /// Builds the arc like LinuxCNC and a Fanuc: the center stays as programmed. If the radii at start and end differ, by at most `tolerance_mm` of the larger one, the
     /// path between them is a spiral.
     ///
     /// # Errors
@@ -259,6 +268,24 @@ mod tests {
         let arc = Arc::through(Plane::XY, false, &start, &end, [0.003, -0.003], 0, |_| 0.01).unwrap();
         assert!((arc.radius_mm(&start) - arc.radius_mm(&end)).abs() < 1e-12);
         let fault = Arc::through(Plane::XY, false, &start, &end, [0.02, -0.02], 0, |_| 0.01);
+        assert!(matches!(fault, Err(CenterFault::OffCircle { .. })));
+    }
+
+    /// Off the bisector by 0.1495 mm, which is 0.857° as seen from the start, with radii 10 and 9.9925.
+    #[test]
+    fn a_short_chord_is_checked_by_the_angle_of_its_center() {
+        let (start, end) = (at(0.0, 0.0, 0.0), at(0.02, -0.5, 0.0));
+        let arc = Arc::through(Plane::XY, false, &start, &end, [10.0, 0.0], 0, |_| 0.01).unwrap();
+        assert!((arc.radius_mm(&start) - arc.radius_mm(&end)).abs() < 1e-12);
+        // The foot of the perpendicular: 10 - 0.1495 · 0.03997, and 0.1495 · 0.99920.
+        assert!((arc.center_mm[0] - 9.99402).abs() < 1e-4 && (arc.center_mm[1] - 0.14938).abs() < 1e-4, "{arc:?}");
+    }
+
+    /// The end is 5 µm inside of the circle, at the angle of the start: on the bisector of this chord there is no circle of this size.
+    #[test]
+    fn a_chord_along_the_radius_is_refused() {
+        let (start, end) = (at(0.0, 0.0, 0.0), at(0.005, 0.0, 0.0));
+        let fault = Arc::through(Plane::XY, false, &start, &end, [10.0, 0.0], 0, |_| 0.01);
         assert!(matches!(fault, Err(CenterFault::OffCircle { .. })));
     }
 

@@ -24,6 +24,15 @@ pub enum CompensationCorner {
     Circular,
 }
 
+/// Center of an arc whose radii at start and end differ within the tolerance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ArcCenter {
+    /// On the perpendicular bisector of start and end: the radius is constant (Sinumerik, Grundig).
+    Moved,
+    /// As programmed: the radius changes linearly with the angle (Fanuc, RS274/NGC).
+    Kept,
+}
+
 /// Reads the settings.
 pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     let is_angle = |value: f64| (0.0..=180.0).contains(&value);
@@ -58,6 +67,16 @@ pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
             let message = format!("compensation_corner must be \"linear\" or \"circular\", found \"{other}\"");
             let help = "linear: straight lines around outer corners; circular: an arc about the corner";
             section.report(Code::BAD_VALUE, section.place_of("compensation_corner"), message, help);
+        }
+    }
+    match section.text("arc_center") {
+        None => {}
+        Some("moved") => control.arc_center = Some(ArcCenter::Moved),
+        Some("kept") => control.arc_center = Some(ArcCenter::Kept),
+        Some(other) => {
+            let message = format!("arc_center must be \"moved\" or \"kept\", found \"{other}\"");
+            let help = "moved: onto the bisector of the chord; kept: the radius changes linearly with the angle";
+            section.report(Code::BAD_VALUE, section.place_of("arc_center"), message, help);
         }
     }
 }

@@ -36,7 +36,7 @@ pub use active::{ActiveCompensation, ActiveTables, TableProducts};
 pub use chain::{Branch, Topology, TopologyFault};
 pub use clamp::Clamp;
 pub use condition::{Condition, Load, ZeroPose};
-pub use contour_control::{CompensationCorner, CompensationStart};
+pub use contour_control::{ArcCenter, CompensationCorner, CompensationStart};
 pub use datum::{Datum, TouchedAt, ZeroSetting};
 pub use frame_control::Rollover;
 pub use grundig_control::{GrundigControl, ScaledAxes};
@@ -162,10 +162,12 @@ pub struct Control {
     pub increments_per_mm: Option<f64>,
     /// Largest block number of the output, if blocks must have numbers; `None` without a limit.
     pub last_block_number: Option<u32>,
-    /// Sinumerik MD21000: allowed radius difference of an arc, mm.
+    /// Allowed radius difference of an arc, mm (Sinumerik MD21000, Fanuc parameter 3410).
     pub arc_tolerance_mm: f64,
     /// Sinumerik MD21010: allowed radius difference of an arc as a share of the radius.
     pub arc_tolerance_ratio: f64,
+    /// Center of an arc with such a difference; `None`: as in the dialect.
+    pub arc_center: Option<ArcCenter>,
     /// Effect of T: immediately, or with M6 (Sinumerik MD22550).
     pub tool_change: ToolChange,
     /// Plane along whose axes the tool lengths lie, whichever plane is active (Sinumerik SD42940); `None`: those of the active plane.
@@ -184,6 +186,10 @@ pub struct Control {
     pub rollover: Option<Rollover>,
     /// True if `>` and `<` treat reals that differ by 1e-12 of their size as equal, like the other four comparisons (Sinumerik MD10280 bit 0 is 0).
     pub relative_comparison: bool,
+    /// Retract position of X, as [`Self::swivel_retract_z_mm`].
+    pub swivel_retract_x_mm: Option<f64>,
+    /// Retract position of Y, as [`Self::swivel_retract_z_mm`].
+    pub swivel_retract_y_mm: Option<f64>,
     /// Retract position of Z before CYCLE800 swivels, machine position of the axis, mm; `None` if it is not known.
     pub swivel_retract_z_mm: Option<f64>,
     /// Rotary axis for the preferred direction of CYCLE800; `None`: the one that tilts the tool.
@@ -292,6 +298,7 @@ impl Default for Control {
             last_block_number: None,
             arc_tolerance_mm: 0.01,
             arc_tolerance_ratio: 0.001,
+            arc_center: None,
             tool_change: ToolChange::M6,
             tool_length_plane: None,
             edge_after_tool_change: 1,
@@ -301,6 +308,8 @@ impl Default for Control {
             modulo_shortest: false,
             rollover: None,
             relative_comparison: true,
+            swivel_retract_x_mm: None,
+            swivel_retract_y_mm: None,
             swivel_retract_z_mm: None,
             swivel_direction_axis: None,
             fine_shift: false,

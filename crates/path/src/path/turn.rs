@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_4, TAU};
 
 use ncfix_base::geometry::{AXES, Arc, Axis, AxisVector, Matrix, Plane, Vector};
+use ncfix_machine::machine::ArcCenter;
 
 use super::route::Route;
 use super::segment_candidate::{PieceEnds, SAME_PLACE_MM, SegmentCandidate, SegmentFitter, state_of};
@@ -58,7 +59,12 @@ impl SegmentFitter<'_, '_> {
             CENTER_SHARE * self.control.arc_tolerance_mm.max(self.control.arc_tolerance_ratio * radius_mm)
         };
         let (from, to) = (&ends.start, &ends.end.command);
-        let done = match self.placer.centers {
+        let centers = match self.control.arc_center {
+            Some(ArcCenter::Moved) => Centers::OnBisector,
+            Some(ArcCenter::Kept) => Centers::AsWritten,
+            None => self.placer.centers,
+        };
+        let done = match centers {
             Centers::OnBisector => Arc::through(arc.plane, arc.clockwise, from, to, center, extra_turns, tolerance),
             Centers::AsWritten => Arc::spiral(arc.plane, arc.clockwise, from, to, center, extra_turns, tolerance),
         };

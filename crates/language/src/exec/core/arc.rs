@@ -2,8 +2,51 @@
 
 use super::path::Shape;
 use super::sagitta::chord_count;
-use ncfix_base::geometry::{Arc, AxisVector, PlaneBasis};
+use ncfix_base::geometry::{Arc, AxisVector, CenterFault, Plane, PlaneBasis};
+use ncfix_dialect::Language;
+use ncfix_machine::machine::{ArcCenter, Control};
 use ncfix_machine::snc::Setup;
+
+/// Center of an arc whose radii differ within the tolerance, as each control is delivered.
+const CENTERS: [(Language, ArcCenter); 4] = [
+    (Language::Sinumerik, ArcCenter::Moved),
+    (Language::Grundig, ArcCenter::Moved),
+    (Language::Fanuc, ArcCenter::Kept),
+    (Language::Rs274, ArcCenter::Kept),
+];
+
+/// A programmed arc: its plane, direction, start, end, center and extra turns.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::exec) struct ProgrammedArc<'a> {
+    pub(in crate::exec) plane: Plane,
+    pub(in crate::exec) clockwise: bool,
+    pub(in crate::exec) from: &'a AxisVector,
+    pub(in crate::exec) to: &'a AxisVector,
+    pub(in crate::exec) center_mm: [f64; 2],
+    pub(in crate::exec) extra_turns: u32,
+}
+
+impl ProgrammedArc<'_> {
+    /// The arc as the control checks and executes it; `tolerance` is the largest difference of its radii. Radius compensation is computed for a circle.
+    ///
+    /// # Errors
+    /// A reason if the center fits neither start nor end.
+    pub(in crate::exec) fn checked(
+        &self,
+        language: Language,
+        control: &Control,
+        is_compensated: bool,
+        tolerance: impl Fn(f64) -> f64,
+    ) -> Result<Arc, CenterFault> {
+        let &ProgrammedArc { plane, clockwise, from, to, center_mm, extra_turns } = self;
+        let delivered = CENTERS.iter().find(|(of, _)| *of == language).map(|(_, center)| *center);
+        let keeps = control.arc_center.or(delivered) == Some(ArcCenter::Kept);
+        if keeps && !(is_compensated && language != Language::Rs274) {
+            return Arc::spiral(plane, clockwise, from, to, center_mm, extra_turns, tolerance);
+        }
+        Arc::through(plane, clockwise, from, to, center_mm, extra_turns, tolerance)
+    }
+}
 
 /// Reason why there is no arc of a radius.
 #[derive(Clone, Copy, Debug, PartialEq)]

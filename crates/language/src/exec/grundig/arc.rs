@@ -10,13 +10,14 @@ use super::channel::Channel;
 use super::gathered::{Found, Gathered};
 use super::modal::{MotionKind, plus};
 use super::target::Target;
-use crate::exec::core::arc::{behind_frame, center_of_radius};
+use crate::exec::core::arc::{ProgrammedArc, behind_frame, center_of_radius};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::grid::{Meeting, meeting, unsure};
 use crate::exec::core::path::Shape;
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::{Arc, Axis, AxisSet, AxisVector, CenterFault};
+use ncfix_base::geometry::{Axis, AxisSet, AxisVector, CenterFault};
 use ncfix_base::source::Span;
+use ncfix_dialect::Language;
 use ncfix_machine::snc::Kind;
 
 /// Maximum number of turns of one helix.
@@ -245,6 +246,7 @@ pub(super) fn one_arc(channel: &mut Channel<'_>, circle: Circle, to: &AxisVector
     let span = channel.outlet.origin.span;
     let programmed = target::here(&channel.modal, &channel.standing);
     let to = *to;
+    let is_compensated = channel.modal.contour.compensates();
     step::elementary(channel, &to, named, false, channel.modal.modes.feed, |[start, target]| {
         // If the frame is a pure shift, arcs are computed in base coordinates, exact to the last bit.
         let is_shifted = setup.frame.is_translation();
@@ -256,7 +258,10 @@ pub(super) fn one_arc(channel: &mut Channel<'_>, circle: Circle, to: &AxisVector
             }
         }
         let tolerance = |radius: f64| control.arc_tolerance_mm.max(control.arc_tolerance_ratio * radius);
-        let arc = Arc::through(plane, circle.clockwise, &from, &end, center, 0, tolerance)
+        let clockwise = circle.clockwise;
+        let arc = ProgrammedArc { plane, clockwise, from: &from, to: &end, center_mm: center, extra_turns: 0 };
+        let arc = arc
+            .checked(Language::Grundig, control, is_compensated, tolerance)
             .map_err(|found| center_fault(found, span))?;
         Ok::<Shape, Fault>(behind_frame(&arc, [&from, &end], target, &setup, control.chord_tolerance_mm))
     })

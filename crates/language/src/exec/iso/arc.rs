@@ -14,13 +14,14 @@ use std::sync::Arc as Shared;
 use super::channel::Channel;
 use super::gathered::Gathered;
 use super::step::Step;
-use crate::exec::core::arc::{behind_frame, center_of_radius};
+use crate::exec::core::arc::{ProgrammedArc, behind_frame, center_of_radius};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::grid::{Meeting, closes_in_linuxcnc, is_one_place, meeting, unsure};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Arc, AxisSet, AxisVector, CenterFault};
 use ncfix_base::source::Span;
 use ncfix_base::units::MM_PER_INCH;
+use std::f64::consts::TAU;
 
 /// Maximum number of turns of a helix.
 const MAX_TURNS: f64 = 999.0;
@@ -30,6 +31,10 @@ const SPIRAL_INCH_MM: f64 = 0.002 * std::f64::consts::SQRT_2 * MM_PER_INCH;
 /// Relative limit of this difference, and its cap as a multiple of the length above.
 const SPIRAL_SHARE: f64 = 0.001;
 const SPIRAL_MOST: f64 = 100.0;
+/// Difference of the radii, mm, below which they are equal.
+const SAME_RADIUS_MM: f64 = 1e-6;
+/// Angle between start and end, rad, below which they are in one direction from the center.
+const SAME_ANGLE_RAD: f64 = 1e-9;
 /// Largest excess of half the chord over a radius in LinuxCNC, mm.
 const RADIUS_MM: f64 = 0.00005 * MM_PER_INCH;
 
@@ -115,13 +120,18 @@ pub(super) fn arc(
     }
     let arc = center.and_then(|center| {
         let plane = channel.modal.modes.plane;
-        let (arc, help) = if channel.is_rs274() {
-            let help = "correct the center or the end point";
-            (Arc::spiral(plane, clockwise, &from, &to, center, turns, &tolerance), help)
-        } else {
-            let help = "correct the center or the end point; the limit is control.arc_tolerance_mm";
-            (Arc::through(plane, clockwise, &from, &to, center, turns, &tolerance), help)
+        let help = match channel.language {
+            Language::Rs274 => "correct the center or the end point",
+            _ => "correct the center or the end point; the limit is control.arc_tolerance_mm",
         };
+        let is_compensated = channel.modal.contour.compensates();
+        let arc = ProgrammedArc { plane, clockwise, from: &from, to: &to, center_mm: center, extra_turns: turns };
+        let arc = arc.checked(channel.language, &channel.settings.machine.control, is_compensated, &tolerance);
+        if channel.language != Language::Rs274
+            && let Ok(arc) = &arc
+        {
+            check_turn(arc, &from, &to, span)?;
+        }
         arc.map_err(|found| match found {
             CenterFault::OffCircle { start_radius_mm, end_radius_mm, off_bisector_mm } => fault(
                 Code::ARC_OFF_CIRCLE,
@@ -151,6 +161,17 @@ pub(super) fn arc(
     let shape = behind_frame(&arc, [&from, &to], &target, &setup, channel.settings.machine.control.chord_tolerance_mm);
     let step = Step::straight(gathered, false, end, named);
     step::send(channel, step, target, shape, setup)
+}
+
+/// Rejects an arc whose end is beside its start along the radius: whether it turns by nothing or by a whole turn is not specified.
+fn check_turn(arc: &Arc, from: &AxisVector, to: &AxisVector, span: Span) -> Result<(), Fault> {
+    let sweep = arc.sweep_rad(from, to).abs();
+    let radii = (arc.radius_mm(from) - arc.radius_mm(to)).abs();
+    if radii < SAME_RADIUS_MM || sweep > SAME_ANGLE_RAD && sweep < TAU - SAME_ANGLE_RAD {
+        return Ok(());
+    }
+    let message = "the end of this arc is on the line from its center through its start: a full turn or none";
+    Err(fault(Code::BAD_ARC, span, message, "program the start as the end of a full circle, or correct the end point"))
 }
 
 /// The end of an arc of a Fanuc; if it equals the start within the increment, it is the start.

@@ -7,13 +7,14 @@ use super::address::Named;
 use super::context::MotionContext;
 use super::gathered::{Gathered, NamedValue};
 use super::modal::{Modal, MotionKind};
-use crate::exec::core::arc::{RadiusFault, behind_frame, center_of_radius};
+use crate::exec::core::arc::{ProgrammedArc, RadiusFault, behind_frame, center_of_radius};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::grid::{Meeting, meeting, unsure};
 use crate::exec::core::path::Shape;
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::{Arc, Axis, AxisSet, AxisVector, CenterFault, Plane};
+use ncfix_base::geometry::{Axis, AxisSet, AxisVector, CenterFault, Plane};
 use ncfix_base::source::Span;
+use ncfix_dialect::Language;
 use ncfix_machine::machine::Control;
 
 /// Largest number of extra turns of a helix.
@@ -225,7 +226,10 @@ pub(super) fn arc(
             programmed_center(gathered, modal, s, base)?
         }
     };
-    let arc = Arc::through(modal.modes.plane, clockwise, &from, &to, center, turns, tolerance).map_err(|found| match found {
+    let plane = modal.modes.plane;
+    let arc = ProgrammedArc { plane, clockwise, from: &from, to: &to, center_mm: center, extra_turns: turns };
+    let is_compensated = modal.contour.compensates();
+    let arc = arc.checked(Language::Sinumerik, context.control, is_compensated, tolerance).map_err(|found| match found {
         CenterFault::OffCircle { start_radius_mm, end_radius_mm, off_bisector_mm } => fault(
             Code::ARC_OFF_CIRCLE,
             context.span,

@@ -20,7 +20,7 @@ pub(super) const FLAVOUR: Flavour = Flavour {
     is_plain: true,
     // More than one turn requires the spiral option.
     turns: Turns::One,
-    centers: Centers::OnBisector,
+    centers: Centers::AsWritten,
     feeds: Feeds::OfAll,
 };
 
