@@ -45,6 +45,12 @@ pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     if let Some(value) = section.boolean("relative_comparison") {
         control.relative_comparison = value;
     }
+    if let Some(value) = section.number("swivel_retract_x_mm") {
+        control.swivel_retract_x_mm = Some(value);
+    }
+    if let Some(value) = section.number("swivel_retract_y_mm") {
+        control.swivel_retract_y_mm = Some(value);
+    }
     if let Some(value) = section.number("swivel_retract_z_mm") {
         control.swivel_retract_z_mm = Some(value);
     }

@@ -105,7 +105,7 @@ pub(super) fn tool_on_plane(channel: &mut Channel<'_>, gathered: &Gathered) -> R
     }
     let unstated =
         |axis: &Axis| channel.settings.machine.axis(*axis).is_some() && !channel.modal.position.known.contains(*axis);
-    let unknown: AxisSet = AxisSet::XYZ.iter().chain(kinematics.rotary_axes()).filter(unstated).collect();
+    let unknown: AxisSet = kinematics.rotary_axes().filter(unstated).collect();
     if channel.settings.strict && !unknown.is_empty() {
         // The plane is activated nevertheless, so that the following blocks are not rejected for its absence.
         channel.outlet.warnings.push(unknown_places(span, unknown, "G90 G53 G0"));

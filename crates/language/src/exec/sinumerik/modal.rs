@@ -118,6 +118,8 @@ pub(super) struct Modal {
     pub(super) edge: u32,
     /// `true` if the program has stated the edge, by D or a tool change.
     pub(super) edge_stated: bool,
+    /// Place at which an edge was activated before the program has loaded a tool: the length of that tool is unknown.
+    pub(super) unknown_edge: Option<Span>,
     /// Radius compensation and contour transitions.
     pub(super) contour: ContourModal,
     pub(super) position: Position,
@@ -155,6 +157,7 @@ impl Modal {
             tool: ToolState::default(),
             edge: 0,
             edge_stated: false,
+            unknown_edge: None,
             contour: ContourModal::default(),
             position,
             programmed: position.command,
@@ -197,6 +200,20 @@ impl Modal {
         }
     }
 
+    /// Rejects what depends on the length or radius of a tool that the program has not loaded.
+    pub(super) fn check_length(&mut self, span: Span) -> Result<(), Fault> {
+        // One cause is reported once.
+        if self.unknown_edge.take().is_none() {
+            return Ok(());
+        }
+        let message = format!(
+            "this depends on the tool in the spindle, which is not known: D{} is active and no tool was loaded with M6",
+            self.edge
+        );
+        let help = "program T and M6 before it, D0 for a position of the machine, or set control.tool_change = \"T\" if T changes the tool";
+        Err(fault(Code::NO_TOOL, span, message, help))
+    }
+
     /// Takes over the state that SAVE does not restore: position, tool, feed.
     pub(super) fn keep_position_of(&mut self, left: &Modal) {
         // A feed per revolution or of inverse time has no meaning in the caller's feed mode.
@@ -207,6 +224,7 @@ impl Modal {
         self.tool.clone_from(&left.tool);
         self.edge = left.edge;
         self.edge_stated = left.edge_stated;
+        self.unknown_edge = left.unknown_edge;
         self.position = left.position;
         self.programmed = left.programmed;
         self.stale = left.stale;

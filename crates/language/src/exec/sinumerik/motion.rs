@@ -19,6 +19,14 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
     let (start, start_known) = (modal.position.command, modal.position.known);
     let mut ways = gathered.ways;
     let (mut target, mut named) = target(gathered, modal, context, &mut ways)?;
+    if modal.unknown_edge.is_some() {
+        let [.., applicate] = modal.tool_length_plane.unwrap_or(modal.modes.plane).axes();
+        let is_mixed = !context.setup.frame.is_translation() || context.setup.transform.is_some();
+        let needs_length = named.contains(applicate) || is_mixed && !named.intersection(AxisSet::XYZ).is_empty();
+        if needs_length || modal.contour.compensates() {
+            modal.check_length(context.span)?;
+        }
+    }
     let is_positioning = positioning::is_positioning(gathered, context.span)?;
     // A positioning axis is not a path motion, in any motion mode.
     let thread = if is_positioning { None } else { thread::thread(gathered, modal, context.span)? };

@@ -21,7 +21,7 @@ use ncfix_machine::machine::Machine;
 use crate::exec::core::fault::{Fault, fault};
 use crate::exec::core::tilted_plane::{tilting_axis, turned_frame, unknown_places, workpiece_normal};
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector, Frame, Matrix, ROTARY_AXES, RotationOrder, Vector, about};
+use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector, Frame, Matrix, RotationOrder, Vector, about};
 use ncfix_base::source::Span;
 use ncfix_machine::machine::Kinematics;
 use ncfix_machine::snc::{FrameKind, FrameStatement, RotaryDirection};
@@ -30,6 +30,8 @@ use ncfix_machine::snc::{FrameKind, FrameStatement, RotaryDirection};
 const SAME_ROTATION: f64 = 1e-9;
 /// Angles nearer to each other than this are equal, rad.
 const SAME_ANGLE: f64 = 1e-9;
+/// _MODE for a rotation about Z and then about the new Y.
+const SOLID_ANGLE: f64 = 64.0;
 /// Resolution of values in the statements, parts of a mm or degree.
 const PARTS: f64 = 1e9;
 
@@ -44,6 +46,14 @@ struct Request {
     direction: f64,
     is_reset: bool,
     span: Span,
+}
+
+impl Request {
+    /// `true` without an angle, a shift and a motion of the rotary axes: only the frames are deleted.
+    fn is_plain(&self) -> bool {
+        let has_shift = self.before != Vector::zeros() || self.behind != Vector::zeros();
+        self.rotation == Matrix::identity() && !has_shift && self.direction == 0.0 && !self.is_additive
+    }
 }
 
 impl Interpreter<'_> {
@@ -98,8 +108,18 @@ fn rotation_of(mode: f64, angles_deg: [f64; 3], span: Span) -> Result<Matrix, Fa
     if angles_deg == [0.0; 3] {
         return Ok(rotation);
     }
+    if mode == SOLID_ANGLE {
+        let [about_z, about_y, last] = angles_deg;
+        if last != 0.0 {
+            return Err(save::refused(span, format!("_MODE {mode} with a third angle {last} is not known")));
+        }
+        return Ok(about(&Vector::z(), about_z.to_radians()) * about(&Vector::y(), about_y.to_radians()));
+    }
     if !(0.0..64.0).contains(&mode) || mode.fract() != 0.0 {
-        return Err(save::refused(span, format!("_MODE {mode}: only axis-by-axis rotations are supported")));
+        return Err(save::refused(
+            span,
+            format!("_MODE {mode}: only rotations axis by axis and by solid angle are supported"),
+        ));
     }
     // Below 64.
     let bits = mode as u32;
@@ -122,8 +142,10 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
         return Err(save::refused(span, "the plane cannot be swivelled under TRAORI".to_owned()));
     }
     let kinematics = Kinematics::new(channel.settings.machine);
+    check_stated_for(channel, request, &kinematics)?;
     retract(channel, request, &kinematics)?;
-    if request.is_reset {
+    let has_rotary = kinematics.rotary_axes().next().is_some();
+    if request.is_reset || request.is_plain() && has_rotary {
         channel.modal.swivelled = None;
         return save::restate(channel, span);
     }
@@ -136,24 +158,21 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
         _ => new,
     };
     let tool_mm = channel.modal.tool_mm();
-    let has_rotary = kinematics.rotary_axes().next().is_some();
     let total = if has_rotary {
-        if request.direction == 0.0 {
-            return Err(save::refused(
-                span,
-                "_DIR 0 on a machine with swivel axes: it is not known what moves the axes".to_owned(),
-            ));
-        }
-        let all = AxisSet::XYZ.iter().chain(kinematics.rotary_axes());
-        let unknown: AxisSet = all.filter(|&axis| !is_stated(channel.settings.machine, &channel.modal, axis)).collect();
-        if channel.settings.strict && !unknown.is_empty() {
-            // The plane is activated nevertheless, so that one cause is not reported in every following block.
-            channel.outlet.warnings.push(unknown_places(span, unknown, "SUPA G0"));
-            channel.modal.position.known = channel.modal.position.known.union(unknown);
-        }
         let normal = workpiece_normal(&kinematics, &below, &tilt, &tool_mm);
-        let turned = choose(channel.settings.machine, &channel.modal, &kinematics, &normal, request)?;
-        turn(channel, &kinematics, &turned, span)?;
+        let turned = if request.direction == 0.0 {
+            let here = channel.modal.position.command;
+            let along = kinematics.direction(&here).dot(&normal) / normal.norm();
+            if along.is_nan() || along < 1.0 - SAME_ROTATION {
+                let message = "_DIR 0 moves no axis, and the tool is not normal to this plane";
+                return Err(save::refused(span, message.to_owned()));
+            }
+            here
+        } else {
+            let turned = choose(channel.settings.machine, &channel.modal, &kinematics, &normal, request)?;
+            turn(channel, &kinematics, &turned, span)?;
+            turned
+        };
         let total = turned_frame(&kinematics, &below, &tilt, &turned, &tool_mm).ok_or_else(|| {
             save::refused(span, "the linear axes of this machine cannot position the tool tip".to_owned())
         })?;
@@ -178,6 +197,28 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
     });
     channel.modal.swivelled = Some(Box::new(Swivelled { frame, statements, tilt, tool_mm }));
     save::restate(channel, span)
+}
+
+/// Reports positions on which a retraction or a plane depends, and which the program has not stated. The linear axes keep their places while the rotary
+/// axes turn, and the rotary axes go to absolute positions.
+fn check_stated_for(channel: &mut Channel<'_>, request: &Request, kinematics: &Kinematics) -> Result<(), Fault> {
+    if !channel.settings.strict {
+        return Ok(());
+    }
+    channel.modal.check_length(request.span)?;
+    let turns = matches!(request.retract, 4.0 | 5.0)
+        && !(request.retract == 4.0 && tool_keeps_direction(kinematics, &channel.modal.tool_mm()));
+    let stays = request.direction == 0.0 && !request.is_reset && !request.is_plain();
+    let linear = if request.retract == 5.0 { AxisSet::XYZ } else { AxisSet::EMPTY };
+    let rotary = kinematics.rotary_axes().filter(|_| turns || stays);
+    let needed = linear.iter().chain(rotary);
+    let unknown: AxisSet = needed.filter(|&axis| !is_stated(channel.settings.machine, &channel.modal, axis)).collect();
+    if !unknown.is_empty() {
+        // The plane is activated nevertheless, so that one cause is not reported in every following block.
+        channel.outlet.warnings.push(unknown_places(request.span, unknown, "SUPA G0"));
+        channel.modal.position.known = channel.modal.position.known.union(unknown);
+    }
+    Ok(())
 }
 
 fn is_stated(machine: &Machine, modal: &Modal, axis: Axis) -> bool {
@@ -224,7 +265,10 @@ fn turn(channel: &mut Channel<'_>, kinematics: &Kinematics, turned: &AxisVector,
             // The control chooses the direction of a half turn.
             let increment = channel.settings.machine.control.increment_rad.max(SAME_ANGLE);
             let step = (to - from).abs();
-            if step <= increment || (step - std::f64::consts::PI).abs() <= increment {
+            if !is_stated(channel.settings.machine, &channel.modal, axis)
+                || step <= increment
+                || (step - std::f64::consts::PI).abs() <= increment
+            {
                 *way = RotaryDirection::Shortest;
             }
         }
@@ -268,21 +312,52 @@ fn retract(channel: &mut Channel<'_>, request: &Request, kinematics: &Kinematics
         AxisSet::XYZ.iter().for_each(|axis| go_to(axis, target[axis]));
         return go(channel, words, span);
     }
-    let axis_z = kinematics.direction(&channel.modal.position.command);
-    let is_along_z =
-        channel.modal.position.command.max_abs(&ROTARY_AXES) == 0.0 || axis_z[2].abs() > 1.0 - SAME_ROTATION;
-    let is_known = request.retract == 1.0 || request.retract == 4.0 && is_along_z;
-    match channel.settings.machine.control.swivel_retract_z_mm.filter(|_| is_known) {
-        Some(z) => {
+    let is_along_z = lifts_along_z(kinematics, &channel.modal.position.command, &tool_mm);
+    let is_known = matches!(request.retract, 1.0 | 2.0) || request.retract == 4.0 && is_along_z;
+    let control = &channel.settings.machine.control;
+    let in_plane = [control.swivel_retract_x_mm, control.swivel_retract_y_mm];
+    match (control.swivel_retract_z_mm.filter(|_| is_known), in_plane) {
+        (Some(z), [Some(x), Some(y)]) if request.retract == 2.0 => {
+            go_to(Axis::Z, z);
+            go(channel, words, span)?;
+            let mut words = Gathered::new();
+            for (axis, command) in [(Axis::X, x), (Axis::Y, y)] {
+                words.axes[axis] = (command + tool_mm[axis.slot()]) / scale;
+                words.as_absolute.insert(axis);
+                words.named.insert(axis);
+            }
+            go(channel, words, span)
+        }
+        (Some(z), _) if request.retract != 2.0 => {
             go_to(Axis::Z, z);
             go(channel, words, span)
         }
-        None => {
+        _ => {
             let message = format!("_FR {}: the retract position is not known", request.retract);
-            let help = "set control.swivel_retract_z_mm for _FR 1 and 4 (tool along Z), or program _FR 0 and a separate retraction";
+            let help = "set control.swivel_retract_z_mm for _FR 1, 2 and 4 (tool along Z), for _FR 2 also swivel_retract_x_mm and \
+                        swivel_retract_y_mm, or program _FR 0 and a separate retraction";
             Err(fault(Code::BAD_SWIVEL, span, message, help))
         }
     }
+}
+
+/// `true` if Z alone lifts the tool along its own axis.
+fn lifts_along_z(kinematics: &Kinematics, command: &AxisVector, tool_mm: &Vector) -> bool {
+    let lifted = kinematics.tip_mm(command, tool_mm) + kinematics.direction(command);
+    let Some(target) = kinematics.placed(&lifted, command, tool_mm) else { return false };
+    let way = target.xyz() - command.xyz();
+    way[2] > (1.0 - SAME_ROTATION) * way.norm()
+}
+
+/// `true` if the rotary axes turn only the workpiece: the tool keeps its direction.
+fn tool_keeps_direction(kinematics: &Kinematics, tool_mm: &Vector) -> bool {
+    let turned = |axis: Axis| {
+        let mut command = AxisVector::ZERO;
+        command[axis] = std::f64::consts::FRAC_PI_3;
+        command
+    };
+    let mut places = kinematics.rotary_axes().map(turned).chain([AxisVector::ZERO]);
+    places.all(|command| lifts_along_z(kinematics, &command, tool_mm))
 }
 
 /// `TRANS` and `AROT` that form a frame; `None` if it scales or mirrors.

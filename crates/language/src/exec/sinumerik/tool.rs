@@ -60,7 +60,13 @@ fn activate_edge(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
         let message = format!("the tool length acts along {axis}, which the machine does not have");
         return Err(fault(Code::NO_AXIS, span, message, "select another plane, or set control.tool_length_plane"));
     }
+    channel.modal.unknown_edge = None;
     if !channel.modal.tool.assumed {
+        return Ok(());
+    }
+    if channel.settings.strict && channel.modal.tool.active.is_none() {
+        // T and M6 may follow; until then only motions that the length does not change are possible.
+        channel.modal.unknown_edge = Some(span);
         return Ok(());
     }
     let (message, help) = match (&channel.modal.tool.active, &channel.modal.tool.selected) {
