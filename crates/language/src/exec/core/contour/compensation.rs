@@ -7,7 +7,7 @@ use super::chain::Chain;
 use super::check::{no_contour, polynomial, soft_alone, too_narrow, transformed};
 use super::contour_request::Approach;
 use super::contour_request::Rules;
-use super::curve::{Curve, Flat, SAME_MM, add, angle_between, cross, left, scaled, unit};
+use super::curve::{Curve, Flat, POINT_MM, SAME_MM, add, angle_between, cross, left, scaled, unit};
 use super::guard::Guard;
 use super::link::MOST_WAITING;
 use super::link::{Link, Role, release_items};
@@ -27,8 +27,6 @@ use ncfix_machine::snc::MotionMode;
 pub(super) const NO_CORNER: f64 = 1e-7;
 /// Misfit of two nominally tangential elements that may be rounding of the program, rad.
 pub(super) const NEARLY_TANGENTIAL: f64 = 1e-2;
-/// Radius below which arcs beside the contour are a point, mm.
-const POINT_MM: f64 = 1e-4;
 
 /// Limits of the control.
 #[derive(Clone, Copy, Debug)]
@@ -253,7 +251,7 @@ impl Active {
             self.guard.element(&self.basis, &moving, contour, limits.look_ahead, findings);
         }
         let count = findings.len();
-        match contour.offset(beside) {
+        match contour.offset(beside).or_else(|| contour.point_of(beside)) {
             _ if self.is_point(&contour, beside) => {
                 self.chain.tail().extend(own);
                 self.chain.tail().push(Item::Path(moving.clone()));

@@ -7,6 +7,10 @@ pub(super) type Flat = [f64; 2];
 
 /// Points nearer to each other than this are equal, mm.
 pub(super) const SAME_MM: f64 = 1e-7;
+/// Difference of the radii of an inner arc and the tool, mm, below which the center of the tool stays at one point.
+pub(super) const POINT_MM: f64 = 1e-4;
+/// Radius of the arc that stands for this point, mm.
+const SHORT_MM: f64 = 1e-6;
 /// Sine of the angle below which directions are parallel.
 const PARALLEL: f64 = 1e-12;
 
@@ -151,6 +155,14 @@ impl Curve {
                 Curve::Arc { center, radius, from, sweep }
             }
         })
+    }
+
+    /// The curve of an inner arc whose radius is the distance: the center stays at one point, and an arc of a millionth of a millimeter keeps its
+    /// tangents. `None` for other curves.
+    pub(super) fn point_of(&self, by: f64) -> Option<Curve> {
+        let Curve::Arc { center, radius, from, sweep } = *self else { return None };
+        let is_point = (radius - by * sweep.signum()).abs() < POINT_MM;
+        is_point.then_some(Curve::Arc { center, radius: SHORT_MM, from, sweep })
     }
 
     /// The length along the curve of a point on it, nearest to `near` if turns of an arc make it ambiguous.
