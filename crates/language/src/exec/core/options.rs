@@ -21,6 +21,8 @@ pub struct Options {
     pub radius: Radius,
     /// Leaves the words that begin and end radius compensation to the control, for wear alone (`W0237`).
     pub keeps_wear: bool,
+    /// Leaves rigid tapping to the control, as its cycle at a corrected place. The output must have the coordinates of the program.
+    pub keeps_tapping: bool,
     /// Splitting of rapid moves if the control orders its axes.
     pub rapid_order: RapidOrder,
 }

@@ -10,6 +10,8 @@ pub(in crate::exec) struct RunSettings<'a> {
     pub(in crate::exec) machine: &'a Machine,
     /// Rejects input that a correction must not assume.
     pub(in crate::exec) strict: bool,
+    /// Leaves rigid tapping to the control.
+    pub(in crate::exec) keeps_tapping: bool,
     /// Radius for G41 and G42.
     pub(in crate::exec) radius: Radius,
     /// Splitting of rapid moves.
@@ -18,7 +20,7 @@ pub(in crate::exec) struct RunSettings<'a> {
 
 impl<'a> RunSettings<'a> {
     pub(in crate::exec) fn new(machine: &'a Machine, options: &Options) -> Self {
-        let &Options { strict, radius, rapid_order, .. } = options;
-        RunSettings { machine, strict, radius, rapid_order }
+        let &Options { strict, keeps_tapping, radius, rapid_order, .. } = options;
+        RunSettings { machine, strict, keeps_tapping, radius, rapid_order }
     }
 }

@@ -124,7 +124,9 @@ pub(super) fn arc(
             Language::Rs274 => "correct the center or the end point",
             _ => "correct the center or the end point; the limit is control.arc_tolerance_mm",
         };
-        let is_compensated = channel.modal.contour.compensates();
+        // Radius compensation and corners are computed for circles.
+        let has_corner = channel.block.corner.is_some() || channel.outlet.is_holding();
+        let is_compensated = channel.modal.contour.compensates() || has_corner;
         let arc = ProgrammedArc { plane, clockwise, from: &from, to: &to, center_mm: center, extra_turns: turns };
         let arc = arc.checked(channel.language, &channel.settings.machine.control, is_compensated, &tolerance);
         if channel.language != Language::Rs274

@@ -117,6 +117,15 @@ fn fanuc_m(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<(), Fau
     match number {
         // The flow handles calls and returns.
         98 | 99 => {}
+        97 => {
+            let message = "M97 ends the interrupt of a macro, which is not supported";
+            return Err(fault(
+                Code::NOT_SUPPORTED,
+                span,
+                message,
+                "leave out M96 and M97; on a Haas M97 P100 calls N100",
+            ));
+        }
         2 | 30 => {
             channel.block.ends_program = true;
             channel.block.after.push(word(number));
@@ -133,6 +142,11 @@ fn fanuc_m(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<(), Fau
             }
             channel.block.before.push(word(number));
             change_tool(channel.language, &mut channel.modal);
+        }
+        // No axis may move between it and the cycle, before which it is written with its speed.
+        29 if !channel.settings.strict || channel.settings.keeps_tapping => {
+            channel.cycles.is_rigid = true;
+            channel.block.before.retain(|word| word.letter != b'S');
         }
         _ => {
             note_spindle(&mut channel.modal, &mut channel.cycles, number);

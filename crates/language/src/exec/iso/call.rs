@@ -14,6 +14,8 @@ pub(super) enum Callee {
     Counted(u32),
     /// `<NAME>`
     Name(String),
+    /// The program that contains the call: `M98 Q100`, `M97 P100`.
+    Own,
     /// `o<name>`, `o100`
     Sub(String),
 }
@@ -37,6 +39,8 @@ pub(super) struct Call {
     pub(super) callee: Callee,
     pub(super) kind: CallKind,
     pub(super) repeats: u32,
+    /// The block number at which the program begins, if it is not its first block (`M98 Q`).
+    pub(super) at_block: Option<u32>,
     pub(super) arguments: Arguments,
     pub(super) span: Span,
     /// `true` for a call by a mapped code: within it, such codes have their standard meaning.

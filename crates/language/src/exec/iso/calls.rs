@@ -6,6 +6,7 @@ use std::rc::Rc;
 use super::call::{Call, CallKind};
 use super::flow::check_loops;
 use super::level::{Called, Interpreter, Level};
+use super::library::Entry;
 use crate::exec::core::fault::{Fault, at};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
@@ -34,7 +35,10 @@ impl Interpreter<'_> {
             };
             return Err(at(call.span, Code::TOO_MANY_CALLS, message, help));
         }
-        let found = self.find(&mut call)?;
+        let mut found = self.find(&mut call)?;
+        if let Some(number) = call.at_block {
+            found.2 = self.block_of_call(found, number, call.span)?;
+        }
         if call.repeats == 0 {
             return Ok(());
         }
@@ -51,6 +55,19 @@ impl Interpreter<'_> {
         level.repeats = repeats;
         self.levels.push(level);
         Ok(())
+    }
+
+    /// The block at which `M98 Q` begins a program: the first one with its number.
+    fn block_of_call(&self, (program, part, start): Entry, number: u32, span: Span) -> Result<usize, Fault> {
+        let loaded = &self.programs[program];
+        let Some(found) = loaded.program.find_block(part, number, start.saturating_sub(1)) else {
+            let message = format!("block N{number} is not in the called program");
+            return Err(at(span, Code::NO_TARGET, message, "check the number of the block"));
+        };
+        let before = self.levels.last().filter(|caller| (caller.program, caller.part) == (program, part));
+        let from = before.map_or(start, |caller| caller.next.saturating_sub(1));
+        check_loops(loaded, from, found, span)?;
+        Ok(found)
     }
 
     /// Begins the variables of a level.

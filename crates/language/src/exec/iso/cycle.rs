@@ -8,6 +8,7 @@ use super::modes;
 use super::one_axis;
 use super::spline;
 use super::step;
+use super::tapping;
 use super::target;
 use crate::exec::core::motion_sink::MotionSink;
 use crate::exec::core::settings::RunSettings;
@@ -32,7 +33,7 @@ use ncfix_base::source::Span;
 use ncfix_machine::snc::{Dwell, FeedUnit, Kind, MotionMode, Word, WordValue};
 
 /// `true` if a code in tenths is a canned cycle for holes.
-fn is_cycle(code: u16, is_rs274: bool) -> bool {
+pub(super) fn is_cycle(code: u16, is_rs274: bool) -> bool {
     match code {
         760 => !is_rs274,
         730 | 740 | 842 | 843 => true,
@@ -141,7 +142,10 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
     if actions.is_empty() {
         return Ok(());
     }
-    if is_tapping(code) && modes::code_of_motion(channel.language, &channel.cycles, gathered) == Some(code) {
+    let is_kept = is_tapping(code) && is_left_to_control(channel, code);
+    if is_kept {
+        tapping::check(channel, gathered, code, span)?;
+    } else if is_tapping(code) && modes::code_of_motion(channel.language, &channel.cycles, gathered) == Some(code) {
         let message = "tapping becomes feed moves with a spindle reversal between them";
         let help = "use a compensating tapping chuck; keep the override at 100 %";
         channel.outlet.warnings.push(fault(Code::TAPPING_BY_FEED, span, message, help));
@@ -149,9 +153,22 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
     stop_exactly(channel.language, &channel.modal, &mut channel.cycles, &mut channel.outlet);
     let mut feed_named = gathered.has(b'F');
     let mut is_brought = was_drawn_out;
-    for (place, action) in actions.into_iter().enumerate() {
+    let mut tapped = 0;
+    for (place, &action) in actions.iter().enumerate() {
         if place > 0 {
             channel.outlet.begin_line();
+        }
+        if place < tapped {
+            continue;
+        }
+        if is_kept && !matches!(action, CycleStep::Rapid { .. } | CycleStep::Brought(_)) {
+            let steps = actions.get(place..).unwrap_or_default();
+            let count = steps.iter().take_while(|step| !matches!(step, CycleStep::Rapid { .. })).count();
+            tapped = place + count;
+            let hole = tapping::TappedHole { code, level: end, steps: steps.get(..count).unwrap_or_default() };
+            tapping::tap(channel, &hole, gathered.span)?;
+            feed_named = false;
+            continue;
         }
         let (rapid, to) = match action {
             CycleStep::Rapid { plane, height } | CycleStep::Line { plane, height, .. } => {
@@ -325,7 +342,8 @@ fn check_cycle(channel: &Channel<'_>, gathered: &Gathered, code: u16, span: Span
         let message = format!("{name} outside the XY plane: LinuxCNC exchanges the axes there");
         return Err(fault(Code::NOT_SUPPORTED, span, message, "select G17, or program the motions one by one"));
     }
-    if is_tapping(code) && channel.settings.strict && !channel.is_rs274() {
+    let is_left = is_left_to_control(channel, code);
+    if is_tapping(code) && channel.settings.strict && !channel.is_rs274() && !is_left {
         check_rigid(channel.settings.machine, &channel.cycles, code, &name, span)?;
     }
     Ok(())
@@ -340,6 +358,16 @@ fn check_count(machine: &Machine, gathered: &Gathered, code: u16) -> Result<(), 
     let message = format!("K of {name}: on a Fanuc the number of holes, on a Haas a depth");
     let help = "write the number of holes with L and G91, or omit K; if the control is a Fanuc set control.word_meaning = \"fanuc\"";
     Err(fault(Code::TWO_MEANINGS, gathered.span_of(b'K'), message, help))
+}
+
+/// `true` if the control executes a tapping cycle of the output.
+fn is_left_to_control(channel: &Channel<'_>, code: u16) -> bool {
+    let settings = &channel.settings;
+    let may_be_rigid = settings.machine.control.iso.rigid_tapping != Some(false);
+    settings.strict
+        && settings.keeps_tapping
+        && !channel.is_rs274()
+        && (channel.cycles.is_rigid || matches!(code, 842 | 843) || may_be_rigid)
 }
 
 /// Rejects tapping that synchronizes, or may synchronize, spindle and axis.

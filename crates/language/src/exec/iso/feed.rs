@@ -24,6 +24,9 @@ const METERS_PER_FOOT: f64 = 0.3048;
 /// Letters whose values are lengths in codes that are passed through.
 const LENGTHS: &[u8] = b"XYZIJKUVW";
 
+/// G5 in tenths.
+const HIGH_PRECISION: u16 = 50;
+
 /// Rounds to six decimals to remove conversion noise.
 fn to_places(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
@@ -206,7 +209,16 @@ pub(super) fn passed_on(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
     for &word in &gathered.keep {
         channel.push(Kind::Keep(word));
     }
-    let Some(entry) = gathered.passed else { return Ok(false) };
+    let Some((tenths, entry)) = gathered.passed else { return Ok(false) };
+    if tenths == HIGH_PRECISION {
+        let switch = gathered.raw(b'P');
+        if !matches!(switch, Some(0.0 | 10_000.0)) {
+            let shown = switch.map_or_else(String::new, |value| format!(" P{value}"));
+            let message = format!("G5{shown} runs data that is stored in the control");
+            let help = "only G5 P10000 and G5 P0 switch high-precision contour control on and off; replace the call by its moves";
+            return Err(fault(Code::NOT_SUPPORTED, gathered.span, message, help));
+        }
+    }
     if entry.uses(b'X') && gathered.code(Group::Motion).is_some() {
         let message = format!("{} and a motion both use the axis words of the block", entry.name);
         let help = "give each of them its own block";

@@ -190,7 +190,7 @@ fn call_of_sub(scope: &Scope<'_, '_>, name: String, arguments: &[ExprId], span: 
     let values = (1..).zip(arguments).map(|(number, &id)| Ok((number, scope.number(id)?)));
     let arguments = values.collect::<Result<_, Fault>>()?;
     let callee = Callee::Sub(name);
-    Ok(Call { callee, kind: CallKind::Sub, repeats: 1, arguments, span, is_of_code: false })
+    Ok(Call { callee, kind: CallKind::Sub, repeats: 1, at_block: None, arguments, span, is_of_code: false })
 }
 
 /// `GOTO n`: the next block with this number, otherwise the first one of the program.

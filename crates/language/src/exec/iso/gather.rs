@@ -121,7 +121,7 @@ fn g_code(scope: &Scope<'_, '_>, value: f64, span: Span, out: &mut Gathered) -> 
             Ok(())
         }
         Some(entry) if entry.effect == CodeEffect::Keep => {
-            if out.passed.replace(entry).is_some() {
+            if out.passed.replace((tenths, entry)).is_some() {
                 double(span)?;
             }
             Ok(())

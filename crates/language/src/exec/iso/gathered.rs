@@ -31,8 +31,8 @@ pub(super) struct Gathered {
     pub(super) machine_frame: Option<Span>,
     /// G codes that are passed through unchanged.
     pub(super) keep: Vec<&'static str>,
-    /// A G code that is passed through with its words.
-    pub(super) passed: Option<&'static CodeEntry>,
+    /// A G code that is passed through with its words, in tenths, and its row.
+    pub(super) passed: Option<(u16, &'static CodeEntry)>,
     /// M codes in the order of the block.
     pub(super) m_codes: Vec<(u32, Span)>,
     /// Named axes.

@@ -25,6 +25,10 @@ impl Interpreter<'_> {
         let (shown, found) = match &call.callee {
             Callee::Number(number) => (format!("O{number:04}"), self.find_number(*number)),
             Callee::Name(name) => (format!("<{name}>"), self.find_name(name)),
+            Callee::Own => {
+                let own = self.levels.last().map_or((0, 0), |level| (level.program, level.part));
+                ("this program".to_owned(), self.entry(own.0, own.1))
+            }
             Callee::Sub(name) => (format!("o<{name}> sub"), self.find_sub(name)),
             &Callee::Counted(number) => {
                 let (count, short) = (number / SPLIT, number % SPLIT);

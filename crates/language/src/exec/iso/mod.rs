@@ -54,6 +54,7 @@ mod startup;
 mod state;
 mod step;
 mod system;
+mod tapping;
 mod target;
 mod text;
 mod thread;

@@ -50,7 +50,10 @@ fn way(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), 
 
 /// `G53`: machine positions, for this block.
 fn machine_motion(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
-    if !matches!(code, 0 | 10) {
+    // A canned cycle stays modal and does not drill here.
+    let is_in_cycle =
+        !channel.is_rs274() && gathered.code(Group::Cycle).is_none() && cycle::is_cycle(code, channel.is_rs274());
+    if !matches!(code, 0 | 10) && !is_in_cycle {
         let message = "G53 requires G0 or G1";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "program G0 or G1 in the block of G53"));
     }
@@ -65,7 +68,10 @@ fn machine_motion(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, spa
         let value = target::axis_value(channel, gathered, axis)?;
         end[axis] = target::absolute(channel.settings.machine, &channel.modal, gathered, axis, value, here[axis])?;
     }
-    step::machine_step(channel, Step::straight(gathered, code == 0, end, gathered.axes))
+    if is_in_cycle {
+        channel.cycles.drill.moved();
+    }
+    step::machine_step(channel, Step::straight(gathered, code == 0 || is_in_cycle, end, gathered.axes))
 }
 
 /// A block in a motion mode other than line and arc; its words may be missing.

@@ -17,6 +17,7 @@ impl Interpreter<'_> {
         let names = match &call.callee {
             Callee::Number(number) | Callee::Counted(number) => vec![format!("O{number:04}"), format!("O{number}")],
             Callee::Name(name) | Callee::Sub(name) => vec![name.to_ascii_uppercase()],
+            Callee::Own => return Ok(false),
         };
         let control = &self.machine.control;
         let Some(moves) = names.iter().find_map(|name| control.opaque_moves(name)) else { return Ok(false) };
@@ -59,7 +60,12 @@ impl Interpreter<'_> {
             (CallKind::Macro, Callee::Name(name)) => format!("G65 <{name}>"),
             (_, Callee::Number(number) | Callee::Counted(number)) => format!("M98 P{number}"),
             (_, Callee::Name(name)) => format!("M98 <{name}>"),
+            (_, Callee::Own) => "M98".to_owned(),
         };
+        if let Some(block) = call.at_block {
+            // Writing to a string cannot fail.
+            let _ = write!(text, " Q{block}");
+        }
         if call.repeats != 1 {
             // Writing to a string cannot fail.
             let _ = write!(text, " L{}", call.repeats);

@@ -21,6 +21,8 @@ const MAX_REPEATS: i64 = 99_999_999;
 pub(super) enum Request {
     /// M98, M198
     Subprogram,
+    /// M97 with P: the blocks from a number on, up to M99.
+    Local,
     /// M99
     Return,
     /// G65
@@ -42,6 +44,7 @@ pub(super) fn request(machine: &Machine, language: Language, level: &Level, word
     let is_fanuc = language == Language::Fanuc;
     let codes = &machine.control.macros.codes;
     let may_map = is_fanuc && !codes.is_empty() && !level.own.is_of_code;
+    let has = |letter: u8| words.iter().any(|word| word.address == Address::Letter(letter));
     words.iter().find_map(|word| {
         let Address::Letter(letter) = word.address else { return None };
         let Value::Number { value, .. } = word.value else { return None };
@@ -56,6 +59,9 @@ pub(super) fn request(machine: &Machine, language: Language, level: &Level, word
         }
         match letter {
             b'M' if value == 98.0 => Some(Request::Subprogram),
+            b'M' if value == 97.0 && is_fanuc && has(b'P') && !machine.control.iso.reads_as_fanuc => {
+                Some(Request::Local)
+            }
             b'M' if value == 99.0 => Some(Request::Return),
             b'M' if value == 198.0 && is_fanuc => Some(Request::Subprogram),
             b'G' if !is_fanuc => None,
@@ -81,9 +87,11 @@ impl Request {
         match self {
             Request::Subprogram => match letter {
                 b'P' | b'L' => true,
+                b'Q' => is_fanuc,
                 b'M' => code == Some(98.0) || (is_fanuc && code == Some(198.0)),
                 _ => false,
             },
+            Request::Local => matches!(letter, b'P' | b'L') || (letter == b'M' && code == Some(97.0)),
             Request::Return => letter == b'P' || (letter == b'M' && code == Some(99.0)),
             // Codes before the call are executed; all other words are arguments.
             Request::Macro | Request::Modal | Request::EachBlock => {
@@ -101,9 +109,10 @@ impl Request {
             let is_letter = |word: &&Word| word.address == Address::Letter(letter);
             words.iter().rev().find(is_letter).map(|word| whole(scope, word)).transpose()
         };
-        let call = |callee, kind, repeats, arguments| {
-            Action::Call(Box::new(Call { callee, kind, repeats, arguments, span: block, is_of_code: false }))
+        let call_at = |callee, kind, repeats, at_block, arguments| {
+            Action::Call(Box::new(Call { callee, kind, repeats, at_block, arguments, span: block, is_of_code: false }))
         };
+        let call = |callee, kind, repeats, arguments| call_at(callee, kind, repeats, None, arguments);
         Ok(match self {
             Request::EndModal => Action::Next,
             Request::EachBlock => {
@@ -115,9 +124,21 @@ impl Request {
                 Some(Ok(number)) if scope.program.dialect.language == Language::Fanuc => Action::Return(Some(number)),
                 Some(_) => return Err(bad_value(block, "P of M99 is not a block number", "write M99 alone")),
             },
+            Request::Local => {
+                let repeats = repeats(scope, value(b'L')?, block)?.unwrap_or(1);
+                call_at(Callee::Own, CallKind::Subprogram, repeats, block_number(value(b'P')?, block)?, Vec::new())
+            }
             Request::Subprogram => {
                 let repeats = repeats(scope, value(b'L')?, block)?;
-                let callee = callee(scope, words, value(b'P')?, block, "M98")?;
+                let is_fanuc = scope.program.dialect.language == Language::Fanuc;
+                let at_block = block_number(value(b'Q')?.filter(|_| is_fanuc), block)?;
+                let number = value(b'P')?;
+                let is_named = words.iter().any(|word| matches!(word.address, Address::Name(_)));
+                if at_block.is_some() && number.is_none() && !is_named {
+                    let kind = CallKind::Subprogram;
+                    return Ok(call_at(Callee::Own, kind, repeats.unwrap_or(1), at_block, Vec::new()));
+                }
+                let callee = callee(scope, words, number, block, "M98")?;
                 let callee = match (callee, repeats) {
                     // Without L, the digits before the last four are the number of repetitions.
                     (Callee::Number(number), None)
@@ -127,7 +148,7 @@ impl Request {
                     }
                     (callee, _) => callee,
                 };
-                call(callee, CallKind::Subprogram, repeats.unwrap_or(1), Vec::new())
+                call_at(callee, CallKind::Subprogram, repeats.unwrap_or(1), at_block, Vec::new())
             }
             Request::Macro | Request::Modal => {
                 let callee = callee(scope, words, value(b'P')?, block, "G65")?;
@@ -142,7 +163,15 @@ impl Request {
                 let callee = Callee::Number(program);
                 let span = block;
                 let kind = CallKind::Macro;
-                Action::Call(Box::new(Call { callee, kind, repeats, arguments, span, is_of_code: true }))
+                Action::Call(Box::new(Call {
+                    callee,
+                    kind,
+                    repeats,
+                    at_block: None,
+                    arguments,
+                    span,
+                    is_of_code: true,
+                }))
             }
             Request::Tool(program) => {
                 let number = value(b'T')?.unwrap_or(0) as f64;
@@ -152,6 +181,7 @@ impl Request {
                     callee,
                     kind,
                     repeats: 1,
+                    at_block: None,
                     arguments: Vec::new(),
                     span: block,
                     is_of_code: true,
@@ -185,6 +215,15 @@ fn repeats(scope: &Scope<'_, '_>, written: Option<i64>, block: Span) -> Result<O
             format!("L{count} is not a valid number of repetitions"),
             "write a number, 1 or larger",
         )),
+    }
+}
+
+/// The number of the block at which a call begins.
+fn block_number(written: Option<i64>, block: Span) -> Result<Option<u32>, Fault> {
+    match written.map(u32::try_from) {
+        None => Ok(None),
+        Some(Ok(number)) => Ok(Some(number)),
+        Some(Err(_)) => Err(bad_value(block, "this call begins at a block number below 0", "write the N of the block")),
     }
 }
 

@@ -38,6 +38,8 @@ enum Meaning {
     Alarm,
     /// A written value for the control that moves nothing.
     Configured,
+    /// A timer of the control: written by the program, known only to the machine.
+    Timer,
     /// Known only to the machine.
     Machine,
 }
@@ -86,6 +88,7 @@ fn meaning(number: u32) -> Option<Meaning> {
             Some(Meaning::Tool(number % 1000, *part))
         }
         3000 => Some(Meaning::Alarm),
+        3001 | 3002 => Some(Meaning::Timer),
         3003..=3007 | 3901 | 3902 => Some(Meaning::Configured),
         3001..=3999 => Some(Meaning::Machine),
         4001..=4130 => Some(Meaning::Modal(number - 4000)),
@@ -107,7 +110,7 @@ fn meaning(number: u32) -> Option<Meaning> {
 pub(super) fn system_variable(channel: &Channel<'_>, number: u32) -> Result<Option<f64>, Missing> {
     let Some(meaning) = meaning(number) else { return Err(Missing::Unknown) };
     match meaning {
-        Meaning::Alarm | Meaning::Configured | Meaning::Machine => Err(Missing::OnlyMachine),
+        Meaning::Alarm | Meaning::Configured | Meaning::Timer | Meaning::Machine => Err(Missing::OnlyMachine),
         Meaning::Offset(system, place) => {
             let axis = axis_at(channel.axes, place).ok_or(Missing::Unknown)?;
             match target::offset_of(channel.settings.machine, &channel.written, system) {
@@ -236,7 +239,7 @@ pub(super) fn write_system(
             channel.outlet.warnings.push(found);
             Ok(())
         }
-        Some(Meaning::Configured) => {
+        Some(Meaning::Configured | Meaning::Timer) => {
             let text = if number == 3006 { format!("({})", comment_of(loaded, block)) } else { String::new() };
             tell(&mut channel.outlet, number, number_value, &text);
             Ok(())

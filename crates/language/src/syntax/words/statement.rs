@@ -116,7 +116,7 @@ impl Parser {
         behind_blanks(required(opened, Code::BAD_EXPRESSION, 1, message)).parse(input)
     }
 
-    /// The condition of IF and its continuation: `GOTO n`, `THEN GOTO n`, `THEN` and words, `THEN` alone.
+    /// The condition of IF and its continuation: `GOTO n`, `THEN GOTO n`, `THEN` and words, words alone, `THEN` alone.
     fn behind_if<'a>(&mut self, input: Input<'a>, block: &mut Block) -> Parsed<'a, ()> {
         let (input, condition) = terminated(|input| self.condition(input), blank).parse(input)?;
         let (rest, is_then) = match value(true, keyword("THEN")).parse(input) {
@@ -128,7 +128,9 @@ impl Parser {
             block.body = Body::IfGoto { condition, target };
             return Ok((rest, ()));
         }
-        if !is_then {
+        // Haas and others take the words of a block directly; a Fanuc stops with an alarm.
+        let is_word = matches!(rest, [b'#', ..] | [b'A'..=b'Z' | b'a'..=b'z', b'0'..=b'9' | b'#' | b'[' | b'-' | b'+' | b'.', ..]);
+        if !is_then && !is_word {
             return fault(Code::UNEXPECTED, input, input.len().min(4), "GOTO or THEN was expected here");
         }
         let rest = blanks(rest);
