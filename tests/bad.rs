@@ -14,7 +14,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("E0243", "cases: every_case_comes_out_as_its_source_says"),
     ("W0238", "cli_check: a_program_that_moves_nothing_is_pointed_out"),
     ("W0235", "cases: every_case_comes_out_as_its_source_says"),
-    ("E0112", "words: faults_have_their_code_and_their_place"),
+    ("E0112", "cases: every_case_comes_out_as_its_source_says"),
     ("E0240", "five_axis: poles_and_directions_out_of_reach_are_found_with_their_place"),
     ("E0241", "five_axis: poles_and_directions_out_of_reach_are_found_with_their_place"),
     ("E0308", "cli_fix: a_pose_where_two_linear_axes_are_parallel_has_no_correction"),

@@ -354,7 +354,6 @@ fn faults_have_their_code_and_their_place() {
         ("grundig", "N1 X=E", "E0104", 5),
         ("grundig", "N1 X[1]", "E0103", 3),
         ("grundig", "N1.5 X1", "E0102", 0),
-        ("grundig", "N1 X1\nN2 X2\nN1 X3", "E0112", 12),
         ("rs274", "m2\no1 sub\nx?\no1 endsub", "E0103", 10),
     ] {
         let source = Source::new(FileId(0), "a", text.as_bytes().to_vec()).unwrap();

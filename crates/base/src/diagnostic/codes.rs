@@ -123,8 +123,8 @@ picture or saved setting data.";
 "An address that takes effect once per block (an axis, F, a G code of one group …) was programmed twice in it. The control would
 raise an alarm or use the last one, depending on its version; ncfix does not guess.";
     DOUBLE_NUMBER = "E0112" "block number given twice"
-"Two blocks of a program or macro of a Grundig or MillPlus have the same N number. G14 repeats blocks and G29 jumps to blocks by
-their number, so the number must be unique; the control refuses such a program. Renumber the blocks.";
+"G14 repeats blocks and G29 jumps to a block by its N number, and two blocks of this program or macro of a Grundig or MillPlus have that
+number. Numbers may repeat, as in long programs of postprocessors, but not those of such blocks. Renumber one of them.";
     EXPONENT = "E0115" "letter inside a number"
 "A number is followed directly by E and digits, as spreadsheets and some postprocessors write small numbers. These languages have no
 exponents: the control would read X1.5 and a word E, and move 1.5 mm instead of 15 nm.

@@ -192,9 +192,17 @@ impl Interpreter<'_> {
             if number.fract() != 0.0 || !(0.0..1e9).contains(&number) {
                 return None;
             }
-            program.find_block(level.part, number as u32, usize::MAX)
+            let first = program.find_block(level.part, number as u32, usize::MAX)?;
+            let second = program.find_block(level.part, number as u32, first)?;
+            let line = |index: usize| program.blocks.get(index).map_or(0, |block| block.line);
+            Some((first, (second != first).then(|| [line(first), line(second)])))
         });
-        found.ok_or_else(|| {
+        if let Some((_, Some([first, second]))) = found {
+            let message = format!("N{number} is the number of line {first} and of line {second}");
+            let help = "numbers may repeat, but not that of a block to which G14 or G29 refers";
+            return Err(fault(Code::DOUBLE_NUMBER, span, message, help));
+        }
+        found.map(|(first, _)| first).ok_or_else(|| {
             let message = format!("there is no block N{number} in this program");
             fault(Code::NO_TARGET, span, message, "targets must be in the same program or macro")
         })

@@ -49,7 +49,7 @@ fn whole(source: &Source, dialect: &'static Dialect) -> (Program, Vec<Diagnostic
     let mut parser = parser::Parser::new(source.clone(), dialect);
     parser.run();
     let (mut program, mut findings) = parser.finish();
-    structure::list_targets(&mut program, &mut findings);
+    structure::list_targets(&mut program);
     structure::connect(&mut program, &mut findings);
     let is_empty = program.blocks.iter().all(|block| matches!(block.body, Body::Empty | Body::Faulty));
     if is_empty && findings.is_empty() {

@@ -68,7 +68,7 @@ impl Program {
 }
 
 /// Sorts the block numbers of each part for the search of jump targets.
-pub(super) fn list_targets(program: &mut Program, findings: &mut Vec<Diagnostic>) {
+pub(super) fn list_targets(program: &mut Program) {
     if program.dialect.language == Language::Rs274 {
         return;
     }
@@ -83,24 +83,6 @@ pub(super) fn list_targets(program: &mut Program, findings: &mut Vec<Diagnostic>
         // Numbers are mostly ascending, and sorting an ascending run is cheap.
         program.targets[first..].sort_unstable();
         part.targets = first..program.targets.len();
-    }
-    if program.dialect.language == Language::Grundig {
-        report_doubles(program, findings);
-    }
-}
-
-/// Reports repeated block numbers of a Grundig program: repetitions and jumps refer to blocks by number.
-fn report_doubles(program: &Program, findings: &mut Vec<Diagnostic>) {
-    for part in program.parts.iter().filter(|part| matches!(part.kind, PartKind::Program | PartKind::Macro)) {
-        let targets = program.targets.get(part.targets.clone()).unwrap_or_default();
-        for pair in targets.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
-            let block = |index: u32| program.blocks.get(index as usize);
-            let (Some(first), Some(second)) = (block(pair[0].1), block(pair[1].1)) else { continue };
-            let place = Place { file: program.source.id(), span: second.span };
-            let message = format!("N{} is already the number of line {}", pair[0].0, first.line);
-            let help = "give each block of a program its own number";
-            findings.push(Diagnostic::at(Code::DOUBLE_NUMBER, place, message, help));
-        }
     }
 }
 
