@@ -101,7 +101,7 @@ fn too_many_parts(source: &Source, header: Span) -> Diagnostic {
     Diagnostic::at(Code::NOT_A_PROGRAM, Place { file: source.id(), span: header }, message, help)
 }
 
-/// Reports a file in UTF-16, and names a character that cannot begin a word.
+/// Reports a file in UTF-16, and names the first character outside ASCII that no word has; the places of others are counted.
 fn name_characters(source: &Source, findings: &mut Vec<Diagnostic>) {
     let bytes = source.bytes();
     if let Some(encoding) = character::wide_encoding(bytes) {
@@ -110,11 +110,29 @@ fn name_characters(source: &Source, findings: &mut Vec<Diagnostic>) {
         *findings = vec![Diagnostic::at(Code::UNEXPECTED, place, message, "save it as ASCII or UTF-8")];
         return;
     }
-    for finding in findings.iter_mut().filter(|finding| finding.code == Code::UNEXPECTED) {
-        let at = finding.place.filter(|place| place.file == source.id()).map(|place| place.span.start as usize);
-        if let Some(name) = at.and_then(|at| character::name_at(bytes, at)) {
-            finding.help = format!("{name}; {}", finding.help);
+    let (mut at, mut named, mut more) = (0, None, 0_usize);
+    findings.retain_mut(|finding| {
+        at += 1;
+        let span = finding.place.filter(|place| place.file == source.id()).map(|place| place.span);
+        let name = match (finding.code, span) {
+            (Code::UNEXPECTED, Some(span)) => character::name_at(bytes, span.start as usize),
+            // The value of an address begins after it.
+            (Code::MISSING_VALUE, Some(span)) => character::name_at(bytes, span.end as usize),
+            _ => None,
+        };
+        let Some(name) = name else { return true };
+        if named.is_some() {
+            // A text with such a character usually has it everywhere.
+            more += 1;
+            at -= 1;
+            return false;
         }
+        finding.help = format!("{name}; {}", finding.help);
+        named = Some(at - 1);
+        true
+    });
+    if let Some(first) = named.and_then(|first| findings.get_mut(first)).filter(|_| more > 0) {
+        first.message = format!("{}; such characters are at {more} more places", first.message);
     }
 }
 
