@@ -150,6 +150,7 @@ mod plots;
 mod positioning;
 mod presets;
 mod programs;
+mod real_mills;
 mod realtime;
 mod realtime_stability;
 mod reference_points;

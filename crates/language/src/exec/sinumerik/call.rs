@@ -1,6 +1,7 @@
 //! Calls: finds the program, begins its level, and returns from it.
 
 use super::channel::Channel;
+use super::contour_call;
 use super::flow;
 use super::gathered::Call;
 use super::jump::{place_of, search, variable};
@@ -27,6 +28,9 @@ impl Interpreter<'_> {
         let caller = self.levels.last().map_or(0, |level| level.program);
         if call.name == "CYCLE800" && self.find("CYCLE800", caller).is_none() {
             return self.swivel(call);
+        }
+        if call.name == contour_call::CONTOUR && self.find(contour_call::CONTOUR, caller).is_none() {
+            return self.name_contour(call);
         }
         if call.name == "EXECSTRING" {
             return self.execute_text(call, block);
@@ -192,6 +196,11 @@ impl Interpreter<'_> {
         span: Span,
     ) -> Result<Entry, Fault> {
         let caller = self.levels.last().map_or(0, |level| level.program);
+        let stored = self.named_contour(name, span)?;
+        let name = stored.as_deref().unwrap_or(name);
+        if let Some(entry) = self.part_of_contour(name, repeats, span)? {
+            return Ok(entry);
+        }
         let Some((program, section)) = self.find(name, caller) else {
             let cycle = names::is_cycle(name);
             let (code, message) = if cycle {

@@ -52,7 +52,8 @@ impl Interpreter<'_> {
     /// Restricts a program to the blocks up to the first one that names an axis of the plane.
     pub(super) fn to_first_point(&self, mut entry: Entry) -> Result<Entry, Fault> {
         let program = &self.programs[entry.program].program;
-        let blocks = program.sections.get(entry.section).map_or(0..0, |section| section.blocks.clone());
+        let whole = program.sections.get(entry.section).map_or(0..0, |section| section.blocks.clone());
+        let blocks = entry.part.map_or(whole, |(first, last)| first..last + 1);
         let is_axis = |word: &Word| matches!(word.address, Address::Letter(b'X' | b'Y' | b'Z'));
         let start = blocks.start;
         let moves = |block: &Block| matches!(block.body, Body::Words) && program.words_of(block).iter().any(is_axis);

@@ -6,6 +6,7 @@ use super::startup;
 use std::collections::HashMap;
 
 use super::channel::Channel;
+use super::contour_call::NamedContours;
 use super::level::{Action, CallForm, CalledWith, Entry, Interpreter, Level, Loaded, ReturnTarget, Sinumerik};
 use super::library::read_definitions;
 use super::loaded::load;
@@ -32,6 +33,8 @@ pub(super) struct SinumerikRun {
     pub(super) texts: HashMap<Vec<u8>, usize>,
     /// The program of MCALL.
     pub(super) modal_call: Option<Entry>,
+    /// Contours that CYCLE62 has named for the next milling cycle.
+    pub(super) contours: NamedContours,
 }
 
 /// Starts a program. The caller handles syntax diagnostics of the main program; faulty blocks have no effect here.
@@ -75,7 +78,7 @@ pub(in crate::exec) fn start<'a>(
     if let Err(found) = parameters::bind(&loaded, &mut channel, loaded.parameters(main), &[]) {
         ledger.findings.push_back(found.in_file(loaded.program.source.id()));
     }
-    let run = SinumerikRun { macros, texts: HashMap::new(), modal_call: None };
+    let run = SinumerikRun { macros, texts: HashMap::new(), modal_call: None, contours: NamedContours::default() };
     let level = Level::new(0, main, start, 0, CalledWith::default());
     Box::new(Interpreter::start(machine, library, ledger, (channel, run), (loaded, level)))
 }

@@ -15,6 +15,7 @@ mod call;
 mod cells;
 mod channel;
 mod context;
+mod contour_call;
 mod contour_words;
 mod control;
 mod curve;

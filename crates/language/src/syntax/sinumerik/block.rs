@@ -291,7 +291,7 @@ impl Parser {
             return self.named_word(input, draft);
         }
         let letter = input[0].to_ascii_uppercase();
-        if letter == b'L' && is_call_with_arguments(input) {
+        if matches!(letter, b'L' | b'M') && is_call_with_arguments(input) {
             return self.named_word(input, draft);
         }
         let rest = blanks(&input[1..]);

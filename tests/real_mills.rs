@@ -1,0 +1,45 @@
+//! Programs as posts and machinists write them for mills: corrected, verified, and read again.
+
+use crate::support::Shop;
+use std::fs;
+
+/// A machine of the cases, in machine coordinates that can be added up by hand.
+fn machine(name: &str) -> String {
+    let path = format!("{}/tests/cases/machines/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    fs::read_to_string(path).unwrap()
+}
+
+/// Corrects a program and verifies the result; returns its text.
+fn corrected(machine_name: &str, file: &str, program: &str) -> String {
+    let out = format!("out_{file}");
+    let shop = Shop::new().file("m.toml", &machine(machine_name)).file(file, program);
+    shop.run(["fix", file, "-o", out.as_str(), "--machine", "m.toml"]).exits(0);
+    shop.run(["verify", file, out.as_str(), "--machine", "m.toml"]).exits(0);
+    shop.text(&out)
+}
+
+/// M29 and the cycle are written anew for each hole, and the comparison sees the same tapping in both programs.
+#[test]
+fn rigid_tapping_is_the_same_tapping_after_a_correction() {
+    let program = "O1\nG21 G90 G54 G17\nT1 M6\nG43 H1 Z50.\nS500 M3\nG0 X10. Y10.\nM29 S500\nG99 G84 Z-15. R5. F500.\nX30.\nG80\n\
+                   G0 Z50.\nM30\n";
+    let text = corrected("fanuc", "tap.nc", program);
+    assert_eq!(text.matches("G98 G84 Z-15. R5. F500.").count(), 2, "{text}");
+    assert_eq!(text.matches("M29 S500").count(), 2, "{text}");
+}
+
+/// From (0, 0) about (10, 0) to (10, 10.008): the middle of the spiral is at 45 degrees, with radius 10.004.
+#[test]
+fn an_arc_with_two_radii_verifies_on_both_controls() {
+    corrected("fanuc", "arc.nc", "O1\nG21 G90 G54 G17\nG0 X0. Y0. Z5.\nG2 X10. Y10.008 I10. J0. F500.\nM30\n");
+    corrected("sinumerik", "arc.mpf", "G17 G90 G710 G54\nG0 X0 Y0 Z5\nG2 X10 Y10.008 I10 J0 F500\nM30\n");
+}
+
+/// The order of a post: tool change, edge, plane, first position in the plane without Z.
+#[test]
+fn a_plane_after_a_tool_change_is_corrected_and_verifies() {
+    let program = "G17 G90 G94 G710 G40 G54\nT1 M6\nD1\nS3000 M3\nCYCLE800(0,\"TC1\",0,57,0,0,0,30,0,0,0,0,0,1,0,1)\nG0 X10 Y5\nZ15\n\
+                   G1 Z-2 F1000\nX40\nG0 Z15\nM30\n";
+    let text = corrected("five_sinumerik", "plane.mpf", program);
+    assert!(text.contains("SUPA G0 A30 C0"), "{text}");
+}
