@@ -38,7 +38,7 @@ fn an_arc_with_two_radii_verifies_on_both_controls() {
 /// The order of a post: tool change, edge, plane, first position in the plane without Z.
 #[test]
 fn a_plane_after_a_tool_change_is_corrected_and_verifies() {
-    let program = "G17 G90 G94 G710 G40 G54\nT1 M6\nD1\nS3000 M3\nCYCLE800(0,\"TC1\",0,57,0,0,0,30,0,0,0,0,0,1,0,1)\nG0 X10 Y5\nZ15\n\
+    let program = "G17 G90 G94 G710 G40 G500\nT1 M6\nD1\nS3000 M3\nCYCLE800(0,\"TC1\",0,57,0,0,0,30,0,0,0,0,0,1,0,1)\nG0 X10 Y5\nZ15\n\
                    G1 Z-2 F1000\nX40\nG0 Z15\nM30\n";
     let text = corrected("five_sinumerik", "plane.mpf", program);
     assert!(text.contains("SUPA G0 A30 C0"), "{text}");

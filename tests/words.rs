@@ -329,7 +329,7 @@ fn faults_have_their_code_and_their_place() {
         ("fanuc", "X[1+2", "E0105", 1),
         ("fanuc", "X1 (open", "E0105", 3),
         ("fanuc", "X1 ?", "E0101", 3),
-        ("fanuc", "IF [#1 EQ 1] X1", "E0101", 13),
+        ("fanuc", "IF [#1 EQ 1] THE X1", "E0101", 13),
         ("fanuc", "GOTO 1 X1", "E0108", 7),
         ("fanuc", "WHILE [#1 LT 1] DO1", "E0106", 0),
         ("fanuc", "END1", "E0106", 0),
