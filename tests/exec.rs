@@ -181,7 +181,8 @@ fn tools_act_with_m6_or_with_t_and_their_length_does_not_move_the_tip() {
     machine.control.tool_change = ToolChange::T;
     let strict = Options { strict: true, ..Options::default() };
     assert_eq!(run_with("T6 D1\nG0 X0", &machine, Box::new(NoLibrary), strict.clone()).1, ["E0307:1"]);
-    assert_eq!(run_with("D1\nG0 X0", &machine, Box::new(NoLibrary), strict.clone()).1, ["E0307:1"]);
+    // The length acts along Z.
+    assert_eq!(run_with("D1\nG0 X0\nZ0", &machine, Box::new(NoLibrary), strict.clone()).1, ["E0307:3"]);
     assert!(run_with("T0 D1\nG0 X0", &machine, Box::new(NoLibrary), strict.clone()).1.is_empty());
     assert!(run_with("T5 D1\nG0 X0", &machine, Box::new(NoLibrary), strict).1.is_empty());
 }
