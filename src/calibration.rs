@@ -6,7 +6,7 @@ use crate::disk::hash::short_hash;
 use crate::error::Error;
 use crate::machine::Machine;
 use ncfix_base::source::{FileId, Source};
-use ncfix_machine::machine::MeasuredRanges;
+use ncfix_machine::machine::{MeasuredRanges, Uncertainty};
 use ncfix_metrology::calibrate::{Fit, Parameter};
 use ncfix_metrology::measure::ranges::measured_ranges;
 use ncfix_metrology::results::calibration::{
@@ -16,6 +16,7 @@ use ncfix_metrology::results::calibration::{
 use ncfix_metrology::results::measurement::{Measurement, Purpose};
 use ncfix_metrology::results::parameters::{self, ModelText};
 use ncfix_metrology::results::stated::{StatedStart, start_with_terms};
+use ncfix_metrology::results::uncertain::{uncertainty_of, unexplained_um};
 use ncfix_model::ErrorModel;
 
 /// Options of a calibration. `CalibrationOptions::default()` gives the options of `ncfix calibrate` without arguments; no parameter is chosen yet.
@@ -79,6 +80,7 @@ pub struct Calibration {
     start: Machine,
     head: Vec<String>,
     measured: MeasuredRanges,
+    uncertainty: Uncertainty,
     diagnostics: Diagnostics,
 }
 
@@ -134,7 +136,9 @@ impl Calibration {
                 let mut head = vec![format!("parameters {}", options.parameters.join(" "))];
                 head.extend(prepared.used().iter().map(line_of));
                 let measured = measured_by(machine, prepared.used(), &found);
-                Ok(Calibration { found, fit, start: machine.clone(), head, measured, diagnostics })
+                let unexplained_um = unexplained_um(&found, prepared.used());
+                let uncertainty = uncertainty_of(machine.machine.uncertainty.as_ref(), &fit, unexplained_um);
+                Ok(Calibration { found, fit, start: machine.clone(), head, measured, uncertainty, diagnostics })
             }
             _ => Err(Error::found(diagnostics)),
         }
@@ -195,6 +199,7 @@ impl Calibration {
     pub fn machine(&self) -> Machine {
         let mut machine = Machine { errors: self.fit.errors.clone(), ..self.start.clone() };
         machine.machine.measured = Some(self.measured.clone());
+        machine.machine.uncertainty = Some(self.uncertainty.clone());
         machine
     }
 
@@ -222,7 +227,7 @@ impl Calibration {
         let source = source.map_err(|_| fault("it is too long".into()))?;
         // A name may have any character; a comment ends with its line.
         let head: Vec<String> = self.head.iter().map(|line| line.replace(char::is_control, " ")).collect();
-        let found = (&self.fit, &self.measured);
+        let found = (&self.fit, &self.measured, &self.uncertainty);
         machine_text((&source, &self.start.registry.model), &self.start.errors, found, &head).map_err(fault)
     }
 
@@ -262,7 +267,8 @@ pub(crate) fn text_of(
     let mut head = vec![format!("model {}, began with {} ({hash}){condition}", in_line(model), in_line(start.name()))];
     head.extend(used.iter().map(line_of));
     let measured = measured_by(chosen, used, found);
-    machine_text((start, &chosen.registry.model), errors, (fit, &measured), &head)
+    let uncertainty = uncertainty_of(chosen.machine.uncertainty.as_ref(), fit, unexplained_um(found, used));
+    machine_text((start, &chosen.registry.model), errors, (fit, &measured, &uncertainty), &head)
         .map_err(|reason| Error::usage(format!("cannot write into the text of {}: {reason}", start.name())))
 }
 

@@ -52,6 +52,7 @@ pub(crate) fn xyz_machine() -> Machine {
         strain: None,
         servo: None,
         measured: None,
+        uncertainty: None,
         tools: Vec::new(),
     }
 }

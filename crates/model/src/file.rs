@@ -6,12 +6,13 @@ use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::{Axis, AxisSet};
 use ncfix_base::source::Source;
 use ncfix_base::units::{mm_from_um, rad_from_urad};
-use ncfix_machine::machine::Machine;
 use ncfix_machine::machine::file::{MachineFile, SECTIONS, Section, nearest, read_machine};
+use ncfix_machine::machine::{Machine, uncertainty};
 
 use super::motion::{Entry, MotionKind, MotionKinds};
 use super::name::{ErrorKind, ErrorName};
 use super::source::MachineFileReading;
+use super::uncertainty::UncertainParameter;
 use super::{ErrorModel, LocationError, ModelRegisters, MotionError};
 
 /// Reads a machine file and reports all diagnostics in one run, in the order of the file. The machine is `None` if any of them is an error.
@@ -60,10 +61,31 @@ pub fn load_with(source: &Source, registers: &ModelRegisters) -> (Option<(Machin
         let help = "keep one of them, or let each describe the parts that the other does not";
         root.report(Code::TWO_DRIFTS, root.place_of_key("segment"), message, help);
     }
+    check_uncertainty(&mut root, axes, &errors, &mut findings);
     root.finish(&mut findings);
     findings.sort_by_key(|finding| (finding.place, finding.code));
     let sound = !findings.iter().any(Diagnostic::is_error);
     (machine.filter(|_| sound).map(|machine| (machine, errors)), findings)
+}
+
+/// Reports names of `[uncertainty]` that are no parameter of this machine.
+fn check_uncertainty(root: &mut Section<'_>, axes: AxisSet, errors: &ErrorModel, findings: &mut Vec<Diagnostic>) {
+    let Some(mut section) = root.section(uncertainty::SECTION) else { return };
+    let names: Vec<&str> = section.keys().collect();
+    for name in names {
+        section.accept(name);
+        let found = UncertainParameter::find(name, errors);
+        let is_of_machine = |one: UncertainParameter| {
+            one.component().and_then(|component| component.axis()).is_none_or(|axis| axes.contains(axis))
+        };
+        if name == uncertainty::UNEXPLAINED || found.is_some_and(is_of_machine) {
+            continue;
+        }
+        let message = format!("{name} is no parameter of the error model of this machine");
+        let help = "write a parameter such as EC0Y, EXX1 or EXXb, a motion error such as EXX, or a parameter of an effect as `ncfix calibrate` names it";
+        section.report(Code::UNKNOWN_COMPONENT, section.place_of_key(name), message, help);
+    }
+    section.finish(findings);
 }
 
 /// Returns the axes that have a section, valid or not: faults of the chain are reported elsewhere and must not hide others.

@@ -4,7 +4,8 @@
 //! 230-1 ([`name`]), and the effects of other sources ([`source`], one file each). The [`Accumulator`] adds up their contributions in one condition of the
 //! machine. [`Model`] is machine and sum prepared for evaluation; [`Model::actual`] is the only forward function, and [`Model::solve`] inverts it.
 //! [`Model::on_intervals`] and [`Model::solve_in_cycle`] are their counterparts for the cycle of a control. [`preset`] lists the parameters ([`parameter`])
-//! of a model. [`coverage`] compares positions and conditions with the measured ranges. This crate contains neither programs nor instruments.
+//! of a model. [`coverage`] compares positions and conditions with the measured ranges, and [`uncertainty`] varies a model
+//! within its uncertainty. This crate contains neither programs nor instruments.
 
 mod accumulator;
 mod body;
@@ -26,6 +27,7 @@ pub mod preset;
 mod rotation;
 pub mod shares;
 pub mod source;
+pub mod uncertainty;
 pub mod write;
 
 pub use accumulator::Accumulator;

@@ -4,7 +4,13 @@ use std::fmt::Write as _;
 
 use ncfix_base::geometry::AXES;
 use ncfix_machine::machine::{AxisData, Machine, MeasuredRanges};
+use ncfix_model::uncertainty::unknown_of;
 use ncfix_model::{Effect, ErrorModel};
+
+use super::number::significant;
+
+/// Smaller standard uncertainties are written with a power of ten.
+const LEAST_DECIMAL: f64 = 0.01;
 
 /// Returns the page: chain, axes, zero offsets, tools, error functions. Lengths in mm, angles in degrees.
 #[must_use]
@@ -94,6 +100,10 @@ pub fn table(machine: &Machine, errors: &ErrorModel) -> String {
         line("measured");
         measured_rows(measured).iter().for_each(|row| line(row));
     }
+    if errors.effects().next().is_some() {
+        line("");
+        uncertainty_rows(machine, errors).iter().for_each(|row| line(row));
+    }
     if let Some(strain) = &machine.strain {
         line("");
         line(&format!("strain      a gauge along {}", strain.axis));
@@ -127,6 +137,28 @@ fn measured_rows(measured: &MeasuredRanges) -> Vec<String> {
     }
     if let Some(residual_um) = measured.residual_um {
         row("residual", &format!("{} µm of the holdout data", decimal(residual_um)));
+    }
+    rows
+}
+
+/// Formats the standard uncertainties, a row for each, and the errors without one.
+fn uncertainty_rows(machine: &Machine, errors: &ErrorModel) -> Vec<String> {
+    let Some(uncertainty) = &machine.uncertainty else {
+        return vec!["uncertainty not known: the machine file does not state it".to_owned()];
+    };
+    let mut rows = vec!["uncertainty (standard, in the units of the machine file)".to_owned()];
+    for (name, row) in &uncertainty.rows {
+        let sigma = row.sigma();
+        // Coefficients are in mm and rad per power.
+        let size = if sigma < LEAST_DECIMAL { format!("{sigma:.2e}") } else { significant(sigma) };
+        rows.push(format!("{name:<12}± {size}"));
+    }
+    if let Some(um) = uncertainty.unexplained_um {
+        rows.push(format!("unexplained {} µm of the readings are not in the model", decimal(um)));
+    }
+    let unknown = unknown_of(errors, uncertainty);
+    if !unknown.is_empty() {
+        rows.push(format!("not known    {}", unknown.join(", ")));
     }
     rows
 }

@@ -12,7 +12,7 @@ use ncfix_base::source::Source;
 use super::condition::file::PLAUSIBLE_C;
 use super::zero_offset::{check_name, read_zero_offsets};
 use super::{ActiveTables, AxisData, Control, Lever, Machine, Spindle, ToolChange, Topology};
-use super::{active, measured, opaque, orientation, servo, setting, strain, tool};
+use super::{active, measured, opaque, orientation, servo, setting, strain, tool, uncertainty};
 
 pub use super::document::Document as MachineFile;
 pub use super::section::{Section, nearest};
@@ -33,6 +33,7 @@ pub const SECTIONS: &[&str] = &[
     "strain",
     "servo",
     "measured",
+    "uncertainty",
     "system",
     "gud",
 ];
@@ -65,6 +66,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     let strain = root.section("strain").and_then(|section| strain::read(section, axis_set, &mut findings));
     let servo = root.section("servo").and_then(|section| servo::read(section, &axes, axis_set, &mut findings));
     let measured = root.section("measured").map(|section| measured::read(section, axis_set, &mut findings));
+    let uncertainty = root.section(uncertainty::SECTION).map(|section| uncertainty::read(section, &mut findings));
     // Other modules have their own sections; the last reader reports unknown ones.
     let keys: Vec<&str> = root.keys().collect();
     keys.into_iter().for_each(|key| root.accept(key));
@@ -103,6 +105,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
         strain,
         servo,
         measured,
+        uncertainty,
     };
     (sound.then_some(machine), findings)
 }

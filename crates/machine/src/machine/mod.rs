@@ -30,6 +30,7 @@ mod state;
 mod strain;
 mod tool;
 mod travel;
+pub mod uncertainty;
 mod zero_offset;
 
 pub use active::{ActiveCompensation, ActiveTables, TableProducts};
@@ -50,6 +51,7 @@ pub use setting::Setting;
 pub use state::State;
 pub use strain::StrainGauge;
 pub use tool::Tool;
+pub use uncertainty::{Uncertainty, UncertaintyRow};
 
 use std::collections::BTreeMap;
 
@@ -100,6 +102,8 @@ pub struct Machine {
     pub servo: Option<Servo>,
     /// Ranges in which the errors were measured; `None` if the file does not state them.
     pub measured: Option<MeasuredRanges>,
+    /// Standard uncertainties of the errors; `None` if the file does not state them.
+    pub uncertainty: Option<Uncertainty>,
 }
 
 /// Data of one axis.

@@ -13,7 +13,7 @@ use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_machine::machine::{Condition, Machine, State};
 use ncfix_model::motion::EntryFunction;
 use ncfix_model::parameter::ParameterName;
-use ncfix_model::{Accumulator, Effect, ErrorModel, ErrorName};
+use ncfix_model::{Accumulator, Effect, ErrorModel, ErrorName, uncertainty};
 
 use super::cause::UndeterminedCause;
 
@@ -135,33 +135,21 @@ fn change(effect: &mut dyn Effect, mut each: impl FnMut(usize, bool, &mut f64)) 
 #[must_use]
 pub fn effect_parameters(errors: &ErrorModel) -> Vec<EffectParameter> {
     let mut out: Vec<EffectParameter> = Vec::new();
-    // The first two words of a name, and the effects that have them.
-    let mut stems: Vec<(String, usize)> = Vec::new();
-    for (number, effect) in errors.effects.iter().enumerate() {
-        let mut index = 0;
-        effect.boxed().visit_parameters(&mut |parameter, value| {
-            let end = parameter.name.match_indices('.').nth(1).map_or(parameter.name.len(), |(at, _)| at);
-            let (stem, rest) = parameter.name.split_at(end);
-            if !stems.iter().any(|(known, owner)| known == stem && *owner == number) {
-                stems.push((stem.to_owned(), number));
-            }
-            let before = stems.iter().filter(|(known, owner)| known == stem && *owner < number).count();
-            let again = if before > 0 { format!("~{}", before + 1) } else { String::new() };
-            let (key, factor) = parameter.written.map_or(("", 1.0), |written| (written.key, written.factor));
-            let (factor, unit) = shown(stem, key, factor);
-            out.push(EffectParameter {
-                name: format!("{stem}{again}{rest}").into(),
-                effect: number,
-                index,
-                is_linear: parameter.is_linear,
-                has_sensors: !effect.sensors().is_empty(),
-                is_idle_knot: key.starts_with("knots[") && *value == 0.0,
-                unit: unit.into(),
-                factor,
-            });
-            index += 1;
+    uncertainty::visit_effects(errors, &mut |name, place, parameter, value| {
+        let (key, factor) = parameter.written.map_or(("", 1.0), |written| (written.key, written.factor));
+        let end = parameter.name.match_indices('.').nth(1).map_or(parameter.name.len(), |(at, _)| at);
+        let (factor, unit) = shown(parameter.name.split_at(end).0, key, factor);
+        out.push(EffectParameter {
+            name: name.into(),
+            effect: place[0],
+            index: place[1],
+            is_linear: parameter.is_linear,
+            has_sensors: errors.effects.get(place[0]).is_some_and(|effect| !effect.sensors().is_empty()),
+            is_idle_knot: key.starts_with("knots[") && value == 0.0,
+            unit: unit.into(),
+            factor,
         });
-    }
+    });
     out
 }
 

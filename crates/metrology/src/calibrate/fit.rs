@@ -4,6 +4,8 @@
 //! come from the full kinematics each time, so that the converged result is exact. Steps between the first and the last one use the normal equations
 //! and stored derivatives; the first step determines the identifiability, the last the uncertainties.
 
+use nalgebra::DMatrix;
+
 use crate::measure::data::DataSet;
 use ncfix_base::numeric::{Normal, NormalStep, Solution, System};
 use ncfix_machine::machine::Machine;
@@ -69,6 +71,8 @@ pub struct Fit {
     pub freedom: usize,
     /// Number of iterations.
     pub rounds: usize,
+    /// Factor L of the covariance L·Lᵀ of the parameters of the machine: a row for each, mm, rad, per power. Set-up unknowns are free in it.
+    pub factor: Vec<Vec<f64>>,
 }
 
 impl Fit {
@@ -390,7 +394,30 @@ fn finish(rounds: Rounds<'_>, errors: ErrorModel, values: &[f64], solution: &Sol
         .map(|set| (rounds.noise.sigma(2 * set), rounds.noise.sigma(2 * set + 1)))
         .unzip();
     let (condition, freedom) = (rounds.judged.condition, solution.freedom);
-    Fit { errors, estimates, sigmas, angle_sigmas, residuals, ties, condition, freedom, rounds: count }
+    let factor = factor_of(&(&solution.cofactors * spread), rounds.design.parameters.len());
+    Fit { errors, estimates, sigmas, angle_sigmas, residuals, ties, condition, freedom, rounds: count, factor }
+}
+
+/// The lower triangular factor of the covariance of the first unknowns. Columns are scaled to unit length first, as their units differ by many powers of ten.
+fn factor_of(covariance: &DMatrix<f64>, count: usize) -> Vec<Vec<f64>> {
+    let count = count.min(covariance.nrows());
+    let sigmas: Vec<f64> = (0..count).map(|k| covariance[(k, k)].max(0.0).sqrt()).collect();
+    let correlation = DMatrix::from_fn(count, count, |row, column| {
+        let scale = sigmas[row] * sigmas[column];
+        if row == column || scale == 0.0 {
+            f64::from(u8::from(row == column))
+        } else {
+            covariance[(row, column)] / scale
+        }
+    });
+    match correlation.cholesky() {
+        Some(found) => {
+            let lower = found.l();
+            (0..count).map(|row| (0..=row).map(|column| sigmas[row] * lower[(row, column)]).collect()).collect()
+        }
+        // Rounding has made it indefinite: without correlations the interval is wider or narrower, never missing.
+        None => (0..count).map(|row| (0..=row).map(|k| if k == row { sigmas[row] } else { 0.0 }).collect()).collect(),
+    }
 }
 
 #[cfg(test)]

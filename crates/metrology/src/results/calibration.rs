@@ -15,7 +15,7 @@ use ncfix_base::geometry::Vector;
 use ncfix_base::number::{micrometers, significant};
 use ncfix_base::source::Source;
 use ncfix_base::units::{Unit, um_from_mm};
-use ncfix_machine::machine::{Condition, Machine, MeasuredRanges};
+use ncfix_machine::machine::{Condition, Machine, MeasuredRanges, Uncertainty};
 use ncfix_model::{ErrorModel, Model, ModelRegisters, file, write};
 
 /// Residual in standard uncertainties of the instrument above which the model is poor.
@@ -259,20 +259,21 @@ pub fn holdout_um(result: &CalibrationResult) -> Option<f64> {
     (count > 0.0).then(|| ((squares / count).sqrt() * 1e3).round() / 1e3)
 }
 
-/// The text of a machine file with the parameters of a fit and the measured ranges. Header lines with their origin replace those of an earlier calibration.
+/// The text of a machine file with the parameters of a fit, the measured ranges and the uncertainties. Header lines with their origin replace those of an earlier calibration.
 ///
 /// # Errors
 /// The reason why it cannot be written, as a part of a sentence.
 pub fn machine_text(
     (start, registers): (&Source, &ModelRegisters),
     before: &ErrorModel,
-    (fit, measured): (&Fit, &MeasuredRanges),
+    (fit, measured, uncertainty): (&Fit, &MeasuredRanges, &Uncertainty),
     head: &[String],
 ) -> Result<String, String> {
     let old = std::str::from_utf8(start.bytes()).map_err(|_| "it is not UTF-8")?;
     let errors = &fit.errors;
     let body = write::write(old, before, errors).map_err(|reason| reason.0)?;
     let body = measured.written_into(&body).ok_or("measured is not a section")?;
+    let body = uncertainty.written_into(&body).ok_or("uncertainty is not a section")?;
     let head = head.iter().map(|line| format!("{HEAD} {line}"));
     let kept = body.lines().skip_while(|line| line.starts_with(HEAD)).map(str::to_owned);
     let text: String = head.chain(kept).map(|line| line + "\n").collect();

@@ -7,6 +7,7 @@ use crate::diagnose::extend::{Anchor, Change, again, cleaned, effect_of_others, 
 use crate::diagnose::{DiagnosedCauses, Scene, levels, residuals};
 use crate::measure::data::DataSet;
 use crate::measure::ranges::measured_ranges;
+use crate::results::uncertain::uncertainty_of;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::Machine;
@@ -145,6 +146,11 @@ impl ExtensionJob<'_> {
         let used = self.scene.sets.iter().take(self.used);
         let ranges = measured_ranges(self.machine, used, None);
         let changed = ranges.written_into(&changed).ok_or(("measured is not a section".to_owned(), SECTIONS))?;
+        let before = self.machine.uncertainty.as_ref();
+        let changed = match fitted.as_ref().map(|fit| uncertainty_of(before, fit, None)) {
+            Some(found) => found.written_into(&changed).ok_or(("uncertainty is not a section".to_owned(), SECTIONS))?,
+            None => changed,
+        };
         let out = self.noted(&changed, grown, fitted.as_ref());
         let written = load(from, &out).ok_or(("the result is not a valid machine file".to_owned(), SECTIONS))?;
         for parameter in &parameters {

@@ -27,6 +27,7 @@ pub mod selection;
 pub mod sensors;
 pub mod simulated;
 pub mod stated;
+pub mod uncertain;
 pub mod weighed;
 
 use ncfix_base::diagnostic::Diagnostic;

@@ -1,0 +1,284 @@
+//! Variations of an error model within its uncertainty: one model for each independent cause.
+//!
+//! The covariance of the parameters is C = L·Lᵀ. A row of L belongs to a parameter, a column to an independent cause of unit variance. The model with one
+//! column added is the model after one standard deviation of this cause, so the same forward function gives its effect on the tool. An error that is known
+//! as a whole (`EXX`) may vary by any smooth function of this standard deviation along its axis; a few waves over the travel stand for it.
+
+use std::f64::consts::PI;
+
+use super::ErrorModel;
+use super::motion::table::ErrorTable;
+use super::motion::{EntryFunction, MotionError};
+use super::name::{ErrorKind, ErrorName};
+use super::parameter::{ComponentTerm, ParameterName};
+use super::source::Parameter;
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_machine::machine::{Machine, Uncertainty, UncertaintyRow};
+
+/// Waves over the travel of an axis that stand for a whole error: pairs of sine and cosine in addition to the constant.
+const WAVES: usize = 2;
+/// Points of a wave over the travel.
+const POINTS: usize = 33;
+/// Travel of an axis without limits, mm, and half a turn, rad.
+const UNLIMITED: [f64; 2] = [1000.0, PI];
+
+/// Parameter of the error model with an uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum UncertainParameter {
+    /// Number of a location or motion error.
+    Number(ParameterName),
+    /// Motion error as a whole.
+    Whole(ErrorName),
+    /// Parameter of an effect: indices of the effect and of the parameter in it, and the factor to the unit of the file.
+    OfEffect {
+        /// Index in [`ErrorModel::effects`].
+        effect: usize,
+        /// Index of the parameter in the effect.
+        index: usize,
+        /// Factor from its value to that of the file.
+        factor: f64,
+    },
+}
+
+/// Calls `each` with every parameter of the effects of a model: its unique name (`load.EAX.coefficients[1]`; a second effect of one name is `load.EAX~2`),
+/// the indices of the effect and of the parameter in it, the parameter and its value.
+pub fn visit_effects(errors: &ErrorModel, each: &mut dyn FnMut(String, [usize; 2], &Parameter<'_>, f64)) {
+    // The first two words of a name, and the effects that have them.
+    let mut stems: Vec<(String, usize)> = Vec::new();
+    for (number, effect) in errors.effects.iter().enumerate() {
+        let mut index = 0;
+        effect.boxed().visit_parameters(&mut |parameter, value| {
+            let end = parameter.name.match_indices('.').nth(1).map_or(parameter.name.len(), |(at, _)| at);
+            let (stem, rest) = parameter.name.split_at(end);
+            if !stems.iter().any(|(known, owner)| known == stem && *owner == number) {
+                stems.push((stem.to_owned(), number));
+            }
+            let before = stems.iter().filter(|(known, owner)| known == stem && *owner < number).count();
+            let again = if before > 0 { format!("~{}", before + 1) } else { String::new() };
+            each(format!("{stem}{again}{rest}"), [number, index], parameter, *value);
+            index += 1;
+        });
+    }
+}
+
+impl UncertainParameter {
+    /// Finds a parameter by its name in `[uncertainty]`.
+    #[must_use]
+    pub fn find(text: &str, errors: &ErrorModel) -> Option<UncertainParameter> {
+        if let Ok(name) = text.parse::<ParameterName>() {
+            return Some(UncertainParameter::Number(name));
+        }
+        if let Ok(name) = text.parse::<ErrorName>() {
+            return (name.kind == ErrorKind::Motion).then_some(UncertainParameter::Whole(name));
+        }
+        let mut found = None;
+        visit_effects(errors, &mut |name, [effect, index], parameter, _| {
+            if name == text {
+                let factor = parameter.written.map_or(1.0, |written| written.factor);
+                found = Some(UncertainParameter::OfEffect { effect, index, factor });
+            }
+        });
+        found
+    }
+
+    /// Returns the error component; `None` for a parameter of an effect.
+    #[must_use]
+    pub fn component(&self) -> Option<ErrorName> {
+        match self {
+            UncertainParameter::Number(name) => Some(name.component),
+            UncertainParameter::Whole(name) => Some(*name),
+            UncertainParameter::OfEffect { .. } => None,
+        }
+    }
+
+    /// Returns the factor from mm, rad and powers of them to the unit of the file: µm and µrad for a location error, for a reversal (of which the parameter
+    /// is half) and for a whole error; mm and rad per power for a coefficient.
+    #[must_use]
+    pub fn file_factor(&self) -> f64 {
+        let of_deviation =
+            |name: &ErrorName| if name.direction.is_rotation() { urad_from_rad(1.0) } else { um_from_mm(1.0) };
+        match self {
+            UncertainParameter::Number(name) => match name.term {
+                ComponentTerm::Whole => of_deviation(&name.component),
+                ComponentTerm::Backlash => 2.0 * of_deviation(&name.component),
+                ComponentTerm::Coefficient(_) | ComponentTerm::Knot { .. } => 1.0,
+            },
+            UncertainParameter::Whole(name) => of_deviation(name),
+            UncertainParameter::OfEffect { factor, .. } => *factor,
+        }
+    }
+
+    /// Adds a change, in the unit of the file.
+    fn add(&self, errors: &mut ErrorModel, change: f64) {
+        let change = change / self.file_factor();
+        match *self {
+            UncertainParameter::Number(name) => {
+                let value = name.get(errors) + change;
+                name.set(errors, value);
+            }
+            UncertainParameter::OfEffect { effect, index, .. } => {
+                let mut number = 0;
+                if let Some(effect) = errors.effects.get_mut(effect) {
+                    effect.visit_parameters(&mut |_, value| {
+                        if number == index {
+                            *value += change;
+                        }
+                        number += 1;
+                    });
+                }
+            }
+            UncertainParameter::Whole(_) => {}
+        }
+    }
+}
+
+/// Returns the models after one standard deviation of each independent cause.
+#[must_use]
+pub fn variations(machine: &Machine, errors: &ErrorModel, uncertainty: &Uncertainty) -> Vec<ErrorModel> {
+    let known: Vec<(UncertainParameter, &UncertaintyRow)> = uncertainty
+        .rows
+        .iter()
+        .filter_map(|(name, row)| Some((UncertainParameter::find(name, errors)?, row)))
+        .filter(|(parameter, _)| {
+            parameter.component().and_then(|name| name.axis()).is_none_or(|axis| machine.axis(axis).is_some())
+        })
+        .collect();
+    let mut all = Vec::new();
+    for cause in 0..uncertainty.causes() {
+        let mut varied = errors.clone();
+        let mut is_varied = false;
+        for (parameter, row) in &known {
+            let UncertaintyRow::Shared(row) = row else { continue };
+            let Some(&part) = row.get(cause).filter(|part| **part != 0.0) else { continue };
+            // The waves of a whole error are its own causes; a list of one entry is a number.
+            if matches!(parameter, UncertainParameter::Whole(_)) {
+                continue;
+            }
+            parameter.add(&mut varied, part);
+            is_varied = true;
+        }
+        all.extend(is_varied.then_some(varied));
+    }
+    for (parameter, row) in &known {
+        let sigma = row.sigma();
+        if sigma == 0.0 {
+            continue;
+        }
+        match (parameter, row) {
+            (UncertainParameter::Whole(name), _) => {
+                all.extend(waves(machine, *name, sigma / parameter.file_factor()).into_iter().map(|wave| {
+                    let mut varied = errors.clone();
+                    varied.motion.push(wave);
+                    varied
+                }));
+            }
+            (_, UncertaintyRow::Alone(_)) => {
+                let mut varied = errors.clone();
+                parameter.add(&mut varied, sigma);
+                all.push(varied);
+            }
+            _ => {}
+        }
+    }
+    all
+}
+
+/// Returns smooth functions along the travel of an axis whose independent sum has a standard deviation, mm or rad, at every position.
+fn waves(machine: &Machine, name: ErrorName, sigma: f64) -> Vec<MotionError> {
+    let Some(axis) = name.axis() else { return Vec::new() };
+    let [unlimited_mm, unlimited_rad] = UNLIMITED;
+    let half = if axis.is_rotary() { unlimited_rad } else { unlimited_mm };
+    let [low, high] = machine.axis(axis).and_then(|data| data.travel).unwrap_or([-half, half]);
+    let own = sigma / ((1 + WAVES) as f64).sqrt();
+    let of = |wave: usize, phase: f64| {
+        let share = |point: usize| point as f64 / (POINTS - 1) as f64;
+        let positions = (0..POINTS).map(|point| low + (high - low) * share(point)).collect();
+        let values = (0..POINTS).map(|point| own * (PI * wave as f64 * share(point) + phase).cos()).collect();
+        MotionError { name, function: EntryFunction::Table(ErrorTable { positions, values }) }
+    };
+    let pairs = (1..=WAVES).flat_map(|wave| [of(wave, 0.0), of(wave, -PI / 2.0)]);
+    std::iter::once(of(0, 0.0)).chain(pairs).collect()
+}
+
+/// Returns the names of error components and effects of the model for which no uncertainty is known, each once, in the order of the model.
+#[must_use]
+pub fn unknown_of(errors: &ErrorModel, uncertainty: &Uncertainty) -> Vec<String> {
+    let known: Vec<UncertainParameter> =
+        uncertainty.rows.keys().filter_map(|name| UncertainParameter::find(name, errors)).collect();
+    let is_component = |name: ErrorName| known.iter().any(|one| one.component() == Some(name));
+    let mut names: Vec<String> = Vec::new();
+    let components = errors.location.iter().map(|error| error.name).chain(errors.motion.iter().map(|error| error.name));
+    names.extend(components.filter(|&name| !is_component(name)).map(|name| name.to_string()));
+    for (number, effect) in errors.effects.iter().enumerate() {
+        let is_known =
+            known.iter().any(|one| matches!(one, UncertainParameter::OfEffect { effect, .. } if *effect == number));
+        if !is_known {
+            names.push(format!("{} {}", effect.source().name, effect.label()));
+        }
+    }
+    let mut seen = std::collections::HashSet::new();
+    names.retain(|name| seen.insert(name.clone()));
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ncfix_base::source::{FileId, Source};
+
+    const MILL: &str = "[machine]\nname = \"mill\"\ntopology = \"wFXt\"\n[axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [0, 400]\n\
+                        [location]\nEC0X = 10\n[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0, 1e-5]\n\
+                        [[motion]]\ncomponent = \"EXX\"\nkind = \"backlash\"\nvalue_um = 4\n\
+                        [[motion]]\ncomponent = \"EYX\"\nkind = \"table\"\npositions_mm = [0, 400]\nvalues_um = [0, 3]\n";
+
+    fn read(own: &str) -> (Machine, ErrorModel) {
+        let source = Source::new(FileId(0), "m.toml", format!("{MILL}{own}").into_bytes()).unwrap();
+        let (found, findings) = crate::file::load(&source);
+        found.unwrap_or_else(|| panic!("{findings:?}"))
+    }
+
+    #[test]
+    fn a_variation_adds_a_column_in_the_units_of_the_file() {
+        let (machine, errors) = read("[uncertainty]\nEC0X = [2, 1]\nEXX1 = [0, 3e-6]\nEXXb = 0.5\n");
+        let uncertainty = machine.uncertainty.as_ref().unwrap();
+        let all = variations(&machine, &errors, uncertainty);
+        assert_eq!(all.len(), 3);
+        let value = |which: usize, name: &str| {
+            let name: ParameterName = name.parse().unwrap();
+            name.get(&all[which]) - name.get(&errors)
+        };
+        assert!((value(0, "EC0X") - 2e-6).abs() < 1e-15 && value(0, "EXX1") == 0.0);
+        assert!((value(1, "EC0X") - 1e-6).abs() < 1e-15 && (value(1, "EXX1") - 3e-6).abs() < 1e-15);
+        // A reversal of 0.5 µm is a parameter of 0.25 µm.
+        assert!((value(2, "EXXb") - 0.25e-3).abs() < 1e-12 && value(2, "EC0X") == 0.0);
+        assert_eq!(unknown_of(&errors, uncertainty), ["EYX"]);
+    }
+
+    #[test]
+    fn a_whole_error_has_its_standard_uncertainty_at_every_position() {
+        let (machine, errors) = read("[uncertainty]\nEYX = 2\n");
+        let all = variations(&machine, &errors, machine.uncertainty.as_ref().unwrap());
+        for x in [0.0, 100.0, 175.0, 400.0] {
+            let at = |errors: &ErrorModel| -> f64 {
+                let mut command = ncfix_base::geometry::AxisVector::ZERO;
+                command[ncfix_base::geometry::Axis::X] = x;
+                let own = errors.motion.iter().filter(|error| error.name.to_string() == "EYX");
+                own.map(|error| error.function.value(ncfix_base::geometry::Axis::X, &command, &Default::default()))
+                    .sum()
+            };
+            let square: f64 = all.iter().map(|varied| (at(varied) - at(&errors)).powi(2)).sum();
+            assert!((square.sqrt() - 2e-3).abs() < 1e-9, "{x} {square}");
+        }
+    }
+
+    #[test]
+    fn unknown_names_are_refused_at_their_place() {
+        for (text, code) in [("EXQ1", "E0406"), ("EYY1", "E0406"), ("\"load.EAX\"", "E0406"), ("ezx", "E0406")] {
+            let source = Source::new(FileId(0), "m.toml", format!("{MILL}[uncertainty]\n{text} = 1\n").into_bytes());
+            let (_, findings) = crate::file::load(&source.unwrap());
+            let own: Vec<_> = findings.iter().filter(|one| one.code.as_str() == code).collect();
+            assert_eq!(own.len(), 1, "{text}: {findings:?}");
+            assert!(own[0].place.is_some());
+        }
+    }
+}
