@@ -41,6 +41,7 @@ mod diagnostics;
 mod disk;
 mod error;
 mod feed;
+mod interval;
 mod machine;
 mod measured;
 mod moves;

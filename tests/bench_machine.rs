@@ -106,7 +106,7 @@ pub(crate) fn correct_elements(
             Err(finding) => findings.push(finding),
         }
     }
-    let prediction = *corrector.prediction();
+    let prediction = corrector.prediction().clone();
     Run { pieces, findings, prediction }
 }
 

@@ -343,7 +343,7 @@ fn corrected(program: &str, machine: &Machine, errors: &ErrorModel) -> Said {
     let (mut out, mut codes) = (Vec::new(), Vec::new());
     emit::emit(&mut corrector, writer.as_mut(), &mut out, |finding| codes.push(finding.code.to_string())).unwrap();
     let text = String::from_utf8(out).unwrap();
-    let prediction = *corrector.prediction();
+    let prediction = corrector.prediction().clone();
     let [before, after] = [program, &text].map(|text| executed(text, machine));
     let verified = compare(before.into_iter(), after.into_iter(), Grouping::ByMarks, machine, &model).unwrap();
     Said {

@@ -93,7 +93,7 @@ pub(crate) fn corrected(
         }
     });
     emit::emit(&mut { stream }, writer.as_mut(), &mut out, |finding| panic!("{finding:?}")).unwrap();
-    (String::from_utf8(out).unwrap(), *corrector.prediction(), commands)
+    (String::from_utf8(out).unwrap(), corrector.prediction().clone(), commands)
 }
 
 pub(crate) fn machine(topology: &str) -> Machine {

@@ -212,14 +212,24 @@ pub(crate) fn verification(outcome: Option<&Outcome>, found: &Diagnostics) -> Ve
     let before_form = outcome.map(|outcome| spread(&outcome.comparison.form));
     let zeros = outcome.map_or_else(Vec::new, |outcome| outcome.zeros.clone());
     let diagnostics = found.json();
-    let review =
-        Review { before, before_form, zeros, after, diagnostics, coverage: coverage.clone(), ..Review::default() };
+    let prediction = outcome.and_then(|outcome| outcome.prediction.clone());
+    let review = Review {
+        before,
+        before_form,
+        zeros,
+        after,
+        diagnostics,
+        coverage: coverage.clone(),
+        prediction: prediction.clone(),
+        ..Review::default()
+    };
     let verdict = outcome.map(|_| Verdict::of(&review));
     let [original_at_feed, corrected_at_feed] =
         outcome.and_then(|outcome| outcome.at_feed.clone()).map_or([None, None], |pair| pair.map(Some));
     VerificationReport {
         verdict,
         coverage,
+        prediction,
         before,
         before_form,
         zeros: review.zeros,

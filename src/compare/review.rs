@@ -74,6 +74,7 @@ impl ComparedPrograms<'_> {
             after: Some(spread(&self.outcome.comparison.after)),
             limits: limits.into_iter().collect(),
             coverage: Some(self.outcome.coverage.clone()),
+            prediction: self.outcome.prediction.clone(),
             provenance: self.provenance(),
             diagnostics: findings.json(),
             ..Review::default()

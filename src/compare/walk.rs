@@ -13,6 +13,7 @@ use crate::coverage;
 use crate::datum;
 use crate::diagnostics::Diagnostics;
 use crate::error::Error;
+use crate::interval;
 use crate::machine::Machine;
 use crate::program::Program;
 use crate::run::{self, Running, Watch, is_wear_alone};
@@ -26,6 +27,7 @@ use ncfix_path::emit;
 use ncfix_path::path::{self, Feeds, Follow, Grouping, ProgramDifference};
 use ncfix_report::coverage::CoverageReport;
 use ncfix_report::json::{AtFeed, ZeroReport};
+use ncfix_report::prediction::PredictionReport;
 
 /// Two programs and the options of their execution.
 pub(crate) struct Pair<'a> {
@@ -232,6 +234,7 @@ fn walk(
             let (coverage, gaps) = coverage::of_run(chosen, original.extent(), how.requires_coverage);
             let tolerance_mm = path::CorrectionOptions::default().tolerance_mm;
             let zeros = datum::of_run(chosen, &model, original.extent().zeros(), tolerance_mm, findings);
+            let prediction = interval::of_run(chosen, &model, &comparison.places);
             let (refused, noted) = if how.requires_coverage { (gaps, Vec::new()) } else { (Vec::new(), gaps) };
             findings.extend(noted, &sources[0]);
             let machine = MachineUsed {
@@ -256,6 +259,7 @@ fn walk(
                 machine,
                 at_feed: fed,
                 coverage,
+                prediction,
                 zeros,
                 refused,
                 differences: told,
@@ -313,6 +317,8 @@ pub(crate) struct Outcome {
     pub(crate) at_feed: Option<[AtFeed; 2]>,
     /// The coverage of the original by the measured ranges.
     pub(crate) coverage: CoverageReport,
+    /// The interval of the errors; `None` without errors.
+    pub(crate) prediction: Option<PredictionReport>,
     /// The zero offsets of the original.
     pub(crate) zeros: Vec<ZeroReport>,
     /// Gaps in the coverage that are not permitted.

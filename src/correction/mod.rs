@@ -17,6 +17,7 @@ use crate::datum;
 use crate::diagnostics::Diagnostics;
 use crate::disk::hash::short_hash;
 use crate::error::Error;
+use crate::interval;
 use crate::machine::Machine;
 use crate::options::{Compensation, Options};
 use crate::program::Program;
@@ -366,6 +367,7 @@ impl<'a> Prepared<'a> {
             report.coverage = Some(coverage);
             found.extend(gaps, sources);
             report.zeros = datum::of_run(machine, model, running.extent().zeros(), options.tolerance_mm, found);
+            report.prediction = interval::of_run(machine, model, &passed.prediction.places());
         }
         note(&passed.prediction, &running, report);
         if let Some(finding) = worse(&passed.prediction, options.tolerance_mm) {

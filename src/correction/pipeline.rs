@@ -104,6 +104,6 @@ impl Pipeline<'_> {
             }
             None => (take(&mut corrector), None),
         };
-        (done, (*corrector.prediction(), corrector.poses().to_vec(), limited))
+        (done, (corrector.prediction().clone(), corrector.poses().to_vec(), limited))
     }
 }

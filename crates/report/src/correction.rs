@@ -6,8 +6,9 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::coverage::CoverageReport;
-use super::json::{AtFeed, FeedLimit, Finding, RemainingReport, SpreadReport, ZeroReport};
+use super::json::{AtFeed, FeedLimit, Finding, RemainingReport, SpreadReport, VerificationReport, ZeroReport};
 use super::number::{counted, duration, grouped, micrometers, significant};
+use super::prediction::PredictionReport;
 use super::verdict::Verdict;
 use ncfix_base::geometry::AxisKey;
 
@@ -55,6 +56,8 @@ pub struct CorrectionReport {
     pub review: Option<String>,
     /// Coverage by the measured ranges of the machine; `null` if the program was refused.
     pub coverage: Option<CoverageReport>,
+    /// Intervals of the true errors; `null` if the program was refused or nothing was corrected.
+    pub prediction: Option<PredictionReport>,
     /// Verdict on running the program, as on the page.
     pub verdict: Option<Verdict>,
     /// Name of the machine.
@@ -73,6 +76,7 @@ impl CorrectionReport {
             out.push_str(&error_rows(before, after, place));
             out.push_str(&form_row(before, self.before_form));
         }
+        out.push_str(&self.prediction.as_ref().map_or_else(String::new, PredictionReport::rows));
         out.push_str(&zero_rows(&self.zeros));
         let mut row = |name: &str, text: &str| push_row(&mut out, name, text);
         if !self.max_correction.is_empty() {
@@ -137,6 +141,19 @@ impl CorrectionReport {
                 row("", text);
             }
         }
+        out
+    }
+}
+
+impl VerificationReport {
+    /// Returns the rows for people: verdict, errors and their interval. `max_at` is the line of the largest residual error and its file.
+    #[must_use]
+    pub fn rows(&self, max_at: Option<(u32, &str)>) -> String {
+        let mut out = self.verdict.as_ref().map_or_else(String::new, Verdict::rows);
+        if let (Some(before), Some(after)) = (self.before, self.after) {
+            out.push_str(&error_rows(before, after, max_at));
+        }
+        out.push_str(&self.prediction.as_ref().map_or_else(String::new, PredictionReport::rows));
         out
     }
 }
@@ -269,6 +286,7 @@ mod tests {
             backup: Some("part.mpf.bak".into()),
             review: Some("review.html".into()),
             coverage: Some(CoverageReport { is_complete: true, is_stated: true, gaps: Vec::new() }),
+            prediction: Some(PredictionReport::default()),
             verdict: Some(Verdict { is_covered: true, ..Verdict::default() }),
             machine: "demo".into(),
             diagnostics: Vec::new(),
@@ -282,6 +300,7 @@ mod tests {
         error before      25.0 µm     28.1 µm      103 µm
         error after      0.250 µm    0.310 µm    0.980 µm   largest at part.mpf:17
         improvement  99.0 % of the mean
+        interval     not known: the uncertainty of this machine file is not known
         correction   up to X 41.3 µm, C 3.00 µrad
         rapids       12 as programmed; there the tool is up to 35.2 µm off
         blocks       1,234 in, 2,345 out
@@ -291,7 +310,7 @@ mod tests {
         written      out.mpf
         original     part.mpf.bak
         review       review.html
-        verdict      nothing found against running it
+        verdict      nothing found against running it; uncertainty not known
         ");
     }
 

@@ -174,6 +174,8 @@ pub struct VerificationReport {
     pub verdict: Option<super::verdict::Verdict>,
     /// Coverage by the measured ranges of the machine; `null` if the programs were not compared.
     pub coverage: Option<super::coverage::CoverageReport>,
+    /// Intervals of the true errors; `null` if the programs were not compared or the machine file has no errors.
+    pub prediction: Option<super::prediction::PredictionReport>,
     /// Errors of the original program.
     pub before: Option<SpreadReport>,
     /// Errors of the original program, beyond the constant displacement that a touched zero offset takes up.

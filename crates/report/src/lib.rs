@@ -21,6 +21,7 @@ pub mod origin;
 pub mod page;
 pub mod plan;
 pub mod plot;
+pub mod prediction;
 pub mod presets;
 pub mod realtime;
 pub mod residual;

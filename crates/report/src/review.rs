@@ -9,6 +9,7 @@ use super::correction::error_rows;
 use super::coverage::CoverageReport;
 use super::json::{Finding, SpreadReport, ZeroReport};
 use super::number::{counted, grouped, micrometers, significant};
+use super::prediction::PredictionReport;
 use super::verdict::{Verdict, left_in_words};
 use ncfix_base::units::UnitKey;
 
@@ -58,6 +59,8 @@ pub struct Review {
     pub limits: Vec<Limit>,
     /// Coverage by the measured ranges of the machine; `null` if the programs were not compared.
     pub coverage: Option<CoverageReport>,
+    /// Intervals of the true errors; `null` if the text was compared or the machine file has no errors.
+    pub prediction: Option<PredictionReport>,
     /// Verdict on running it, with reasons.
     pub verdict: Verdict,
     /// Provenance: versions and hashes.
@@ -216,6 +219,7 @@ impl Review {
         if let (Some(before), Some(after)) = (self.before, self.after) {
             out.push('\n');
             out.push_str(&error_rows(before, after, None));
+            out.push_str(&self.prediction.as_ref().map_or_else(String::new, PredictionReport::rows));
         }
         out
     }

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::correction::{MOST_FORM, push_row};
 use super::json::Finding;
 use super::number::{counted, grouped, micrometers};
+use super::prediction::{NOT_KNOWN, PredictionReport};
 use super::review::Review;
 use ncfix_base::diagnostic::{Code, Severity};
 use ncfix_base::source::shown;
@@ -46,6 +47,8 @@ pub struct Verdict {
     pub grade: Grade,
     /// True if the machine file states the measured ranges and the program stays within them.
     pub is_covered: bool,
+    /// True if the uncertainty of the machine file is known and the correction improves the program within it.
+    pub is_certain: bool,
     /// Reasons, the worst first.
     pub reasons: Vec<Reason>,
 }
@@ -140,6 +143,11 @@ impl Verdict {
         } else if is_covered {
             say(Grade::Ok, "all positions are within the measured ranges".into());
         }
+        let prediction = review.prediction.as_ref();
+        let is_certain = prediction.is_some_and(PredictionReport::is_certain);
+        if let Some((grade, text)) = prediction.map(of_prediction) {
+            say(grade, text);
+        }
         reasons.extend(neutral.into_iter().map(|text| Reason { text, is_neutral: true, ..Reason::default() }));
         let of_finding = |finding: &Finding| {
             let text = format!("{} {}", finding.code, finding.message);
@@ -148,7 +156,12 @@ impl Verdict {
         reasons.extend(review.diagnostics.iter().map(of_finding));
         // Among equals, gaps of the coverage come first: they limit every number that follows.
         reasons.sort_by_key(|reason| (std::cmp::Reverse(reason.grade), !reason.is_gap()));
-        Verdict { grade: reasons.iter().map(|reason| reason.grade).max().unwrap_or_default(), is_covered, reasons }
+        Verdict {
+            grade: reasons.iter().map(|reason| reason.grade).max().unwrap_or_default(),
+            is_covered,
+            is_certain,
+            reasons,
+        }
     }
 
     /// Returns the objections to running it: gaps of the coverage, and those that are not diagnostics, which are shown separately.
@@ -169,15 +182,51 @@ impl Verdict {
         out
     }
 
+    /// True if nothing is against running the program, and measurements with a known uncertainty support that.
+    #[must_use]
+    pub fn is_supported(&self) -> bool {
+        self.grade == Grade::Ok && self.is_covered && self.is_certain
+    }
+
     /// Returns it as one sentence.
     #[must_use]
     pub fn sentence(&self) -> &'static str {
         match self.grade {
-            Grade::Ok if self.is_covered => "nothing found against running it",
-            Grade::Ok => "nothing found against running it; measured ranges not stated",
+            Grade::Ok => match (self.is_covered, self.is_certain) {
+                (true, true) => "nothing found against running it",
+                (true, false) => "nothing found against running it; uncertainty not known",
+                (false, true) => "nothing found against running it; measured ranges not stated",
+                (false, false) => "nothing found against running it; measured ranges and uncertainty not stated",
+            },
             Grade::Warn => "check it before it runs",
             Grade::Bad => "should not run",
         }
+    }
+}
+
+/// Returns the reason that the interval of a correction gives. Without a known uncertainty it is a statement, like that about ranges that are not stated.
+fn of_prediction(prediction: &PredictionReport) -> (Grade, String) {
+    let Some(largest) = prediction.largest() else {
+        return (
+            Grade::Ok,
+            format!("{NOT_KNOWN}: the errors are those of the model, and those of the machine may differ"),
+        );
+    };
+    if prediction.is_harmful() {
+        return (Grade::Bad, format!("the correction makes the error larger, with 95 % of certainty: {largest}"));
+    }
+    if prediction.improves.is_some_and(|share| share < 1.0) {
+        return (
+            Grade::Warn,
+            format!("the correction is no larger than its uncertainty: the largest error is {largest} (95 %)"),
+        );
+    }
+    match prediction.names() {
+        Some(names) => (
+            Grade::Ok,
+            format!("the uncertainty of {names} is not known; without it the largest error is {largest} (95 %)"),
+        ),
+        None => (Grade::Ok, format!("the largest error of the machine is {largest} (95 %)")),
     }
 }
 
@@ -185,9 +234,11 @@ impl Verdict {
 /// warnings yellow.
 #[must_use]
 pub fn colored(text: &str) -> String {
-    let verdicts = [(Grade::Ok, true), (Grade::Ok, false), (Grade::Warn, false), (Grade::Bad, false)];
-    verdicts.into_iter().fold(shown(text), |text, (grade, is_covered)| {
-        let sentence = Verdict { grade, is_covered, ..Verdict::default() }.sentence();
+    let good = [(true, true), (true, false), (false, true), (false, false)];
+    let good = good.map(|(is_covered, is_certain)| Verdict { is_covered, is_certain, ..Verdict::default() });
+    let others = [Grade::Warn, Grade::Bad].map(|grade| Verdict { grade, ..Verdict::default() });
+    good.iter().chain(&others).fold(shown(text), |text, verdict| {
+        let (grade, sentence) = (verdict.grade, verdict.sentence());
         let color = match grade {
             Grade::Ok => "\x1b[1;32m",
             Grade::Warn => "\x1b[1;33m",

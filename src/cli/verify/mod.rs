@@ -10,7 +10,7 @@ use crate::cli::stop::Stop;
 use crate::cli::{machine_choice, print, program, progress};
 use crate::compare::{ErrorsAlong, Outcome, Pair, verification};
 use ncfix_path::path::Follow;
-use ncfix_report::correction::{error_rows, feed_rows};
+use ncfix_report::correction::feed_rows;
 use ncfix_report::{json, page};
 
 /// Compares two programs.
@@ -36,12 +36,11 @@ pub(in crate::cli) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Stop>
         return Ok(findings.exit_code());
     }
     findings.draw();
-    if let (Some(before), Some(after)) = (result.before, result.after) {
+    if result.after.is_some() {
         let max_at = outcome.as_ref().and_then(|outcome| outcome.max_at.as_ref());
         let at_feed = outcome.as_ref().and_then(|outcome| outcome.at_feed.as_ref());
         let at_feed = at_feed.map_or_else(String::new, |[original, corrected]| feed_rows(original, corrected));
-        let verdict = result.verdict.map_or_else(String::new, |verdict| verdict.rows());
-        print(&(verdict + &error_rows(before, after, max_at.map(|(line, file)| (*line, file.as_str()))) + &at_feed))?;
+        print(&(result.rows(max_at.map(|(line, file)| (*line, file.as_str()))) + &at_feed))?;
     }
     Ok(findings.exit_code())
 }

@@ -1,10 +1,7 @@
-//! Sampled poses, spread over the whole program, for evaluations that are too slow to be made everywhere.
+//! Sampled poses and places, spread over the whole program, for evaluations that are too slow to be made everywhere.
 
 use ncfix_base::geometry::{AxisSet, AxisVector, Vector};
 use ncfix_machine::machine::State;
-
-/// Maximum number of kept poses.
-const MOST: usize = 256;
 
 /// A pose of the tool in an emitted program.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,21 +18,45 @@ pub struct PoseSample {
     pub turning: AxisSet,
 }
 
-/// Every n-th pose of a stream, with the smallest n that memory allows.
-#[derive(Clone, Debug, Default)]
-pub(super) struct PoseSampler {
-    kept: Vec<PoseSample>,
+/// A place along a program at which its error is predicted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorPlace {
+    /// Command of the program.
+    pub nominal: AxisVector,
+    /// Emitted command.
+    pub command: AxisVector,
+    /// Direction of motion of the program, and of the emitted commands.
+    pub states: [State; 2],
+    /// From the spindle gauge point to the tip, in F at the zero pose, mm.
+    pub tool_mm: Vector,
+    /// The zero offset in force, by its index.
+    pub zero: Option<u16>,
+}
+
+/// Poses of a program.
+pub(super) type PoseSampler = Thinned<PoseSample, 256>;
+
+/// Every n-th entry of a stream, with the smallest n that keeps no more than `MOST`.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Thinned<T, const MOST: usize> {
+    kept: Vec<T>,
     /// The first power of two that thins the stream enough, minus one.
     mask: u64,
     seen: u64,
 }
 
-impl PoseSampler {
-    /// Offers a pose.
-    pub(super) fn offer(&mut self, sample: impl FnOnce() -> PoseSample) {
+impl<T, const MOST: usize> Default for Thinned<T, MOST> {
+    fn default() -> Self {
+        Thinned { kept: Vec::new(), mask: 0, seen: 0 }
+    }
+}
+
+impl<T, const MOST: usize> Thinned<T, MOST> {
+    /// Offers an entry.
+    pub(super) fn offer(&mut self, sample: impl FnOnce() -> T) {
         if self.seen & self.mask == 0 {
             if self.kept.len() == MOST {
-                // Every other pose is dropped, the first stays.
+                // Every other one is dropped, the first stays.
                 let mut stays = false;
                 self.kept.retain(|_| {
                     stays = !stays;
@@ -50,8 +71,8 @@ impl PoseSampler {
         self.seen += 1;
     }
 
-    /// The poses in order.
-    pub(super) fn kept(&self) -> &[PoseSample] {
+    /// The entries in order.
+    pub(super) fn kept(&self) -> &[T] {
         &self.kept
     }
 }
@@ -73,7 +94,7 @@ mod tests {
             });
         }
         let kept = poses.kept();
-        assert!(kept.len() > MOST / 2 - 1 && kept.len() <= MOST, "{}", kept.len());
+        assert!(kept.len() > 127 && kept.len() <= 256, "{}", kept.len());
         let steps: Vec<f64> = kept.windows(2).map(|pair| pair[1].nominal.0[0] - pair[0].nominal.0[0]).collect();
         assert!(steps.iter().all(|&step| step == steps[0]), "{steps:?}");
         assert_eq!(kept[0].nominal.0[0], 0.0);

@@ -8,6 +8,8 @@
 use ncfix_base::geometry::AxisVector;
 use ncfix_machine::snc::Origin;
 
+use super::poses::{ErrorPlace, Thinned};
+
 /// Mean, RMS and maximum of distances, mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spread {
@@ -45,10 +47,12 @@ impl Spread {
 ///
 /// Only feed moves count, or all moves in a program without feed moves. Moves are left out while an axis that the program moved before is at an
 /// unknown position.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Prediction {
     feed: SpreadPair,
     rapid: SpreadPair,
+    /// Places of feed moves and of rapid moves.
+    places: [PlacesOfMoves; 2],
     /// Largest correction of each axis by magnitude: mm, rad.
     pub max_correction: AxisVector,
     /// Number of moves of the program.
@@ -61,6 +65,16 @@ pub struct Prediction {
     pub off_cut_mm: f64,
     /// Path since the last sample, mm.
     unsampled_mm: f64,
+}
+
+/// Maximum number of places of each kind of moves.
+const MOST_PLACES: usize = 64;
+
+/// Places of samples: some of each part of the program, and those of the largest errors before and after.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct PlacesOfMoves {
+    spread: Thinned<ErrorPlace, MOST_PLACES>,
+    largest: [Option<(f64, ErrorPlace)>; 2],
 }
 
 /// Spreads before and after.
@@ -120,6 +134,25 @@ impl Prediction {
     pub(super) fn add(&mut self, rapid: bool, before_mm: [f64; 2], after_mm: f64, origin: &Origin) {
         let pair = if rapid { &mut self.rapid } else { &mut self.feed };
         pair.add(before_mm, after_mm, origin);
+    }
+
+    /// Offers the place of a sample with its error before and after, mm.
+    pub(super) fn offer(&mut self, rapid: bool, errors_mm: [f64; 2], place: impl Fn() -> ErrorPlace) {
+        let own = &mut self.places[usize::from(rapid)];
+        own.spread.offer(&place);
+        for (largest, error_mm) in own.largest.iter_mut().zip(errors_mm) {
+            if largest.as_ref().is_none_or(|(known_mm, _)| error_mm > *known_mm) {
+                *largest = Some((error_mm, place()));
+            }
+        }
+    }
+
+    /// Places of the samples, spread over the program, and then those of the largest errors before and after.
+    #[must_use]
+    pub fn places(&self) -> Vec<ErrorPlace> {
+        let own = &self.places[usize::from(self.feed.before.samples == 0)];
+        let largest = own.largest.iter().flatten().map(|(_, place)| *place);
+        own.spread.kept().iter().copied().chain(largest).collect()
     }
 
     /// `true` if a piece of a size (mm) needs no sample because it is near the last one.

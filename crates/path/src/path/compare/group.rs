@@ -9,9 +9,9 @@ use super::judge::{Judge, PlaceInMove, TipDeviation};
 use super::parting::Parting;
 use super::step::ComparedMove;
 use super::{Course, Follow, Grouping, ON_THE_SPOT_MM, SAME_END_MM};
-use crate::path::Prediction;
 use crate::path::lead::Lead;
 use crate::path::prediction::{sample_count, sample_place};
+use crate::path::{ErrorPlace, Prediction};
 
 /// Distance of the samples along the path, mm.
 const SAMPLE_MM: f64 = 1.0;
@@ -372,6 +372,16 @@ impl MoveGroup<'_> {
             let errors = errors_at(sample_place(k, count));
             let parameter = from + (to - from) * sample_place(k, count);
             prediction.add(self.step.rapid, self.before(parameter), errors[1] + chord_mm, &self.step.origin);
+            prediction.offer(self.step.rapid, [errors[0], errors[1]], || ErrorPlace {
+                nominal: self.step.route.at(parameter),
+                command: piece.route.at(sample_place(k, count)),
+                states: [
+                    self.step.band_at(parameter, &self.lead).state(),
+                    piece.band_at(sample_place(k, count), &self.lead).state(),
+                ],
+                tool_mm: piece.tool_mm,
+                zero: self.step.setup.zero,
+            });
             note(errors);
         }
         let mut edges = Vec::new();

@@ -37,7 +37,7 @@ use step::{ComparedMove, Walk};
 
 use super::lead::Lead;
 use super::prediction::SpreadPair;
-use super::{Feeds, Prediction, Spread};
+use super::{ErrorPlace, Feeds, Prediction, Spread};
 
 /// Receives data along the moves.
 type See<'a> = &'a mut dyn FnMut(Follow<'_>);
@@ -50,7 +50,7 @@ const SAME_END_MM: f64 = 0.02;
 const ON_THE_SPOT_MM: f64 = 0.005;
 
 /// Errors of two programs. Feed moves count, or all moves if there are none.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Comparison {
     /// The original.
     pub before: Spread,
@@ -62,6 +62,8 @@ pub struct Comparison {
     pub samples: u64,
     /// Place in the original of the largest error of the corrected program.
     pub max_at: Option<Origin>,
+    /// Some of these places.
+    pub places: Vec<ErrorPlace>,
 }
 
 /// A piece of the corrected program with its place in the original.
@@ -225,7 +227,11 @@ pub fn compare_seeing(
     }
     rest.append(&mut tails[1].borrow_mut());
     judge.rest(&tails[0].borrow(), &rest);
-    if partings.is_empty() { Ok(prediction.counted().into()) } else { Err(partings) }
+    if !partings.is_empty() {
+        return Err(partings);
+    }
+    let places = prediction.places();
+    Ok(Comparison { places, ..prediction.counted().into() })
 }
 
 impl From<&SpreadPair> for Comparison {
@@ -236,6 +242,7 @@ impl From<&SpreadPair> for Comparison {
             form: pair.form,
             samples: pair.after.samples,
             max_at: pair.max_at,
+            places: Vec::new(),
         }
     }
 }

@@ -6,12 +6,12 @@ use ncfix_machine::snc::{Element, MotionMode};
 
 use super::dead_band::Bands;
 use super::{Active, Corrector};
-use crate::path::Piece;
 use crate::path::place::Placed;
 use crate::path::prediction::{sample_count, sample_place};
 use crate::path::rotary_word;
 use crate::path::segment_candidate::SegmentCandidate;
 use crate::path::treatment::MoveTreatment;
+use crate::path::{ErrorPlace, Piece};
 
 impl<I> Corrector<'_, I>
 where
@@ -129,18 +129,27 @@ where
             let share = sample_place(k, count);
             let at = trial.parameter(share);
             let nominal = active.route.at(at);
+            let mut programmed = self.standing.state;
             let before_mm = if lead.axes.is_empty() {
-                placer.form_mm(placer.model.tip_error_mm(&nominal, &nominal, tool_mm, &self.standing.state))
+                placer.form_mm(placer.model.tip_error_mm(&nominal, &nominal, tool_mm, &programmed))
             } else {
                 let mut before = self.standing.nominal_band;
                 lead.along(&mut before, &active.route, self.standing.sensed, [from, at]);
                 let off = lead.error_mm(&before, (&nominal, &nominal), tool_mm, None);
                 let [_, form_mm] = placer.form_mm(off.nearest);
+                programmed = before.state();
                 [off.most_mm, form_mm]
             };
             let off = middle_mm.filter(|_| count == 1).map_or_else(|| off_at(share), |middle_mm| [middle_mm; 2]);
             note(off);
             self.prediction.add(rapid, before_mm, off[0] + chord_mm, &active.origin);
+            self.prediction.offer(rapid, [before_mm[0], off[0]], || ErrorPlace {
+                nominal,
+                command: trial.emitted.at(share),
+                states: [programmed, trial.state()],
+                tool_mm: *tool_mm,
+                zero: placer.setup.zero,
+            });
         }
         let [most_mm, nearest_mm] = largest;
         self.prediction.note_after(rapid, most_mm + chord_mm, &active.origin);

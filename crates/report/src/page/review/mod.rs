@@ -16,8 +16,9 @@ use super::{PageColumn, columns, figure, page_with, pictures, strip, table};
 use crate::markup::{Attributes, Markup};
 use crate::number::{grouped, micrometers, significant};
 use crate::plot::Histogram;
+use crate::prediction::PredictionReport;
 use crate::review::{Review, place};
-use crate::verdict::left_in_words;
+use crate::verdict::{Grade, left_in_words};
 use ncfix_base::geometry::{AXES, Axis};
 use ncfix_base::units::UnitKey;
 use ncfix_path::review::{ReviewTrace, pairs};
@@ -145,7 +146,9 @@ fn body(out: &mut Markup, subject: &Subject<'_>) {
 
 fn verdict(out: &mut Markup, review: &Review) {
     let verdict = &review.verdict;
-    let class = format!("verdict {}", verdict.grade.name());
+    // A verdict that rests on the model alone is not shown as one about the machine.
+    let support = if verdict.grade > Grade::Ok || verdict.is_supported() { "" } else { " open" };
+    let class = format!("verdict {}{support}", verdict.grade.name());
     out.element("section", &[("id", &"verdict"), ("class", &class)], |out| {
         out.leaf("b", &[], capital(verdict.sentence()));
         out.element("ul", &[], |out| {
@@ -181,6 +184,9 @@ fn figures(out: &mut Markup, subject: &Subject<'_>) {
         let change = |from: f64, to: f64| format!("{} → {}", significant(from), micrometers(to));
         entries.push(("largest error on the model", change(before.max_um, after.max_um)));
         entries.push(("RMS error on the model", change(before.rms_um, after.rms_um)));
+    }
+    if let Some(largest) = review.prediction.as_ref().and_then(PredictionReport::largest) {
+        entries.push(("largest error of the machine, 95 %", largest));
     }
     strip(out, &entries);
     let titles: [PageColumn; 7] = columns(["axis", "#largest", "#at line", "#mean", "#RMS", "#99 %", "unit"]);

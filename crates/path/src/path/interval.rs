@@ -1,0 +1,239 @@
+//! Interval of the error along a program, from the uncertainty of the error model.
+//!
+//! Each independent cause varies the model by one standard deviation. The forward function of both models gives the displacement of the tip by this cause,
+//! at some places along the program, once. True displacements are sums of these with standard normal amounts, so repetitions of the whole program are sums of
+//! numbers. Mean, root mean square and maximum of every repetition give the interval. The same amounts apply before and after the correction.
+
+use std::f64::consts::TAU;
+
+use ncfix_base::geometry::Vector;
+use ncfix_model::Model;
+
+use super::poses::ErrorPlace;
+
+/// Pairs of repetitions with opposite amounts.
+const PAIRS: usize = 400;
+/// Share of the repetitions beyond each end of the interval.
+const BEYOND: f64 = 0.025;
+/// Displacements below this are rounding noise, mm.
+const NOISE_MM: f64 = 1e-9;
+/// Number of stored amounts of unexplained errors, a prime: their repetition has no pattern.
+const STORED: usize = 4093;
+/// Beginning of the amounts.
+const SEED: u64 = 0x5eed_0f1a_7e57;
+
+/// Interval that contains a figure of the true error with a probability of 95 %, mm: lower and upper end of each.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ErrorInterval {
+    /// Mean.
+    pub mean_mm: [f64; 2],
+    /// Root mean square.
+    pub rms_mm: [f64; 2],
+    /// Maximum.
+    pub max_mm: [f64; 2],
+    /// Maximum along X, Y and Z of the workpiece.
+    pub axes_mm: [[f64; 2]; 3],
+}
+
+/// Intervals before and after a correction.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PredictedInterval {
+    /// As programmed.
+    pub before: ErrorInterval,
+    /// As emitted.
+    pub after: ErrorInterval,
+    /// Share of the repetitions in which the correction makes neither the largest nor the root mean square error larger.
+    pub better: f64,
+}
+
+/// ErrorFigures of one repetition, mm.
+type ErrorFigures = [f64; 6];
+
+/// Predicts the intervals. `varied` are the models after one standard deviation of each cause, and `unexplained_mm` is a further standard deviation of every
+/// place and direction. `None` without places.
+#[must_use]
+pub fn predict(
+    places: &[ErrorPlace],
+    model: &Model,
+    varied: &[Model],
+    unexplained_mm: f64,
+) -> Option<PredictedInterval> {
+    if places.is_empty() {
+        return None;
+    }
+    let error = |model: &Model, place: &ErrorPlace, is_after: bool| {
+        let command = if is_after { &place.command } else { &place.nominal };
+        let state = &place.states[usize::from(is_after)];
+        model.for_zero(place.zero).tip_error_mm(&place.nominal, command, &place.tool_mm, state)
+    };
+    let of = |model: &Model, is_after: bool| -> Vec<Vector> {
+        places.iter().map(|place| error(model, place, is_after)).collect()
+    };
+    let own = [false, true].map(|is_after| of(model, is_after));
+    // Displacements differ before and after only where the directions of motion do.
+    let is_same = places.iter().all(|place| place.states[0] == place.states[1]);
+    let sides: &[bool] = if is_same { &[true] } else { &[false, true] };
+    let mut causes: Vec<Vec<Vec<Vector>>> = Vec::new();
+    for model in varied {
+        let by = sides.iter().map(|&is_after| {
+            let mut by = of(model, is_after);
+            by.iter_mut().zip(&own[usize::from(is_after)]).for_each(|(by, own)| *by -= own);
+            by
+        });
+        let by: Vec<Vec<Vector>> = by.collect();
+        let is_felt = by.iter().flatten().any(|by| by.amax() > NOISE_MM);
+        // A model that cannot be evaluated there says nothing about its cause.
+        if is_felt && by.iter().flatten().all(|by| by.iter().all(|part| part.is_finite())) {
+            causes.push(by);
+        }
+    }
+    let mut random = NormalAmounts { state: SEED, kept: None };
+    let stored: Vec<f64> =
+        if unexplained_mm > 0.0 { (0..STORED).map(|_| random.normal()).collect() } else { Vec::new() };
+    let mut next = 0;
+    let mut all: [[Vec<f64>; 6]; 2] = std::array::from_fn(|_| std::array::from_fn(|_| Vec::with_capacity(2 * PAIRS)));
+    let mut better = 0_usize;
+    let mut sums = vec![vec![Vector::zeros(); places.len()]; sides.len()];
+    for _ in 0..PAIRS {
+        sums.iter_mut().for_each(|sum| sum.fill(Vector::zeros()));
+        for cause in &causes {
+            let amount = random.normal();
+            for (sum, by) in sums.iter_mut().flatten().zip(cause.iter().flatten()) {
+                *sum += by * amount;
+            }
+        }
+        if !stored.is_empty() {
+            for place in 0..places.len() {
+                let local = Vector::from_fn(|row, _| unexplained_mm * stored[(next + row) % STORED]);
+                next += 3;
+                sums.iter_mut().for_each(|sum| sum[place] += local);
+            }
+        }
+        for sign in [1.0, -1.0] {
+            let both = [0, 1].map(|which: usize| {
+                let sum = &sums[which.min(sides.len() - 1)];
+                figures(own[which].iter().zip(sum).map(|(own, by)| own + by * sign))
+            });
+            better += usize::from(both[1][1] <= both[0][1] && both[1][2] <= both[0][2]);
+            for (lists, figures) in all.iter_mut().zip(both) {
+                lists.iter_mut().zip(figures).for_each(|(list, figure)| list.push(figure));
+            }
+        }
+    }
+    let [before, after] = all.map(|lists| {
+        let [mean_mm, rms_mm, max_mm, x, y, z] = lists.map(ends);
+        ErrorInterval { mean_mm, rms_mm, max_mm, axes_mm: [x, y, z] }
+    });
+    Some(PredictedInterval { before, after, better: better as f64 / (2 * PAIRS) as f64 })
+}
+
+/// Mean, root mean square and maximum of the distances, and the maximum of each direction, mm.
+fn figures(errors: impl Iterator<Item = Vector>) -> ErrorFigures {
+    let mut out = [0.0; 6];
+    let mut count = 0.0;
+    for error in errors {
+        let square = error.norm_squared();
+        let size = square.sqrt();
+        count += 1.0;
+        out[0] += size;
+        out[1] += square;
+        out[2] = f64::max(out[2], size);
+        for (largest, part) in out[3..].iter_mut().zip(error.iter()) {
+            *largest = f64::max(*largest, part.abs());
+        }
+    }
+    out[0] /= f64::max(count, 1.0);
+    out[1] = (out[1] / f64::max(count, 1.0)).sqrt();
+    out
+}
+
+/// The ends of the interval of a list.
+fn ends(mut list: Vec<f64>) -> [f64; 2] {
+    list.sort_unstable_by(f64::total_cmp);
+    let last = list.len().saturating_sub(1);
+    let out = (BEYOND * last as f64).round() as usize;
+    [out, last - out.min(last)].map(|at| list.get(at).copied().unwrap_or(0.0))
+}
+
+/// Standard normal numbers, the same on every platform: `SplitMix64` and the method of Box and Muller.
+struct NormalAmounts {
+    state: u64,
+    kept: Option<f64>,
+}
+
+impl NormalAmounts {
+    fn normal(&mut self) -> f64 {
+        if let Some(kept) = self.kept.take() {
+            return kept;
+        }
+        // 1 − u is never 0.
+        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
+        let (sin, cos) = (TAU * self.uniform()).sin_cos();
+        self.kept = Some(radius * sin);
+        radius * cos
+    }
+
+    fn uniform(&mut self) -> f64 {
+        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut mixed = self.state;
+        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ncfix_base::geometry::{Axis, AxisVector};
+    use ncfix_base::source::{FileId, Source};
+    use ncfix_machine::machine::State;
+
+    fn model(scale: f64) -> Model {
+        let text = format!(
+            "[machine]\nname = \"m\"\ntopology = \"wFXt\"\n[axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [0, 400]\n\
+             [[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0, {scale}]\n"
+        );
+        let source = Source::new(FileId(0), "m.toml", text.into_bytes()).unwrap();
+        let (machine, errors) = ncfix_model::file::load(&source).0.unwrap();
+        Model::new(&machine, &errors)
+    }
+
+    /// Places every 10 mm up to 400 mm. As emitted, the error of the model is removed.
+    fn places(scale: f64) -> Vec<ErrorPlace> {
+        let of = |k: i32| {
+            let mut nominal = AxisVector::ZERO;
+            nominal[Axis::X] = f64::from(10 * k);
+            let mut command = nominal;
+            command[Axis::X] -= scale * nominal[Axis::X];
+            ErrorPlace { nominal, command, states: [State::default(); 2], tool_mm: Vector::zeros(), zero: None }
+        };
+        (1..=40).map(of).collect()
+    }
+
+    #[test]
+    fn one_cause_gives_the_quantiles_of_its_amount() {
+        // The scale is 50 ± 5 µm/m: the largest error is that at 400 mm, 20 ± 2 µm before and |0 ± 2| µm after.
+        let found = predict(&places(50e-6), &model(50e-6), &[model(55e-6)], 0.0).unwrap();
+        let [low, high] = found.before.max_mm;
+        assert!(
+            (low - (20.0 - 1.96 * 2.0) * 1e-3).abs() < 0.3e-3 && (high - (20.0 + 1.96 * 2.0) * 1e-3).abs() < 0.3e-3
+        );
+        let [low, high] = found.after.max_mm;
+        // Of the magnitude of a normal number, 2.5 % are below 0.0313 and 2.5 % above 2.24.
+        assert!(low < 0.1e-3 && (high - 2.24 * 2e-3).abs() < 0.3e-3, "{low} {high}");
+        assert_eq!((found.better, found.after.axes_mm[1]), (1.0, [0.0; 2]));
+        assert_eq!(found.after.axes_mm[0], found.after.max_mm);
+    }
+
+    #[test]
+    fn a_correction_smaller_than_its_uncertainty_is_not_certain() {
+        let found = predict(&places(5e-6), &model(5e-6), &[model(25e-6)], 0.0).unwrap();
+        assert!(found.better > 0.5 && found.better < 0.7, "{}", found.better);
+        assert!(predict(&[], &model(0.0), &[], 0.0).is_none());
+        // A further error of 1 µm in each of three directions: √3 µm root mean square.
+        let found = predict(&places(5e-6), &model(5e-6), &[], 1e-3).unwrap();
+        let [low, high] = found.after.rms_mm;
+        assert!(low < 1.732e-3 && 1.732e-3 < high && high - low < 0.6e-3, "{low} {high}");
+    }
+}
