@@ -11,12 +11,12 @@ use ncfix_metrology::calibrate::{Fit, Parameter};
 use ncfix_metrology::measure::ranges::measured_ranges;
 use ncfix_metrology::results::calibration::{
     CalibrationResult as Found, CalibrationSettings, CalibrationStart, EstimateReport, check_sizes, holdout_um,
-    machine_text, prepare,
+    machine_text, prepare, unexplained_um,
 };
 use ncfix_metrology::results::measurement::{Measurement, Purpose};
 use ncfix_metrology::results::parameters::{self, ModelText};
 use ncfix_metrology::results::stated::{StatedStart, start_with_terms};
-use ncfix_metrology::results::uncertain::{uncertainty_of, unexplained_um};
+use ncfix_metrology::results::uncertain::uncertainty_of;
 use ncfix_model::ErrorModel;
 
 /// Options of a calibration. `CalibrationOptions::default()` gives the options of `ncfix calibrate` without arguments; no parameter is chosen yet.

@@ -148,6 +148,7 @@ mod plant;
 mod plant_at_speed;
 mod plots;
 mod positioning;
+mod prediction;
 mod presets;
 mod programs;
 mod real_mills;

@@ -118,7 +118,7 @@ impl PredictionReport {
         out
     }
 
-    /// Returns the errors without a known uncertainty as a list for people; `None` if there are none.
+    /// Returns the errors without a known uncertainty as a list for people; `None` if it is empty.
     pub(super) fn names(&self) -> Option<String> {
         let more = self.unknown.len().saturating_sub(MOST_NAMES);
         let mut shown: Vec<String> = self.unknown.iter().take(MOST_NAMES).cloned().collect();

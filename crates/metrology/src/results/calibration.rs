@@ -20,6 +20,8 @@ use ncfix_model::{ErrorModel, Model, ModelRegisters, file, write};
 
 /// Residual in standard uncertainties of the instrument above which the model is poor.
 const POOR: f64 = 3.0;
+/// Excess of a mean square over the described one, in its standard deviations, above which it is no scatter.
+const CLEAR: f64 = 3.0;
 /// Arm at which angles count as lengths, mm.
 const ARM_MM: f64 = 1000.0;
 
@@ -257,6 +259,30 @@ pub fn holdout_um(result: &CalibrationResult) -> Option<f64> {
     });
     // Nanometers suffice in a file that people read.
     (count > 0.0).then(|| ((squares / count).sqrt() * 1e3).round() / 1e3)
+}
+
+/// The part of the residual that the described uncertainty of the instruments does not explain, root mean square of the lengths, µm: of held-out readings if
+/// there are any, else of the `used` ones. `None` if no description states an uncertainty.
+#[must_use]
+pub fn unexplained_um(result: &CalibrationResult, used: &[Measurement]) -> Option<f64> {
+    let described_um = |name: &str| {
+        let own = used.iter().find(|one| one.data.name == name);
+        own.and_then(|one| one.data.sigma).map(um_from_mm)
+    };
+    let of = |is_held_out: bool| {
+        let own = result.data.iter().filter(|one| one.is_held_out == is_held_out && one.unit == Unit::Um);
+        let squares = own.filter_map(|one| {
+            let sigma = if is_held_out { one.sigma } else { described_um(&one.name) }?;
+            let readings = one.readings as f64;
+            let (square, expected) = (one.left_rms * one.left_rms, sigma * sigma);
+            let is_scatter = square <= expected * (1.0 + CLEAR * (2.0 / readings.max(1.0)).sqrt());
+            Some([readings, if is_scatter { 0.0 } else { readings * (square - expected) }])
+        });
+        let [count, sum] = squares.fold([0.0, 0.0], |[count, sum], one| [count + one[0], sum + one[1]]);
+        (count > 0.0).then(|| (sum / count).sqrt())
+    };
+    // Nanometres suffice in a file that people read.
+    of(true).or_else(|| of(false)).map(|um| (um * 1e3).round() / 1e3)
 }
 
 /// The text of a machine file with the parameters of a fit, the measured ranges and the uncertainties. Header lines with their origin replace those of an earlier calibration.
