@@ -357,7 +357,9 @@ fn a_cut_at_an_unknown_position_is_named() {
     let begins = "G90 G71\nG1 X100 F500\nG0 Z700\nM30\n";
     for (own, text, line) in [(opaque.as_str(), calls, 3), (MEASURED, begins, 2)] {
         let shop = shop(own, text);
-        let place = format!("warning[W0322]: the tool cuts here, and the position of Y and Z is not known: the correction for it is missing\n --> part.mpf:{line}:1");
+        let place = format!(
+            "warning[W0322]: the tool cuts here, and the position of Y and Z is not known: the correction for it is missing\n --> part.mpf:{line}:1"
+        );
         fix(&shop, "--require-coverage").says("error[E0322]").says(&format!("part.mpf:{line}:1"));
         fix(&shop, "--review r.html").exits(0).says(&place).says("verdict      check it before it runs");
         let verified = shop.run(["verify", "part.mpf", "out.mpf", "--machine", "five.toml"]).says(&place);
