@@ -88,6 +88,7 @@ fn json_has_the_documented_keys() {
         "backup",
         "review",
         "coverage",
+        "prediction",
         "verdict",
         "output",
         "machine",

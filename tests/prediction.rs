@@ -2,6 +2,7 @@
 //!
 //! The model below has no line in common with the forward function. It multiplies the transforms of the bodies as `docs/explanation/theory.md` states them:
 //! location error, motion, motion error, about the point of each axis.
+#![allow(clippy::print_stdout, reason = "rates are worth reading where a test fails")]
 
 use std::fmt::Write as _;
 

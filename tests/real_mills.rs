@@ -12,7 +12,7 @@ fn machine(name: &str) -> String {
 /// Corrects a program and verifies the result; returns its text.
 fn corrected(machine_name: &str, file: &str, program: &str) -> String {
     let out = format!("out_{file}");
-    let shop = Shop::new().file("m.toml", &machine(machine_name)).file(file, program);
+    let shop = Shop::new().file("m.toml", machine(machine_name)).file(file, program);
     shop.run(["fix", file, "-o", out.as_str(), "--machine", "m.toml"]).exits(0);
     shop.run(["verify", file, out.as_str(), "--machine", "m.toml"]).exits(0);
     shop.text(&out)

@@ -40,9 +40,12 @@ pub enum UncertainParameter {
     },
 }
 
+/// Receives an effect of a parameter.
+pub type VisitEffect<'v> = dyn FnMut(String, [usize; 2], &Parameter<'_>, f64) + 'v;
+
 /// Calls `each` with every parameter of the effects of a model: its unique name (`load.EAX.coefficients[1]`; a second effect of one name is `load.EAX~2`),
 /// the indices of the effect and of the parameter in it, the parameter and its value.
-pub fn visit_effects(errors: &ErrorModel, each: &mut dyn FnMut(String, [usize; 2], &Parameter<'_>, f64)) {
+pub fn visit_effects(errors: &ErrorModel, each: &mut VisitEffect<'_>) {
     // The first two words of a name, and the effects that have them.
     let mut stems: Vec<(String, usize)> = Vec::new();
     for (number, effect) in errors.effects.iter().enumerate() {
