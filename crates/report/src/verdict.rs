@@ -145,8 +145,10 @@ impl Verdict {
         }
         let prediction = review.prediction.as_ref();
         let is_certain = prediction.is_some_and(PredictionReport::is_certain);
-        if let Some((grade, text)) = prediction.map(of_prediction) {
-            say(grade, text);
+        match prediction.map(|prediction| (prediction.largest().is_some(), of_prediction(prediction))) {
+            Some((true, (grade, text))) => say(grade, text),
+            Some((false, (_, text))) => neutral.push(text),
+            None => {}
         }
         reasons.extend(neutral.into_iter().map(|text| Reason { text, is_neutral: true, ..Reason::default() }));
         let of_finding = |finding: &Finding| {
