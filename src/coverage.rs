@@ -24,7 +24,7 @@ fn unknown_cut(origin: Origin, axes: AxisSet, is_required: bool) -> Diagnostic {
     let names = names.join(" and ");
     let place = Place { file: origin.file, span: origin.span };
     let message =
-        format!("the tool cuts here, and the position of {names} is not known: the correction for it is missing");
+        format!("the tool cuts here, and the position of {names} is not known, so the correction is incomplete");
     let help = format!(
         "program {names} before this cut; for the beginning of a program, --start gives the position; \
          a program of the control that moves no axis is named by [[opaque]] with moves = false"

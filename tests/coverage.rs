@@ -358,7 +358,7 @@ fn a_cut_at_an_unknown_position_is_named() {
     for (own, text, line) in [(opaque.as_str(), calls, 3), (MEASURED, begins, 2)] {
         let shop = shop(own, text);
         let place = format!(
-            "warning[W0322]: the tool cuts here, and the position of Y and Z is not known: the correction for it is missing\n --> part.mpf:{line}:1"
+            "warning[W0322]: the tool cuts here, and the position of Y and Z is not known, so the correction is incomplete\n --> part.mpf:{line}:1"
         );
         fix(&shop, "--require-coverage").says("error[E0322]").says(&format!("part.mpf:{line}:1"));
         fix(&shop, "--review r.html").exits(0).says(&place).says("verdict      check it before it runs");

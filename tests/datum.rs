@@ -169,3 +169,15 @@ fn a_wrong_statement_is_refused() {
     let shop = shop.file("m.toml", format!("{LINEAR}{OFF}{G54}set = \"guessed\"\nset_at = {{ Q_mm = 1 }}\n"));
     shop.run(["machine", "check", "m.toml"]).exits(4).says("not a way to set a zero").says("Q_mm");
 }
+
+/// A program that is sent line by line is corrected from the same assumed touch, so it says so.
+#[test]
+fn a_feed_says_that_a_zero_counts_as_touched() {
+    let machine = format!("{LINEAR}{OFF_AND_LONG}{G54}").replace("sinumerik", "rs274");
+    let shop = shop(&machine, "G21 G90 G54\nG0 X10 Y10 Z50\nG1 Z5 F500\nX400\nM2\n");
+    let feed = ["feed", "in.mpf", "--machine", "m.toml", "--link", "grbl", "--dry-run"];
+    let run = shop.run(feed);
+    run.says("warning[W0321]: G54 counts as touched, because no method is stated").says("X 310 µm");
+    let stated = shop.run(feed.iter().chain(&["--zero", "G54=touched"]));
+    assert!(!stated.stderr.contains("W0321"), "{}", stated.stderr);
+}

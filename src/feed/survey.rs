@@ -2,6 +2,7 @@
 
 use crate::correction::corrected_before;
 use crate::coverage;
+use crate::datum;
 use crate::diagnostics::Diagnostics;
 use crate::disk::hash::short_hash;
 use crate::error::Error;
@@ -151,6 +152,10 @@ pub(crate) fn walk(
         found.extend(coverage::of_run(&job.machine, corrector.elements().extent(), false).1);
     }
     findings.extend(found, sources);
+    if is_good {
+        let zeros = corrector.elements().extent().zeros();
+        datum::of_run(&job.machine, &model, zeros, job.writing.options.tolerance_mm, findings);
+    }
     for stamped in sources.iter().skip(1).filter(|source| emit::is_stamped(source.bytes())) {
         findings.add(corrected_before(stamped), sources);
     }

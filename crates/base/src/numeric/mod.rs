@@ -3,6 +3,7 @@
 pub mod fisher;
 pub mod least_squares;
 mod leave_out;
+pub mod noise;
 pub mod normal;
 mod parallel;
 mod peak;

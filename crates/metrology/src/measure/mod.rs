@@ -12,7 +12,6 @@ pub mod data;
 pub mod iso230;
 pub mod kind;
 pub mod mode;
-pub mod noise;
 pub mod plan;
 pub mod ranges;
 pub mod reading;
@@ -20,3 +19,5 @@ pub mod simulate;
 pub mod strain;
 pub mod trace;
 pub mod weighing;
+
+pub use ncfix_base::numeric::noise;

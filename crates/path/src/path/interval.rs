@@ -4,9 +4,8 @@
 //! at some places along the program, once. True displacements are sums of these with standard normal amounts, so repetitions of the whole program are sums of
 //! numbers. Mean, root mean square and maximum of every repetition give the interval. The same amounts apply before and after the correction.
 
-use std::f64::consts::TAU;
-
 use ncfix_base::geometry::Vector;
+use ncfix_base::numeric::noise::Noise;
 use ncfix_model::Model;
 
 use super::poses::ErrorPlace;
@@ -46,7 +45,7 @@ pub struct PredictedInterval {
     pub better: f64,
 }
 
-/// ErrorFigures of one repetition, mm.
+/// Figures of one repetition, mm: mean, root mean square, maximum, and the maximum along X, Y and Z.
 type ErrorFigures = [f64; 6];
 
 /// Predicts the intervals. `varied` are the models after one standard deviation of each cause, and `unexplained_mm` is a further standard deviation of every
@@ -87,7 +86,7 @@ pub fn predict(
             causes.push(by);
         }
     }
-    let mut random = NormalAmounts { state: SEED, kept: None };
+    let mut random = Noise::new(SEED);
     let stored: Vec<f64> =
         if unexplained_mm > 0.0 { (0..STORED).map(|_| random.normal()).collect() } else { Vec::new() };
     let mut next = 0;
@@ -164,33 +163,6 @@ fn ends(mut list: Vec<f64>) -> [f64; 2] {
     let last = list.len().saturating_sub(1);
     let out = (BEYOND * last as f64).round() as usize;
     [out, last - out.min(last)].map(|at| list.get(at).copied().unwrap_or(0.0))
-}
-
-/// Standard normal numbers, the same on every platform: `SplitMix64` and the method of Box and Muller.
-struct NormalAmounts {
-    state: u64,
-    kept: Option<f64>,
-}
-
-impl NormalAmounts {
-    fn normal(&mut self) -> f64 {
-        if let Some(kept) = self.kept.take() {
-            return kept;
-        }
-        // 1 − u is never 0.
-        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
-        let (sin, cos) = (TAU * self.uniform()).sin_cos();
-        self.kept = Some(radius * sin);
-        radius * cos
-    }
-
-    fn uniform(&mut self) -> f64 {
-        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut mixed = self.state;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
 }
 
 #[cfg(test)]
