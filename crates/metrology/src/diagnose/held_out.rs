@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::cause::Candidate;
+use super::cause::{Candidate, EffectKind};
 use super::fold::NO_PART;
 use super::known::Starts;
 use super::search::{Field, Weights, contains_all};
@@ -142,12 +142,17 @@ impl Question<'_> {
         let mut all: Vec<usize> = of_each.iter().flatten().copied().collect();
         all.sort_unstable();
         all.dedup();
-        let with = unseen(field, &train, &test, &all);
+        // An effect of a set-up that only this part contains is unknown to the other readings, as its offset is: it is fitted to the part.
+        let is_local = |(&term, does): (&usize, &Does)| {
+            (field.is_of_a_setup(term) && does.is_absent(&mut of_train)).then_some(term)
+        };
+        let local: Vec<usize> = self.judged.iter().zip(&self.does).filter_map(is_local).collect();
+        let with = unseen_beside(field, [&train, &test], &all, &local);
         let gain = |(&place, shown): (&usize, Option<f64>)| {
             let shown = shown?;
             let own = of_each.get(place).map_or(&[][..], Vec::as_slice);
             let others: Vec<usize> = all.iter().copied().filter(|other| !own.contains(other)).collect();
-            let without = if own.is_empty() { with } else { unseen(field, &train, &test, &others) };
+            let without = if own.is_empty() { with } else { unseen_beside(field, [&train, &test], &others, &local) };
             Some(Part { shown, without, with })
         };
         let gains = self.places.iter().zip(says).map(gain).collect();
@@ -171,6 +176,11 @@ fn selected(
 }
 
 impl<'s, 'a> Field<'s, 'a> {
+    /// True for an effect of one set-up of an instrument.
+    fn is_of_a_setup(&self, number: usize) -> bool {
+        self.candidates.get(number).is_some_and(|one| one.cause.effect == EffectKind::Setup)
+    }
+
     /// Copies the candidates for a separate search, with the first ones only.
     pub(super) fn beside(&self, first: usize) -> Field<'s, 'a> {
         Field {
@@ -199,7 +209,12 @@ impl<'s, 'a> Field<'s, 'a> {
 
 /// Sum of squares of the residual of some readings, with candidates whose amounts come from a fit of other readings.
 pub(super) fn unseen(field: &Field<'_, '_>, train: &Weights, test: &Weights, taken: &[usize]) -> f64 {
-    let mut series = field.series(test, &[], 0.0);
+    unseen_beside(field, [train, test], taken, &[])
+}
+
+/// Same sum, where the amounts of some other candidates are fitted to the tested readings together with their set-up unknowns.
+fn unseen_beside(field: &Field<'_, '_>, [train, test]: [&Weights; 2], taken: &[usize], local: &[usize]) -> f64 {
+    let mut series = field.series(test, local, 0.0);
     series.set_values(&field.left_with(train, taken));
     series.squares()
 }
@@ -235,6 +250,11 @@ impl Does {
         }
         let whole = shown(series, &all);
         Does { all, whole, columns: if own.len() > 1 { parts } else { Vec::new() } }
+    }
+
+    /// True if some readings do not show the effect.
+    fn is_absent(&self, series: &mut Series) -> bool {
+        shown(series, &self.all) <= SHOWN * self.whole
     }
 
     /// Returns the share of the effect in some readings, if it is large enough there and in the other readings.
