@@ -80,6 +80,11 @@ fn setups(scene: &Scene<'_>, measurands: &[Measurand], free: Free) -> Vec<(usize
     if all.len() > MOST { Vec::new() } else { all }
 }
 
+/// Label of a set-up of a measurement.
+fn label<'s>(scene: &'s Scene<'_>, (set, setup): (usize, usize)) -> &'s str {
+    scene.sets.get(set).and_then(|set| set.setups.get(setup)).map_or("", |setup| &setup.label)
+}
+
 fn push(
     out: &mut Vec<Candidate>,
     cause: &'static Cause,
@@ -104,15 +109,17 @@ fn place(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         let length = scene.sets.get(own.0).and_then(|set| set.setups.get(own.1)).map_or(0.0, |setup| setup.length_mm);
         lengths.entry((length * 1e3).round() as u64).or_default().push(own);
     }
-    // Set-ups with the same length use the same bar.
-    let columns = lengths
-        .into_values()
-        .map(|all| {
-            let weight = move |row: &SceneRow| f64::from(u8::from(all.contains(&(row.set, row.setup))));
-            vec![part(Through::Reading(false), weight)]
-        })
-        .collect();
-    push(out, &PLACE, "length", columns, &["setup"]);
+    let of_all = |all: Vec<(usize, usize)>| {
+        let weight = move |row: &SceneRow| f64::from(u8::from(all.contains(&(row.set, row.setup))));
+        vec![part(Through::Reading(false), weight)]
+    };
+    // Set-ups with the same length use the same bar, but its length may have been set again in one of them.
+    let again: Vec<(usize, usize)> = lengths.values().filter(|all| all.len() > 1).flatten().copied().collect();
+    push(out, &PLACE, "length", lengths.into_values().map(of_all).collect(), &["setup"]);
+    for own in again {
+        let name = format!("length {}", label(scene, own));
+        push(out, &PLACE, name.trim_end(), vec![of_all(vec![own])], &["setup"]);
+    }
     let mut columns = Vec::new();
     for own in setups(scene, &[Measurand::Displacement], Free::Rotation) {
         let rows = scene.rows.iter().filter(|row| (row.set, row.setup) == own);
@@ -194,7 +201,8 @@ fn scale(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         for own in all {
             let of =
                 move |row: &SceneRow| if (row.set, row.setup) == own { own_length(row).unwrap_or(0.0) } else { 0.0 };
-            push(out, &SCALE, "scale", vec![vec![part(Through::Reading(false), of)]], &["setup"]);
+            let name = format!("scale {}", label(scene, own));
+            push(out, &SCALE, name.trim_end(), vec![vec![part(Through::Reading(false), of)]], &["setup"]);
         }
     }
     artefacts(scene, out);
@@ -244,7 +252,6 @@ fn artefacts(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         return;
     }
     for own in all {
-        let label = scene.sets.get(own.0).and_then(|set| set.setups.get(own.1)).map_or("", |setup| &setup.label);
         let points: Vec<[f64; 3]> =
             scene.rows.iter().filter(|row| (row.set, row.setup) == own).map(|row| point(row, scene)).collect();
         let parts = [0, 1, 2].into_iter().filter_map(|k| {
@@ -254,7 +261,7 @@ fn artefacts(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
                 if (row.set, row.setup) == own { row.position[axis] + row.tool_mm[k] - middle } else { 0.0 }
             }))
         });
-        let name = format!("scale {label}");
+        let name = format!("scale {}", label(scene, own));
         push(out, &SCALE, name.trim_end(), vec![parts.collect()], &["setup"]);
     }
 }
