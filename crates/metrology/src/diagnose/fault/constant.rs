@@ -67,7 +67,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
 }
 
 /// The columns of readings: target and value.
-fn columns(data: &DataSet) -> Vec<(Option<usize>, usize)> {
+pub(super) fn columns(data: &DataSet) -> Vec<(Option<usize>, usize)> {
     let by_target = data.observations.iter().any(|one| one.component.is_some());
     let targets: Vec<Option<usize>> = if by_target { (0..data.targets.len()).map(Some).collect() } else { vec![None] };
     targets.into_iter().flat_map(|target| (0..3).map(move |value| (target, value))).collect()

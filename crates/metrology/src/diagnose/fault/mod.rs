@@ -23,6 +23,7 @@ mod outlier;
 mod pulse;
 pub(in crate::diagnose) mod quantised;
 mod readings;
+mod reversed_run;
 mod sharp;
 mod single;
 mod step;
@@ -82,6 +83,7 @@ pub const FAULTS: &[&DefectCheck] = &[
     &stuck::CHECK,
     &fahrenheit::CHECK,
     &exchanged::CHECK,
+    &reversed_run::CHECK,
     &offset::CHECK,
     &constant::CHECK,
     &unit::CHECK,
