@@ -1,4 +1,5 @@
-//! Readings that keep one value while the machine moves: a dead channel, a stuck probe.
+//! Readings that keep one value while the machine moves, or at rest although readings at rest have noise: a dead channel, a stuck probe, a logger that
+//! repeats its last row.
 
 use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 use crate::measure::data::DataSet;
@@ -17,6 +18,8 @@ const MANY: usize = 20;
 const ALL: usize = 8;
 /// Share of equal neighbors elsewhere above which the display has few digits.
 const USUAL: f64 = 0.1;
+/// Smallest share of changes at rest that reverse from row to row with noise; for pure noise it is two thirds.
+const REVERSED: f64 = 0.25;
 /// Share of constant readings above which the measurement is refused.
 const MOST: f64 = 0.5;
 
@@ -36,7 +39,8 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
             };
             let rows: Vec<usize> = (0..data.observations.len()).filter(|row| of(row).is_some()).collect();
             let runs = runs(&rows, &|row| of(&row).map(f64::to_bits));
-            let is_long = |run: &Run| run.count >= ALL.max(MANY.min(rows.len())) && !is_one_place(data, run);
+            let is_evidence = |run: &Run| !is_one_place(data, run) || has_noise_at_rest(data, &rows, &of, run);
+            let is_long = |run: &Run| run.count >= ALL.max(MANY.min(rows.len())) && is_evidence(run);
             let (long, other): (Vec<Run>, Vec<Run>) = runs.into_iter().partition(is_long);
             // Equal neighbors among all others.
             let same: usize = other.iter().map(|run| run.count - 1).sum();
@@ -55,10 +59,14 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
                     name: target.and_then(|number| data.targets.get(number)).unwrap_or(&data.name).clone(),
                     what: "constant".into(),
                     rows: [run.first, run.last],
-                    evidence: format!(
-                        "{} readings on and on are the same number while the machine goes elsewhere",
-                        run.count
-                    ),
+                    evidence: if is_one_place(data, &run) {
+                        format!(
+                            "{} consecutive readings are the same number, but other readings at rest have noise",
+                            run.count
+                        )
+                    } else {
+                        format!("{} consecutive readings are the same number while the machine moves", run.count)
+                    },
                     then: if is_all { Then::Refuse } else { Then::WithoutReadings(excluded) },
                 });
             }
@@ -83,4 +91,43 @@ fn runs(rows: &[usize], bits: &dyn Fn(usize) -> Option<u64>) -> Vec<Run> {
 fn is_one_place(data: &DataSet, run: &Run) -> bool {
     let rows = data.observations.get(run.first..=run.last).unwrap_or_default();
     rows.windows(2).all(|pair| pair[0].reading.position == pair[1].reading.position)
+}
+
+/// True if readings at rest outside a run have noise: their changes often reverse.
+fn has_noise_at_rest(data: &DataSet, rows: &[usize], of: &dyn Fn(&usize) -> Option<f64>, run: &Run) -> bool {
+    let position = |row: usize| data.observations.get(row).map(|one| one.reading.position);
+    let is_at_rest = |three: &&[usize]| {
+        three.iter().all(|row| !(run.first..=run.last).contains(row) && position(*row) == position(three[0]))
+    };
+    let reversals = rows.windows(3).filter(is_at_rest).filter_map(|three| {
+        let [first, second, third] = [of(&three[0])?, of(&three[1])?, of(&three[2])?];
+        Some((second - first) * (third - second) < 0.0)
+    });
+    let reversals: Vec<bool> = reversals.collect();
+    let reversed = reversals.iter().filter(|is_reversed| **is_reversed).count();
+    reversals.len() >= MANY && reversed as f64 > REVERSED * reversals.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+    use crate::diagnose::fault::{Checks, find_with};
+
+    /// Rows of the faults in 100 readings at one pose: a function of the row in the first 60, its last value in the others.
+    fn found(um: impl Fn(usize) -> f64) -> Vec<[usize; 2]> {
+        let rows: String = (0..100).map(|row| format!("0,0,0,{}\n", um(usize::min(row, 59)))).collect();
+        let machine = bench::machine();
+        let description = "[measurement]\nkind = \"displacement\"\nsigma_um = 1\nfree = [\"offset\"]\n";
+        let sets = [bench::table(&machine, &format!("X,Y,Z,dx_um\n{rows}"), description)];
+        find_with(&Checks::empty().with(&CHECK), &bench::scene(&machine, &sets)).iter().map(|one| one.rows).collect()
+    }
+
+    #[test]
+    fn a_last_row_that_is_repeated_at_rest_is_a_fault_only_beside_noise() {
+        // The fractional parts of multiples of the golden ratio rise and fall.
+        assert_eq!(found(|row| (row as f64 * 1.618_034).fract()), [[59, 99]]);
+        // A simulated log without noise drifts and comes to rest.
+        assert!(found(|row| 0.1 * row as f64).is_empty());
+    }
 }
