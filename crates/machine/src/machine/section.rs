@@ -107,7 +107,13 @@ impl<'a> Section<'a> {
         }
         self.accept(key);
         let message = format!("{} has no {key}", self.title);
-        self.report(Code::MISSING_KEY, self.place(), message, format!("write for example `{key} = {example}`"));
+        let is_section = example.starts_with(&format!("[{key}."));
+        let help = if is_section {
+            format!("add a section {example}")
+        } else {
+            format!("write for example `{key} = {example}`")
+        };
+        self.report(Code::MISSING_KEY, self.place(), message, help);
         None
     }
 
@@ -322,13 +328,17 @@ impl<'a> Section<'a> {
     /// Reports unknown keys and adds all diagnostics to `findings`.
     pub fn finish(mut self, findings: &mut Vec<Diagnostic>) {
         let table = self.table;
-        let asked: HashSet<&str> = self.asked.iter().map(String::as_str).collect();
+        let mut asked: HashSet<&str> = HashSet::new();
+        let known: Vec<&str> = self.asked.iter().map(String::as_str).filter(|key| asked.insert(key)).collect();
         let unknown = table.entries.iter().filter(|entry| !asked.contains(entry.key.as_str()));
         for entry in unknown.take(MOST_UNKNOWN) {
-            let help = match nearest(&entry.key, self.asked.iter().map(String::as_str)) {
+            // A value without its unit is meant to act, so it is not to be removed.
+            let with_unit = format!("{}_", entry.key);
+            let meant = known.iter().find(|key| key.starts_with(&with_unit)).copied();
+            let help = match meant.or_else(|| nearest(&entry.key, known.iter().copied())) {
                 Some(known) => format!("did you mean `{known}`?"),
-                None if self.asked.is_empty() => "remove it".into(),
-                None => format!("remove it; known here: {}", self.asked.join(", ")),
+                None if known.is_empty() => "remove it".into(),
+                None => format!("remove it; known here: {}", known.join(", ")),
             };
             let message = format!("unknown key {} in {}", entry.key, self.title);
             let place = Place { file: self.file, span: entry.key_span };

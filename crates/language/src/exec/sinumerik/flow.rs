@@ -12,7 +12,7 @@ use super::jump::jumps;
 use super::level::{Action, CallForm, Level, Loaded, ReturnTarget};
 use super::scope::{gatherer, scope_of};
 use super::value::{Value as ExecValue, is_same};
-use super::{part, sync_action};
+use super::{WITHOUT_IT, part, sync_action};
 use crate::exec::core::fault::{Fault, at};
 use crate::exec::core::level::RepeatedSection;
 use crate::syntax::sinumerik::{ArgumentRange, Block, Body};
@@ -94,7 +94,7 @@ pub(super) fn block(
         Body::Unsupported(span) => {
             let shown = String::from_utf8_lossy(loaded.program.source.slice(span)).to_ascii_uppercase();
             let message = format!("{shown} is not supported yet");
-            return Err(at(span, Code::NOT_SUPPORTED, message, "remove it; program in plain coordinates"));
+            return Err(at(span, Code::NOT_SUPPORTED, message, WITHOUT_IT));
         }
     })
 }

@@ -1,5 +1,6 @@
 //! Gathers the words of one block before its execution: gather, check, execute.
 
+use super::WITHOUT_IT;
 use super::address::Named;
 use super::contour_words::PASSED_ON;
 use super::curve::End;
@@ -258,7 +259,7 @@ impl Gatherer<'_> {
             }
             CodeEffect::Execute | CodeEffect::Refuse => {
                 let message = format!("{} ({}) is not supported yet", entry.name, entry.meaning);
-                return Err(fault(Code::NOT_SUPPORTED, span, message, "remove it; program in plain coordinates"));
+                return Err(fault(Code::NOT_SUPPORTED, span, message, WITHOUT_IT));
             }
         }
         Ok(())
@@ -347,8 +348,12 @@ impl Gatherer<'_> {
         let before = source.slice(Span { start: start.saturating_sub(1), end: start });
         let is_exponent = before.last().is_some_and(u8::is_ascii_digit)
             && text.strip_prefix(['e', 'E']).is_some_and(|power| power.parse::<i16>().is_ok());
-        let help =
-            if is_exponent { "write an exponent with EX: X1EX-7" } else { "remove it; program in plain coordinates" };
+        let is_number = text.len() > 1 && text.starts_with(['N', 'n']) && text[1..].bytes().all(|b| b.is_ascii_digit());
+        let help = match (is_exponent, is_number) {
+            (true, _) => "write an exponent with EX: X1EX-7",
+            (false, true) => "a block number is the first word of its block, before a label: N115 NEXT: G1 X60",
+            (false, false) => WITHOUT_IT,
+        };
         fault(Code::NOT_SUPPORTED, word.span, format!("{shown} is not supported yet"), help)
     }
 

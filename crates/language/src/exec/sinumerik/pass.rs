@@ -3,6 +3,7 @@
 //! The output has no variables and R parameters of the program, so their values replace them. Names that only the control knows (axes, spindles,
 //! constants of cycles) stay as written.
 
+use super::WITHOUT_IT;
 use super::channel::Channel;
 use super::feed;
 use super::functions::is_function;
@@ -102,7 +103,7 @@ impl Gatherer<'_> {
                 let shown = String::from_utf8_lossy(self.source(word.span)).into_owned();
                 let shown: String = shown.chars().take(40).collect();
                 let message = format!("{shown}: {}", row.meaning);
-                return Err(fault(Code::NOT_SUPPORTED, word.span, message, "remove it; program in plain coordinates"));
+                return Err(fault(Code::NOT_SUPPORTED, word.span, message, WITHOUT_IT));
             }
             _ => out.verbatim.push(self.text(word, row.unit)?),
         }

@@ -261,9 +261,9 @@ mod tests {
     use crate::diagnose::bench;
     use crate::diagnose::fault::{Checks, find_with};
 
-    /// Readings along X in three runs, in one direction up to the ninth position and in the other beyond it: a factor of each run for a bow of 8 µm, for
+    /// Readings along X in three runs, in one direction up to the ninth position and in the other beyond it: a factor of each run for a wave of 8 µm, for
     /// a slope of 12 µm, and for the directions with a reversal error of 12 µm; with noise of 0.5 µm (xorshift).
-    fn found(bow: [f64; 3], slope: [f64; 3], turn: [i32; 3]) -> Vec<(String, Then)> {
+    fn found(wave: [f64; 3], slope: [f64; 3], turn: [i32; 3]) -> Vec<(String, Then)> {
         let mut state = 0x2545_f491_4f6c_dd1d_u64;
         let mut noise = || {
             state ^= state << 13;
@@ -276,8 +276,10 @@ mod tests {
             for place in 0..21 {
                 let x = f64::from(place) / 20.0;
                 let way = turn[run] * if place < 9 { 1 } else { -1 };
-                let um =
-                    bow[run] * 8.0 * (4.0 * x * (1.0 - x)) + slope[run] * 12.0 * x + 6.0 * f64::from(way) + noise();
+                let um = wave[run] * 8.0 * (3.0 * std::f64::consts::PI * x).sin()
+                    + slope[run] * 12.0 * x
+                    + 6.0 * f64::from(way)
+                    + noise();
                 text += &format!("{},0,0,{way},1,1,r{run},{um:.4}\n", 20 * place);
             }
         }
@@ -306,7 +308,7 @@ mod tests {
         assert!(found([1.0; 3], [1.0, -1.0, 1.0], [1; 3]).is_empty());
         // A run in the opposite direction mirrors a reversal error of 12 µm, in any order of the directions.
         assert!(found([0.0; 3], [1.0; 3], [1, -1, 1]).is_empty());
-        // A bow of another size is an effect of the machine.
+        // A wave of another size is an effect of the machine.
         assert!(found([1.0, 0.2, 1.0], [1.0; 3], [1; 3]).is_empty());
     }
 }
