@@ -251,7 +251,7 @@ impl Shop {
             .collect();
         let reach = [[150.0, 550.0], [50.0, 450.0], [100.0, 500.0]];
         let whole = [[10.0, 690.0], [10.0, 490.0], [10.0, 590.0]];
-        let diagonals = [("diagonals, plates' reach", reach), ("diagonals, whole space", whole)]
+        let diagonals = [("diagonals within the reach of the plates", reach), ("diagonals of the whole space", whole)]
             .map(|(name, space)| diagonals(name, space, &out[0]));
         out.extend(diagonals);
         out.into_iter().enumerate().map(|(number, data)| self.measured(data, 400 + number as u64, PROBE)).collect()
