@@ -51,7 +51,7 @@ impl PlanRequest<'_> {
     pub(crate) fn run(&self, chosen: &Machine, found: &mut Diagnostics) -> Result<Option<MadePlan>, Error> {
         let machine = &chosen.machine;
         self.kind.check(self.wishes, self.is_seeded, machine).map_err(|reason| Error::usage(reason.to_string()))?;
-        let refused = |reason: String| Error::usage(format!("no plan {}: {reason}", self.kind.name));
+        let refused = |reason: String| Error::usage(format!("plan {} is not possible: {reason}", self.kind.name));
         let mut plan = (self.kind.build)(machine, self.wishes).map_err(|reason| refused(reason.to_string()))?;
         let Some(others) = others(self.with, chosen, found)? else { return Ok(None) };
         let mut result = PlanResult {

@@ -66,9 +66,9 @@ fn a_hypothesis_gets_its_answer_first() {
     let page = shop.text("page.html");
     assert!(page.contains("EXX ~ Y^2: dx over Y") && page.contains("without it"), "{page:.2000}");
     let text = shop.run(stated).exits(0).stdout;
-    assert!(text.starts_with("Hypothesis EXX ~ Y^2: supported, 10^"), "{text}");
+    assert!(text.starts_with("Hypothesis EXX ~ Y^2: supported, the readings are 10^"), "{text}");
     assert!(
-        text.contains(" µm/m² (95 %)") && text.contains("\nCompared, with even odds of each: EXX ~ Y^2 "),
+        text.contains(" µm/m² (95 %)") && text.contains("\nComparison with equal prior odds: EXX ~ Y^2 "),
         "{text}"
     );
 }

@@ -234,7 +234,7 @@ fn cycles_are_found_by_the_order_of_the_rows() {
 #[test]
 fn a_drift_is_only_taken_out_where_there_is_no_reversal() {
     let found = refusal(COLUMNS, &cycles_csv(4.0, 1.0), DRIFT);
-    assert!(found.starts_with("E0613: the two directions of EXX differ by a reversal of"), "{found}");
+    assert!(found.starts_with("E0613: the two directions of EXX differ by a reversal value of"), "{found}");
     let one_way: String = cycles_csv(0.0, 1.0).lines().take(11).map(|line| format!("{line}\n")).collect();
     assert!(refusal(COLUMNS, &one_way, DRIFT).contains("are in one direction only"));
     assert!(refusal(COLUMNS, &cycles_csv(0.0, 1.0), &DRIFT.replace("\"offset\", ", "")).contains("moves the zero"));

@@ -266,7 +266,7 @@ fn cells_must_be_numbers() {
     }
     refused("X;Y;Z\n1,5;2;3\n1;2.5;3\n", "E0603", "3:3", "has a different decimal sign from '1,5' in line 2");
     refused("X;Y;Z\n1.234,5;2;3\n", "E0603", "2:1", "thousands separators");
-    refused("X,Y,Z,X_dir\n1,2,3,0.5\n", "E0603", "2:7", "the sense of motion of X is 0.5");
+    refused("X,Y,Z,X_dir\n1,2,3,0.5\n", "E0603", "2:7", "the direction of approach of X is 0.5");
     refused("X,Y,Z,tool_x_mm\n1,2,3,long\n", "E0603", "2:7", "'long'");
     // All of them in one run.
     let shop = shop(&simple_machine(""), "X,Y,Z\na,2,3\n1,b,3\n");

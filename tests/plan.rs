@@ -415,7 +415,7 @@ fn a_plan_outside_the_travel_names_the_axis_and_writes_nothing() {
     assert!(shop.names().is_empty());
     let run = plan(&shop, &demo, &["laser", "--radius", "10"]);
     assert_eq!(run.code, 2);
-    assert!(run.stderr.contains("a plan laser has no --radius"), "{}", run.stderr);
+    assert!(run.stderr.contains("ncfix plan laser has no --radius"), "{}", run.stderr);
     for wrong in
         [&["laser", "--axis", "C"][..], &["laser", "--component", "EYY"], &["sphere", "--variant", "x"], &["cube"]]
     {

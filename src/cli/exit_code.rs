@@ -29,8 +29,8 @@ pub enum ExitCode {
 const OF_ALL: &[(ExitCode, &str)] = &[
     (ExitCode::Done, "success (possibly with warnings)"),
     (ExitCode::Usage, "usage error, or a file cannot be read or written"),
-    (ExitCode::NotUnderstood, "program or control data not understood; nothing was written"),
-    (ExitCode::Refused, "refused because of another error; nothing was written"),
+    (ExitCode::NotUnderstood, "program or control data not understood; no result file was written"),
+    (ExitCode::Refused, "refused because of another error; no result file was written"),
 ];
 
 /// Exit statuses of commands that read neither a program nor a machine file.

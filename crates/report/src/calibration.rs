@@ -148,7 +148,7 @@ impl CalibrationReport {
             );
         }
         let left_out: usize = found.left_out.iter().map(|one| one.parameters.len()).sum();
-        let rest = if left_out > 0 { format!(" less {left_out} parameters") } else { String::new() };
+        let rest = if left_out > 0 { format!(" without {left_out} of its parameters") } else { String::new() };
         push_row(&mut out, "model", &format!("{}{rest}", found.model));
         push_row(&mut out, "machine", &found.machine);
         if let Some(output) = &self.output {

@@ -121,7 +121,7 @@ impl CorrectionReport {
             );
         }
         row("blocks", &format!("{} in, {} out", grouped(self.blocks_in), grouped(self.blocks_out)));
-        row("time", &duration(self.seconds));
+        row("computed", &format!("in {}", duration(self.seconds)));
         row("machine", &self.machine);
         if let Some(coverage) = &self.coverage {
             row("coverage", &coverage.words());
@@ -252,7 +252,7 @@ fn improvement(before: SpreadReport, after: SpreadReport) -> String {
             format!("{:.2} % of the mean", percent.min(99.99))
         }
     } else {
-        "none: no error on this path, or no path whose start and end are both stated".into()
+        "none: no error on this path, or no move with a known start".into()
     }
 }
 
@@ -304,7 +304,7 @@ mod tests {
         correction   up to X 41.3 µm, C 3.00 µrad
         rapids       12 as programmed; there the tool is up to 35.2 µm off
         blocks       1,234 in, 2,345 out
-        time         0.12 s
+        computed     in 0.12 s
         machine      demo
         coverage     within the measured ranges
         written      out.mpf

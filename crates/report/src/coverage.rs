@@ -84,7 +84,7 @@ impl CoverageReport {
         match (self.gaps.len(), self.is_stated) {
             (0, true) => "within the measured ranges".to_owned(),
             (0, false) => "not known: the machine file does not state the measured ranges".to_owned(),
-            (gaps, _) => format!("{}, see the warnings", counted(gaps as u64, "gap")),
+            (gaps, _) => format!("{}, named in the warnings", counted(gaps as u64, "gap")),
         }
     }
 }

@@ -81,7 +81,7 @@ pub struct ZeroReport {
 }
 
 impl ZeroReport {
-    /// Returns a sentence about the error that a touched zero contains.
+    /// Returns the error that the zero offset contains if it was touched, in words.
     #[must_use]
     pub fn contents(&self) -> String {
         let parts = ["X", "Y", "Z"].iter().zip(self.contains_um).filter(|(_, um)| um.abs() >= 0.05);
@@ -89,8 +89,8 @@ impl ZeroReport {
             .map(|(axis, um)| format!("{axis} {}{}", if um < 0.0 { "-" } else { "" }, micrometers(um.abs())))
             .collect();
         match parts.as_slice() {
-            [] => "a touched zero contains no error of the machine".to_owned(),
-            parts => format!("a touched zero contains an error of {}", parts.join(", ")),
+            [] => "no error of the machine if touched".to_owned(),
+            parts => format!("error if touched: {}", parts.join(", ")),
         }
     }
 }

@@ -154,7 +154,7 @@ fn uncertainty_rows(machine: &Machine, errors: &ErrorModel) -> Vec<String> {
         rows.push(format!("{name:<12}± {size}"));
     }
     if let Some(um) = uncertainty.unexplained_um {
-        rows.push(format!("unexplained {} µm of the readings are not in the model", decimal(um)));
+        rows.push(format!("unexplained {} µm RMS of the readings, not in the model", decimal(um)));
     }
     let unknown = unknown_of(errors, uncertainty);
     if !unknown.is_empty() {

@@ -127,7 +127,7 @@ impl StepReport {
         for (name, text) in self.entries() {
             row(name, &text);
         }
-        row("time", &duration(self.seconds));
+        row("computed", &format!("in {}", duration(self.seconds)));
         row("machine", &self.machine);
         out
     }
@@ -377,7 +377,7 @@ mod tests {
         on the line  a.mpf:7, X0 to X400
         tool length  138.9 mm
         lines        2 of 1,234 straight moves with feed, those with the largest curvature; 5 arcs, cut by the tolerance, omitted
-        time         0.50 s
+        computed     in 0.50 s
         machine      demo
         ");
     }

@@ -82,7 +82,7 @@ pub(in crate::cli) struct PlanArguments {
     /// Spacing of rows, deg (default: 2 for ballbar, 5 for sphere), or of holes, mm (default: 50)
     #[arg(long, value_name = "DEG|MM", value_parser = above_zero)]
     pub(in crate::cli) every: Option<f64>,
-    /// Evaluated arc, deg (default: 360 across the spindle, else 220)
+    /// Evaluated arc, deg (default: 360 in the plane perpendicular to the spindle, else 220)
     #[arg(long, value_name = "DEG", value_parser = above_zero)]
     pub(in crate::cli) sweep: Option<f64>,
     /// Angle before and after the evaluated arc, deg (default: 180 with full circles, else 20)

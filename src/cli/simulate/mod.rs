@@ -29,7 +29,7 @@ pub(in crate::cli) fn run(arguments: &SimulateArguments) -> Result<ExitCode, Sto
     let result = simulate(arguments, &mut findings);
     findings.draw();
     match result? {
-        Some(rows) => tell(&format!("{rows} rows simulated, written {}\n", arguments.output.display())),
+        Some(rows) => tell(&format!("{rows} rows simulated and written to {}\n", arguments.output.display())),
         None => tell(&format!("{}; nothing was written\n", findings.count())),
     }
     Ok(findings.exit_code())

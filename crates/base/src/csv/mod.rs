@@ -199,7 +199,7 @@ impl<'a> Row<'a> {
                 let example = if sign == DecimalSign::Comma { "12,5" } else { "12.5" };
                 (
                     format!("'{}' in the column {name} is not a number", shown(text)),
-                    format!("write a plain number such as {example}, without unit or thousands separators"),
+                    format!("write a plain number such as {example} (for a direction -1, 0 or 1), without unit or thousands separators"),
                 )
             };
             Diagnostic::at(Code::DATA_CELL, place, message, help)

@@ -445,7 +445,7 @@ of lengths are in µm: convert a column value_mm to µm, and name it value_um. A
 for the sensor T_head) or load_N. A table for weighing needs only the axis of [strain] and strain_um_m.";
     DATA_CELL = "E0603" "cell that is not a number"
 "A position or a tool length is a plain number: 12.5 or, if the separator is not a comma, 12,5; the same decimal sign in all cells,
-no unit, no thousands separators. Cells must not be empty. The sense of motion (X_dir …) is -1, 0 or 1, or empty. In a log
+no unit, no thousands separators. Cells must not be empty. The direction of approach (X_dir …) is -1, 0 or 1, or empty. In a log
 temperatures and loads may be empty. Temperatures are -60 to 400 °C in measurements and -30 to 150 °C in logs, a weight is not
 negative, the time does not decrease.";
 
@@ -490,12 +490,12 @@ by the name that findings have, such as backlash EXX. Here the text is not compl
 column that the data lack. The line is the number of the hypothesis, and the column the place in it. docs/reference/terms.md has the
 grammar.";
 
-    DRIFT_NOT_TOLD = "E0613" "drift that cannot be separated from a reversal error"
+    DRIFT_NOT_TOLD = "E0613" "drift that cannot be separated from backlash"
 "A drift that is a straight line in time within a back-and-forth cycle makes the backward and forward readings differ more, the
-farther a position is from the turning point; a reversal error (backlash, lateral play) makes them differ equally everywhere. A
-drift is removed only where there is no reversal error: the model has none for the component (EXXb, or for a reading of a length
+farther a position is from the turning point; backlash or lateral play makes them differ equally everywhere. A
+drift is removed only where there is no backlash: the model has none for the component (EXXb, or for a reading of a length
 EBXb too, which acts with its Abbe arm), and the readings show none by Student's t-test at the 0.1 % level. Each cycle must run in
-both directions. Remove \"drift\" from free and let the machine warm up first, measure faster, or remove the reversal error from the
+both directions. Remove \"drift\" from free and let the machine warm up first, measure faster, or remove the backlash from the
 model if there is none.";
 
     NOT_FOR_LINK = "E0701" "line that the link cannot send"
@@ -627,9 +627,9 @@ one state: the numbers state what this program would do on the given machine.";
 "Threads (G33, G34, G35, G331, G332, G63) and positioning axes (POS) are not cut into pieces: spindle and axis would lose
 synchronism, or the axes would stop in between. The end of the move is corrected, but along the path the deviation is larger than
 --tolerance.";
-    SENSE_UNKNOWN = "W0308" "side of a backlash unknown"
-"An axis with backlash reached its position from an unknown position (before the first block, after a tool change), so the side of
-the backlash is unknown. The mean of the backlash is used there, and half of it may remain as residual until the axis moves again. A
+    SENSE_UNKNOWN = "W0308" "position within the backlash unknown"
+"An axis with backlash reached its position from an unknown position (before the first block, after a tool change), so its
+position within the backlash is unknown. The mean of the backlash is used there, and half of it may remain as residual until the axis moves again. A
 short motion of the axis before the cut, or --start, resolves this.";
     FEED_LIMIT_MISSED = "W0309" "path deviation larger than --feed-limit"
 "With --feed-limit, ncfix fix lowers feeds where the axes would deviate too far from the path. On this block that was not enough: its

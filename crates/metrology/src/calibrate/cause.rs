@@ -97,8 +97,8 @@ impl UndeterminedCause {
                 format!("measure where {} would have an effect, or leave {them} out", if many { "they" } else { "it" })
             }
             UndeterminedCause::Scale => {
-                "give a calibrated length (remove length from free, or write [[length]] between two balls), \
-                             or leave out the scale of one axis"
+                "give a calibrated length (remove length from free, or write [[length]] between two balls); \
+                             without it, the scale of one axis cannot be fitted"
                     .into()
             }
             UndeterminedCause::Stylus => format!(

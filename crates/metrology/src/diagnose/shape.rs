@@ -204,7 +204,7 @@ pub fn sentence(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Option<S
     let is_alone = all.iter().filter(|driver| !driver.is_sense()).count() == 1;
     for driver in &all {
         if driver.is_sense() {
-            senses.push(format!("turns over with the sense of {}", driver.name.trim_end_matches("_dir")));
+            senses.push(format!("changes sign with the direction of {}", driver.name.trim_end_matches("_dir")));
             continue;
         }
         // If set-ups have a free zero, the zero of a function of one driver is arbitrary. Its most frequent value counts as zero only if it is the value at

@@ -160,7 +160,7 @@ impl<'a> Readings<'a> {
                     state.direction[axis.slot()] = if number > 0.0 { 1 } else { -i8::from(number < 0.0) };
                 }
                 Ok(number) => {
-                    let message = format!("the sense of motion of {axis} is {number}");
+                    let message = format!("the direction of approach of {axis} is {number}");
                     let help = "write -1, 0 (no motion yet) or 1";
                     findings.push(Diagnostic::at(Code::DATA_CELL, row.place(column), message, help));
                 }

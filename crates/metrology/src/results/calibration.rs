@@ -148,7 +148,7 @@ impl PreparedFit<'_> {
         let reversals = reversals(start, self.parameters.iter().chain(candidates.unwrap_or_default()), &data);
         if !reversals.is_empty() {
             let help =
-                "a reversal is not separable from a drift: remove \"drift\" from free, or the reversal from the model";
+                "backlash is not separable from a drift: remove \"drift\" from free, or the backlash from the model";
             let told = |message| Diagnostic::nowhere(Code::DRIFT_NOT_TOLD, message, help);
             findings.extend(reversals.into_iter().map(told));
             return None;

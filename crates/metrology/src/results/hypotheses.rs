@@ -64,7 +64,7 @@ pub struct HypothesisReport {
     pub correctable: Correctable,
     /// Reason why the machine file cannot hold it, or must not; `null` if it can.
     pub extends_why: Option<String>,
-    /// Probability over all combinations of the stated hypotheses, with even odds of each; `null` if the data cannot show it.
+    /// Probability over all combinations of the stated hypotheses, with equal prior odds; `null` if the data cannot show it.
     pub probability: Option<f64>,
     /// Number of variants of a named cause from which the best is shown.
     pub variants: usize,
@@ -120,7 +120,7 @@ pub struct HypothesisRival {
 pub struct HypothesisSet {
     /// Hypotheses that hold; empty if none holds.
     pub hypotheses: Vec<String>,
-    /// Probability among all combinations, with even odds of each hypothesis.
+    /// Probability among all combinations, with equal prior odds.
     pub probability: f64,
 }
 

@@ -97,12 +97,12 @@ pub(crate) fn answer_in_words(one: &HypothesisReport) -> String {
             let why = one.why_not_shown.as_deref().unwrap_or("the readings do not respond to it");
             format!("these data cannot show it: {why}")
         }
-        HypothesisAnswer::Supported => format!("supported, {times}"),
+        HypothesisAnswer::Supported => format!("supported, the readings are {times}"),
         HypothesisAnswer::Outdone => {
-            format!("outdone, {times}, but less probable than {}", one.stands_for.join(" and "))
+            format!("outdone, the readings are {times}, but it is less probable than {}", one.stands_for.join(" and "))
         }
-        HypothesisAnswer::Undecided => format!("undecided, {times}"),
-        HypothesisAnswer::Refuted => format!("refuted, {times}"),
+        HypothesisAnswer::Undecided => format!("undecided, the readings are {times}"),
+        HypothesisAnswer::Refuted => format!("refuted, the readings are {times}"),
     }
 }
 
@@ -145,5 +145,5 @@ fn together(sets: &[HypothesisSet]) -> String {
     if all.is_empty() {
         return "None of these hypotheses is visible in the data.".into();
     }
-    format!("Compared, with even odds of each: {}.", all.join("; "))
+    format!("Comparison with equal prior odds: {}.", all.join("; "))
 }

@@ -117,7 +117,7 @@ impl DiagnosisReport {
                 );
             }
             if !found.unexplained.structure {
-                return "The model explains the readings within their noise: no correction is needed.".into();
+                return "The model explains the readings within their noise: the machine file needs no change.".into();
             }
             return format!(
                 "{} {unit} RMS are systematic, but no cause is sure. Next: measure more set-ups, in both directions of every axis.",

@@ -64,7 +64,7 @@ pub struct HypothesisTrial {
     pub correctable: Correctable,
     /// Changes of the machine file that hold it, or the reason why it cannot.
     pub changes: Option<Result<Vec<Change>, String>>,
-    /// Probability over all combinations of the stated hypotheses, with even odds of each; `None` if it is not visible.
+    /// Probability over all combinations of the stated hypotheses, with equal prior odds; `None` if it is not visible.
     pub probability: Option<f64>,
     /// Number of variants of a named cause from which the best was selected.
     pub variants: usize,
@@ -302,7 +302,7 @@ fn gain(
     trial.gain = kept.iter().find(|(taken, _)| taken.candidate == subject.number).map(|(_, gain)| *gain).or(stopped);
 }
 
-/// Probabilities of combinations of visible hypotheses, together with the accepted causes that represent none of them, with even odds of each.
+/// Probabilities of combinations of visible hypotheses, together with the accepted causes that represent none of them, with equal prior odds.
 fn combinations(subjects: &[(usize, StatedSubject)], outcome: &Settled<'_, '_, '_>) -> Vec<StatedSet> {
     if subjects.is_empty() {
         return Vec::new();

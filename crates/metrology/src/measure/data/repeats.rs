@@ -21,7 +21,7 @@ pub(super) fn without_repeats(findings: &mut Vec<Diagnostic>, most: usize) {
         let number = seen.entry(own).or_insert(0);
         *number += 1;
         if *number == most && all > most {
-            one.message = format!("{}; {} more are like it", one.message, all - most);
+            one.message = format!("{}; {} more of this kind", one.message, all - most);
         }
         *number <= most
     });
@@ -39,7 +39,7 @@ mod tests {
         all.insert(1, of("Y -3 mm is outside".into()));
         without_repeats(&mut all, 3);
         let messages: Vec<&str> = all.iter().map(|one| one.message.as_str()).collect();
-        let last = "X 702.5 mm is outside; 1181 more are like it";
+        let last = "X 702.5 mm is outside; 1181 more of this kind";
         assert_eq!(messages, ["X 700.5 mm is outside", "Y -3 mm is outside", "X 701.5 mm is outside", last]);
     }
 }

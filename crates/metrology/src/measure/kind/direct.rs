@@ -106,12 +106,12 @@ fn check(data: &DataSet, _: &Table, findings: &mut Vec<Diagnostic>) {
                 let (unit, factor) = if is_rotation { ("µrad", urad_from_rad(1.0)) } else { ("µm", um_from_mm(1.0)) };
                 let [value, sigma] = [value * factor, sigma * factor];
                 format!(
-                    "the two directions of {name} differ by a reversal of {value:.2} ± {sigma:.2} {unit}, which is not a drift"
+                    "the two directions of {name} differ by a reversal value of {value:.2} ± {sigma:.2} {unit}, which is not a drift"
                 )
             }
             Err(fault) => format!("{name}: {fault}"),
         };
-        let help = "remove \"drift\" from free; measure fast, or with the machine warm, if the axis has a reversal";
+        let help = "remove \"drift\" from free; measure fast, or with the machine warm, if the axis has backlash";
         findings.push(Diagnostic::at(Code::DRIFT_NOT_TOLD, place, message, help));
     }
 }

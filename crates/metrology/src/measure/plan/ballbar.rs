@@ -1,6 +1,6 @@
 //! Circles with a ball-bar (ISO 230-4): in both directions, with feed-in and overlap before and after the evaluated arc.
 //!
-//! A full circle in the plane across the spindle; in the others the tool is in the way, so the default is an arc of 220° on its side.
+//! A full circle in the plane perpendicular to the spindle; in the others the tool is in the way, so the default is an arc of 220° on its side.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 

@@ -146,11 +146,11 @@ impl PlanKind {
         if let Some((name, _)) = given.find(|(name, is_given)| *is_given && !self.wishes.contains(name)) {
             let known: Vec<String> = self.wishes.iter().map(|wish| format!("--{wish}")).collect();
             let known = known.join(", ");
-            return Err(PlanRefused(format!("a plan {} has no --{name}; it has --tool, {known}", self.name)));
+            return Err(PlanRefused(format!("ncfix plan {} has no --{name}; it has --tool, {known}", self.name)));
         }
         for (name, count) in [("tool", wishes.tools_mm.len()), ("centre", wishes.centres_mm.len())] {
             if count > 1 && !self.has_setups {
-                return Err(PlanRefused(format!("a plan {} has only one --{name}", self.name)));
+                return Err(PlanRefused(format!("ncfix plan {} takes only one --{name}", self.name)));
             }
         }
         let is_turned = wishes.axis.is_some_and(Axis::is_rotary);
