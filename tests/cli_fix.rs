@@ -41,9 +41,16 @@ fn the_default_command_writes_and_reports() {
     let shop = shop();
     let run = fix(&shop, &["part.mpf", "-o", "out.mpf"]).exits(0);
     assert_eq!(run.stdout, "");
-    for row in
-        ["error before", "error after", "improvement", "correction", "blocks", "computed", "machine      demo", "out.mpf"]
-    {
+    for row in [
+        "error before",
+        "error after",
+        "improvement",
+        "correction",
+        "blocks",
+        "computed",
+        "machine      demo",
+        "out.mpf",
+    ] {
         assert!(run.stderr.contains(row), "{row}: {}", run.stderr);
     }
     let text = shop.text("out.mpf");

@@ -492,11 +492,10 @@ grammar.";
 
     DRIFT_NOT_TOLD = "E0613" "drift that cannot be separated from backlash"
 "A drift that is a straight line in time within a back-and-forth cycle makes the backward and forward readings differ more, the
-farther a position is from the turning point; backlash or lateral play makes them differ equally everywhere. A
-drift is removed only where there is no backlash: the model has none for the component (EXXb, or for a reading of a length
-EBXb too, which acts with its Abbe arm), and the readings show none by Student's t-test at the 0.1 % level. Each cycle must run in
-both directions. Remove \"drift\" from free and let the machine warm up first, measure faster, or remove the backlash from the
-model if there is none.";
+farther a position is from the turning point; backlash or lateral play makes them differ equally everywhere. A drift is removed only
+where there is no backlash: the model has none for the component (EXXb, or for a reading of a length EBXb too, which acts with its
+Abbe arm), and the readings show none by Student's t-test at the 0.1 % level. Each cycle must run in both directions. Remove
+\"drift\" from free and let the machine warm up first, measure faster, or remove the backlash from the model if there is none.";
 
     NOT_FOR_LINK = "E0701" "line that the link cannot send"
 "A line of the corrected program is too long for the control at the other end of the link, or has a character that means something
@@ -629,8 +628,8 @@ synchronism, or the axes would stop in between. The end of the move is corrected
 --tolerance.";
     SENSE_UNKNOWN = "W0308" "position within the backlash unknown"
 "An axis with backlash reached its position from an unknown position (before the first block, after a tool change), so its
-position within the backlash is unknown. The mean of the backlash is used there, and half of it may remain as residual until the axis moves again. A
-short motion of the axis before the cut, or --start, resolves this.";
+position within the backlash is unknown. The mean of the backlash is used there, and half of it may remain as residual until the axis
+moves again. A short motion of the axis before the cut, or --start, resolves this.";
     FEED_LIMIT_MISSED = "W0309" "path deviation larger than --feed-limit"
 "With --feed-limit, ncfix fix lowers feeds where the axes would deviate too far from the path. On this block that was not enough: its
 feed is at the lowest value tried, 5 % of the programmed one; or it is inverse-time (G93) or that of a thread, which are not
