@@ -295,7 +295,7 @@ impl Diagnostics {
         self.has_language_error
     }
 
-    /// True if there are no findings.
+    /// True if there are no diagnostics.
     ///
     /// ```
     /// # use ncfix::prelude::*;
@@ -306,7 +306,7 @@ impl Diagnostics {
         self.kept.is_empty()
     }
 
-    /// The number of findings that are kept.
+    /// The number of diagnostics that are kept.
     ///
     /// ```
     /// # use ncfix::prelude::*;
@@ -372,7 +372,7 @@ impl Diagnostics {
         terminal::count(self.errors, self.warnings)
     }
 
-    /// The findings as data.
+    /// The diagnostics as data.
     pub(crate) fn json(&self) -> Vec<json::Finding> {
         self.kept.iter().map(|(diagnostic, source)| json::Finding::new(diagnostic, source.as_ref())).collect()
     }

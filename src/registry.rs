@@ -24,7 +24,7 @@ use ncfix_tables::tables::{Format, Formats, Scheme, Schemes};
 /// ```
 ///
 /// # Panics
-/// Every `with_…` panics if the name is taken: that is a mistake of the program that builds the registry.
+/// Every `with_…` panics if the name is empty or taken, or if a section of a source is taken: that is a mistake of the program that builds the registry.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct Registry {

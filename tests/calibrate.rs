@@ -154,12 +154,12 @@ impl Bench {
         let has = |free: Free| set.free.contains(&free);
         match set.kind.name {
             "displacement" => {
-                // The artefact's point, as seen from where the tool nominally is, turned into F.
+                // The artifact's point, as seen from where the tool nominally is, turned into F.
                 let place = model.nominal(&position, &tool_mm).translation;
                 let offset = if has(Free::Offset) { three(3 * observation.setup) } else { Vector::zeros() };
                 let turn = if has(Free::Offset) { 3 * setups } else { 0 } + 3 * observation.setup;
                 let turn = if has(Free::Rotation) { three(turn) } else { Vector::zeros() };
-                // An artefact that is warm is larger as seen from the point that stays.
+                // An artifact that is warm is larger as seen from the point that stays.
                 let of = &set.setups[observation.setup];
                 let warmth = of.expansion_per_k * (of.temperature_c.unwrap_or(20.0) - 20.0);
                 let grown = place + (place - of.origin_mm.unwrap_or(place)) * warmth;

@@ -1,4 +1,4 @@
-//! Ordinary mixes of errors through the command: what a ball-bar finds on a fresh machine, friction at reversals, an artefact of another length, a machine
+//! Ordinary mixes of errors through the command: what a ball-bar finds on a fresh machine, friction at reversals, an artifact of another length, a machine
 //! that changed between two files. The readings come from closed formulas that share no code with the search.
 
 use std::f64::consts::TAU;

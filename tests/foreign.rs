@@ -293,7 +293,7 @@ fn a_name_or_a_section_of_another_is_refused() {
         fn read(&self, _: &mut MachineFileReading<'_, '_>, _: &mut ErrorModel) {}
     }
     let refused = Sources::default().try_with(Greedy).unwrap_err();
-    assert_eq!(refused.0, "source of error \"greedy\": the section axis of the machine file is another's");
+    assert_eq!(refused.0, "source of error \"greedy\": the section axis of the machine file belongs to another source");
 }
 
 static SAGS: Cause = Cause {

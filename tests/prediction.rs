@@ -271,7 +271,7 @@ impl Case {
             format!("[setup.P{plane}]\ncentre_mm = [{}, {}, {}]\nlength_mm = 100\n", centre[0], centre[1], centre[2])
         });
         let setups: String = setups.collect();
-        // A grid of displacements against an artefact of unknown place.
+        // A grid of displacements against an artifact of unknown place.
         let mut grid = "run,setup,X,Y,Z,tool_x_mm,tool_y_mm,tool_z_mm,dx_um,dy_um,dz_um\n".to_owned();
         for (number, &length) in tools.iter().enumerate() {
             let off: V3 = std::array::from_fn(|_| 5.0 * dice.normal());

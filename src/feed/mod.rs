@@ -53,7 +53,7 @@ pub(crate) use resume::{Broken, began_with, check_same, plan, read as read_broke
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FeedEnd {
-    /// All lines were carried out, or at least answered.
+    /// All lines were executed, or at least answered.
     Done,
     /// A line could not be generated.
     Fault,

@@ -1,4 +1,4 @@
-//! Part programs of controls: what was written, and what the control would do. It knows no error model.
+//! Part programs of controls: what was written, and what the control would do. This crate does not depend on the error model.
 
 pub mod exec;
 pub mod syntax;

@@ -45,7 +45,7 @@ pub enum FeedEvent {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum FeedOutcome {
-    /// All lines were carried out, or at least answered.
+    /// All lines were executed, or at least answered.
     Done,
     /// A person or the sensors have stopped it, and the sent lines have run out.
     Stopped,
@@ -172,7 +172,7 @@ pub struct Status {
     pub acknowledged: u64,
     /// Lines that have left over a link without answers.
     pub left: Option<u64>,
-    /// Lines that the control has carried out, if it reports them.
+    /// Lines that the control has executed, if it reports them.
     pub executed: Option<u64>,
     /// Number of lines under way.
     pub window: usize,
@@ -295,11 +295,11 @@ pub struct Plan {
     pub acknowledged: u64,
     /// Source line of `acknowledged`.
     pub acknowledged_line: Option<u32>,
-    /// Last line that was certainly carried out.
+    /// Last line that was certainly executed.
     pub executed: u64,
     /// Source line of `executed`.
     pub executed_line: Option<u32>,
-    /// Maximum number of blocks that the control may have taken and not carried out; `null` if it is not known.
+    /// Maximum number of blocks that the control may have taken and not executed; `null` if it is not known.
     pub holds: Option<u64>,
     /// Source of that number.
     pub holds_source: Option<String>,

@@ -290,7 +290,7 @@ a change of side, radius or register while compensation is on; an end of the pro
 G42.1, whose diameter is in the program; --frame machine and --five-axis axes, where G41 is not allowed; --rapids all and a --step
 below 10 mm, which cut the motion to the contour into pieces; and an output that the control could not follow completely with a wear
 of plus or minus --largest-wear: smaller inner arcs of the tool center path, or shorter elements, such as the few micrometers that a
-correction or a backlash adds across the path. Change the program as the message states, give a smaller --largest-wear, or correct
+correction or backlash adds across the path. Change the program as the message states, give a smaller --largest-wear, or correct
 it without the option; then enter the wear in the machine file.";
     NO_ORIENTATION = "E0240" "tool direction out of reach"
 "Under TRAORI the rotary axes cannot turn the tool to the programmed direction, at least not within their travel: for example a table
@@ -390,8 +390,8 @@ new with its line in both programs.";
     OFF_PROMISE = "E0320" "deviation larger than the correction promised"
 "The stamp of a corrected program states how far a piece may deviate from its exactly corrected path (--tolerance). At the ends of
 pieces, between them, or where an axis reverses on an arc, this program deviates more on the error model. It was edited, or
-corrected for another machine or state, or ncfix fix has warned that the tolerance was not reached (W0305, W0307) or that the side
-of a backlash is unknown (W0308).";
+corrected for another machine or state, or ncfix fix has warned that the tolerance was not reached (W0305, W0307) or that the
+position within the backlash is unknown (W0308).";
     OTHER_FEED = "E0321" "corrected program has another feed"
 "The pieces of a move have the feed of the move: the same number in the same feed mode, otherwise the same duration within 5 %. Only
 --feed-limit lowers feeds, and the stamp states it.";
@@ -708,7 +708,7 @@ lacks, its temperature changed, or sigma_um is too small. The standard uncertain
 instead of sigma_um. They do not cover errors that the model lacks.";
     REDUCED = "W0605" "parameters omitted"
 "With --reduce, ncfix calibrate omits parameters that the data cannot separate from others, and fits the rest. Of those that cannot
-be separated, the least simple one is omitted first: truncated powers before backlashes, before coefficients from the highest degree
+be separated, the least simple one is omitted first: truncated powers before backlash, before coefficients from the highest degree
 down, later ones of the model before earlier ones, location errors last. Omitted parameters keep their values of the initial machine
 file; their effect is included in the others for similar poses, and wrong elsewhere. The message states why, and the help what to
 measure instead. ncfix diagnose reports this if the terms that it found cannot be fitted again together: they are written as its

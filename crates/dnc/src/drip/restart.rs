@@ -3,7 +3,7 @@
 //! A person states a height that is clear of workpiece and clamps. It must lie above everything that is machined, by [`CLEAR_MM`] at least, and within the
 //! travel of Z. The restart path goes up to this height and across at it. Then it goes down at a slow feed to the end of a retract of the program. From there
 //! the program continues with its next rapid move. So no added move is rapid below that height. Nothing begins at the depth of a cut, which may never have
-//! been made: the tool may have broken long before. Everything after the restart place is carried out again.
+//! been made: the tool may have broken long before. Everything after the restart place is executed again.
 //!
 //! The state of the control at the place is read from the lines before it (`told`). Frames and words of unknown effect cannot be rebuilt. After them only the
 //! beginning remains as a place. It is accepted only if the stated height can be reached before its first move or with that move.
@@ -94,7 +94,7 @@ pub struct RestartSearch<'a> {
     clearance_mm: Option<f64>,
     /// Last element that may be a place.
     until: u64,
-    /// Last element that may have been carried out.
+    /// Last element that may have been executed.
     sent: u64,
     told: SentState,
     /// State of the control at the best place.
@@ -116,7 +116,7 @@ pub struct RestartSearch<'a> {
 }
 
 impl<'a> RestartSearch<'a> {
-    /// Begins a search. No place after the element `until` is accepted. No element after `sent` has been carried out.
+    /// Begins a search. No place after the element `until` is accepted. No element after `sent` has been executed.
     #[must_use]
     pub fn new(
         grammar: Grammar,

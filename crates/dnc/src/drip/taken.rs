@@ -1,7 +1,7 @@
-//! Determines the last line that was certainly carried out, from the acknowledgements and the capacity of the control.
+//! Determines the last line that was certainly executed, from the acknowledgements and the capacity of the control.
 //!
 //! A planner holds blocks, not lines. A line without motion takes no place in it, and neither does a move shorter than one step. So only moves that are
-//! certainly a block count. The planner holds N of them at most; everything acknowledged before the last N was carried out.
+//! certainly a block count. The planner holds N of them at most; everything acknowledged before the last N was executed.
 
 use std::collections::BTreeMap;
 
@@ -41,7 +41,7 @@ impl Ends {
         }
     }
 
-    /// Returns the last line that was certainly carried out. `at_most` is the number of blocks that the control may hold; `None` if it is not known. A line
+    /// Returns the last line that was certainly executed. `at_most` is the number of blocks that the control may hold; `None` if it is not known. A line
     /// that has only left proves nothing. The same applies to an answer that may have come twice, and to a control that does not state its capacity.
     #[must_use]
     pub fn sure(&self, told: &JournalContents, at_most: Option<u64>) -> u64 {

@@ -65,7 +65,7 @@ const UNNOTICED_S: f64 = 1e-3;
 pub struct Forecaster {
     link: LinkRate,
     forecast: Forecast,
-    /// Completion time of each line that has not been carried out, s, and its bytes.
+    /// Completion time of each line that has not been executed, s, and its bytes.
     waiting: VecDeque<(f64, usize)>,
     waiting_bytes: usize,
     /// Times when the link and the control become free, s.

@@ -8,10 +8,10 @@
 //! 0 T 24.125 nose                           temperature of a sensor, °C, valid from here on
 //! 0 F 12 9c41f00a 37 51 X+0.0123 Z-0.0040/-0.0051   frozen: number, CRC-32 of the text, source line, element of the corrected program,
 //!                                           correction of the second step (mm, degrees), and that of the model if different
-//! 20 P 116 [OPT:VL,100,1024]                maximum number of blocks taken and not carried out, and the words of the control
+//! 20 P 116 [OPT:VL,100,1024]                maximum number of blocks taken and not executed, and the words of the control
 //! 31 A 12                                   acknowledged, with all before it
 //! 31 C 11                                   certainly taken, with all before it, by evidence other than the count of answers
-//! 35 X 10                                   carried out, with all before it
+//! 35 X 10                                   executed, with all before it
 //! 31 L 12                                   left, with all before it, over a link without answers
 //! 32 R 12                                   sent again
 //! 40 E the control was reset                end of the transfer
@@ -298,13 +298,13 @@ pub struct JournalContents {
     pub acknowledged: u64,
     /// The last line that was certainly taken: evidence other than the count of answers shows it.
     pub checked: u64,
-    /// The last line that was carried out, if the control reported it.
+    /// The last line that was executed, if the control reported it.
     pub executed: u64,
     /// The lines after the last acknowledged one, and the last lines before them, in order.
     pub lines: VecDeque<Frozen>,
-    /// The last line that went out over a link without answers. It, and as many lines before it as fit the buffer of the control, may not have been carried out.
+    /// The last line that went out over a link without answers. It, and as many lines before it as fit the buffer of the control, may not have been executed.
     pub left: u64,
-    /// Maximum number of blocks that the control may have taken and not carried out, and its words; `None` if it stated nothing.
+    /// Maximum number of blocks that the control may have taken and not executed, and its words; `None` if it stated nothing.
     pub holds: Option<(u64, String)>,
     /// End of the transfer; `None` if the program died.
     pub ended: Option<JournalEnd>,
@@ -384,7 +384,7 @@ pub fn read(text: &str) -> Result<JournalContents, (usize, String)> {
                 told.left = told.left.max(line_number);
             }
             ("E", _) => {
-                // The lines after it were answered while the axes were held; the refused line was not carried out.
+                // The lines after it were answered while the axes were held; the refused line was not executed.
                 let refused =
                     rest.strip_prefix("refused ").and_then(|rest| rest.split(':').next()?.parse::<u64>().ok());
                 if let Some(refused) = refused {

@@ -111,7 +111,7 @@ pub struct Window {
     pub planned: usize,
 }
 
-/// Maximum number of blocks that a control has taken and not carried out, if it does not state the number itself.
+/// Maximum number of blocks that a control has taken and not executed, if it does not state the number itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Bound {
     /// Maximum number of blocks, never exceeded.
@@ -190,7 +190,7 @@ impl Profile {
         (self.protocol.check)(self, text)
     }
 
-    /// Returns the maximum number of blocks that the control has answered and not carried out, as stated by the profile. It includes the planner, the blocks
+    /// Returns the maximum number of blocks that the control has answered and not executed, as stated by the profile. It includes the planner, the blocks
     /// that still move, and those that wait before the planner.
     #[must_use]
     pub fn holds_at_most(&self) -> Option<u64> {
@@ -317,7 +317,7 @@ impl Profile {
     }
 }
 
-/// Reads an upper bound of the planner depth. Without its source it would be a guess, and a wrong one skips blocks that were not carried out.
+/// Reads an upper bound of the planner depth. Without its source it would be a guess, and a wrong one skips blocks that were not executed.
 fn bound(section: &mut Section<'_>, has_planner: bool) -> Option<Bound> {
     let at_most = section.required("at_most", "64", Section::integer);
     let source =

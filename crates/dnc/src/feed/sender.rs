@@ -97,7 +97,7 @@ pub enum Ended {
     Done,
     /// A person stopped it; everything sent is acknowledged, or has left.
     Stopped,
-    /// It was aborted for this reason. Lines that were sent and not acknowledged may or may not have been carried out.
+    /// It was aborted for this reason. Lines that were sent and not acknowledged may or may not have been executed.
     Lost(String),
     /// A person or a sensor caused the axes to be held, or the lines to be discarded, for this reason. Sent lines may remain in the control.
     Held(String),
@@ -119,9 +119,9 @@ pub struct TransferProgress {
     pub acknowledged: u64,
     /// Lines that went out over a link without answers. The number of them that wait in the control is not known.
     pub left: u64,
-    /// Lines that the control has carried out, if it reports them.
+    /// Lines that the control has executed, if it reports them.
     pub executed: Option<u64>,
-    /// Maximum number of blocks that the control may have taken and not carried out, if it states it.
+    /// Maximum number of blocks that the control may have taken and not executed, if it states it.
     pub holds: Option<u64>,
     /// Lines and bytes currently under way.
     pub in_flight: (usize, usize),

@@ -29,7 +29,7 @@ impl Default for Patience {
 #[derive(Debug, Default)]
 pub(super) struct TransferWatch {
     patience: Patience,
-    /// Time when a line was last answered, carried out or left.
+    /// Time when a line was last answered, executed or left.
     moved: Duration,
     /// Total time of all holds since then, and start of the current hold.
     was_held: Duration,

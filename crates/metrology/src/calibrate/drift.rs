@@ -40,7 +40,7 @@ pub fn reversals<'a>(
             });
             let cause = match (fitted, known) {
                 (Some(name), _) => format!("{name} is to be found"),
-                (None, Some(entry)) => format!("the machine file has a backlash of {}", entry.name),
+                (None, Some(entry)) => format!("the machine file has backlash in {}", entry.name),
                 (None, None) => continue,
             };
             out.push(format!("{}: {read} was read with an unknown drift, but {cause}", set.name));

@@ -39,7 +39,7 @@ pub struct DataSet {
     pub sigma_rad: Option<f64>,
     /// Unknowns of every set-up.
     pub free: Vec<Free>,
-    /// Data of set-ups that the description does not name, if the artefact is the same in all of them.
+    /// Data of set-ups that the description does not name, if the artifact is the same in all of them.
     pub artefact: Setup,
     /// Mountings of the instrument.
     pub setups: Vec<Setup>,
@@ -117,7 +117,7 @@ pub enum Free {
     Rod,
     /// Temperature of a ball-bar, for every set-up.
     RodTemperature,
-    /// A small rotation of an artefact.
+    /// A small rotation of an artifact.
     Rotation,
     /// The tool vector.
     Tool,
@@ -136,11 +136,11 @@ pub struct Setup {
     pub length_mm: f64,
     /// Index of its extension rod.
     pub rod: usize,
-    /// Expansion of the rod or artefact per K; 0 if it counts as measured at 20 °C.
+    /// Expansion of the rod or artifact per K; 0 if it counts as measured at 20 °C.
     pub expansion_per_k: f64,
     /// Its temperature, °C, unless a row states another.
     pub temperature_c: Option<f64>,
-    /// The point from which an artefact expands, mm, in the workpiece frame.
+    /// The point from which an artifact expands, mm, in the workpiece frame.
     pub origin_mm: Option<Vector>,
 }
 
@@ -168,7 +168,7 @@ pub struct Observation {
     pub t_s: Option<f64>,
     /// Index of the condition of the machine.
     pub condition: usize,
-    /// Temperature of the ball-bar or artefact, °C.
+    /// Temperature of the ball-bar or artifact, °C.
     pub temperature_c: Option<f64>,
     /// Feed, mm/min.
     pub feed: Option<f64>,

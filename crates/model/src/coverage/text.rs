@@ -10,7 +10,7 @@ use super::{Coverage, CoverageGap, GapKind};
 const LEAST_UM: f64 = 0.01;
 
 impl Coverage {
-    /// Returns a diagnostic for each gap: a warning, or an error if coverage is required, which unknown ranges do not fulfil either.
+    /// Returns a diagnostic for each gap: a warning, or an error if coverage is required, which unknown ranges do not fulfill either.
     #[must_use]
     pub fn diagnostics(&self, is_required: bool) -> Vec<Diagnostic> {
         let mut found = Vec::new();

@@ -21,9 +21,9 @@ const LEAST_REMAINDER: f64 = 1e-7;
 /// Unknowns in addition to the parameters and the position of the workpiece, which is always unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SetUp {
-    /// Tool length. The artefact has a known length, and the offset of the tool was separated from that of the spindle by indexing the spindle.
+    /// Tool length. The artifact has a known length, and the offset of the tool was separated from that of the spindle by indexing the spindle.
     ToolLength,
-    /// The whole tool vector, and the size of the artefact.
+    /// The whole tool vector, and the size of the artifact.
     ToolAndSize,
 }
 

@@ -76,7 +76,10 @@ impl Registered for dyn ErrorSource {
     fn conflict(&self, other: &Self) -> Option<String> {
         let sections = other.info().sections;
         let taken = |section: &&&str| self.info().sections.contains(section) || SECTIONS.contains(section);
-        sections.iter().find(taken).map(|section| format!("the section {section} of the machine file is another's"))
+        sections
+            .iter()
+            .find(taken)
+            .map(|section| format!("the section {section} of the machine file belongs to another source"))
     }
 }
 

@@ -1,4 +1,4 @@
-//! Decides when a control is to come to a stop, so that it can report what it has carried out.
+//! Decides when a control is to come to a stop, so that it can report what it has executed.
 //!
 //! If only the count of answers says which lines were taken, one answer too many shifts all later ones. In this case the sender waits now and then until all
 //! moves are done. It waits only after rapid moves: a stop on a contour leaves a mark.
@@ -38,7 +38,7 @@ impl Barrier {
         moves && self.is_rapid && self.lines >= EVERY
     }
 
-    /// Notes that the control has reported what it has carried out.
+    /// Notes that the control has reported what it has executed.
     pub(super) fn is_over(&mut self) {
         self.lines = 0;
     }

@@ -8,7 +8,7 @@
 //!
 //! | state | answer | meaning |
 //! | --- | --- | --- |
-//! | the whole block has left | `ACK` | the block is stored, not necessarily carried out |
+//! | the whole block has left | `ACK` | the block is stored, not necessarily executed |
 //! | | `NAK` | its check character is wrong: it is sent again, up to the limit |
 //! | | `DC1` | permission to continue: no effect |
 //! | the block is still leaving, or none is under way | `ACK`, `NAK` | impossible: an answer came twice, or too late |

@@ -1,4 +1,4 @@
-//! Number of blocks that a control may have answered but not carried out, as it reports itself, and whether it is idle.
+//! Number of blocks that a control may have answered but not executed, as it reports itself, and whether it is idle.
 //!
 //! An answer says that the planner has taken a line, not that anything has moved. Planner depth differs between controls and is often a setting, so a
 //! constant is of no use. The depth that the control states at the beginning of the job counts; if it states several, the largest.

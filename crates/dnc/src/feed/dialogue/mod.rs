@@ -28,11 +28,11 @@ pub enum Event {
     /// Evidence other than the count of answers shows that the control has taken this line and all before it: the buffer state, or the line number in its
     /// answer. A single surplus answer proves nothing.
     Checked(u64),
-    /// The control reports that it has carried out this line and all before it.
+    /// The control reports that it has executed this line and all before it.
     Executed(u64),
-    /// The control states the maximum number of blocks that are taken and not carried out: the number, and its words.
+    /// The control states the maximum number of blocks that are taken and not executed: the number, and its words.
     Holds(u64, String),
-    /// The last byte of this line, and of all before it, went out over a link without answers. It is not known whether the control has carried the line out.
+    /// The last byte of this line, and of all before it, went out over a link without answers. It is not known whether the control has executed the line.
     Left(u64),
     /// The control asks to pause (`true`) or to resume.
     Paused(bool),
@@ -53,7 +53,7 @@ pub enum Event {
 pub enum Halt {
     /// Axes stop now; lines stay in the control and continue when a person resumes them.
     Hold,
-    /// No further line is sent; the lines in the control are carried out.
+    /// No further line is sent; the lines in the control are executed.
     Stop,
     /// Lines in the control are discarded.
     Abort,
@@ -104,9 +104,9 @@ pub struct Protocol {
     pub title: &'static str,
     /// True if the control is asked before the first line whether it is idle. It gets no line unless it says so.
     pub asks_idle: bool,
-    /// True if its answer means that the line is in a planner. The planner depth then limits the lines that may not be carried out.
+    /// True if its answer means that the line is in a planner. The planner depth then limits the lines that may not be executed.
     pub has_planner: bool,
-    /// Blocks beyond the planner places that may not be carried out either: those that still move, and those that wait before the planner.
+    /// Blocks beyond the planner places that may not be executed either: those that still move, and those that wait before the planner.
     pub beyond: u64,
     /// Checks that a line can be sent over it; a sentence if not.
     pub check: fn(&Profile, &[u8]) -> Result<(), String>,

@@ -1,7 +1,7 @@
-//! Rods of ball-bars and artefacts: sharing between set-ups, temperature, and thermal expansion.
+//! Rods of ball-bars and artifacts: sharing between set-ups, temperature, and thermal expansion.
 //!
-//! Lengths are those at 20 °C. A rod is longer by its expansion × (temperature − 20 °C); an artefact expands by the same factor from an origin. The
-//! origin has no effect if the position of the artefact is unknown; it defaults to the first measured point.
+//! Lengths are those at 20 °C. A rod is longer by its expansion × (temperature − 20 °C); an artifact expands by the same factor from an origin. The
+//! origin has no effect if the position of the artifact is unknown; it defaults to the first measured point.
 
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Vector;
@@ -13,7 +13,7 @@ use super::{DataSet, Free, Observation, Setup, number_of};
 
 /// Reference temperature of lengths, °C.
 const REFERENCE_C: f64 = 20.0;
-/// Accepted temperatures of rods and artefacts, °C.
+/// Accepted temperatures of rods and artifacts, °C.
 const RANGE_C: std::ops::RangeInclusive<f64> = -30.0..=150.0;
 /// Help for temperatures.
 pub(super) const PLAUSIBLE: &str = "write a temperature of -30 to 150 °C, or leave the cell empty";
@@ -121,7 +121,7 @@ fn differs(one: &Setup, other: &Setup) -> bool {
     (one.length_mm - other.length_mm).abs() > 0.0 || (one.expansion_per_k - other.expansion_per_k).abs() > 0.0
 }
 
-/// Fills in the origins of the expansion of artefacts.
+/// Fills in the origins of the expansion of artifacts.
 pub(super) fn finish(data: &mut DataSet, machine: &Machine) {
     let kinematics = Kinematics::new(machine);
     let mut first: Vec<Option<Vector>> = vec![None; data.setups.len()];
@@ -136,7 +136,7 @@ pub(super) fn finish(data: &mut DataSet, machine: &Machine) {
 }
 
 impl DataSet {
-    /// Length of the rod or artefact of a row relative to 20 °C: a factor.
+    /// Length of the rod or artifact of a row relative to 20 °C: a factor.
     #[must_use]
     pub fn stretch(&self, row: &Observation) -> f64 {
         let Some(setup) = self.setups.get(row.setup).filter(|setup| setup.expansion_per_k > 0.0) else { return 1.0 };

@@ -126,7 +126,7 @@ impl fmt::Display for FiguresError {
             }
             FiguresError::Backlash(value, sigma) => write!(
                 f,
-                "the axis has a backlash of {value:.6} ± {sigma:.6}, so that the two directions differ by more than drift"
+                "the axis has a reversal value of {value:.6} ± {sigma:.6}, so the two directions differ by more than drift"
             ),
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! An artefact may be displaced from its nominal position: `offset` and `rotation` move it in the workpiece, with which it turns. A point with the
 //! nominal position p is at R p + o, so that the displacement of the tool is d = F's directions of (tip − R p − o). R is exact: the square of 1 mrad
-//! over 500 mm gives 0.25 µm. An artefact of known expansion and temperature is scaled before, about its origin.
+//! over 500 mm gives 0.25 µm. An artifact of known expansion and temperature is scaled before, about its origin.
 
 use nalgebra::Rotation3;
 
@@ -83,7 +83,7 @@ pub(super) fn equations(
     let mut point = seen.nominal.translation;
     let setup = data.setups.get(observation.setup);
     if let Some(origin) = setup.filter(|setup| setup.expansion_per_k > 0.0).and_then(|setup| setup.origin_mm) {
-        // The points of a warm artefact move away from its origin.
+        // The points of a warm artifact move away from its origin.
         point = origin + (point - origin) * data.stretch(observation);
     }
     let mut angle = Vector::zeros();

@@ -46,7 +46,7 @@ pub struct Instrument {
     pub equations: fn(&DataSet, &Observation, &Seen<'_>, &[f64], &mut Vec<Equation>),
     /// The equations without readings: known distances, in order.
     pub ties: fn(&DataSet, &[f64], &mut Vec<Equation>),
-    /// The column with the temperature of its instrument or artefact.
+    /// The column with the temperature of its instrument or artifact.
     pub temperature: Option<&'static str>,
     /// The columns of its readings, with the unit of each.
     pub columns: &'static [&'static str],
@@ -64,7 +64,7 @@ pub enum Measurand {
     BallPlace,
     /// One error component, which the row names. Numbers of [`Unknown::Offset`] count set-ups and, within each, the components.
     Component,
-    /// The displacement of the tool from the points of an artefact along F's directions.
+    /// The displacement of the tool from the points of an artifact along F's directions.
     Displacement,
     /// That displacement while the machine moves, at samples of the encoders. A reading has the acceleration of the axes.
     MovingDisplacement,
@@ -112,7 +112,7 @@ pub enum Unknown {
     RodTemperature(usize),
     /// Offset of readings; direction 0 for single values.
     Offset(usize, usize),
-    /// Rotation of the artefact.
+    /// Rotation of the artifact.
     Rotation(usize, usize),
     /// Position of a ball.
     Place(usize, usize),

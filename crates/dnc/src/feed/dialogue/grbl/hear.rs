@@ -6,7 +6,7 @@
 //! | --- | --- | --- |
 //! | greeting, looking | a greeting; a report | it responds; unless it is idle the job ends |
 //! | asking | `ok`, `error:N` | for lines of an earlier job, or for the question; the line of `$I` |
-//! | lines under way | `ok` | the oldest was taken, not necessarily carried out |
+//! | lines under way | `ok` | the oldest was taken, not necessarily executed |
 //! | | `error:N` | the oldest was refused: the axes are held, the other answers are awaited |
 //! | any | a report that fits the count | buffer state; one more line may be in its parser |
 //! | | `[MSG:…]`, `[PRB:…]`, `[GC:…]`, `[echo:…]` | shown |
@@ -156,7 +156,7 @@ impl Grbl {
             "the axes are in hold; cycle start (~) would execute the lines after it, a reset (Ctrl-X) discards them";
         if is_taken && self.surplus == 0 && self.in_flight.is_empty() && number != NO_LINE {
             self.state = State::Over;
-            // The lines after it were answered, too; the refused line was not carried out.
+            // The lines after it were answered, too; the refused line was not executed.
             self.acknowledged = self.acknowledged.min(number.saturating_sub(1));
             self.confirm(events);
             events.push(Event::Refused(number, format!("{said}; {what}")));

@@ -39,7 +39,7 @@ const STEPPED: u64 = 16;
 const ASK_EVERY: Duration = Duration::from_millis(200);
 /// Silence after a refusal that means that everything was answered.
 const QUIET: Duration = Duration::from_millis(500);
-/// Dwell that is answered when all moves are done: planned moves are carried out first (Grbl 1.1, "sync and planner buffer"). It has no line number.
+/// Dwell that is answered when all moves are done: planned moves are executed first (Grbl 1.1, "sync and planner buffer"). It has no line number.
 const BARRIER: &[u8] = b"G4 P0.01\n";
 const NO_LINE: u64 = 0;
 /// Interval of status questions while the control comes to a stop after a dwell.
@@ -94,7 +94,7 @@ struct Grbl {
     moved: Duration,
     /// True if its reports contain the buffer state.
     tells_buffers: bool,
-    /// Last line that was acknowledged, last line confirmed by a report, last line certainly taken, and last line carried out.
+    /// Last line that was acknowledged, last line confirmed by a report, last line certainly taken, and last line executed.
     acknowledged: u64,
     confirmed: u64,
     checked: u64,
@@ -187,7 +187,7 @@ impl Grbl {
         self.in_flight.push_back((number, bytes.len(), busy));
     }
 
-    /// True if every line was answered and carried out.
+    /// True if every line was answered and executed.
     fn is_finished(&self) -> bool {
         self.in_flight.is_empty() && self.sure == self.acknowledged
     }

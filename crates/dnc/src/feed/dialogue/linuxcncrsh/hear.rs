@@ -8,7 +8,7 @@
 //! | none under way | `error: …`, `warning: …` | kept for the line |
 //! | line sent | `SET MDI ACK`, `SET MDI NAK` | it was received; it was not received, and nothing of it moves |
 //! | running, asked | `PROGRAM_STATUS RUNNING`, `PAUSED`, `IDLE` | it runs; a person holds it; it has ended |
-//! | checking | `SET WAIT ACK` or `NAK`, `ENABLE`, `MACHINE`, `MODE`, `SPINDLE`, `ERROR` in this order | carried out or not, state unchanged or not |
+//! | checking | `SET WAIT ACK` or `NAK`, `ENABLE`, `MACHINE`, `MODE`, `SPINDLE`, `ERROR` in this order | executed or not, state unchanged or not |
 //! | aborting | `SET ABORT …` | it has stopped; everything before it is skipped |
 
 use std::time::Duration;

@@ -1,7 +1,7 @@
 //! LinuxCNC over linuxcncrsh: every line is an MDI command; the next one is sent when it is done.
 //!
 //! `set mdi` is answered as soon as it is received. Then the control is asked for its status until it is idle. `set wait done` says whether the line was
-//! carried out (emcrsh.cc, shcom.cc, emctaskmain.cc of 2.9). More lines could wait in the control. But after an error it discards them and takes the next one
+//! executed (emcrsh.cc, shcom.cc, emctaskmain.cc of 2.9). More lines could wait in the control. But after an error it discards them and takes the next one
 //! as if nothing had happened: an unnoticed gap. So only one line is under way, and the axes stop between two lines.
 //!
 //! A person or another program may abort a line at the control; the control then reports the line as done. This is detected if the machine or its mode
@@ -71,7 +71,7 @@ struct UnderWay {
     since: Duration,
     busy: Duration,
     words: Words,
-    /// True if the control has received the line; true if it reports the line as carried out.
+    /// True if the control has received the line; true if it reports the line as executed.
     is_received: bool,
     is_done: bool,
     /// Number of answered questions after the line.
@@ -140,7 +140,7 @@ impl Rsh {
         self.last_heard = now;
     }
 
-    /// Asks the question of the next step before the first line; after the last step a trial line is carried out.
+    /// Asks the question of the next step before the first line; after the last step a trial line is executed.
     fn ask_step(&mut self, step: usize, now: Duration, wire: &mut Wire) {
         self.state = State::Opening(step);
         match greeting::question(step, &self.passwords) {

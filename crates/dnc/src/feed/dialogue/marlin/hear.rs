@@ -7,7 +7,7 @@
 //! | opening | a greeting | it starts: the line count is set again |
 //! | | any demand, while the count is set | it still has another count |
 //! | | `ok` before the text of the mark | for lines of an earlier job |
-//! | line n under way | `ok`, `ok Nn …` | it was taken, not necessarily carried out |
+//! | line n under way | `ok`, `ok Nn …` | it was taken, not necessarily executed |
 //! | | `Resend: n` | it arrived damaged: it is sent again |
 //! | | `Resend: n+1` | it was taken and a copy refused: possible if there was a copy, or if the fault names n |
 //! | none under way | `Resend: next` | a copy was refused: possible if there was one |
@@ -21,7 +21,7 @@
 //! | closing | the text of the mark, `ok` | all moves are done |
 //! | any but opening | a greeting | it was reset |
 //! | | any other `Error`, `!!`, an end switch, an axis that is not homed | it has stopped, or omits moves |
-//! | | any other text | it may mean that a line was not carried out: its state is unknown |
+//! | | any other text | it may mean that a line was not executed: its state is unknown |
 //!
 //! A demand for a line before these means that the control has lost its count. A demand for a line after them was disturbed.
 

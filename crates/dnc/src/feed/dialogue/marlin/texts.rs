@@ -1,6 +1,6 @@
 //! Marlin: known unsolicited texts and their meaning.
 //!
-//! Firmware of this family continues after many texts which mean that a line was not carried out, or not as written. So only texts that are known to be
+//! Firmware of this family continues after many texts which mean that a line was not executed, or not as written. So only texts that are known to be
 //! harmless count as harmless. Any other text may have had that meaning.
 
 use std::sync::LazyLock;
