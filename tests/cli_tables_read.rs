@@ -157,8 +157,8 @@ fn values_that_no_machine_is_off_by() {
         ("v.csv", "X0Z\n-11\n", "mm"),
         ("g.txt", "S1 P0 T1=0 T2=0 T3=0 R1=20000 R2=0 R3=0\nS1 P9 T1=0 T2=0 T3=0 R1=0 R2=0 R3=0\n", "degrees"),
         ("g.txt", "S1 P0 T1=20000 T2=0 T3=0 R1=0 R2=0 R3=0\nS1 P9 T1=0 T2=0 T3=0 R1=0 R2=0 R3=0\n", "mm"),
-        ("m.hal", "setp matrixkins.C_xy 0.05\n", "in a meter"),
-        ("m.hal", "setp matrixkins.C_xx 25.4\n", "in a meter"),
+        ("m.hal", "setp matrixkins.C_xy 0.05\n", "per meter"),
+        ("m.hal", "setp matrixkins.C_xx 25.4\n", "per meter"),
     ] {
         let shop = Shop::new().file(name, text).file("wide.toml", WIDE);
         shop.run(["tables", "--read", name, "--machine", "wide.toml", "--check"]).exits(4).says("E0901").says(what);

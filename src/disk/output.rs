@@ -145,7 +145,7 @@ fn newer(file: &OneFile, old: Old<'_>) -> Error {
         (Old::Replaced, Some(_)) => format!("{path} has changed since this run began"),
         (Old::Replaced, None) => format!("{path} was created after this run began"),
     };
-    let help = "the present file is kept; check it, then run the command again";
+    let help = "the current file is kept; check it, then run the command again";
     Error::one(Diagnostic::nowhere(Code::NEWER_FILE, message, help))
 }
 

@@ -51,13 +51,13 @@ pub fn load_with(source: &Source, registers: &ModelRegisters) -> (Option<(Machin
     if let Some(first) = unused.first() {
         let help = match nearest(first, used.iter().copied()) {
             Some(near) => format!("did you mean `{near}`?"),
-            None => "take it out, or correct its name".into(),
+            None => "remove it, or correct its name".into(),
         };
         let message = format!("no source of error uses the sensor {}", unused.join(", "));
         root.report(Code::UNUSED_SENSOR, root.place_of_key("sensor"), message, help);
     }
     if root.has("segment") && root.has("drift") {
-        let message = "[[drift]] and [[segment]] both say how far the warm machine drifts, and add up";
+        let message = "[[drift]] and [[segment]] both describe the drift of the warm machine, and are added";
         let help = "keep one of them, or let each describe the parts that the other does not";
         root.report(Code::TWO_DRIFTS, root.place_of_key("segment"), message, help);
     }
@@ -81,7 +81,7 @@ fn check_uncertainty(root: &mut Section<'_>, axes: AxisSet, errors: &ErrorModel,
         if name == uncertainty::UNEXPLAINED || found.is_some_and(is_of_machine) {
             continue;
         }
-        let message = format!("{name} is no parameter of the error model of this machine");
+        let message = format!("{name} is not a parameter of the error model of this machine");
         let help = "write a parameter such as EC0Y, EXX1 or EXXb, a motion error such as EXX, or a parameter of an effect as `ncfix calibrate` names it";
         section.report(Code::UNKNOWN_COMPONENT, section.place_of_key(name), message, help);
     }
@@ -176,8 +176,8 @@ pub(super) fn known_component(
             format!("{text}: the machine has no axis {}", char::from(text.as_bytes()[text.len() - 1]))
         }
         Ok(name) if name.kind != kind => match kind {
-            ErrorKind::Location => format!("{text} is a motion error, it belongs into [[motion]]"),
-            ErrorKind::Motion => format!("{text} is a location error, it belongs into [location]"),
+            ErrorKind::Location => format!("{text} is a motion error, it belongs in [[motion]]"),
+            ErrorKind::Motion => format!("{text} is a location error, it belongs in [location]"),
         },
         Ok(name) => return Some(name),
     };

@@ -215,7 +215,7 @@ fn of_prediction(prediction: &PredictionReport) -> (Grade, String) {
         );
     };
     if prediction.is_harmful() {
-        return (Grade::Bad, format!("the correction makes the error larger, with 95 % of certainty: {largest}"));
+        return (Grade::Bad, format!("the correction makes the error larger, with 95 % confidence: {largest}"));
     }
     if prediction.improves.is_some_and(|share| share < 1.0) {
         return (

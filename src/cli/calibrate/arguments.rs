@@ -16,7 +16,7 @@ change. If the data cannot separate some parameters, a message names them, and n
 Temperature columns and load_N of a table give the condition of each row. For tables without them, --state, --time and --load give the condition of all \
 measurements, including those held out.
 
-A term states a deviation of your own, as for ncfix diagnose --hypothesis: docs/reference/terms.md. What is no parameter of the machine file gets an entry there.
+A term states your own deviation, as for ncfix diagnose --hypothesis: docs/reference/terms.md. A term that is not a parameter of the machine file gets an entry there.
 
 --select finds the further parameters that the data needs. Candidates are added, removed and exchanged as long as a criterion decreases, are tested with \
 the autocorrelation of the readings, and must improve the prediction of held-out readings. Candidates are presets, motion (all motion errors of the \

@@ -15,7 +15,7 @@ A cause is named only if it remains significant with the autocorrelation of the 
 the prediction of runs or set-ups that were not used to find it. A cause that the data of --hold-out does not confirm is not named. See \
 docs/reference/diagnose.md.
 
---hypothesis tests a term of your own: its amount, the evidence for or against it, its gain on unseen readings, other explanations. \
+--hypothesis tests your own term: its amount, the evidence for or against it, its gain on unseen readings, other explanations. \
 docs/reference/terms.md has the grammar.
 
 Examples:

@@ -17,7 +17,7 @@ pub(in crate::cli) const AFTER_HELP: &str = "\
 Formats (--list describes each):
   cec  enc  fanuc  heidenhain  grundig  comp  matrixkins  isg  ssfk
 Schemes:
-  functions      a table for each error function, for controls with kinematics of their own
+  functions      a table for each error function, for controls with their own kinematics
   grid           corrections of X, Y, Z on the smallest grid of positions that reaches the tolerance
   matrix         a matrix for scales and squareness of X, Y, Z
   own            a table for each axis over its own position, each point fitted freely

@@ -215,7 +215,7 @@ Nothing was written.";
     MIXED_UNITS = "E0224" "inches and millimeters in one program"
 "A Fanuc interprets its tool and zero offsets in the unit in force, so a corrected program keeps the unit of the program. This one
 has both G20 and G21, so it has no single unit. Split it into programs with one unit each and correct them separately.";
-    BAD_SWIVEL = "E0235" "plane that cannot be swivelled"
+    BAD_SWIVEL = "E0235" "plane that cannot be tilted"
 "CYCLE800 (Sinumerik) or G53.1 (Fanuc) tilts the plane in a way that is not supported, the rotary axes cannot align the tool with it,
 or the retract position is not known. The message states which. The resulting rotary axis positions and frame can always be
 programmed directly.";
@@ -569,8 +569,8 @@ the run and are not written either: the control must have the same tables before
     NOT_CORRECTED = "W0205" "moves that are not corrected"
 "SETINT lets an input of the control interrupt the program and start another one, which runs unchanged on the control. Its moves are
 not corrected, unless that program has been corrected too.";
-    WATCHED_ONCE = "W0206" "synchronised action of one block"
-"A synchronised action without ID acts while the next block is executed. If the correction cuts the move of that block into pieces,
+    WATCHED_ONCE = "W0206" "synchronized action of one block"
+"A synchronized action without ID acts while the next block is executed. If the correction cuts the move of that block into pieces,
 the action is active only during the first piece.";
     TAPPING_BY_FEED = "W0207" "tapping by feed moves"
 "A tapping cycle (G84, G74) becomes a feed move into the hole, a spindle reversal, and a move out. Spindle and axis are not

@@ -39,7 +39,7 @@ pub fn reversals<'a>(
                 feels(&entry.name) && backlash.reversal.values.iter().any(|&value| value != 0.0)
             });
             let cause = match (fitted, known) {
-                (Some(name), _) => format!("{name} is to be found"),
+                (Some(name), _) => format!("the model contains {name}"),
                 (None, Some(entry)) => format!("the machine file has backlash in {}", entry.name),
                 (None, None) => continue,
             };

@@ -81,7 +81,7 @@ impl Reduced {
             let micrometers = 1e3 * uncertain(worst);
             self.left_out.push(Confused {
                 sentence: format!(
-                    "{parameter} is determined so poorly that readings with 1 µm uncertainty leave {micrometers:.0} µm at the tip"
+                    "{parameter} is determined so poorly that readings with 1 µm uncertainty give it an uncertainty of {micrometers:.0} µm at the tip"
                 ),
                 remedy: "measure where its effect is larger, or where similar parameters have another effect".into(),
                 parameters: vec![parameter],

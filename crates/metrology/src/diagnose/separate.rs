@@ -72,7 +72,7 @@ const OTHERS: [(&str, SeparatingPlan); 5] = [
         SeparatingPlan::Heights,
     ),
     ("a grid of points over the travel, which shows each axis along its whole length", SeparatingPlan::Grid),
-    ("circles in both senses", SeparatingPlan::Circles),
+    ("circles in both directions", SeparatingPlan::Circles),
     ("the line of the axis in both directions", SeparatingPlan::Line),
     ("circles of another radius", SeparatingPlan::SmallCircles),
 ];

@@ -206,7 +206,7 @@ impl Entry<'_> {
         if let Some(index) = fault {
             let place = self.section.place_of_item(key, index + 1);
             let message = format!("position {} of {key} is not above the one before it", index + 2);
-            self.section.report(Code::BAD_TABLE, place, message, "sort the positions and remove double ones");
+            self.section.report(Code::BAD_TABLE, place, message, "sort the positions and remove duplicates");
             return None;
         }
         Some(())

@@ -197,8 +197,8 @@ fn join(mut entries: Vec<&Entry>, findings: &mut Vec<Diagnostic>) -> Option<Drif
     for pair in entries.windows(2).filter(|pair| pair[0].node.at >= pair[1].node.at) {
         let letter = first.direction.letter();
         let message = match first.over {
-            Some(_) => format!("the drift of {letter} at this position is there twice"),
-            None => format!("the drift of {letter} is there twice"),
+            Some(_) => format!("the drift of {letter} at this position is given twice"),
+            None => format!("the drift of {letter} is given twice"),
         };
         let help = "write one entry with all sensors, or give each entry its position with over and at_mm (at_deg)";
         findings.push(Diagnostic::at(Code::BAD_TABLE, pair[1].place, message, help));
@@ -290,7 +290,7 @@ fn read_over(section: &mut Section<'_>, axes: AxisSet, machine: Option<&Machine>
     let at = section.required(key, "100", Section::number)?;
     let is_endless = machine.and_then(|machine| machine.axis(axis)).is_some_and(|data| data.modulo);
     if is_endless && !(0.0..=360.0).contains(&at) {
-        let message = format!("{axis} turns without end, its positions are 0 to 360°, found {at}");
+        let message = format!("{axis} is a modulo axis: its positions are 0 to 360°, found {at}");
         section.report(Code::BAD_VALUE, section.place_of(key), message, "write the position within the turn");
     }
     Some((Some(axis), if axis.is_rotary() { at.to_radians() } else { at }))

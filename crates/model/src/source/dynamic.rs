@@ -115,7 +115,7 @@ fn read_entry(entry: usize, section: &mut Section<'_>, reading: &MachineFileRead
     });
     if acceleration.is_none() && jerk.is_none() && ![2, 3].iter().any(|&order| section.has(&key(name, order))) {
         let help = format!("write {} = 1.5", key(name, 2));
-        section.report(Code::MISSING_KEY, place, format!("{name} does not say how much it gives way"), help);
+        section.report(Code::MISSING_KEY, place, format!("{name} states no compliance"), help);
         return None;
     }
     let function = Dynamic { by_acceleration: acceleration.unwrap_or(0.0), by_jerk: jerk.unwrap_or(0.0) };

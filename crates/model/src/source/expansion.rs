@@ -155,7 +155,7 @@ fn read_axis(section: &mut Section<'_>, axes: AxisSet, seen: &mut AxisSet) -> Op
     };
     if seen.contains(axis) {
         let help = "write scale and workpiece into one section";
-        section.report(Code::BAD_VALUE, place, format!("the expansion of {axis} is there twice"), help);
+        section.report(Code::BAD_VALUE, place, format!("the expansion of {axis} is given twice"), help);
     }
     seen.insert(axis);
     Some(axis)

@@ -108,7 +108,8 @@ fn read_lean(section: &mut Section<'_>) -> Option<Lean> {
     let (arm, at) = (length("arm_mm"), length("at_mm"));
     let [has_arm, has_at] = ["arm_mm", "at_mm"].map(|key| section.has(key));
     if has_arm && has_at {
-        let (message, help) = ("both arm_mm and at_mm", "arm_mm: the weight counts by (arm − p)/arm; at_mm: by p/at");
+        let (message, help) =
+            ("both arm_mm and at_mm", "arm_mm: the weight is multiplied by (arm − p)/arm; at_mm: by p/at");
         section.accept("along");
         section.report(Code::BAD_VALUE, section.place_of_key("at_mm"), message, format!("give one of them: {help}"));
         return None;
@@ -116,7 +117,7 @@ fn read_lean(section: &mut Section<'_>) -> Option<Lean> {
     if !has_arm && !has_at {
         if section.has("along") {
             section.accept("along");
-            let help = "give arm_mm or at_mm with it, or remove along where the place of the load does not matter";
+            let help = "give arm_mm or at_mm with it, or remove along if the position of the load has no effect";
             section.report(Code::MISSING_KEY, section.place_of_key("along"), "along without arm_mm or at_mm", help);
             return None;
         }

@@ -276,7 +276,7 @@ fn read_segment(section: &mut Section<'_>, reading: &MachineFileReading<'_, '_>)
     let g = match (across, across_mm) {
         (Some(across), Some(_)) => across.try_normalize(1e-9),
         _ if most > 1 => {
-            let message = "several sensors at an end, and across and across_mm do not say where";
+            let message = "several sensors at an end, and across and across_mm do not state where";
             return refuse(section, "sensors_from", message, "give the direction across and the distance across_mm");
         }
         _ => Some(s.cross(&Vector::ith(s.iamin(), 1.0)).normalize()),
@@ -299,7 +299,7 @@ fn read_segment(section: &mut Section<'_>, reading: &MachineFileReading<'_, '_>)
     }
     let slide_mm = match along {
         None if at_mm.is_some() => {
-            let message = "at_mm says where an axis slides along the segment, and along names none";
+            let message = "at_mm states where an axis slides along the segment, and along names none";
             return refuse(section, "at_mm", message, "name the axis in along");
         }
         None => None,
@@ -309,7 +309,7 @@ fn read_segment(section: &mut Section<'_>, reading: &MachineFileReading<'_, '_>)
             let is_parallel = direction.is_none_or(|data| data.direction.cross(&s).norm() < DIRECTION_LIMIT);
             if slides != before || !is_parallel || axis_of(slides).is_none_or(Axis::is_rotary) {
                 let help = "name in along and before the linear axis that slides along the segment";
-                return refuse(section, "along", "only the axis behind a segment may slide along it", help);
+                return refuse(section, "along", "only the axis after a segment in the chain may slide along it", help);
             }
             Some(section.required("at_mm", "100", |_, _| at_mm)?)
         }

@@ -95,7 +95,7 @@ impl Flat<'_> {
                 self.out.push(b'\n');
                 self.notes(&[
                     "positions of the axes in machine coordinates: G53 suppresses zero offsets",
-                    "the length of the tool in the spindle counts: load one of length 0 before the start",
+                    "the length of the tool in the spindle is active: load one of length 0 before the start",
                 ]);
                 self.line(b"G17 G71 G90 G94 G40");
                 self.line(b"G53");

@@ -153,7 +153,7 @@ impl<'a> DiagnosticCollector<'a> {
         }
         self.unsensed.insert(axis);
         let message = format!(
-            "the direction in which {axis} reached this position is unknown: its backlash leaves an error of up to {}",
+            "the direction in which {axis} reached this position is unknown: its backlash can cause an error of up to {}",
             micrometers(half_mm)
         );
         let help = format!("let the program move {axis} by more than that before it cuts, or give --start");

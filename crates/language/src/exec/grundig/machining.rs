@@ -122,8 +122,8 @@ fn define_cycle(
         let help = "use a compensating tapping chuck; keep the override at 100 %";
         channel.outlet.warnings.push(fault(Code::TAPPING_BY_FEED, span, message, help));
         if words.get(b'I', 1) == Some(1.0) && channel.settings.strict {
-            let message = "tapping without a compensating chuck (I1=1) needs a synchronised spindle";
-            let help = "program I1=0 and use such a chuck; elementary moves cannot synchronise the spindle";
+            let message = "tapping without a compensating chuck (I1=1) needs a synchronized spindle";
+            let help = "program I1=0 and use such a chuck; elementary moves cannot synchronize the spindle";
             return Err(fault(Code::NOT_SUPPORTED, span, message, help));
         }
         pitch = words.get(b'J', 0).filter(|pitch| *pitch > 0.0);

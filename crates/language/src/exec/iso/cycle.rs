@@ -375,7 +375,7 @@ fn check_rigid(machine: &Machine, cycles: &Cycles, code: u16, name: &str, span: 
     let rigid = machine.control.iso.rigid_tapping;
     let is_rigid = cycles.is_rigid || matches!(code, 842 | 843) || rigid == Some(true);
     if is_rigid {
-        let message = format!("{name} is rigid tapping: single motions do not synchronise spindle and axis");
+        let message = format!("{name} is rigid tapping: single motions do not synchronize spindle and axis");
         let help = "put the tapping into a program that is not corrected";
         return Err(fault(Code::NOT_SUPPORTED, span, message, help));
     }

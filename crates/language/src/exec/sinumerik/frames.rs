@@ -19,8 +19,8 @@ use ncfix_machine::snc::{FrameKind, FrameStatement, FrameWords};
 pub(super) fn offset(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     let Some((name, span)) = &gathered.offset else { return Ok(()) };
     if channel.modal.swivelled.is_some() && *name != channel.modal.stated.offset() {
-        let message = format!("{name} in a plane that CYCLE800 has swivelled");
-        return Err(fault(Code::BAD_SWIVEL, *span, message, "end the swivel with CYCLE800() first"));
+        let message = format!("{name} in a plane that CYCLE800 has tilted");
+        return Err(fault(Code::BAD_SWIVEL, *span, message, "end the tilted plane with CYCLE800() first"));
     }
     let order = setup::rotation_order(channel.settings.machine);
     let parts =
@@ -107,7 +107,7 @@ pub(super) fn frame_statement(
 /// Replaces the programmable frame above a swivelled plane, which the output has in the same place.
 fn replace_swivelled(channel: &mut Channel<'_>, statement: &FrameStatement, span: Span) -> Result<(), Fault> {
     if matches!(statement.kind, FrameKind::Coarse | FrameKind::Fine) {
-        let message = "G58 and G59 in a swivelled plane are not supported";
+        let message = "G58 and G59 in a tilted plane are not supported";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "program the shift with TRANS or ATRANS"));
     }
     save::restate(channel, span)?;

@@ -99,7 +99,7 @@ pub(super) fn restate(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault
     channel.modal.fine = AxisVector::ZERO;
     setup::refresh_setup(&mut channel.modal, &mut channel.standing, &mut channel.outlet);
     if channel.standing.setup.frame.linear().iter().any(|part| !part.is_finite()) {
-        return Err(refused(span, "the swivelled plane does not give a valid frame".to_owned()));
+        return Err(refused(span, "the tilted plane does not give a valid frame".to_owned()));
     }
     for statement in statements.into_iter().filter(|statement| !(statement.additive && statement.named.is_empty())) {
         channel.outlet.begin_line();

@@ -86,8 +86,8 @@ pub(super) fn check_swivelled(machine: &Machine, modal: &Modal, span: Span) -> R
     let Some(swivelled) = &modal.swivelled else { return Ok(()) };
     let turns_tool = machine.topology.tool.iter().any(|axis| axis.is_rotary());
     if turns_tool && swivelled.tool_mm != modal.tool_mm() {
-        let message = "the tool length changed in a swivelled plane on a swivelling head";
-        return Err(fault(Code::BAD_SWIVEL, span, message, "swivel again after the tool change"));
+        let message = "the tool length changed in a tilted plane on a swivel head";
+        return Err(fault(Code::BAD_SWIVEL, span, message, "tilt the plane again after the tool change"));
     }
     Ok(())
 }

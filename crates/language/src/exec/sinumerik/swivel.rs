@@ -139,7 +139,7 @@ fn rotation_of(mode: f64, angles_deg: [f64; 3], span: Span) -> Result<Matrix, Fa
 fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
     let span = request.span;
     if channel.modal.transform.turning().is_some() {
-        return Err(save::refused(span, "the plane cannot be swivelled under TRAORI".to_owned()));
+        return Err(save::refused(span, "the plane cannot be tilted under TRAORI".to_owned()));
     }
     let kinematics = Kinematics::new(channel.settings.machine);
     check_stated_for(channel, request, &kinematics)?;
@@ -182,11 +182,10 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
     } else {
         return Err(save::refused(
             span,
-            "the machine has no rotary axes to swivel; _DIR 0 sets only the frame".to_owned(),
+            "the machine has no rotary axes to tilt the plane; _DIR 0 sets only the frame".to_owned(),
         ));
     };
-    let total =
-        total.ok_or_else(|| save::refused(span, "the swivelled plane does not give a valid frame".to_owned()))?;
+    let total = total.ok_or_else(|| save::refused(span, "the tilted plane does not give a valid frame".to_owned()))?;
     let relative = below.inverse().compose(&total);
     let statements = statements_of(&relative, setup::rotation_order(channel.settings.machine))
         .ok_or_else(|| save::refused(span, "the zero offset scales or mirrors".to_owned()))?;

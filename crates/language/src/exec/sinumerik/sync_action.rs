@@ -52,7 +52,7 @@ pub(super) fn execute(
     let refusal = |message: String| fault(Code::NOT_SUPPORTED, whole, message, help);
     if !is_allowed {
         if let Some(word) = moving_word(&with_values(loaded, channel, actions)?, channel.settings.machine.axis_set()) {
-            return Err(refusal(format!("a synchronised action that may move an axis ({word})")));
+            return Err(refusal(format!("a synchronized action that may move an axis ({word})")));
         }
         if let Some(word) = tokens(source(whole)).find_map(|token| of_block(&token)) {
             return Err(refusal(format!("{word} depends on block boundaries, and moves are cut into pieces")));
@@ -127,7 +127,7 @@ fn too_clever(span: Span) -> Fault {
     fault(
         Code::NOT_SUPPORTED,
         span,
-        "a program variable or an array element written by a synchronised action",
+        "a program variable or an array element written by a synchronized action",
         "use a $ variable such as $AC_MARKER[1], or write the value",
     )
 }

@@ -154,8 +154,8 @@ fn assign_frame(
         .ok_or_else(|| fault(Code::NOT_COMPUTABLE, span, "this frame cannot be undone", "scale by factors above 0"))?;
     let is_stored = matches!(name, FrameName::Settable(_) | FrameName::StoredBase(_));
     if channel.modal.swivelled.is_some() && !is_stored {
-        let message = "a frame is assigned in a plane that CYCLE800 has swivelled";
-        return Err(fault(Code::BAD_SWIVEL, span, message, "end the swivel with CYCLE800() first"));
+        let message = "a frame is assigned in a plane that CYCLE800 has tilted";
+        return Err(fault(Code::BAD_SWIVEL, span, message, "end the tilted plane with CYCLE800() first"));
     }
     let frames = &mut channel.system.frames;
     let shown = match name {

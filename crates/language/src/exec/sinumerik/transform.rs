@@ -80,8 +80,8 @@ pub(super) fn transform(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
         }
         let is_on = name != "TRAFOOF";
         if is_on && channel.modal.swivelled.is_some() {
-            let message = format!("{name} in a plane that CYCLE800 has swivelled");
-            return Err(fault(Code::BAD_SWIVEL, span, message, "end the swivel with CYCLE800() first"));
+            let message = format!("{name} in a plane that CYCLE800 has tilted");
+            return Err(fault(Code::BAD_SWIVEL, span, message, "end the tilted plane with CYCLE800() first"));
         }
         if is_on {
             check_kinematics(&channel.settings, &channel.modal, &channel.standing, &mut channel.outlet, span)?;

@@ -46,7 +46,7 @@ impl Parser {
                         Code::MISSING_VALUE,
                         rest,
                         word.len(),
-                        "the number of the synchronised action is missing",
+                        "the number of the synchronized action is missing",
                     );
                 }
                 let start = blanks(&value[1..]);

@@ -11,9 +11,9 @@ use ncfix_model::name::{DIRECTIONS, ErrorName};
 pub(in crate::diagnose) const CAUSE: Cause = Cause {
     name: "change between measurements",
     effect: EffectKind::Earlier,
-    made_by: "a collision, a repair, new levelling or a transport between two measurements",
+    made_by: "a collision, a repair, new leveling or a transport between two measurements",
     shown_by: "an error with one value in all files before a date, and another value in all files after it",
-    separate_by: "measure again: the present value remains",
+    separate_by: "measure again: the current value remains",
     correctable: Correctable::No,
     propose: |_, _| {},
 };

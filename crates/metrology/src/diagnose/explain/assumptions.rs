@@ -221,7 +221,7 @@ pub const ASSUMPTIONS: &[Assumption] = &[
         family: Family::Setup,
         size: Size::Um(20.0),
         odds: 0.01,
-        source: "lengths that are stated come with a certificate; artefacts at another temperature",
+        source: "lengths that are stated come with a certificate; artifacts at another temperature",
     },
     Assumption {
         family: Family::Earlier,

@@ -262,7 +262,7 @@ fn changes(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Result<Vec<Ch
             Err("it depends on the spindle speed, and errors of the machine file do not; a temperature sensor at the spindle makes it a drift with temperature, which has an entry ([[drift]])"
                 .into())
         }
-        EffectKind::Earlier => Err("the machine was so in earlier files; the file has its present state".into()),
+        EffectKind::Earlier => Err("this was the state in earlier files; the machine file has the current state".into()),
         EffectKind::Sensor | EffectKind::Outlier | EffectKind::Program => Err("it belongs to the data, not to the machine".into()),
         EffectKind::Dynamic => Err("it depends on the acceleration, not on the position: ncfix decompose fits it to traces and writes [[dynamic]]; a lower feed makes it smaller"
             .into()),

@@ -150,7 +150,7 @@ fn visible(outcome: &Settled<'_, '_, '_>, number: usize, has_terms: bool, units:
     let is_faint = of_setups.iter().zip(&group.sizes).all(|(rest, size)| rest.sqrt() * size < FAINT);
     if is_faint {
         return Err(
-            "of its usual size it would change all readings together by less than a third of their noise".into()
+            "at its usual size, it would change all readings together by less than a third of their noise".into()
         );
     }
     Ok(())

@@ -115,7 +115,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     let tool_mm = wishes.tool_mm();
     let word = wishes.variant.as_deref().unwrap_or("indexed");
     let strategy = ProbeStrategy::from_word(word).ok_or_else(|| {
-        PlanRefused(format!("unknown way of probing '{word}'; the variants are samba, rumba, rumba-check, indexed"))
+        PlanRefused(format!("unknown kind of probing '{word}'; the variants are samba, rumba, rumba-check, indexed"))
     })?;
     let (poses, balls_needed, free): (Vec<Pose>, usize, &[Free]) = match strategy {
         ProbeStrategy::Samba => (samba(machine)?, 6, &[]),

@@ -135,10 +135,10 @@ fn faults(tables: &Tables, _: &Wiring) -> Vec<String> {
                 [Sense::Positive, Sense::Negative] if input == output => {}
                 [Sense::Positive, Sense::Negative] => {
                     faults.push(format!(
-                        "{output} over {input} depends on the sense, and BACKLASH is for {input} itself"
+                        "{output} over {input} depends on the direction of motion, and BACKLASH is for {input} itself"
                     ));
                 }
-                _ => faults.push(format!("{output} over {input} is not one table, or one for each sense")),
+                _ => faults.push(format!("{output} over {input} is not one table, or one for each direction")),
             }
         }
     }

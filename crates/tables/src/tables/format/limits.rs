@@ -101,7 +101,7 @@ pub(super) fn exceeded(limits: &FormatLimits, tables: &Tables) -> Vec<String> {
         let most = (0..9).map(|place| apart(place / 3, place % 3)).fold(0.0, f64::max);
         if most > MOST_SLOPE {
             let message = format!(
-                "a factor of the matrix is off by {most:.4}; plausible errors of an axis are at most {MOST_MM} mm in a meter"
+                "a factor of the matrix is off by {most:.4}; plausible errors of an axis are at most {MOST_MM} mm per meter"
             );
             faults.push(message);
         }

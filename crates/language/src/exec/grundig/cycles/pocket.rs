@@ -75,7 +75,7 @@ impl<'a> Pocket<'a> {
         let percent = self.words.get(b'I', 0).unwrap_or(self.at.engagement_percent);
         if !(percent > 0.0 && percent <= 100.0) {
             return Err(fault(
-                format!("I={percent} is not a valid cutting width in per cent"),
+                format!("I={percent} is not a valid cutting width in percent"),
                 "write a value up to 100",
             ));
         }
