@@ -92,7 +92,7 @@ fn percent(cell: &str) -> f64 {
 /// The ranking: its rows by cause, the row of all findings, and what is left over.
 fn ranking(document: &Document<'_>) -> Vec<Vec<String>> {
     let rows = rows(document);
-    let last = rows.iter().position(|row| row.get(1).is_some_and(|cell| cell == "noise and what has no name")).unwrap();
+    let last = rows.iter().position(|row| row.get(1).is_some_and(|cell| cell == "noise and unexplained part")).unwrap();
     let first = rows[..last].iter().rposition(|row| row.len() != rows[last].len()).map_or(0, |before| before + 1);
     rows[first..=last].to_vec()
 }

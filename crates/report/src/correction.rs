@@ -206,7 +206,7 @@ pub fn feed_rows(original: &AtFeed, corrected: &AtFeed) -> String {
     for (name, at_feed) in [("at feed", original), ("corrected", corrected)] {
         let [rms, max] = [at_feed.contouring.rms_um, at_feed.contouring.max_um].map(micrometers);
         let place = match (&at_feed.file, at_feed.line) {
-            (Some(file), Some(line)) => format!("   furthest off its path at {file}:{line}"),
+            (Some(file), Some(line)) => format!("   largest deviation at {file}:{line}"),
             _ => String::new(),
         };
         push_row(&mut out, name, &format!("{rms:>12}{max:>12}{:>12}{place}", duration(at_feed.time_s)));

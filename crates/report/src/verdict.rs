@@ -106,7 +106,7 @@ impl Verdict {
             let [from, to] = [before.max_um, after.max_um].map(micrometers);
             // A residual of one increment where there was no error is not a degradation.
             let grows = after.max_um > before.max_um && after.rms_um > before.rms_um;
-            let (grade, verb) = if grows { (Grade::Bad, "grows") } else { (Grade::Ok, "goes") };
+            let (grade, verb) = if grows { (Grade::Bad, "increases") } else { (Grade::Ok, "changes") };
             say(grade, format!("the largest error on the error model {verb} from {from} to {to}"));
         }
         if let (Some(before), Some(form)) = (review.before, review.before_form)

@@ -245,7 +245,7 @@ measure, and remove the assignments from the program.";
     LATHE_PROGRAM = "E0225" "lathe program"
 "The program is for a lathe, and the machine file does not describe one. On a lathe the same words move the tool differently: G92 X Z
 F is a thread cycle (on a mill it shifts the zero), G90 X Z F a turning cycle, X a diameter, U and W are increments of X and Z. The
-message lists the evidence with line numbers. Turning is not supported; choose another program. If the program is for a mill after
+message lists the evidence with line numbers. Turning is not supported; choose another program. If it is for a mill after
 all, state it with control.program_kind = \"mill\" in the machine file.";
     AXIS_IN_DOUBT = "E0226" "ambiguous axis after a rotation"
 "The first block after G68, G51, G51.1 or their end names only one axis of the plane. Whether the other axis moves depends on a
@@ -359,7 +359,7 @@ move the tool in some direction.";
     WRONG_FILE = "E0310" "input and output are the same file"
 "The original program is never overwritten. Choose another output, or --in-place, which keeps the original as a .bak file.";
     CANNOT_ALIGN = "E0311" "programs cannot be compared"
-"verify walks the original and the corrected program side by side. Their motions do not follow the same path, or the numbers of moves
+"verify executes the original and the corrected program side by side. Their motions do not follow the same path, or the numbers of moves
 differ.";
     NO_SERVO = "E0312" "machine file without servo loops"
 "The dynamic behavior of the axes can be computed only if the machine file describes it: [servo] with the interpolation cycle, the
@@ -471,7 +471,7 @@ file of -o was not written; its causes remain valid.";
 set-up or an axis, or single parameters hardly affect the readings. Check the description of the measurement, --machine, and rows
 with large deviations.";
     DATA_SIZE = "E0608" "readings of an implausible size"
-"Readings are in µm or µrad, as their column names state. This one is above --max (an angle counts by its effect at an arm of 1 m),
+"Readings are in µm or µrad, as their column names state. This one is above --max (an angle is judged by its effect at an arm of 1 m),
 or all readings of a measurement are below the uncertainty of the instrument. Probably values in mm or nm are in a column of µm, or
 length_mm and centre_mm of the description are wrong. A parameter that would move the tool by more than --max is reported too. If a
 machine really has such errors, give a larger --max.";
@@ -539,7 +539,7 @@ column.";
 "A file of compensation tables for ncfix tables --read, or for machine.active_tables, violates its format: a malformed number, an
 axis that the machine does not have, a product with a missing table, or a field that is not written or has two different values (the
 control keeps its previous value, which is not known). None of it is used, because half a compensation moves the tool to a wrong
-place. Correct the line, or give the format (--format) or the axes (--axis-name X=AX1).";
+position. Correct the line, or give the format (--format) or the axes (--axis-name X=AX1).";
     TABLES_DO_NOT_FIT = "E0902" "tables that the control cannot store"
 "The tables of the scheme are more, longer or larger than the control can store, or of a kind that it does not have. Nothing was
 written. Choose another --scheme (auto looks for the fewest tables), a larger --tolerance, fewer --points, or another --format;
@@ -560,7 +560,7 @@ was written. Usually the increment of the output is coarser than the error to be
 "G1, G2 and G3 need F; the control stops at this block. For snc the motion is shown without a feed; a check and a correction are refused
 (E0215).";
     MORE_PROGRAMS = "W0203" "further main programs in the file"
-"The file has more than one main program (%_N_…_MPF, %PM, O1234). The first one is executed; the others are only executed where it
+"The file has more than one main program (%_N_…_MPF, %PM, O1234). The first one is executed; the others are executed only if it
 calls them. Put each main program into its own file.";
     LEFT_OUT = "W0204" "statement omitted from the output"
 "WRITE and DELETE access files of the control. They are not executed and not written to the output; their result variable counts as
@@ -574,7 +574,7 @@ not corrected, unless that program has been corrected too.";
 the action is active only during the first piece.";
     TAPPING_BY_FEED = "W0207" "tapping by feed moves"
 "A tapping cycle (G84, G74) becomes a feed move into the hole, a spindle reversal, and a move out. Spindle and axis are not
-synchronised as they may be in the cycle of the control, so the tap needs a compensating chuck, as older controls always do.";
+synchronized as they may be in the cycle of the control, so the tap needs a compensating chuck, as older controls always do.";
     CORNER_LEFT_OUT = "W0231" "no rounding or chamfer made"
 "After the block with RND, CHF or CHR no motion in the working plane follows within three blocks, or a motion of other axes comes
 first. A control makes no transition then, and neither does ncfix.";
@@ -660,8 +660,8 @@ positions is unknown. Add the range, as docs/reference/machine-file.md describes
 "A temperature or the weight on the table is beyond the range in which its effect was measured ([measured] temperature_C, load_N). The
 effect is extrapolated by the error model.";
     ZERO_NOT_STATED = "W0321" "method of setting the zero not stated"
-"No file or option states how the zero offset was set, so it counts as touched off with the tip at the workpiece zero. A touched zero
-contains the error of the machine at that place, and only the difference to it is corrected. If the zero is the true place in the machine,
+"No file or option states how the zero offset was set, so it is treated as touched off with the tip at the workpiece zero. A touched zero
+contains the error of the machine at that place, and only the difference from it is corrected. If the zero is the true place in the machine,
 the cut is wrong by this error. State it: set = \"touched\", \"probed\" or \"absolute\" in [zero_offset.NAME], or --zero G54=absolute.
 See docs/how-to/set-the-zero.md.";
     UNKNOWN_CUT = "W0322" "cut at a position that is not known"
@@ -679,7 +679,7 @@ of the other.";
 name is misspelled, the intended sensor keeps the reference temperature of the machine.";
     PARTIAL_OFFSET = "W0404" "zero offset without an axis"
 "[zero_offset.NAME] states some linear axes of the machine and not all; the others count as 0. If the control has another value
-there, the corrected program is related to the wrong place. Write every axis as the control shows it, including 0. The external
+there, the corrected program refers to the wrong place. Write every axis as the control shows it, including 0. The external
 offset EXT of a Fanuc may have single axes.";
     NO_TEMPERATURES = "W0501" "temperatures not given"
 "The error model has sources that depend on temperatures, and neither --state nor, in a calibration, the table of readings gives
@@ -689,8 +689,8 @@ them. All sensors are assumed to be at their reference temperature: no drift, no
 empty. Or, conversely, a weight is given, and the machine file does not describe its effects.";
     LOAD_TURNS = "W0503" "load off the center of a table that turns"
 "The effect of a weight depends on its position in the machine. A rotary axis under the table moves a load that is not on its axis;
-the effect is computed for the place that was given, whatever the position of the axis. That is correct for a table that does not
-move while one side of the workpiece is machined: give the place for this position, along the axes of the machine.";
+the effect is computed for the position that was given, whatever the position of the axis. That is correct for a table that does not
+move while one side of the workpiece is machined: give the position of the load for this pose, along the axes of the machine.";
     LOAD_ASSUMED = "W0601" "load only partly determined"
 "The readings determine the weight, but with a limitation: the position of the load along an axis has the same signal as the weight
 itself (give it with --known Z-280), the load is below the noise, too few other readings check a disturbed one, or the scatter is
@@ -719,7 +719,7 @@ scatter of a parameter differs from its standard uncertainty by more than 25 %, 
 repetitions could not be fitted. Reasons are few readings, weights that follow the noise, or unknowns with large changes.";
     FAULTY_DATA = "W0607" "fault of the data"
 "The data have a fault between machine and file: a temperature sensor that is dead, stuck, exchanged with another one, moved or in
-degrees Fahrenheit; a pulse of some minutes, a first cycle before the machine had settled, a step in all later readings, single
+degrees Fahrenheit; a pulse of a few minutes, a first cycle before the machine had settled, a step in all later readings, single
 outliers, or the resolution of a display. The message gives the rows and the evidence, and the help the consequence: faulty data are
 excluded from the search for causes, or get their own zero or noise. The file is not changed. Where the log of temperatures ends or
 pauses, only these rows are excluded. In held-out data all other rows are kept, so that the test data are not selected.";

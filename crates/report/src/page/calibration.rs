@@ -40,7 +40,7 @@ pub fn calibration(report: &CalibrationReport) -> String {
 fn summary(out: &mut Markup, report: &CalibrationReport, is_refused: bool) {
     let found = &report.found;
     let banner = if is_refused {
-        "Refused: no machine file was written. The diagnostics below say why.".to_owned()
+        "Refused: no machine file was written. The diagnostics below give the reason.".to_owned()
     } else {
         match report.output.as_deref() {
             Some("-") => "The machine file went to standard output.".to_owned(),
@@ -148,15 +148,15 @@ fn estimates(out: &mut Markup, found: &CalibrationResult) {
     };
     if !found.parameters.is_empty() {
         out.leaf("h2", &[], "Parameters");
-        let caption = "Effect: by how much the parameter moves the tip, root of the mean square over the readings. Variance inflation: how much \
-                       the variance grows because the other numbers are unknown too; 1 where it stands alone.";
+        let caption = "Effect: displacement of the tip by the parameter, RMS over the readings. Variance inflation: factor by which the variance \
+                       increases because the other parameters are unknown too; 1 for a parameter that is separable from all others.";
         let named = |one: &EstimateReport| {
             let mut row = row(one);
             row.cells.push(spelled_out(&one.name).unwrap_or_else(|| "–".into()));
             row
         };
         let rows: Vec<PageRow> = found.parameters.iter().map(named).collect();
-        let what = columns(["what it is"]);
+        let what = columns(["meaning"]);
         table(out, &[&heads[..], &what].concat(), &rows, caption, MOST_ROWS);
         side_by_side(out, |out| {
             let share = |one: &EstimateReport| if one.value == 0.0 { 0.0 } else { (one.sigma / one.value).abs() };
@@ -168,7 +168,7 @@ fn estimates(out: &mut Markup, found: &CalibrationResult) {
             });
             let picture = Bars {
                 title: "Effect of each parameter on the tip".into(),
-                across: "root of the mean square over the readings, ± 1σ, in µm".into(),
+                across: "RMS over the readings, ± 1σ, in µm".into(),
                 bars: effects.collect(),
                 is_logarithmic: false,
             };

@@ -18,7 +18,11 @@ pub fn decomposition(report: &DecompositionReport) -> String {
     let found = &report.found;
     page(&format!("Errors at speed of {}", found.machine), |out| {
         if found.runs.is_empty() {
-            out.leaf("p", &[("class", &"banner bad"), ("id", &"verdict")], "Refused: the diagnostics below say why.");
+            out.leaf(
+                "p",
+                &[("class", &"banner bad"), ("id", &"verdict")],
+                "Refused: the diagnostics below give the reason.",
+            );
         } else {
             out.leaf("p", &[("class", &"banner"), ("id", &"verdict")], report.verdict());
             summary(out, found);
@@ -139,7 +143,7 @@ fn sizes(out: &mut Markup, found: &DecompositionResult) {
         ];
         PageRow { class: "", cells }
     };
-    out.leaf("h3", &[], "Contouring error proper");
+    out.leaf("h3", &[], "Contouring error");
     let heads = columns(["F, mm/min", "#largest, µm", "#RMS, µm", "#path in the workpiece, mm", "#time, s"]);
     let note = "Distance of the tool by the encoders from its path by the set-points, in the workpiece: a lag along the path has no effect. If the tool stays at a ball, the path in the workpiece is short; then use the difference of the axes.";
     table(out, &heads, &found.runs.iter().map(row).collect::<Vec<_>>(), note, MOST_ROWS);
@@ -274,7 +278,7 @@ fn links(out: &mut Markup, found: &DecompositionResult) {
         let words = spelled_out(&one.parameter).unwrap_or_else(|| "–".into());
         PageRow { class: "", cells: vec![one.parameter.clone(), words, link_cell(one)] }
     };
-    let note = "Fitted to the slowest run together with smooth motion errors, beyond those of the machine file. The interval holds what motion errors may take from a link. A link with a wider interval than the usual size of such an error is not identifiable on this path.";
+    let note = "Fitted to the slowest run together with smooth motion errors, beyond those of the machine file. The interval includes the possible contribution of motion errors. A link with a wider interval than the usual size of such an error is not identifiable on this path.";
     table(
         out,
         &columns(["parameter", "description", "#value"]),

@@ -79,8 +79,8 @@ fn summary(out: &mut Markup, report: &DiagnosisReport) {
         entries.push(("data held out", format!("{} → {}", significant(before), sized(after))));
     }
     entries.push(("readings used", grouped(report.found.readings as u64)));
-    entries.push(("causes that stand", report.found.findings.len().to_string()));
-    entries.push(("candidates tried", grouped(report.found.tried as u64)));
+    entries.push(("causes accepted", report.found.findings.len().to_string()));
+    entries.push(("candidates tested", grouped(report.found.tried as u64)));
     strip(out, &entries);
     if let Some(path) = &report.output {
         let text = if path == "-" {
@@ -127,7 +127,7 @@ fn levels(out: &mut Markup, report: &DiagnosisReport) {
     let more = columns(["#held out, RMS", "#95 %", "#max", "#efficiency"]);
     let heads: Vec<_> = heads.into_iter().chain(more.into_iter().filter(|_| is_held_out)).collect();
     let caption = format!(
-        "In {}, with the unknowns of the set-ups as they fit best. Intervals: bootstrap of stretches of rows. Efficiency: 1 − Σ|left| / Σ|without a \
+        "In {}, with the unknowns of the set-ups fitted. Intervals: bootstrap of sections of rows. Efficiency: 1 − Σ|residual| / Σ|residual without a \
          model|.",
         report.unit_sign()
     );
@@ -183,7 +183,7 @@ fn ranking(out: &mut Markup, report: &DiagnosisReport) {
     rows.push(PageRow { class: "whole", cells: cells("all findings", all, shares) });
     rows.push(PageRow {
         class: "",
-        cells: cells("noise and what has no name", ["–".to_owned(), "–".to_owned()], 1.0 - shares),
+        cells: cells("noise and unexplained part", ["–".to_owned(), "–".to_owned()], 1.0 - shares),
     });
     let alone_title = if report.found.unit == UnitKey::Urad { "#alone, µrad" } else { "#alone, µm" };
     let heads = columns([
@@ -191,30 +191,30 @@ fn ranking(out: &mut Markup, report: &DiagnosisReport) {
         "cause",
         "#size ± 95 %",
         alone_title,
-        "#of the sum",
+        "#share of the sum",
         "#RMS",
         "#fair share",
-        "#comes back without it",
+        "#increase without it",
         "#gain on unseen",
-        "taken away by",
+        "removed by",
     ]);
-    let caption = "Alone: independent contribution, the largest less the smallest of what the cause by itself does to the readings of a set-up (of a circle: its \
-                   circularity). Fair share: its part of the squares that the model leaves (Shapley). Where it differs from what comes back without it, findings \
-                   share what they explain. Gain on unseen: by how much less is left (RMS) of readings in which it was not looked for.";
+    let caption = "Alone: independent contribution, the largest minus the smallest effect of the cause by itself on the readings of a set-up (of a circle: its \
+                   circularity). Fair share: its part of the squared residual of the model (Shapley). If it differs from the increase without it, several findings \
+                   explain the same part. Gain on unseen: reduction of the residual (RMS) of readings that were not used to find it.";
     table(out, &heads, &rows, caption, MOST_ROWS);
     let label = |k: usize, one: &CauseReport| format!("{} {}", k + 1, one.full_name());
     side_by_side(out, |out| {
         let picture = Bars {
             title: "Independent contribution".into(),
-            across: format!("largest less smallest of what each does alone, in {}", report.unit_sign()),
+            across: format!("largest minus smallest effect of each alone, in {}", report.unit_sign()),
             bars: ranked().map(|(k, one)| Bar { label: label(k, one), value: one.alone_um, error: 0.0 }).collect(),
             is_logarithmic: false,
         };
         figure(out, &picture, "");
-        let left = Bar { label: "noise, no name".into(), value: 100.0 * (1.0 - shares), error: 0.0 };
+        let left = Bar { label: "noise, unexplained".into(), value: 100.0 * (1.0 - shares), error: 0.0 };
         let shares = ranked().map(|(k, one)| Bar { label: label(k, one), value: 100.0 * one.share, error: 0.0 });
         let picture = Bars {
-            title: "Fair share of what the model leaves".into(),
+            title: "Fair share of the residual of the model".into(),
             across: "% of the squares".into(),
             bars: shares.chain([left]).collect(),
             is_logarithmic: false,

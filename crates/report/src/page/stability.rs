@@ -19,7 +19,7 @@ pub fn stability(data: &StabilityResult) -> String {
         out.leaf(
             "p",
             &[],
-            "On the Maho 700S a step of 2 µm made a limit cycle of 5 µm, a step of 1 µm none (Spaan 1995, ch. 6). The drive of that machine is \
+            "On the Maho 700S a step of 2 µm caused a limit cycle of 5 µm, and a step of 1 µm did not (Spaan 1995, ch. 6). The drive of that machine is \
              not published; the size of the cycle is that of the simulated one.",
         );
         pictures(out, |out| draw(out, data));

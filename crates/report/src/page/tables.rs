@@ -78,7 +78,7 @@ fn left(out: &mut Markup, check: &TablesCheck) {
     pictures(out, |out| {
         let names = ["Tip errors without tables", "Tip errors with the tables"];
         for (title, values) in names.iter().zip(&check.tips_um) {
-            let across = "distance of the tip from its place, µm".to_owned();
+            let across = "distance of the tip from its position, µm".to_owned();
             let histogram =
                 Histogram { title: (*title).to_owned(), across, values: values.clone(), counted: "poses", sigma: None };
             figure(out, &histogram, "");
@@ -166,7 +166,7 @@ fn tried(out: &mut Markup, report: &TablesReport) {
             PageRow { class: "wrap", cells: vec![one.scheme.clone(), one.points.to_string(), tables, rms, tilt, why] }
         })
         .collect();
-    let aim = report.found.aim.as_ref().map_or(String::new(), |aim| format!("Aimed at {aim}."));
+    let aim = report.found.aim.as_ref().map_or(String::new(), |aim| format!("Target: {aim}."));
     let titles = ["scheme", "#points", "#tables", "#residual, RMS µm", "#tilt, RMS µrad", "why not"];
     table(out, &columns(titles), &rows, &aim, MOST_ROWS);
 }

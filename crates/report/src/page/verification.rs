@@ -17,7 +17,7 @@ pub fn verification(found: &Verification) -> String {
         if let (Some(before), Some(after)) = (found.before, found.after) {
             let grows = after.rms_um > before.rms_um && after.max_um > before.max_um;
             let (class, what) =
-                if grows { ("banner bad", "The errors grow") } else { ("banner", "The largest error goes") };
+                if grows { ("banner bad", "The errors increase") } else { ("banner", "The largest error changes") };
             let [from, to] = [before.max_um, after.max_um].map(micrometers);
             out.leaf("p", &[("class", &class)], format_args!("{what} from {from} to {to} on the error model."));
             let change = |from: f64, to: f64| format!("{} → {}", micrometers(from), micrometers(to));
@@ -87,7 +87,7 @@ fn at_feed(out: &mut Markup, pair: &[AtFeed; 2]) {
         .collect();
     out.leaf("h2", &[], "At feed");
     let note = "Distance of the tool from the programmed path, at right angles to it, as predicted by [servo] and [[dynamic]] of the machine file, and the machine time without tool changes.";
-    table(out, &columns(["program", "#RMS", "#max", "furthest off at", "#time"]), &rows, note, MOST_ROWS);
+    table(out, &columns(["program", "#RMS", "#max", "largest deviation at", "#time"]), &rows, note, MOST_ROWS);
 }
 
 /// Draws errors before (0) and after (1) over the length of the path.

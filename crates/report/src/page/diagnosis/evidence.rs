@@ -39,8 +39,7 @@ pub(super) fn section(
         if let Some((set, part)) = strongest {
             let does = set.doing.get(number).map(Vec::as_slice).unwrap_or_default();
             for driver in drivers(set, part, one, does) {
-                let caption =
-                    "What would be left if only this were not known, and what it explains. Line: means of the former.";
+                let caption = "Residual with all other findings but without this one, and its effect. Line: means of the residual.";
                 figure(out, &beside(set, part, driver, does), caption);
             }
             times(out, set, part, one, does);
@@ -61,7 +60,7 @@ fn words(out: &mut Markup, report: &DiagnosisReport, one: &CauseReport) {
     let unit = report.unit_sign();
     let mut all: Vec<(&str, String)> = Vec::new();
     match &one.what {
-        Some(what) => all.push(("what it is", what.clone())),
+        Some(what) => all.push(("description", what.clone())),
         None => all.push(("usual causes", one.made_by.clone())),
     }
     let depends = one.depends();
@@ -101,7 +100,7 @@ fn words(out: &mut Markup, report: &DiagnosisReport, one: &CauseReport) {
         all.push(("other explanations", "none: no other candidate explains as much".into()));
     }
     if let Some(differs) = differing(&one.by_file) {
-        all.push(("file by file", format!("it {differs}")));
+        all.push(("by file", format!("it {differs}")));
     }
     if let Some(how) = &one.separate_by {
         all.push(("to separate them", how.clone()));
@@ -115,7 +114,7 @@ fn words(out: &mut Markup, report: &DiagnosisReport, one: &CauseReport) {
         (Some(why), "") => format!("not corrected: {why}"),
         (_, remedy) => remedy.trim_start_matches("; ").to_owned(),
     };
-    all.push(("what can be done", format!("{done}{held}")));
+    all.push(("correction", format!("{done}{held}")));
     out.element("dl", &[("class", &"evidence")], |out| {
         for (what, text) in all {
             out.leaf("dt", &[], what);
@@ -196,9 +195,9 @@ fn beside(set: &Set, part: usize, driver: &DriverReadings, does: &[f64]) -> Char
         across: driver.title.clone(),
         up: format!("in {}", set.unit),
         series: [
-            PlotSeries { label: "left without it".into(), points: left, ..PlotSeries::default() },
+            PlotSeries { label: "residual without it".into(), points: left, ..PlotSeries::default() },
             PlotSeries {
-                label: "what it explains".into(),
+                label: "its effect".into(),
                 points: points(set, part, driver, effect).collect(),
                 ..PlotSeries::default()
             },
@@ -234,7 +233,7 @@ fn times(out: &mut Markup, set: &Set, part: usize, one: &CauseReport, does: &[f6
         title: title_of(set, part, time, "Drift"),
         across: time.title.clone(),
         up: format!("in {}", set.unit),
-        series: vec![series("before", before), series("with all findings", after), series("what it explains", effect)],
+        series: vec![series("before", before), series("with all findings", after), series("its effect", effect)],
         is_balanced: true,
         is_clipped: true,
         is_sparing: true,
@@ -288,7 +287,11 @@ fn shape(out: &mut Markup, one: &CauseReport, shown: &PageReadings) {
         [driver] => {
             let points = one.shape.iter().filter_map(|place| Some((*place.at.first()?, place.value_um))).collect();
             let series = vec![PlotSeries { points, shape: Shape::Line, ..PlotSeries::default() }];
-            figure(out, &chart(format!("Shape over {driver}"), driver, series), "The deviation where it comes in.");
+            figure(
+                out,
+                &chart(format!("Shape over {driver}"), driver, series),
+                "The deviation at the point of the chain where it acts.",
+            );
         }
         [first, second] => {
             // Lines over the driver with more positions, one for each position of the other.
@@ -314,7 +317,7 @@ fn shape(out: &mut Markup, one: &CauseReport, shown: &PageReadings) {
             });
             let series = series.collect();
             let title = format!("Shape over {}, by {}", own.1, other.1);
-            figure(out, &chart(title, own.1, series), "The deviation where it comes in.");
+            figure(out, &chart(title, own.1, series), "The deviation at the point of the chain where it acts.");
         }
         _ => {}
     }

@@ -732,7 +732,7 @@ class DeviationPlot {
     const place = byId('deviation-plot');
     byId('deviation-controls').append(...this.controls());
     if (review.count === 0 || review.axes.length === 0) {
-      place.append(make('p', { className: 'soft' }, 'Nothing was added anywhere.'));
+      place.append(make('p', { className: 'soft' }, 'There are no corrections.'));
       return;
     }
     const columns = review.axes.map(({ name, scale, unit }, number) => ({
@@ -740,7 +740,7 @@ class DeviationPlot {
     }));
     const others = review.axes.filter(({ unit }) => unit !== review.unit);
     this.plot = new LinePlot(place, {
-      x: this.overs[0].x, columns, height: 280, label: 'What was added to each axis',
+      x: this.overs[0].x, columns, height: 280, label: 'Correction added to each axis',
       xLabel: () => this.over().label, yLabel: `added, ${UNIT[review.unit]}`,
       rightLabel: others.length > 0 ? `${others.map(({ name }) => name).join(', ')} (dashed): added, ${UNIT[others[0].unit]}` : null,
       drawn: plot => this.mark(plot),
@@ -1418,7 +1418,7 @@ class PathViews {
     const [from, to] = [palest > 0 ? `≤ ${(palest * step).toFixed(1)}` : '0', `${(largest * step).toFixed(1)} ${UNIT[this.app.review.unit]}`];
     const legend = make('span', { className: 'legend' }, from, make('span', { className: 'ramp' }, ...this.swatches), to);
     this.colorLegend();
-    const fit = button('Fit', 'All of the path in all views (double-click in one)', () => {
+    const fit = button('Fit', 'The whole path in all views (double-click in one)', () => {
       this.start();
       this.views.forEach(view => view.fit());
     });
@@ -1960,7 +1960,7 @@ function factsOf(review, row) {
     tool ? `tool ${tool}` : 'no tool',
     flags & FLAG.unstated ? 'the program has not stated where the axes are' : `nominal X ${x}  Y ${y}  Z ${z} mm`,
   ];
-  if (flags & FLAG.spot) facts.push('on the spot');
+  if (flags & FLAG.spot) facts.push('correction only');
   if (flags & FLAG.feed) facts.push('with another feed than its move');
   return facts.join(' · ');
 }
@@ -2006,7 +2006,7 @@ function journalPlots(header, streams) {
   };
   return [
     ...draw(sensors, '°C', 'Temperatures over time'),
-    ...draw(offsets, 'µm', 'Corrections over time, asked for and applied'),
+    ...draw(offsets, 'µm', 'Corrections over time, requested and applied'),
   ];
 }
 
