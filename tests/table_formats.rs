@@ -306,7 +306,7 @@ fn tables_that_are_none_are_not_written() {
     let cross = Lookup { output: Axis::Z, sense: Sense::Positive, ..ramp };
     let mut tables = Tables { lookups: vec![cross], ..Tables::default() };
     (named("heidenhain").round)(&mut tables);
-    assert!(named("heidenhain").faults_of(&tables, &Wiring::usual()).join("\n").contains("depends on the sense"));
+    assert!(named("heidenhain").faults_of(&tables, &Wiring::usual()).join("\n").contains("depends on the direction"));
     let singular = Tables { matrix: Some([[1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), ..Tables::default() };
     assert!(named("matrixkins").faults_of(&singular, &Wiring::usual()).join("\n").contains("no inverse"));
 }
