@@ -47,7 +47,7 @@ pub const RANGES: &[NumberRange] = &[
     of("*um_per_m_K", -1e4, 1e4, "a thousand times the expansion of aluminum is another unit"),
     of("*um_per_K", -1e4, 1e4, "10 mm per K"),
     of("*_mm_min", 0.0, 1e7, "10 km/min"),
-    of("*_deg_min", 0.0, 1e9, "a million turns a minute"),
+    of("*_deg_min", 0.0, 1e9, "a million turns per minute"),
     of("*_per_min", -1e7, 1e7, "as feeds"),
     of("*_mm", -KILOMETRE_MM, KILOMETRE_MM, "1 km; no machine is larger"),
     of("*_inch", -KILOMETRE_MM, KILOMETRE_MM, "as lengths in mm"),
