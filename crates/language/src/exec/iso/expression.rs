@@ -9,6 +9,7 @@ use super::variables::Missing;
 use super::variables::{Place, number_of};
 use crate::exec::core::fault::{Fault, at, fault};
 use crate::exec::core::grid::on_grid;
+use crate::exec::core::position::BEGIN_ABSOLUTE;
 use crate::syntax::words::{Address, ExprId, Function, NameId, Node, Operator, Program, UnaryOperator, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
@@ -287,7 +288,7 @@ impl Scope<'_, '_> {
             Missing::Unknown | Missing::OnlyMachine => self.of_machine_file(span),
             Missing::Unstated => {
                 let message = format!("{shown} is read, but the position of this axis is not known yet");
-                let help = "begin with an absolute position of this axis, or give --start";
+                let help = BEGIN_ABSOLUTE;
                 Err(fault(Code::UNKNOWN_START, span, message, help))
             }
             Missing::Compensated => {

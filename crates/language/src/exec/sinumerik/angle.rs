@@ -13,6 +13,7 @@ use super::modal::MotionKind;
 use crate::exec::core::contour::crossing;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::motion_sink::MotionSink;
+use crate::exec::core::position::BEGIN_ABSOLUTE;
 use crate::exec::core::standing::InForce;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
@@ -55,7 +56,7 @@ pub(super) fn angle(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
     if let Some(axis) = plane.difference(channel.modal.position.known).iter().next().filter(|_| channel.settings.strict)
     {
         let message = format!("the end of this element depends on {axis}, whose position is not known yet");
-        let help = "begin with an absolute position of this axis, or give --start";
+        let help = BEGIN_ABSOLUTE;
         return Err(fault(Code::UNKNOWN_START, angle.span, message, help));
     }
     let here = channel.standing.setup.programmed(&channel.modal.position.command);

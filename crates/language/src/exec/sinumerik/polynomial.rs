@@ -13,6 +13,7 @@ use super::modal::{Modal, MotionKind};
 use super::spline::curve_fault;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::path::Shape;
+use crate::exec::core::position::BEGIN_ABSOLUTE;
 use crate::syntax::sinumerik::{ExprId, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AXES, AXIS_COUNT, AxisVector, Bezier, Weighted};
@@ -76,7 +77,7 @@ pub(super) fn shape(
     let unknown = words.polynomials.iter().find(|(axis, _)| context.strict && !modal.position.known.contains(*axis));
     if let Some((axis, _)) = unknown {
         let message = format!("the position of {axis} is not known yet");
-        let help = "begin with an absolute position of this axis, or give --start";
+        let help = BEGIN_ABSOLUTE;
         return Err(fault(Code::UNKNOWN_START, words.span, message, help));
     }
     let powers = powers(

@@ -16,6 +16,7 @@ use super::splines::Node;
 use super::splines::Splines;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::path::{Path, Shape};
+use crate::exec::core::position::BEGIN_ABSOLUTE;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{
     Arc, AxisVector, BSpline, Bezier, CurveFault, Plane, SplineEnd, akima_slopes, cubic_slopes, weighted,
@@ -90,7 +91,7 @@ fn spline(channel: &mut Channel<'_>, path: Path, element: Element, node: Node) -
     let unknown = path.motion.named.difference(path.start_known).iter().next();
     if let Some(axis) = unknown.filter(|_| channel.settings.strict) {
         let message = format!("the position of {axis} is not known yet");
-        let help = "begin with an absolute position of this axis, or give --start";
+        let help = BEGIN_ABSOLUTE;
         return Err(fault(Code::UNKNOWN_START, path.span, message, help));
     }
     let other = channel.splines.held.iter().find_map(|held| match held {

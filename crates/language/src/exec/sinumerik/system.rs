@@ -8,6 +8,7 @@ use super::frame_store::{FrameStore, settable_number};
 use super::frame_value::plane_axis;
 use super::value::Value;
 use crate::exec::core::fault::{Fault, fault};
+use crate::exec::core::position::BEGIN_ABSOLUTE;
 use crate::syntax::sinumerik::{ArgumentRange, ExprId};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;
@@ -102,7 +103,7 @@ impl Scope<'_> {
         match name {
             "$P_EP" => {
                 let message = format!("{key} is read, but the position of this axis is not known yet");
-                let help = "begin with an absolute position of this axis, or give --start";
+                let help = BEGIN_ABSOLUTE;
                 return Err(fault(Code::UNKNOWN_START, span, message, help));
             }
             "$P_TOOLR" if self.modal.tool.assumed => return Ok(Value::Real(0.0)),
