@@ -58,7 +58,17 @@ pub(crate) fn diagnostic(difference: &ProgramDifference, [originals, correcteds]
         What::Feed { before, after, share } => {
             let [was, is] = [before, after].map(|(feed, unit)| shown(*feed, *unit));
             let by = if share.is_nan() { String::new() } else { format!(", {:+.1} %", 100.0 * (share - 1.0)) };
-            (Code::OTHER_FEED, format!("feed: {was} ({original}) became {is} ({corrected}){by}"), again)
+            let message = if before == after && share.is_finite() && *share > 0.0 {
+                // The words agree, but the length of the move or the way in which the feed counts does not.
+                let more = 100.0 / share - 100.0;
+                let (by, how) = (more.abs(), if more > 0.0 { "longer" } else { "shorter" });
+                format!(
+                    "feed: both moves have {was}, but that of {corrected} takes {by:.1} % {how} than that of {original}"
+                )
+            } else {
+                format!("feed: {was} ({original}) became {is} ({corrected}){by}")
+            };
+            (Code::OTHER_FEED, message, again)
         }
     };
     let origin = &difference.corrected;

@@ -184,6 +184,13 @@ fn joined(
     all
 }
 
+/// The warning for products if it is not stated which ones the control forms.
+pub(crate) fn products_assumed(names: &str) -> Diagnostic {
+    let message = format!("{names}: the product of two tables is used instead of the table's own value");
+    let help = "state what the control does: --multiplication, or table_multiplication in the machine file";
+    Diagnostic::nowhere(Code::PRODUCTS_ASSUMED, message, help)
+}
+
 /// The value of a table that is multiplied by another one: as requested, or as stated in the files, or the default.
 fn multiplication(
     names: &str,
@@ -199,9 +206,7 @@ fn multiplication(
             findings.add(Diagnostic::nowhere(Code::UNUSED_TABLE, message, help), &[]);
         }
         (None, None) => {
-            let message = format!("{names}: the product of two tables is used instead of the table's own value");
-            let help = "state what the control does: --multiplication, or table_multiplication in the machine file";
-            findings.add(Diagnostic::nowhere(Code::PRODUCTS_ASSUMED, message, help), &[]);
+            findings.add(products_assumed(names), &[]);
         }
         _ => {}
     }

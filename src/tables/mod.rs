@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::coverage::of_ranges;
 use crate::diagnostics::Diagnostics;
 use crate::disk::files::{self, is_standard_stream};
-use crate::disk::table_files::tool_remark;
+use crate::disk::table_files::{products_assumed, tool_remark};
 use crate::error::Error;
 use crate::machine::Machine;
 use crate::tool::ToolVector;
@@ -171,6 +171,9 @@ impl Tables {
         let notes = notes(machine, &request, format, &made);
         result.check = Some(made.checked);
         found.extend(misfits(format, &made.tables, &request.wiring), &[]);
+        if request.multiplication.is_none() && made.tables.lookups.iter().any(|one| one.factor.is_some()) {
+            found.add(products_assumed("these tables"), &[]);
+        }
         Ok((!found.has_errors()).then_some(Tables { tables: made.tables, format, wiring: request.wiring, notes }))
     }
 

@@ -304,10 +304,15 @@ impl Around {
                 if !(every > 0.0 && every.is_finite()) {
                     return None;
                 }
-                let longer = hundredths(self.tool_mm + LONGER);
-                let second = if plan == SeparatingPlan::Heights { format!(" --tool {longer}") } else { String::new() };
-                let first =
-                    if plan == SeparatingPlan::Heights && tool.is_empty() { " --tool 0".into() } else { tool.clone() };
+                // Readings without a tool vector are at the spindle nose, where no probe can be.
+                let [short, longer] =
+                    if self.tool_mm > 0.0 { [self.tool_mm, self.tool_mm + LONGER] } else { [LONGER, 2.0 * LONGER] };
+                let [short, longer] = [short, longer].map(hundredths);
+                let (first, second) = if plan == SeparatingPlan::Heights {
+                    (format!(" --tool {short}"), format!(" --tool {longer}"))
+                } else {
+                    (tool.clone(), String::new())
+                };
                 return Some(format!(
                     "ncfix plan plate --plane {} --every {every}{first}{second} --machine M.toml -o PLAN.csv",
                     self.plane

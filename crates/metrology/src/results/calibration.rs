@@ -8,7 +8,7 @@ pub use super::not_identified::LeftOut;
 use super::selection;
 use super::{conditions, figures, has_errors, not_identified, repeated};
 use crate::calibrate::{ComparedReading, Fit, FitOptions, Parameter, Refusal, Rule, fit, quality, reversals, select};
-use crate::measure::data::DataSet;
+use crate::measure::data::{DataSet, Observation};
 use crate::measure::kind::Measurand;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::Vector;
@@ -354,7 +354,37 @@ pub fn check_sizes(begin: &CalibrationStart<'_>, measurement: &Measurement, max_
         }
     }
     check_balls(begin, measurement, max_mm, &mut findings);
+    check_bars(begin, measurement, max_mm, &mut findings);
     findings
+}
+
+/// Reports set-ups of a ball-bar in which most positions are not at its length from its center. A fit would take the difference for a free length.
+fn check_bars(begin: &CalibrationStart<'_>, measurement: &Measurement, max_mm: f64, findings: &mut Vec<Diagnostic>) {
+    let data = &measurement.data;
+    if data.kind.measurand != Measurand::BallDistance {
+        return;
+    }
+    let model = begin.model();
+    for (number, setup) in data.setups.iter().enumerate() {
+        let rows = || data.observations.iter().filter(|row| row.setup == number);
+        let away = |row: &Observation| {
+            (model.nominal(&row.reading.position, &row.reading.tool_mm).translation - setup.centre_mm).norm()
+        };
+        let mut all: Vec<f64> = rows().map(away).collect();
+        let (Some(first), half) = (rows().next(), all.len() / 2) else { continue };
+        let off = |away: &f64| (away - setup.length_mm).abs();
+        let distance = *all.select_nth_unstable_by(half, |a, b| off(a).total_cmp(&off(b))).1;
+        if setup.length_mm > 0.0 && off(&distance) > max_mm {
+            let message = format!(
+                "half of the positions{} are {:.3} mm or more from a circle of length_mm = {} about centre_mm; one is {distance:.3} mm from centre_mm",
+                if setup.label.is_empty() { String::new() } else { format!(" of set-up {}", setup.label) },
+                off(&distance),
+                setup.length_mm
+            );
+            let help = "check centre_mm and length_mm of the description, and tool_z_mm; give a larger --max if the machine is like this";
+            findings.push(Diagnostic::at(Code::DATA_SIZE, first.place, message, help));
+        }
+    }
 }
 
 /// Reports probings that are far from the others of their ball.

@@ -3,6 +3,10 @@
 use ncfix_base::diagnostic::{Code, Diagnostic, Place, Unset};
 use ncfix_base::source::{FileId, Span};
 
+/// Advice for a word that is not executed. It may move the machine, so nobody is asked just to remove it.
+pub(in crate::exec) const WITHOUT_IT: &str =
+    "program its effect with plain positions of X, Y and Z; if you only remove it, the moves after it may go elsewhere";
+
 /// An error or warning in the running program. Boxed to keep results small.
 pub(in crate::exec) type Fault = Box<FaultData>;
 

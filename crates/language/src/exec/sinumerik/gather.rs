@@ -1,6 +1,5 @@
 //! Gathers the words of one block before its execution: gather, check, execute.
 
-use super::WITHOUT_IT;
 use super::address::Named;
 use super::contour_words::PASSED_ON;
 use super::curve::End;
@@ -12,7 +11,7 @@ use super::modal::MotionKind;
 use super::names::Meaning;
 use super::operand::undefined;
 use super::pole::PoleBase;
-use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::fault::{Fault, WITHOUT_IT, bad_value, fault};
 use crate::syntax::sinumerik::{Address, ArgumentRange, Block, DimensionFunction, NameId, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;

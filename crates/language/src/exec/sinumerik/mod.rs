@@ -80,9 +80,5 @@ mod transform;
 mod value;
 mod variables;
 
-/// Advice for a word that is not executed. It may move the machine, so nobody is asked just to remove it.
-const WITHOUT_IT: &str =
-    "program its effect with plain positions of X, Y and Z; if you only remove it, the moves after it may go elsewhere";
-
 pub(super) use archive::apply_archive;
 pub(super) use execute::start;

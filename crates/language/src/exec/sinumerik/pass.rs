@@ -3,7 +3,6 @@
 //! The output has no variables and R parameters of the program, so their values replace them. Names that only the control knows (axes, spindles,
 //! constants of cycles) stay as written.
 
-use super::WITHOUT_IT;
 use super::channel::Channel;
 use super::feed;
 use super::functions::is_function;
@@ -14,7 +13,7 @@ use super::modal::Modal;
 use super::names::{Meaning, is_indexed_letter};
 use super::scope::gatherer;
 use super::value::Value as ExecValue;
-use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::fault::{Fault, WITHOUT_IT, bad_value, fault};
 use crate::syntax::sinumerik::{Address, ArgumentRange, Block, DimensionFunction, ExprId, Node, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
