@@ -144,6 +144,48 @@ fn an_artefact_of_another_length_is_no_error_of_the_machine() {
 }
 
 #[test]
+fn a_scale_of_one_mounting_is_found_beside_a_scale_of_the_machine() {
+    let description = "[measurement]\nkind = \"displacement\"\nfree = [\"offset\"]\nsigma_um = 0.7\n";
+    // X of the machine is longer by 12 µm/m, and by 25 µrad times Y; the second plate differs by −20 µm/m in both directions.
+    let table = plates(6, |mounting, [x, y]| {
+        let of_plate = if mounting == 1 { -0.020 } else { 0.0 };
+        [(0.012 + of_plate) * x + 0.025 * y, of_plate * y]
+    });
+    let (_, report) = diagnosed(&[("d", table)], description);
+    assert_eq!(names(&report), ["location EC0X", "motion EXX", "setup scale S1"], "{report:#}");
+    for (wanted, truth) in [("location EC0X", 25.0), ("motion EXX", 12.0), ("setup scale S1", -20.0)] {
+        let found = one(&report, wanted);
+        assert!((number(&found, "value") - truth).abs() < 1.5 * number(&found, "u95"), "{found:#}");
+    }
+}
+
+#[test]
+fn a_bar_that_was_set_again_in_one_plane_is_no_error_of_the_machine() {
+    let plant = Plant { squareness: [25e-6, 0.0, 0.0], scale: [12e-6, 0.0, 0.0], backlash: [0.0; 3] };
+    // Each plane has its own mounting with the same bar, which is 3 µm longer in the last one.
+    let mut table = String::new();
+    for row in plant.measured(30).lines() {
+        let mut cells: Vec<String> = row.split(',').map(str::to_owned).collect();
+        if let Some((plane, _)) = row.split_once('-').filter(|(plane, _)| plane.len() == 2) {
+            cells[1] = plane.to_owned();
+            if plane == "YZ" {
+                let dr_um: f64 = cells[9].parse().unwrap();
+                cells[9] = format!("{:.5}", dr_um - 3.0);
+            }
+        }
+        let _ = writeln!(table, "{}", cells.join(","));
+    }
+    let mut description = "[measurement]\nkind = \"ballbar\"\nfree = [\"centre\"]\nsigma_um = 0.5\n".to_owned();
+    for plane in ["XY", "ZX", "YZ"] {
+        let _ = writeln!(description, "[setup.{plane}]\ncentre_mm = [350, 250, 150]\nlength_mm = 100");
+    }
+    let (_, report) = diagnosed(&[("d", table)], &description);
+    assert_eq!(names(&report), ["location EC0X", "motion EXX", "setup length YZ"], "{report:#}");
+    let length = one(&report, "setup length YZ");
+    assert!((number(&length, "value") + 3.0).abs() < 0.3 && length["extends"] == false, "{length:#}");
+}
+
+#[test]
 fn a_machine_that_changed_between_two_files_is_corrected_as_it_is_now() {
     let description = "[measurement]\nkind = \"displacement\"\nfree = [\"offset\"]\nsigma_um = 0.7\n";
     // Squareness X–Y 15 µrad before, −40 µrad after a collision: X is longer by it times Y.
