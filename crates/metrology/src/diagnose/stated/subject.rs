@@ -1,7 +1,7 @@
 //! The subject of a trial: the candidate of a stated hypothesis, its visibility in the readings, and the amounts of its terms.
 
 use super::super::cause::{Candidate, EffectKind};
-use super::super::contest::group;
+use super::super::entrant::group;
 use super::super::explain::contest::evidences;
 use super::super::scene::Through;
 use super::super::search::{Field, Taken};

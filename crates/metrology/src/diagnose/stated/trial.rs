@@ -6,7 +6,7 @@
 //! who states the hypothesis.
 
 use super::super::cause::{Candidate, Causes, Correctable};
-use super::super::contest::group;
+use super::super::entrant::group;
 use super::super::explain::contest::evidences;
 use super::super::extend::{self, Change};
 use super::super::fold::confirmed;
