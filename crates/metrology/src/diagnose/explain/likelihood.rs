@@ -5,19 +5,18 @@
 //! subtracted once from the readings and from all columns. Then `G = Φᵀ Σ⁻¹ Φ`, `b = Φᵀ Σ⁻¹ y` and `yᵀ Σ⁻¹ y` determine the likelihood of every set
 //! of terms (marginal likelihood: Rasmussen and Williams 2006, Gaussian Processes for Machine Learning, eq. 2.43).
 
-use std::collections::HashMap;
 use std::ops::Range;
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SymmetricTridiagonal};
 
 use super::assumptions::READINGS_OF_SIGMA;
 use super::noise::{Memory, NoiseSeries};
+use super::setups::Setups;
+use super::tridiagonal::Tridiagonal;
 use crate::diagnose::scene::Scene;
 use ncfix_base::numeric::in_parts;
 use ncfix_base::numeric::sums::dot;
 
-/// Relative increase of the diagonal of the matrix of the set-ups, which keeps it positive definite if unknowns are collinear.
-const RIDGE: f64 = 1e-10;
 /// A column has no visible effect if, with an amount of its prior size, less than this remains after the set-ups, in standard deviations of the
 /// readings.
 const FAINT: f64 = 0.3;
@@ -108,35 +107,6 @@ pub struct Likelihood<'w> {
     pub kept: Vec<usize>,
     /// Groups with one column that has the same effect as that of a kept group: their indices and those of the kept groups, among the given ones.
     pub alike: Vec<(usize, usize)>,
-}
-
-/// A symmetric tridiagonal matrix, and the products with the readings in its basis.
-#[derive(Debug, Default)]
-struct Tridiagonal {
-    diagonal: Vec<f64>,
-    beside: Vec<f64>,
-    right: Vec<f64>,
-}
-
-impl Tridiagonal {
-    /// Logarithm of the determinant of the identity plus the matrix times a weight, and the explained square; `None` if the sum is not positive
-    /// definite.
-    fn at(&self, weight: f64) -> Option<(f64, f64)> {
-        let (mut log, mut explained) = (0.0, 0.0);
-        let (mut pivot, mut carried) = (1.0, 0.0);
-        for (k, (own, right)) in self.diagonal.iter().zip(&self.right).enumerate() {
-            let beside = k.checked_sub(1).and_then(|last| self.beside.get(last)).map_or(0.0, |beside| weight * beside);
-            let share = beside / pivot;
-            pivot = 1.0 + weight * own - share * beside;
-            if pivot.is_nan() || pivot <= 0.0 {
-                return None;
-            }
-            carried = weight * right - share * carried;
-            log += pivot.ln();
-            explained += carried * carried / pivot;
-        }
-        Some((log, explained))
-    }
 }
 
 /// Columns of a set, the decomposition of their matrix, and their products with the readings.
@@ -429,143 +399,6 @@ fn gain_of(
     let Some(own) = Cholesky::new(own) else { return f64::NEG_INFINITY };
     let half_log: f64 = own.l_dirty().diagonal().iter().map(|value| value.ln()).sum();
     0.5 * rest.dot(&own.solve(&rest)) - half_log
-}
-
-/// Index of a reading, and its derivatives with respect to the unknowns of its group.
-type SetupRow = (usize, Vec<(usize, f64)>);
-
-/// Unknowns of the set-ups in groups: each group affects only its own readings.
-struct Setups {
-    groups: Vec<Together>,
-    /// Number of unknowns that readings show.
-    rank: usize,
-    /// Half the logarithm of the determinant of their matrices, which matters in comparisons of autocorrelations.
-    half_log: f64,
-}
-
-/// Unknowns that occur in the same readings.
-struct Together {
-    /// Readings with the derivatives with respect to its unknowns, divided by their uncertainty.
-    rows: Vec<SetupRow>,
-    count: usize,
-    root: Cholesky<f64, Dyn>,
-}
-
-impl Setups {
-    fn new(scene: &Scene<'_>, weights: &[f64], (noise, memory): (&NoiseSeries, Memory)) -> Setups {
-        // Joins unknowns that occur in the same reading.
-        let mut parent: Vec<usize> = (0..scene.unknowns).collect();
-        fn top(parent: &mut [usize], mut k: usize) -> usize {
-            while parent[k] != k {
-                parent[k] = parent[parent[k]];
-                k = parent[k];
-            }
-            k
-        }
-        for item in &scene.items {
-            for pair in item.by_unknown.windows(2) {
-                let [a, b] = [pair[0].0, pair[1].0].map(|k| top(&mut parent, k));
-                parent[a.max(b)] = a.min(b);
-            }
-        }
-        // Decorrelation mixes the readings of a series.
-        let is_mixed = memory.ratio > 0.0;
-        for series in noise.series().filter(|_| is_mixed) {
-            let mut first = None;
-            for unknown in series.flat_map(|place| &scene.items[place].by_unknown).map(|&(unknown, _)| unknown) {
-                let [a, b] = [*first.get_or_insert(unknown), unknown].map(|k| top(&mut parent, k));
-                parent[a.max(b)] = a.min(b);
-            }
-        }
-        let mut members: HashMap<usize, Vec<usize>> = HashMap::new();
-        for k in 0..scene.unknowns {
-            let group = top(&mut parent, k);
-            members.entry(group).or_default().push(k);
-        }
-        let mut first: Vec<usize> = members.keys().copied().collect();
-        first.sort_unstable();
-        let number: HashMap<usize, (usize, usize)> = first
-            .iter()
-            .enumerate()
-            .flat_map(|(group, head)| {
-                members[head].iter().enumerate().map(move |(place, &unknown)| (unknown, (group, place)))
-            })
-            .collect();
-        let mut touched: Vec<Vec<usize>> = vec![Vec::new(); first.len()];
-        let mut dense: Vec<Vec<(usize, f64)>> = vec![Vec::new(); scene.unknowns];
-        for (place, (item, weight)) in
-            scene.items.iter().zip(weights).enumerate().filter(|(_, (_, weight))| **weight > 0.0)
-        {
-            for &(unknown, factor) in &item.by_unknown {
-                dense[unknown].push((place, factor * weight));
-            }
-            if let Some(&(unknown, _)) = item.by_unknown.first() {
-                touched[number[&unknown].0].push(place);
-            }
-        }
-        for series in noise.series().filter(|_| is_mixed) {
-            let places: Vec<usize> = series.collect();
-            let of = places.iter().find_map(|&place| scene.items[place].by_unknown.first());
-            if let Some((unknown, _)) = of {
-                touched[number[unknown].0].extend(places);
-            }
-        }
-        for places in &mut touched {
-            places.sort_unstable();
-            places.dedup();
-        }
-        let mut rows: Vec<Vec<SetupRow>> =
-            touched.iter().map(|places| places.iter().map(|&place| (place, Vec::new())).collect()).collect();
-        let mut values = vec![0.0; scene.items.len()];
-        for (unknown, own) in dense.iter().enumerate() {
-            let (group, number) = number[&unknown];
-            own.iter().for_each(|&(place, factor)| values[place] = factor);
-            noise.whiten(memory, &mut values);
-            for (place, row) in &mut rows[group] {
-                if values[*place] != 0.0 {
-                    row.push((number, values[*place]));
-                }
-                values[*place] = 0.0;
-            }
-        }
-        let (mut rank, mut half_log) = (0, 0.0);
-        let groups = rows.into_iter().zip(&first).filter_map(|(rows, head)| {
-            let count = members[head].len();
-            let mut matrix = DMatrix::zeros(count, count);
-            for (_, own) in &rows {
-                for &(row, left) in own {
-                    for &(column, right) in own {
-                        matrix[(row, column)] += left * right;
-                    }
-                }
-            }
-            rank += (0..count).filter(|&k| matrix[(k, k)] > 0.0).count();
-            for k in 0..count {
-                matrix[(k, k)] = if matrix[(k, k)] > 0.0 { matrix[(k, k)] * (1.0 + RIDGE) } else { 1.0 };
-            }
-            let root = Cholesky::new(matrix)?;
-            half_log += root.l_dirty().diagonal().iter().map(|value| value.ln()).sum::<f64>();
-            Some(Together { rows, count, root })
-        });
-        let groups = groups.collect();
-        Setups { groups, rank, half_log }
-    }
-
-    /// Subtracts the part that set-ups can explain from whitened values.
-    fn take(&self, values: &mut [f64]) {
-        for group in &self.groups {
-            let mut right = DVector::zeros(group.count);
-            for (place, own) in &group.rows {
-                for &(k, factor) in own {
-                    right[k] += factor * values[*place];
-                }
-            }
-            let amounts = group.root.solve(&right);
-            for (place, own) in &group.rows {
-                values[*place] -= own.iter().map(|&(k, factor)| factor * amounts[k]).sum::<f64>();
-            }
-        }
-    }
 }
 
 #[cfg(test)]

@@ -18,7 +18,9 @@ pub mod contest;
 pub mod likelihood;
 pub mod noise;
 pub mod search;
+mod setups;
 pub mod term;
+mod tridiagonal;
 
 use std::collections::HashMap;
 use std::sync::Arc;
