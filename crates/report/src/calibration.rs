@@ -43,6 +43,10 @@ const WIDEST_NAME: usize = 60;
 #[must_use]
 pub fn cells(one: &EstimateReport) -> [String; 4] {
     let effect = one.effect_um.map_or(String::new(), significant);
+    // The readings do not determine it: its value is only where the fit began.
+    if !one.sigma.is_finite() {
+        return ["-".into(), "unknown".into(), effect, "-".into()];
+    }
     let [sigma, inflation] = [one.sigma, one.inflation].map(significant);
     let decimals = sigma.split_once('.').map_or(0, |(_, behind)| behind.len());
     [format!("{:.decimals$}", one.value), sigma, effect, inflation]
