@@ -146,14 +146,15 @@ fn an_artefact_of_another_length_is_no_error_of_the_machine() {
 #[test]
 fn a_scale_of_one_mounting_is_found_beside_a_scale_of_the_machine() {
     let description = "[measurement]\nkind = \"displacement\"\nfree = [\"offset\"]\nsigma_um = 0.7\n";
-    // X of the machine is longer by 12 µm/m, and by 25 µrad times Y; the second plate differs by −20 µm/m in both directions.
+    // Readings along X grow by 12 µm/m, and by 25 µrad times Y; the second plate differs by −20 µm/m in both directions. The table moves along X, so
+    // its positioning error is −12 µm/m.
     let table = plates(6, |mounting, [x, y]| {
         let of_plate = if mounting == 1 { -0.020 } else { 0.0 };
         [(0.012 + of_plate) * x + 0.025 * y, of_plate * y]
     });
     let (_, report) = diagnosed(&[("d", table)], description);
     assert_eq!(names(&report), ["location EC0X", "motion EXX", "setup scale S1"], "{report:#}");
-    for (wanted, truth) in [("location EC0X", 25.0), ("motion EXX", 12.0), ("setup scale S1", -20.0)] {
+    for (wanted, truth) in [("location EC0X", 25.0), ("motion EXX", -12.0), ("setup scale S1", -20.0)] {
         let found = one(&report, wanted);
         assert!((number(&found, "value") - truth).abs() < 1.5 * number(&found, "u95"), "{found:#}");
     }

@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 
 use super::cause::{Candidate, EffectKind, Weight, motion};
-use super::entrant::{Named, Source, family, group, is_of_rotary, is_slope};
+use super::entrant::{EntrantSource, NamedEntrant, family, group, is_of_rotary, is_slope};
 use super::harm::Harm;
 use super::search::{Field, Weights};
 use super::volume::Volume;
@@ -87,8 +87,8 @@ impl Field<'_, '_> {
     }
 
     /// True if a term is named: by the probability of all its variants, a wave by that of its own period.
-    fn is_named(&self, source: &Source, of_all: f64, of_own: f64, taken: &[usize]) -> bool {
-        let Source::Known(number) = source else { return of_all >= NAMED };
+    fn is_named(&self, source: &EntrantSource, of_all: f64, of_own: f64, taken: &[usize]) -> bool {
+        let EntrantSource::Known(number) = source else { return of_all >= NAMED };
         let one = &self.candidates[*number];
         // The likelihood models neither errors of single positions nor sensors with lags. So among waves, temperatures and times it only judges
         // results of the search.
@@ -109,21 +109,21 @@ impl Field<'_, '_> {
                 | EffectKind::Own(_)
         );
         let key = source.key(self);
-        let is_same = |&other: &usize| Source::Known(other).key(self) == key;
+        let is_same = |&other: &usize| EntrantSource::Known(other).key(self) == key;
         let from = if one.cause.effect == EffectKind::Periodic { NAMED_WAVE } else { NAMED };
         let probability = if one.cause.effect == EffectKind::Periodic { of_own } else { of_all };
         probability >= from && (is_of_places || taken.iter().any(is_same))
     }
 
     /// Smallest decrease of the score without a named term.
-    fn shown(&self, source: &Source, taken: &[usize]) -> f64 {
+    fn shown(&self, source: &EntrantSource, taken: &[usize]) -> f64 {
         let key = source.key(self);
-        if taken.iter().any(|&other| Source::Known(other).key(self) == key) { SHOWN } else { SHOWN_NEW }
+        if taken.iter().any(|&other| EntrantSource::Known(other).key(self) == key) { SHOWN } else { SHOWN_NEW }
     }
 
     /// Runs the comparison. Candidates of the outcome are added to the field.
     pub(super) fn contest(&mut self, weights: &Weights, taken: &[usize], volume: Option<&Volume>) -> ContestOutcome {
-        let mut named: Vec<Named> = Vec::new();
+        let mut named: Vec<NamedEntrant> = Vec::new();
         let mut is_in: Vec<bool> = vec![false; self.candidates.len()];
         let mut place_of: Vec<Option<usize>> = Vec::new();
         for one in term::terms(self.scene) {
@@ -158,11 +158,13 @@ impl Field<'_, '_> {
                 parent: None,
                 is_simple: false,
             };
-            named.push(Named { candidate: Source::Known(number), entrant });
+            named.push(NamedEntrant { candidate: EntrantSource::Known(number), entrant });
         }
         let start: Option<Vec<usize>> = taken
             .iter()
-            .map(|&number| named.iter().position(|one| matches!(one.candidate, Source::Known(own) if own == number)))
+            .map(|&number| {
+                named.iter().position(|one| matches!(one.candidate, EntrantSource::Known(own) if own == number))
+            })
             .collect();
         let start = start.unwrap_or_default();
         let found = contest(
@@ -176,13 +178,13 @@ impl Field<'_, '_> {
             },
             std::slice::from_ref(&start),
         );
-        let joined = found.joined.iter().map(|&k| Source::Known(outside[k]));
-        let sources: Vec<Source> = named.into_iter().map(|one| one.candidate).chain(joined).collect();
+        let joined = found.joined.iter().map(|&k| EntrantSource::Known(outside[k]));
+        let sources: Vec<EntrantSource> = named.into_iter().map(|one| one.candidate).chain(joined).collect();
         self.outcome(&found, &sources, (&start, taken, volume))
     }
 
     /// Adds a term: as its candidate if there is one, else as a shape.
-    fn enter(&mut self, one: term::Term, named: &mut Vec<Named>, is_in: &mut [bool]) {
+    fn enter(&mut self, one: term::Term, named: &mut Vec<NamedEntrant>, is_in: &mut [bool]) {
         let name = one.component.to_string();
         let is_simple = one.family.is_simple();
         let log_odds = (one.share * one.family.assumption().odds).ln();
@@ -210,7 +212,7 @@ impl Field<'_, '_> {
                 self.know(&shape);
                 let group = ColumnGroup::one(self.columns(&shape).remove(0), one.size);
                 let entrant = Entrant { group, log_odds, parent: None, is_simple };
-                named.push(Named { candidate: Source::Shape(Box::new(shape)), entrant });
+                named.push(NamedEntrant { candidate: EntrantSource::Shape(Box::new(shape)), entrant });
             }
             return;
         };
@@ -224,7 +226,7 @@ impl Field<'_, '_> {
         };
         is_in[number] = true;
         let entrant = Entrant { group: ColumnGroup::one(column, size), log_odds, parent: None, is_simple };
-        named.push(Named { candidate: Source::Known(number), entrant });
+        named.push(NamedEntrant { candidate: EntrantSource::Known(number), entrant });
     }
 
     /// The weight of a shape. If set-ups have unknowns, the mean of a displacement over the measured positions is subtracted: it belongs to the zero.
@@ -241,14 +243,14 @@ impl Field<'_, '_> {
     fn outcome(
         &mut self,
         found: &Contest,
-        sources: &[Source],
+        sources: &[EntrantSource],
         (start, taken, volume): (&[usize], &[usize], Option<&Volume>),
     ) -> ContestOutcome {
         let Some(first) = found.explanations.first() else { return ContestOutcome::default() };
         let same =
             |number: usize| found.alike.iter().find(|(one, _)| *one == number).map_or(number, |(_, other)| *other);
-        // Named as causes and their equivalent explanations are.
-        let in_words = |source: &Source| {
+        // NamedEntrant as causes and their equivalent explanations are.
+        let in_words = |source: &EntrantSource| {
             let (effect, parameter) = source.key(self);
             format!("{effect} {parameter}").trim_end().to_owned()
         };
@@ -289,7 +291,7 @@ impl Field<'_, '_> {
                 chance: 0.0,
             })
             .collect();
-        let keys = |sources: &mut dyn Iterator<Item = Source>| {
+        let keys = |sources: &mut dyn Iterator<Item = EntrantSource>| {
             let mut keys: Vec<String> =
                 sources.map(|one| one.key(self)).map(|(effect, name)| format!("{effect} {name}")).collect();
             keys.sort();
@@ -303,7 +305,7 @@ impl Field<'_, '_> {
         };
         let is_variant = !taken.iter().all(is_of_places)
             && keys(&mut first.set.iter().filter_map(|&k| sources.get(k).cloned()))
-                == keys(&mut taken.iter().map(|&number| Source::Known(number)));
+                == keys(&mut taken.iter().map(|&number| EntrantSource::Known(number)));
         let is_better = found.behind.first().is_some_and(|behind| *behind < -SURELY)
             || of_taken.iter().any(|one: &Chosen| !one.is_likely() || (is_offset(one) && one.probability < NAMED));
         // The search handles variants of one cause better: it refines their constants.
@@ -322,16 +324,20 @@ impl Field<'_, '_> {
                 };
                 let (harmful, chance) = (said(k, true), (-loss).exp());
                 match source {
-                    Source::Known(number) => chosen.push(Chosen { candidate: *number, probability, harmful, chance }),
-                    Source::Shape(one) => match shapes.iter_mut().find(|(own, ..)| own.parameter == one.parameter) {
-                        Some((own, least, known, most)) => {
-                            *most = most.max(chance);
-                            own.columns.extend(one.columns.iter().cloned());
-                            *least = least.min(probability);
-                            *known = known.take().or(harmful);
+                    EntrantSource::Known(number) => {
+                        chosen.push(Chosen { candidate: *number, probability, harmful, chance })
+                    }
+                    EntrantSource::Shape(one) => {
+                        match shapes.iter_mut().find(|(own, ..)| own.parameter == one.parameter) {
+                            Some((own, least, known, most)) => {
+                                *most = most.max(chance);
+                                own.columns.extend(one.columns.iter().cloned());
+                                *least = least.min(probability);
+                                *known = known.take().or(harmful);
+                            }
+                            None => shapes.push(((**one).clone(), probability, harmful, chance)),
                         }
-                        None => shapes.push(((**one).clone(), probability, harmful, chance)),
-                    },
+                    }
                 }
             }
             (chosen, shapes)

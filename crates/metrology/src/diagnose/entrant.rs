@@ -10,26 +10,26 @@ use ncfix_model::name::ErrorName;
 use ncfix_model::parameter::ComponentTerm;
 
 /// An entrant and its source.
-pub(super) struct Named {
-    pub(super) candidate: Source,
+pub(super) struct NamedEntrant {
+    pub(super) candidate: EntrantSource,
     pub(super) entrant: Entrant,
 }
 
-/// Source of the candidate of an entrant.
+/// EntrantSource of the candidate of an entrant.
 #[derive(Clone, Debug)]
-pub(super) enum Source {
+pub(super) enum EntrantSource {
     /// Among the candidates of the field.
     Known(usize),
     /// A shape over the travel: an axis component with one column.
     Shape(Box<Candidate>),
 }
 
-impl Source {
+impl EntrantSource {
     /// Effect and parameter: variants of one cause share a name.
     pub(super) fn key(&self, field: &Field<'_, '_>) -> (EffectKind, String) {
         let one = match self {
-            Source::Known(number) => &field.candidates[*number],
-            Source::Shape(one) => one,
+            EntrantSource::Known(number) => &field.candidates[*number],
+            EntrantSource::Shape(one) => one,
         };
         (one.cause.effect, one.parameter.clone())
     }

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::cause::EffectKind;
-use super::entrant::{Source, family};
+use super::entrant::{EntrantSource, family};
 use super::search::Field;
 use super::volume::Volume;
 use crate::diagnose::explain::assumptions::Family;
@@ -43,13 +43,13 @@ impl<'f> Harm<'f> {
     pub(super) fn new(
         field: &'f Field<'_, '_>,
         found: &'f Contest,
-        sources: &[Source],
+        sources: &[EntrantSource],
         volume: Option<&Volume>,
     ) -> Harm<'f> {
         let mut units: HashMap<usize, Vec<Vec<f64>>> = HashMap::new();
         let mut of = |entrant: usize| -> Vec<Vec<f64>> {
             let make = || match (volume, sources.get(entrant)) {
-                (Some(volume), Some(Source::Known(number))) => {
+                (Some(volume), Some(EntrantSource::Known(number))) => {
                     let one = &field.candidates[*number];
                     let moves = matches!(
                         one.cause.effect,
@@ -58,7 +58,7 @@ impl<'f> Harm<'f> {
                     if moves { volume.fields(one, false) } else { Vec::new() }
                 }
                 // The file stores it as a table, which is constant beyond the measured range; an angle also acts beyond it, by its arm.
-                (Some(volume), Some(Source::Shape(one))) => {
+                (Some(volume), Some(EntrantSource::Shape(one))) => {
                     let is_angle = one.parameter.parse::<ErrorName>().is_ok_and(|name| name.direction.is_rotation());
                     volume.fields(one, !is_angle)
                 }
@@ -93,15 +93,15 @@ impl<'f> Harm<'f> {
         }
         let part = volume.map_or(1, Volume::numbers_of_a_tool).max(1);
         let keys = sources.iter().map(|source| source.key(field)).collect();
-        let is_offset = |source: &Source| match source {
-            Source::Known(number) => matches!(family(&field.candidates[*number]), Family::Offset | Family::Tilt),
-            Source::Shape(_) => false,
+        let is_offset = |source: &EntrantSource| match source {
+            EntrantSource::Known(number) => matches!(family(&field.candidates[*number]), Family::Offset | Family::Tilt),
+            EntrantSource::Shape(_) => false,
         };
-        let is_shape = |source: &Source| matches!(source, Source::Shape(_));
+        let is_shape = |source: &EntrantSource| matches!(source, EntrantSource::Shape(_));
         let [is_offset, is_shape] =
             [sources.iter().map(is_offset).collect(), sources.iter().map(is_shape).collect::<Vec<bool>>()];
-        let is_angle = |source: &Source| {
-            let Source::Shape(one) = source else { return false };
+        let is_angle = |source: &EntrantSource| {
+            let EntrantSource::Shape(one) = source else { return false };
             one.parameter.parse::<ErrorName>().is_ok_and(|name| name.direction.is_rotation())
         };
         let is_angle = sources.iter().map(is_angle).collect();

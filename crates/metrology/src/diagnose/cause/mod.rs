@@ -32,7 +32,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::extend::Change;
+use super::extend::change::Change;
 use super::row::SceneRow;
 use super::scene::{Scene, Through};
 use crate::measure::data::DataSet;

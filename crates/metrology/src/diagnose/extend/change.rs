@@ -1,11 +1,17 @@
 //! Changes of a machine file. Terms are added to existing ones of the same kind, so that none is written twice.
 
 use ncfix_base::geometry::Axis;
+use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_machine::machine::edit::{Edit, Given};
 use ncfix_model::ParameterName;
 use ncfix_model::name::{ErrorKind, ErrorName};
 
-use super::{unit_of, warm};
+use super::warm;
+
+/// The unit of a deviation in the file, and the factor to it.
+pub(super) fn unit_of(name: ErrorName) -> (f64, &'static str) {
+    if name.direction.is_rotation() { (urad_from_rad(1.0), "urad") } else { (um_from_mm(1.0), "um") }
+}
 
 /// Positions, periods and forces are equal within this share.
 const SAME: f64 = 1e-9;

@@ -7,8 +7,7 @@ use super::super::row::{NOWHERE, SceneRow};
 use super::super::scene::{Scene, Through};
 use super::super::size::{EXPANDED, weights_at};
 use super::super::verdict::AcceptedCause;
-use super::change::{Change, rounded};
-use super::unit_of;
+use super::change::{Change, rounded, unit_of};
 
 /// Number of points along an axis at which a function is sampled, in addition to its knots.
 const LOOKS: usize = 33;

@@ -14,7 +14,7 @@ use crate::calibrate::Parameter;
 use crate::calibrate::effect::effect_parameters;
 use crate::measure::data::DataSet;
 use ncfix_base::numeric::sums::dot;
-use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_base::units::um_from_mm;
 use ncfix_model::name::ErrorName;
 use ncfix_model::parameter::ComponentTerm;
 use ncfix_model::{ErrorModel, ParameterName};
@@ -308,11 +308,6 @@ fn component(candidate: &Candidate) -> Option<ErrorName> {
     let Through::Component(name) = all.next()? else { return None };
     (candidate.columns.iter().all(|parts| parts.len() == 1) && all.all(|own| own == Through::Component(name)))
         .then_some(name)
-}
-
-/// The unit of a deviation in the file, and the factor to it.
-fn unit_of(name: ErrorName) -> (f64, &'static str) {
-    if name.direction.is_rotation() { (urad_from_rad(1.0), "urad") } else { (um_from_mm(1.0), "um") }
 }
 
 /// The effect of a cause on every reading of a scene, mm or rad.

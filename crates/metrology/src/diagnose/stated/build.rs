@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::super::cause::{BUILT_IN, Candidate, Cause, EffectKind, UNNAMED, Values, Weight, own, thermal};
 use super::super::explain::assumptions::Family;
 use super::super::explain::term::{Term as Shape, terms};
-use super::super::extend::Change;
+use super::super::extend::change::Change;
 use super::super::row::SceneRow;
 use super::super::scene::{Scene, Through};
 use super::super::shape::unit_of;

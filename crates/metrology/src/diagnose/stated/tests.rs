@@ -2,7 +2,7 @@
 
 use super::super::bench;
 use super::super::cause::{Causes, Correctable};
-use super::super::extend::Change;
+use super::super::extend::change::Change;
 use super::{HypothesisTrial, StatedTrials, diagnose_stated, read};
 use crate::measure::data::DataSet;
 use ncfix_base::source::{FileId, Source};
