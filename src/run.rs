@@ -161,7 +161,13 @@ pub(crate) fn resolve(
         };
         Some((found?, "by its name or first lines".to_owned()))
     };
-    Ok(of_machine.or_else(of_file).unwrap_or_else(|| (ncfix_dialect::sinumerik(), "by default".to_owned())))
+    let of_words = || {
+        let found = ncfix_dialect::likeness(source.bytes())?;
+        let reasons = found.reasons.iter().map(|(what, line)| format!("{what} (line {line})"));
+        Some((found.dialect, format!("by its words: {}", reasons.collect::<Vec<_>>().join(", "))))
+    };
+    let by_default = || (ncfix_dialect::sinumerik(), "by default".to_owned());
+    Ok(of_machine.or_else(of_file).or_else(of_words).unwrap_or_else(by_default))
 }
 
 /// The output keeps the unit of the program: on these controls G20 or G21 remains active after the program, and a Fanuc interprets its offsets in

@@ -68,6 +68,49 @@ const LANGUAGES: &[Language] = &[
         enough: 1,
     },
     Language {
+        name: "a Heidenhain DIN/ISO program",
+        // `%FLANGE G71 *`, `N10 G30 G17 X+0 Y+0 Z-20*`, `N20 G31 G90 X+100 Y+100 Z+0*`
+        marks: &[r"^%\S+\s+G7[01]\s*\*", r"^N[0-9]+\s*G30\s*G17.*\*", r"^N[0-9]+\s*G31\s*G9[01].*\*"],
+        enough: 1,
+    },
+    Language {
+        name: "a program of an older Sinumerik (@ codes)",
+        // `%MPF 90`, `N1 @371 R52 K2 K0`, `L100 @714`
+        marks: &[r"^%(?:MPF|SPF)\s*[0-9]+", r"(?:^|\s)@[0-9]{3}(?:\s|$)", r"^N[0-9]+\s.*@[0-9]{3}\s+[RKP][0-9]"],
+        enough: 2,
+    },
+    Language {
+        name: "a Fagor program",
+        // `%PART,MX--,`, `#RTCP ON`, `(RPT N10,N20)N5`, `(PCALL 10)`, `(P100=P101 F1 1)`
+        marks: &[
+            r"^%[^,]*,M[XT]",
+            r"^#(?:RTCP|TLC|HSC|KIN ID|CS|ACS)\b",
+            r"^(?:N[0-9]+\s*)?\((?:RPT\s+N[0-9]|(?:P|M)?CALL\s+[0-9P])",
+            r"^(?:N[0-9]+\s*)?\(P[0-9]+\s*=",
+            r"^(?:N[0-9]+\s*)?\(IF\s.*GOTO\s*N?[0-9]",
+        ],
+        enough: 2,
+    },
+    Language {
+        name: "a NUM program",
+        // `G77 H100 N10 N20`, `G79 L1=5 N100`, `E81000=1`, `L1=L1+1`, `$0 TEXT`
+        marks: &[
+            r"(?:^|\s)G77\s*(?:H|N)[0-9]",
+            r"(?:^|\s)G79\s*(?:N|L[0-9]+\s*[=<>]|E[0-9])",
+            r"(?:^|\s)E[5-9][0-9]{4}(?:\s|=|$)",
+            r"^(?:N[0-9]+\s*)?L[0-9]{1,3}\s*=\s*(?:L[0-9]|E[0-9]{5}|[-.0-9])",
+            r"^\$[0-9]\s",
+            r"(?:^|\s)G16\s*[PQR][-+](?:\s|$)",
+        ],
+        enough: 2,
+    },
+    Language {
+        name: "a program of a wire EDM machine",
+        // `//ACCUTEX WEDM CUTTING CONDITIONS`
+        marks: &[r"^//.*WEDM"],
+        enough: 1,
+    },
+    Language {
         name: "a Mazatrol conversational program",
         // `UNo. UNIT`
         marks: &[r"^UNo\..*UNIT"],
@@ -122,12 +165,26 @@ mod tests {
             ("m104 S200\ng92 E0", "3D printer"),
             ("N10 E_HEAD(1,2)", "ShopMill"),
             ("UNo. UNIT ADD. S.", "Mazatrol"),
+            ("%FLANGE G71 *\nN10 G30 G17 X+0 Y+0 Z-20*", "DIN/ISO"),
+            ("%MPF  90\nN1 @371 R52 K2 K0", "older Sinumerik"),
+            ("%PART,MX--,\n#RTCP ON", "Fagor"),
+            ("N10 (RPT N1,N5)N2\n(P100=P101 F1 1)", "Fagor"),
+            ("%1\nL1=5\nG77 H100 N10 N20", "NUM"),
+            ("//\n//ACCUTEX WEDM CUTTING CONDITIONS --BEGIN--", "wire EDM"),
         ] {
             assert!(foreign(text.as_bytes()).is_some_and(|found| found.name.contains(name)), "{text}");
         }
-        for text in
-            ["N10 FE_HEAD(1)", "G1 X1 e5\nG92 E0", "G56 H1 XHA=1\nG15 H1", "$PART.MIN\nTOCALL O1", "G12 E5\nG92 E0", ""]
-        {
+        for text in [
+            "N10 FE_HEAD(1)",
+            "G7 A5=15. L1=1\n%MPF1",
+            "G77 X1\nL1=5",
+            "(CALL ME)\n(IF NEEDED)",
+            "G1 X1 e5\nG92 E0",
+            "G56 H1 XHA=1\nG15 H1",
+            "$PART.MIN\nTOCALL O1",
+            "G12 E5\nG92 E0",
+            "",
+        ] {
             assert_eq!(foreign(text.as_bytes()), None, "{text}");
         }
         let found = foreign(b"G0 X1\nG92 E0\n M140 S60\n").unwrap();

@@ -7,6 +7,7 @@ mod detector;
 mod fanuc;
 mod foreign;
 mod grundig;
+mod likeness;
 mod rs274;
 mod sinumerik;
 mod turning;
@@ -19,6 +20,7 @@ pub use block_ends::{BlockEnd, BlockEnds};
 pub use code::{CodeEffect, CodeEntry, CodeTable};
 pub use detector::{Detector, Detectors, guess_with};
 pub use foreign::{Foreign, foreign};
+pub use likeness::{Likeness, likeness};
 pub use turning::{Mark, turning};
 pub use word::{Treatment, ValueUnit, WordEntry, WordPlace, WordTable, words};
 
