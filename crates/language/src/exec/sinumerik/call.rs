@@ -6,6 +6,7 @@ use super::flow;
 use super::gathered::Call;
 use super::jump::{place_of, search, variable};
 use super::level::{CalledWith, Entry, Interpreter, Level, Loaded, ReturnTarget};
+use super::modal::MotionKind;
 use super::parameters;
 use super::part::{COUNT_HELP, count_of};
 use super::pass::opaque_statement;
@@ -17,7 +18,9 @@ use super::variables::Locals;
 use super::{library, names};
 use crate::exec::core::fault::{Fault, fault};
 use crate::exec::core::level::RepeatedSection;
-use crate::syntax::sinumerik::{ArgumentRange, Block, CallKind, CallStatement, Callee, JumpTarget, Search};
+use crate::syntax::sinumerik::{
+    Address, ArgumentRange, Block, Body, CallKind, CallStatement, Callee, JumpTarget, Search, Value as WordValue, Word,
+};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_machine::snc::Kind;
@@ -151,6 +154,35 @@ impl Interpreter<'_> {
         }
         self.begin(entry, block.line);
         true
+    }
+
+    /// Rejects a block with F, S, G0 or G1 alone while MCALL is in force under G0 or G1: the control executes the modal program after it, at the current
+    /// position (programming manual 840D sl, "modal subprogram call").
+    pub(super) fn check_still_block(&self, block: &Block) -> Result<(), Fault> {
+        let Some(level) = self.levels.last().filter(|level| level.own.cycle.is_none() && !level.own.is_modal) else {
+            return Ok(());
+        };
+        if !matches!(block.body, Body::Words)
+            || !matches!(self.channel.modal.modes.motion, MotionKind::Rapid | MotionKind::Line)
+        {
+            return Ok(());
+        }
+        let words = self.programs[level.program].program.words_of(block);
+        let is_still = |word: &Word| match (word.address, word.value) {
+            (Address::Letter(b'F' | b'S'), _) => true,
+            (Address::Letter(b'G'), WordValue::Number(code, _)) => code == 0.0 || code == 1.0,
+            _ => false,
+        };
+        if words.is_empty() || !words.iter().all(is_still) {
+            return Ok(());
+        }
+        let message = "a block with F, S, G0 or G1 alone after MCALL: the control executes the modal program at the current position too";
+        Err(fault(
+            Code::TWO_MEANINGS,
+            block.span,
+            message,
+            "write the words in a block before MCALL, or in that of the first position",
+        ))
     }
 
     fn label_text(&self, program: usize, target: JumpTarget, span: Span) -> Result<Vec<u8>, Fault> {

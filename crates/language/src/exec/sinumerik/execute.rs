@@ -119,7 +119,13 @@ impl Execute for Sinumerik {
     }
 
     fn modal_call(run: &mut Interpreter<'_>, block: &Block) -> Result<bool, Fault> {
-        Ok(run.channel.block.has_moved && run.own.modal_call.is_some() && run.trigger(block))
+        if run.own.modal_call.is_none() {
+            return Ok(false);
+        }
+        if !run.channel.block.has_moved {
+            return run.check_still_block(block).map(|()| false);
+        }
+        Ok(run.trigger(block))
     }
 
     fn check_repetition(run: &Interpreter<'_>, span: Span) -> Result<(), Fault> {

@@ -13,6 +13,9 @@ use crate::syntax::sinumerik::{ArgumentRange, ExprId, Node, Parameter};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 
+/// The cycle of free positions.
+const FREE_POSITIONS: &str = "CYCLE802";
+
 /// Evaluates the arguments of a call. `called` is the program with its parameters, `span` is that of the call.
 pub(super) fn evaluate(
     caller: &Loaded,
@@ -23,6 +26,8 @@ pub(super) fn evaluate(
 ) -> Result<Vec<Argument>, Fault> {
     let (program, parameters) = called;
     let given = arguments.map_or(&[][..], |range| caller.program.arguments_of(range));
+    let short = short_positions(caller, channel, program, given);
+    let given = short.as_deref().unwrap_or(given);
     if given.len() > parameters.len() && !(parameters.is_empty() && given == [None]) {
         let message = match parameters.len() {
             0 => "this program takes no arguments".to_owned(),
@@ -43,6 +48,23 @@ pub(super) fn evaluate(
         });
     }
     Ok(out)
+}
+
+/// CYCLE802 of Operate has two arguments less: the 23rd is then a number, _DMODE, and not the text _HIDE.
+fn short_positions(
+    caller: &Loaded,
+    channel: &Channel<'_>,
+    called: &Loaded,
+    given: &[Option<ExprId>],
+) -> Option<Vec<Option<ExprId>>> {
+    const SHORT: usize = 23;
+    let (last, others) = given.split_last().filter(|_| given.len() == SHORT)?;
+    let is_free = called.own.built_in.is_some_and(|name| name.eq_ignore_ascii_case(FREE_POSITIONS));
+    let value = scope_of(caller, channel).value((*last)?).ok().filter(|_| is_free)?;
+    value.number()?;
+    let mut all = others.to_vec();
+    all.extend([None, None, *last]);
+    Some(all)
 }
 
 fn one(
