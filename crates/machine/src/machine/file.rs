@@ -10,7 +10,7 @@ use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, Plane, Vector};
 use ncfix_base::source::Source;
 
 use super::condition::file::PLAUSIBLE_C;
-use super::zero_offset::{check_name, read_zero_offsets};
+use super::zero_offset::{check_name, common_name, read_zero_offsets};
 use super::{ActiveTables, AxisData, Control, Lever, Machine, Spindle, ToolChange, Topology};
 use super::{active, measured, opaque, orientation, servo, setting, strain, tool, uncertainty};
 
@@ -38,6 +38,10 @@ pub const SECTIONS: &[&str] = &[
     "gud",
 ];
 
+/// A Haas is a Fanuc with other meanings of some words.
+const HAAS: &str = "haas";
+const FANUC: &str = "fanuc";
+
 /// Maximum deviation of the direction of a linear axis from its direction of F.
 const PARALLEL_LIMIT: f64 = 1e-9;
 
@@ -54,7 +58,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     }
     let spindle = read_spindle(root.section("spindle"), &mut findings);
     let controller = head.controller.clone();
-    let mut control = read_control(root.section("control"), &controller, &mut findings);
+    let mut control = read_control(root.section("control"), &controller, head.is_haas, &mut findings);
     opaque::read_sections(root.sections("opaque"), &mut control, &mut findings);
     let known = head.topology.as_ref().map(|(topology, _)| topology.axis_set());
     let axis_set = known.unwrap_or_else(|| AXES.into_iter().collect());
@@ -79,6 +83,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
         reference_temperature_c,
         active_tables,
         axis_order,
+        ..
     } = head
     else {
         return (None, findings);
@@ -168,6 +173,8 @@ struct Head {
     name: Option<String>,
     topology: Option<(Topology, Place)>,
     controller: String,
+    /// True if `controller` is a Haas, which speaks the language of a Fanuc.
+    is_haas: bool,
     reference_temperature_c: f64,
     active_tables: ActiveTables,
     axis_order: Vec<Axis>,
@@ -176,7 +183,9 @@ struct Head {
 fn read_head(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Head {
     let name = section.required("name", "\"my machine\"", Section::text).map(str::to_owned);
     let written = section.required("topology", "\"wXYFZSt\"", Section::text);
-    let controller = section.text("controller").unwrap_or("sinumerik").to_owned();
+    let controller = section.text("controller").unwrap_or("sinumerik");
+    let is_haas = controller.eq_ignore_ascii_case(HAAS);
+    let controller = if is_haas { FANUC } else { controller }.to_owned();
     let reference_temperature_c = section.number("reference_temperature_C").unwrap_or(20.0);
     let active_tables = active::read(&mut section);
     let axis_order = active::read_axis_order(&mut section);
@@ -191,7 +200,7 @@ fn read_head(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Head {
         }
     });
     section.finish(findings);
-    Head { name, topology, controller, reference_temperature_c, active_tables, axis_order }
+    Head { name, topology, controller, is_haas, reference_temperature_c, active_tables, axis_order }
 }
 
 /// The axes that could be read, and the header of every axis section.
@@ -326,8 +335,16 @@ fn read_spindle(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) ->
     spindle
 }
 
-fn read_control(section: Option<Section<'_>>, controller: &str, findings: &mut Vec<Diagnostic>) -> Control {
+fn read_control(
+    section: Option<Section<'_>>,
+    controller: &str,
+    is_haas: bool,
+    findings: &mut Vec<Diagnostic>,
+) -> Control {
     let mut control = super::output_control::of_controller(controller);
+    if is_haas {
+        control.iso.become_haas();
+    }
     let Some(mut section) = section else { return control };
     let not_negative = |value: f64| value >= 0.0;
     super::output_control::read(&mut section, &mut control);
@@ -377,7 +394,7 @@ fn read_control(section: Option<Section<'_>>, controller: &str, findings: &mut V
     }
     if let Some(name) = section.text("initial_zero_offset") {
         match check_name(name, controller) {
-            Ok(()) => control.initial_zero_offset = Some(name.to_owned()),
+            Ok(()) => control.initial_zero_offset = Some(common_name(name)),
             Err(help) => {
                 let message = format!("\"{name}\" is not a settable zero offset");
                 section.report(Code::BAD_VALUE, section.place_of("initial_zero_offset"), message, help);

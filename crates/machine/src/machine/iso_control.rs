@@ -61,6 +61,15 @@ pub enum OneAxis {
     Place,
 }
 
+/// Control whose meaning of a word counts where a Fanuc and a Haas differ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WordMeaning {
+    /// A Fanuc.
+    Fanuc,
+    /// A Haas.
+    Haas,
+}
+
 /// Settings of Fanuc and RS274/NGC controls.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IsoControl {
@@ -90,8 +99,31 @@ pub struct IsoControl {
     pub one_axis_in_rotation: Option<OneAxis>,
     /// True if programs are for mills, even if they contain features of a lathe.
     pub is_mill: bool,
-    /// True if words that a Haas reads differently have the meaning of a Fanuc.
-    pub reads_as_fanuc: bool,
+    /// Control whose meaning counts where a Fanuc and a Haas differ; `None` if the file does not state it.
+    pub word_meaning: Option<WordMeaning>,
+    /// True if the control compares the radii at start and end of an arc (Fanuc parameter 3410 is not 0).
+    pub checks_arc_radii: bool,
+}
+
+impl IsoControl {
+    /// Returns true for a Haas.
+    #[must_use]
+    pub fn is_haas(&self) -> bool {
+        self.word_meaning == Some(WordMeaning::Haas)
+    }
+
+    /// Returns true if words that a Haas reads differently have the meaning of a Fanuc.
+    #[must_use]
+    pub fn reads_as_fanuc(&self) -> bool {
+        self.word_meaning == Some(WordMeaning::Fanuc)
+    }
+
+    /// Sets the defaults of a Haas.
+    pub(super) fn become_haas(&mut self) {
+        self.word_meaning = Some(WordMeaning::Haas);
+        // A Haas taps rigidly.
+        self.rigid_tapping = Some(true);
+    }
 }
 
 impl Default for IsoControl {
@@ -110,7 +142,8 @@ impl Default for IsoControl {
             codes_within_rotation: false,
             one_axis_in_rotation: None,
             is_mill: false,
-            reads_as_fanuc: false,
+            word_meaning: None,
+            checks_arc_radii: true,
         }
     }
 }
@@ -205,17 +238,25 @@ fn read_rotation(section: &mut Section<'_>, iso: &mut IsoControl) {
             section.report(Code::BAD_VALUE, section.place_of("codes_within_rotation"), message, help);
         }
     }
-    for (key, only, place) in
-        [("program_kind", "mill", &mut iso.is_mill), ("word_meaning", "fanuc", &mut iso.reads_as_fanuc)]
-    {
-        match section.text(key) {
-            None => {}
-            Some(value) if value == only => *place = true,
-            Some(other) => {
-                let message = format!("{key} must be \"{only}\", found \"{other}\"");
-                section.report(Code::BAD_VALUE, section.place_of(key), message, "correct it, or remove it");
-            }
+    match section.text("program_kind") {
+        None => {}
+        Some("mill") => iso.is_mill = true,
+        Some(other) => {
+            let message = format!("program_kind must be \"mill\", found \"{other}\"");
+            section.report(Code::BAD_VALUE, section.place_of("program_kind"), message, "correct it, or remove it");
         }
+    }
+    match section.text("word_meaning") {
+        None => {}
+        Some("fanuc") => iso.word_meaning = Some(WordMeaning::Fanuc),
+        Some("haas") => iso.word_meaning = Some(WordMeaning::Haas),
+        Some(other) => {
+            let message = format!("word_meaning must be \"fanuc\" or \"haas\", found \"{other}\"");
+            section.report(Code::BAD_VALUE, section.place_of("word_meaning"), message, "correct it, or remove it");
+        }
+    }
+    if let Some(value) = section.boolean("arc_radius_check") {
+        iso.checks_arc_radii = value;
     }
     match section.text("one_axis_in_rotation") {
         None => {}

@@ -41,7 +41,7 @@ pub use contour_control::{ArcCenter, CompensationCorner, CompensationStart};
 pub use datum::{Datum, TouchedAt, ZeroSetting};
 pub use frame_control::Rollover;
 pub use grundig_control::{GrundigControl, ScaledAxes};
-pub use iso_control::{DecimalPoint, IncrementSystem, IsoControl, LengthAxis, OneAxis};
+pub use iso_control::{DecimalPoint, IncrementSystem, IsoControl, LengthAxis, OneAxis, WordMeaning};
 pub use kinematics::Kinematics;
 pub use macro_control::MacroControl;
 pub use measured::MeasuredRanges;

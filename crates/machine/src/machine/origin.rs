@@ -19,6 +19,7 @@ pub struct WrittenValue {
 /// Defaults of keys of `[control]`.
 const OF_CONTROL: &[(&str, &str)] = &[
     ("allow_synchronised", "[]"),
+    ("arc_radius_check", "true"),
     ("arc_tolerance_mm", "0.01"),
     ("arc_tolerance_ratio", "0.001"),
     ("arguments_two", "true"),

@@ -16,6 +16,9 @@ struct Names {
     is_name: fn(&str) -> bool,
 }
 
+/// Beginning of the names of a Haas for the additional systems of a Fanuc.
+const OF_HAAS: &str = "G154 P";
+
 /// The external offset of a Fanuc, which shifts all others.
 const EXTERNAL: &str = "EXT";
 
@@ -27,11 +30,13 @@ const NAMES: &[Names] = &[
     },
     Names {
         controller: "fanuc",
-        help: "settable zero offsets are G54 to G59, \"G54.1 P1\" to \"G54.1 P300\" and EXT, which shifts them all",
+        help: "settable zero offsets are G54 to G59, \"G54.1 P1\" to \"G54.1 P300\" (of a Haas \"G154 P1\" to \"G154 P99\") and \
+               EXT, which shifts them all",
         is_name: |name| {
             name == EXTERNAL
                 || numbered(name, "G").is_some_and(|number| (54..=59).contains(&number))
                 || numbered(name, "G54.1 P").is_some_and(|number| (1..=300).contains(&number))
+                || numbered(name, OF_HAAS).is_some_and(|number| (1..=99).contains(&number))
         },
     },
     Names {
@@ -93,13 +98,18 @@ pub(super) fn read_zero_offsets(
             check_whole(&mut own, name, axes);
         }
         if let Some(datum) = Datum::read(&mut own, axes, findings) {
-            datums.insert(name.to_owned(), datum);
+            datums.insert(common_name(name), datum);
         }
         own.finish(findings);
-        offsets.insert(name.to_owned(), parts);
+        offsets.insert(common_name(name), parts);
     }
     section.finish(findings);
     (offsets, datums)
+}
+
+/// The name of an offset among those of a Fanuc: `G154 P5` of a Haas is `G54.1 P5`.
+pub(super) fn common_name(name: &str) -> String {
+    name.strip_prefix(OF_HAAS).map_or_else(|| name.to_owned(), |number| format!("G54.1 P{number}"))
 }
 
 /// Warns of linear axes that an offset lacks beside others: an offset is set for the axes together, so they may be forgotten.

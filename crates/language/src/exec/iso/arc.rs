@@ -33,6 +33,9 @@ const SPIRAL_SHARE: f64 = 0.001;
 const SPIRAL_MOST: f64 = 100.0;
 /// Difference of the radii, mm, below which they are equal.
 const SAME_RADIUS_MM: f64 = 1e-6;
+/// Largest difference of the radii, mm and as a share, with which another reading of a center is likely.
+const LIKELY_MM: f64 = 0.01;
+const LIKELY_SHARE: f64 = 0.001;
 /// Angle between start and end, rad, below which they are in one direction from the center.
 const SAME_ANGLE_RAD: f64 = 1e-9;
 /// Largest excess of half the chord over a radius in LinuxCNC, mm.
@@ -105,10 +108,17 @@ pub(super) fn arc(
         })
     } else if has_center {
         center(channel, gathered, s, is_shifted)
-    } else {
+    } else if channel.is_rs274() || channel.settings.machine.control.iso.is_haas() {
         Err(fault(Code::NO_CENTER, span, "an arc without center and radius", "add I, J, K or R"))
+    } else {
+        // Parameter 3403, bit 5 (CIR): with 0 a straight line, with 1 alarm PS0022.
+        let message = "an arc without center and radius is a straight move on a Fanuc";
+        let help = "add I, J, K or R if an arc was intended (parameter 3403, bit 5: straight move or alarm PS0022)";
+        channel.outlet.warnings.push(fault(Code::UNUSUAL_ARC, span, message, help));
+        return step::step(channel, Step::straight(gathered, false, end, named));
     };
     let (mut target, mut to) = (target, to);
+    let mut warnings = Vec::new();
     if let Ok(center) = &center
         && channel.is_rs274()
         && closes_in_linuxcnc(s, e, *center)
@@ -118,12 +128,17 @@ pub(super) fn arc(
         target = step::reach(&channel.modal, &setup, named, &end, span)?;
         to = if is_shifted { target } else { end };
     }
+    let center_mm = center.as_ref().copied().unwrap_or(s);
     let arc = center.and_then(|center| {
         let plane = channel.modal.modes.plane;
         let help = match channel.language {
             Language::Rs274 => "correct the center or the end point",
             _ => "correct the center or the end point; the limit is control.arc_tolerance_mm",
         };
+        let allowed_mm = |radius: f64| tolerance(radius);
+        // Parameter 3410 of a Fanuc: 0 for no check.
+        let is_checked = channel.language == Language::Rs274 || channel.settings.machine.control.iso.checks_arc_radii;
+        let tolerance = |radius: f64| if is_checked { tolerance(radius) } else { f64::INFINITY };
         // Radius compensation and corners are computed for circles.
         let has_corner = channel.block.corner.is_some() || channel.outlet.is_holding();
         let is_compensated = channel.modal.contour.compensates() || has_corner;
@@ -133,6 +148,7 @@ pub(super) fn arc(
             && let Ok(arc) = &arc
         {
             check_turn(arc, &from, &to, span)?;
+            warnings.extend(spiral(arc, [&from, &to], allowed_mm, span));
         }
         arc.map_err(|found| match found {
             CenterFault::OffCircle { start_radius_mm, end_radius_mm, off_bisector_mm } => fault(
@@ -142,7 +158,7 @@ pub(super) fn arc(
                     "start radius {start_radius_mm:.4} mm, end radius {end_radius_mm:.4} mm, the center \
                          {off_bisector_mm:.4} mm off the perpendicular bisector of the chord"
                 ),
-                help,
+                likely_center(&channel.modal, s, e, center_mm).unwrap_or(help),
             ),
             CenterFault::ZeroRadius => {
                 fault(Code::BAD_ARC, span, "the center of the arc is its start", "correct I, J, K")
@@ -150,6 +166,7 @@ pub(super) fn arc(
             CenterFault::NotFinite => bad_value(span, "the arc is not finite", "check the values"),
         })
     });
+    channel.outlet.warnings.append(&mut warnings);
     // The next motion begins at the end of the block, so that one error is not repeated in every following arc.
     let arc = arc.inspect_err(|_| {
         channel.modal.position.command = target;
@@ -163,6 +180,39 @@ pub(super) fn arc(
     let shape = behind_frame(&arc, [&from, &to], &target, &setup, channel.settings.machine.control.chord_tolerance_mm);
     let step = Step::straight(gathered, false, end, named);
     step::send(channel, step, target, shape, setup)
+}
+
+/// The warning of an arc whose radii differ by more than usual.
+fn spiral(arc: &Arc, [from, to]: [&AxisVector; 2], allowed_mm: impl Fn(f64) -> f64, span: Span) -> Option<Fault> {
+    let (start, end) = (arc.radius_mm(from), arc.radius_mm(to));
+    ((start - end).abs() > allowed_mm(start.max(end))).then(|| {
+        let message = format!("a spiral from radius {start:.4} mm to radius {end:.4} mm");
+        let help = "the control does not compare the radii (control.arc_radius_check = false); correct the center if a circle was intended";
+        fault(Code::UNUSUAL_ARC, span, message, help)
+    })
+}
+
+/// The help if another reading of the center words fits: a center of positions, or of distances without sign.
+fn likely_center(modal: &Modal, start: [f64; 2], end: [f64; 2], center: [f64; 2]) -> Option<&'static str> {
+    let radius = |point: [f64; 2], center: [f64; 2]| (point[0] - center[0]).hypot(point[1] - center[1]);
+    let fits = |center: [f64; 2]| {
+        let (first, last) = (radius(start, center), radius(end, center));
+        first > SAME_RADIUS_MM && (first - last).abs() <= LIKELY_MM.max(LIKELY_SHARE * first)
+    };
+    let words = [center[0] - start[0], center[1] - start[1]];
+    if modal.has_absolute_centers() {
+        return None;
+    }
+    if fits(words) {
+        return Some(
+            "I, J and K fit as the position of the center: this control counts them from the start of the arc; set the post-processor to it",
+        );
+    }
+    let mirrored = [[-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]];
+    let turned = |[a, b]: [f64; 2]| [start[0] + a * words[0], start[1] + b * words[1]];
+    mirrored.into_iter().map(turned).any(fits).then_some(
+        "the center fits with another sign of I, J or K: they are signed distances from the start of the arc; correct the program",
+    )
 }
 
 /// Rejects an arc whose end is beside its start along the radius: whether it turns by nothing or by a whole turn is not specified.

@@ -110,6 +110,10 @@ impl Interpreter<'_> {
             return Ok(());
         };
         let (own, part) = (level.program, level.part);
+        if target.is_some() && self.machine.control.iso.is_haas() {
+            // A Haas jumps within the subprogram.
+            return self.go_to(target, span);
+        }
         level.repeats = level.repeats.saturating_sub(1);
         let again = level.repeats > 0 && target.is_none();
         if again {
@@ -132,14 +136,14 @@ impl Interpreter<'_> {
         let Some(caller) = self.levels.last() else { return Ok(()) };
         let has = |program: usize, part: usize| self.programs[program].program.find_block(part, number, 0).is_some();
         let is_double = has(program, part) && has(caller.program, caller.part);
-        if !is_double || self.machine.control.iso.reads_as_fanuc {
+        if !is_double || self.machine.control.iso.reads_as_fanuc() {
             return Ok(());
         }
         let message = format!(
             "M99 P{number}: a Fanuc continues at N{number} of the caller, a Haas at N{number} of this program, and both exist"
         );
         let help =
-            "give the two blocks different numbers; if the control is a Fanuc set control.word_meaning = \"fanuc\"";
+            "give the two blocks different numbers; or set control.word_meaning = \"fanuc\" or controller = \"haas\"";
         Err(at(span, Code::TWO_MEANINGS, message, help))
     }
 

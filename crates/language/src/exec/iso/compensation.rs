@@ -124,7 +124,7 @@ fn offset_number(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), F
 }
 
 /// The radius of an offset number, mm.
-fn radius_of(
+pub(super) fn radius_of(
     settings: &RunSettings<'_>,
     written: &WrittenData,
     outlet: &mut MotionSink<'_>,

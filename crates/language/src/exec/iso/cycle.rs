@@ -23,6 +23,7 @@ use super::cycles::{HoleFault, rs274};
 use super::drill::Call;
 use super::gathered::Gathered;
 use super::measure::whole;
+use super::pattern::{Pattern, PeckWords};
 use super::polar;
 use super::step::Step;
 use crate::exec::core::fault::{Fault, bad_value, fault};
@@ -63,6 +64,16 @@ pub(super) fn note_motion(channel: &mut Channel<'_>, code: u16) {
 
 /// Executes a block in a cycle.
 pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
+    cycle_at(channel, gathered, code, None)
+}
+
+/// Executes a block in a cycle, at the holes of a pattern if there is one.
+pub(super) fn cycle_at(
+    channel: &mut Channel<'_>,
+    gathered: &Gathered,
+    code: u16,
+    pattern: Option<Pattern>,
+) -> Result<(), Fault> {
     let span = gathered.code_span(if channel.is_rs274() { Group::Motion } else { Group::Cycle });
     let span = if span == Span::default() { gathered.span } else { span };
     check_cycle(channel, gathered, code, span)?;
@@ -94,7 +105,7 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
     let is_polar = polar_words.iter().any(Option::is_some);
     let incremental = channel.modal.modes.incremental;
     for (axis, word) in [abscissa, ordinate].into_iter().zip(words) {
-        if incremental || word.is_none() {
+        if incremental || word.is_none() || pattern.is_some() {
             target::check_stated(channel.settings.strict, &channel.modal, axis, gathered.span)?;
         }
     }
@@ -114,9 +125,16 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
         code,
         bottom,
         Place { plane: [here[abscissa], here[ordinate]], height: here[applicate] },
+        pattern.as_ref(),
     )?;
     let mut polar = channel.special.polar;
+    let mut hole = 0;
+    let mut of_pattern = || {
+        hole += 1;
+        pattern.as_ref().map(|pattern| pattern.hole([here[abscissa], here[ordinate]], hole - 1))
+    };
     let next = |from: [f64; 2]| match &mut polar {
+        _ if pattern.is_some() => Ok(of_pattern().unwrap_or(from)),
         Some(polar) => Ok(polar.target(from, words[0], words[1], incremental)),
         None if is_polar => polar::rs274(from, polar_words[0], polar_words[1], incremental).ok_or_else(|| HoleFault {
             message: "polar words at the origin, where the direction is undefined".into(),
@@ -251,26 +269,32 @@ fn call(
     code: u16,
     bottom: Option<f64>,
     from: Place,
+    pattern: Option<&Pattern>,
 ) -> Result<Call, Fault> {
     let is_rs274 = channel.is_rs274();
     let [abscissa, ordinate, applicate] = channel.modal.modes.plane.axes();
-    let dwell_s = feed::dwell_of_p(channel.language, gathered, &name_of(code))?;
+    let is_haas = channel.settings.machine.control.iso.is_haas();
+    let dwell_s = feed::dwell_of_p(channel.settings.machine, channel.language, gathered, &name_of(code))?;
     if let Some(seconds) = dwell_s.filter(|seconds| *seconds < 0.0) {
         let message = format!("a dwell of {seconds} s");
         return Err(bad_value(gathered.span_of(b'P'), message, "write P without a sign"));
     }
-    if !is_rs274 && gathered.has(b'K') {
+    if !is_rs274 && !is_haas && gathered.has(b'K') {
         check_count(channel.settings.machine, gathered, code)?;
     }
-    let mut repeats = None;
-    for letter in if is_rs274 { &b"L"[..] } else { &b"KL"[..] } {
+    let mut repeats = pattern.as_ref().map(|pattern| pattern.count());
+    for letter in match pattern {
+        Some(_) => &b""[..],
+        None if is_rs274 || is_haas => &b"L"[..],
+        None => &b"KL"[..],
+    } {
         if let Some(value) = gathered.raw(*letter) {
             let name = char::from(*letter).to_string();
             repeats = Some(whole(value, gathered.span_of(*letter), &name)?);
         }
     }
     // Only a block with a position or depth drills.
-    if !is_rs274 && gathered.axes.is_empty() && !gathered.has(b'R') {
+    if !is_rs274 && pattern.is_none() && gathered.axes.is_empty() && !gathered.has(b'R') {
         repeats = Some(0);
     }
     if is_rs274 {
@@ -291,6 +315,10 @@ fn call(
         r: measure::length(channel, gathered, b'R')?,
         bottom,
         q: measure::length(channel, gathered, b'Q')?.map(|q| q / growth),
+        pecks: match code {
+            730 | 830 if is_haas && pattern.is_none() => peck_words(channel, gathered, growth)?,
+            _ => PeckWords::default(),
+        },
         dwell_s,
         repeats,
         incremental: channel.modal.modes.incremental,
@@ -305,6 +333,12 @@ fn call(
             .orient_shift
             .map(|(axis, sign)| direction_of(&channel.modal, &channel.standing, axis, sign * growth)),
     })
+}
+
+/// I, J and K of the pecks of a Haas; scaling does not apply to them.
+fn peck_words(channel: &mut Channel<'_>, gathered: &Gathered, growth: f64) -> Result<PeckWords, Fault> {
+    let mut word = |letter: u8| measure::length(channel, gathered, letter).map(|word| word.map(|it| it / growth));
+    Ok(PeckWords { first: word(b'I')?, less: word(b'J')?, last: word(b'K')? })
 }
 
 /// A machine direction in the plane of the program.
@@ -351,12 +385,12 @@ fn check_cycle(channel: &Channel<'_>, gathered: &Gathered, code: u16, span: Span
 
 /// K of a peck cycle is a depth on a Haas, also under G91.
 fn check_count(machine: &Machine, gathered: &Gathered, code: u16) -> Result<(), Fault> {
-    if !matches!(code, 730 | 830) || machine.control.iso.reads_as_fanuc {
+    if !matches!(code, 730 | 830) || machine.control.iso.reads_as_fanuc() {
         return Ok(());
     }
     let name = name_of(code);
     let message = format!("K of {name}: on a Fanuc the number of holes, on a Haas a depth");
-    let help = "write the number of holes with L and G91, or omit K; if the control is a Fanuc set control.word_meaning = \"fanuc\"";
+    let help = "write the number of holes with L and G91, or omit K; or set control.word_meaning = \"fanuc\" or controller = \"haas\"";
     Err(fault(Code::TWO_MEANINGS, gathered.span_of(b'K'), message, help))
 }
 

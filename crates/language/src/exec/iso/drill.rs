@@ -5,6 +5,7 @@
 //! unchanged. Under G91, R is relative to the level at the start of the cycles and Z is relative to R.
 
 use super::cycles::{Hole, HoleFault, HoleStep, fanuc, rs274};
+use super::pattern::PeckWords;
 use super::trip::Trip;
 use crate::exec::core::step::{Place, Step, Turn};
 use ncfix_dialect::Language;
@@ -38,6 +39,8 @@ pub(super) struct Call {
     pub(super) bottom: Option<f64>,
     /// Q.
     pub(super) q: Option<f64>,
+    /// I, J and K of a Haas.
+    pub(super) pecks: PeckWords,
     /// P, s.
     pub(super) dwell_s: Option<f64>,
     /// K or L.
@@ -64,6 +67,7 @@ pub(super) struct Drill {
     r: Option<Level>,
     bottom: Option<Level>,
     q: Option<f64>,
+    pecks: PeckWords,
     dwell_s: Option<f64>,
     /// `true` if the operator has withdrawn the tool from the last hole.
     is_drawn_out: bool,
@@ -114,6 +118,7 @@ impl Drill {
         self.r = call.r.map(level).or(self.r);
         self.bottom = call.bottom.map(level).or(self.bottom);
         self.q = call.q.or(self.q);
+        self.pecks = call.pecks.or(self.pecks);
         let repeats = call.repeats.unwrap_or(1);
         if repeats == 0 {
             // The words are stored and nothing is drilled.
@@ -140,6 +145,7 @@ impl Drill {
             clear: if call.to_r { r } else { initial },
             dwell_s: self.dwell_s,
             q: self.q,
+            pecks: self.pecks,
             clearance: call.clearance,
             slack: 1e-6,
             aside: call.aside,
@@ -204,7 +210,7 @@ impl Drill {
             (old, above) = (r, r);
         }
         let clear = if call.to_r { r } else { old };
-        let hole = Hole { r, bottom, clear, dwell_s, q, clearance: call.clearance, slack: 0.0, aside: None };
+        let hole = Hole { r, bottom, clear, dwell_s, q, clearance: call.clearance, ..Hole::default() };
         let steps = rs274::steps(code, &hole, call.spindle)?;
         limit(repeats, &steps)?;
         let mut plane = call.from.plane;
@@ -250,6 +256,7 @@ mod tests {
         r: Some(2.0),
         bottom: Some(-10.0),
         q: None,
+        pecks: PeckWords { first: None, less: None, last: None },
         dwell_s: None,
         repeats: None,
         incremental: false,

@@ -117,16 +117,34 @@ pub(super) fn tool_word(modal: &mut Modal, outlet: &mut MotionSink<'_>, gathered
 }
 
 /// P of a dwell or cycle, s: RS274/NGC counts seconds and a Fanuc milliseconds, for literals and computed values.
-pub(super) fn dwell_of_p(language: Language, gathered: &Gathered, name: &str) -> Result<Option<f64>, Fault> {
+pub(super) fn dwell_of_p(
+    machine: &Machine,
+    language: Language,
+    gathered: &Gathered,
+    name: &str,
+) -> Result<Option<f64>, Fault> {
     let Some(value) = gathered.raw(b'P') else { return Ok(None) };
     if language == Language::Rs274 {
         return Ok(Some(value));
     }
+    if machine.control.iso.is_haas() {
+        // Seconds with a point, milliseconds without.
+        return if gathered.is_pointed(b'P') {
+            Ok(Some(value))
+        } else if gathered.is_unpointed(b'P') {
+            Ok(Some(value / 1000.0))
+        } else {
+            let message = format!("P of {name} from a variable: seconds or milliseconds on a Haas");
+            Err(fault(Code::TWO_MEANINGS, gathered.span_of(b'P'), message, "write the time as a number"))
+        };
+    }
     if gathered.is_pointed(b'P') {
         let message = format!("P of {name} with a decimal point: seconds on a Haas, and a Fanuc stops with an alarm");
         let help = match name {
-            "G4" => "write milliseconds without a point, P1000, or seconds with X, X1.",
-            _ => "write milliseconds without a point, P1000",
+            "G4" => {
+                "write milliseconds without a point, P1000, or seconds with X, X1.; of a Haas set controller = \"haas\""
+            }
+            _ => "write milliseconds without a point, P1000; of a Haas set controller = \"haas\"",
         };
         return Err(fault(Code::TWO_MEANINGS, gathered.span_of(b'P'), message, help));
     }
@@ -141,7 +159,7 @@ pub(super) fn dwell(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<()
     let span = gathered.code_span(Group::Action);
     let letter = if channel.is_rs274() { None } else { [b'X', b'U'].into_iter().find(|&letter| gathered.has(letter)) };
     let seconds = match (gathered.raw(b'P'), letter) {
-        (Some(_), None) => dwell_of_p(channel.language, gathered, "G4")?.unwrap_or_default(),
+        (Some(_), None) => dwell_of_p(channel.settings.machine, channel.language, gathered, "G4")?.unwrap_or_default(),
         (None, Some(letter)) => {
             let value = gathered.raw(letter).unwrap_or_default();
             // Without a point the value counts milliseconds, in any length unit.

@@ -3,6 +3,7 @@
 use super::codes::{G80, Group, group_of, name_of};
 use super::expression::Scope;
 use super::gathered::Gathered;
+use super::haas_codes;
 use super::measure;
 use super::measure::NEAR;
 use crate::exec::core::fault::{Fault, bad_value, fault};
@@ -86,9 +87,23 @@ fn g_code(scope: &Scope<'_, '_>, value: f64, span: Span, out: &mut Gathered) -> 
         return Err(bad_value(span, format!("G{value} is not a G code"), "write a G code of this control"));
     }
     let (tenths, dialect) = (rounded as u16, scope.program.dialect);
+    let of_haas = haas_codes::code_of(tenths).filter(|_| dialect.language == Language::Fanuc);
+    if let Some((group, code)) = of_haas.filter(|_| scope.channel.settings.machine.control.iso.is_haas()) {
+        out.mirrors_zero |= group == Group::Mirror;
+        if out.set_code(group, code, span).is_some_and(|old| old != code) {
+            double(span)?;
+        }
+        return Ok(());
+    }
     if let Some(entry) = dialect.codes().g_tenths(tenths.into()).filter(|entry| entry.effect == CodeEffect::Refuse) {
         let message = format!("{} ({}) is not supported", entry.name, entry.meaning);
-        return Err(fault(Code::NOT_SUPPORTED, span, message, "program it another way"));
+        let help = match of_haas {
+            Some(_) => {
+                "if the control is a Haas set controller = \"haas\" in the machine file; otherwise program it another way"
+            }
+            None => haas_codes::advice(tenths).unwrap_or("program it another way"),
+        };
+        return Err(fault(Code::NOT_SUPPORTED, span, message, help));
     }
     if tenths == 530 {
         out.machine_frame = Some(span);

@@ -27,6 +27,8 @@ pub(super) struct Gathered {
     /// Plain numbers with one.
     pointed: u32,
     used: Cell<u32>,
+    /// `true` if the mirror code of the block is that of a Haas, which mirrors about the workpiece zero.
+    pub(super) mirrors_zero: bool,
     /// Span of `G53`.
     pub(super) machine_frame: Option<Span>,
     /// G codes that are passed through unchanged.
@@ -52,6 +54,7 @@ impl Default for Gathered {
             unpointed: 0,
             pointed: 0,
             used: Cell::new(0),
+            mirrors_zero: false,
             machine_frame: None,
             keep: Vec::new(),
             passed: None,
@@ -92,6 +95,7 @@ impl Gathered {
         self.unpointed = 0;
         self.pointed = 0;
         self.used = Cell::new(0);
+        self.mirrors_zero = false;
         self.machine_frame = None;
         self.keep.clear();
         self.passed = None;

@@ -47,7 +47,8 @@ pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) ->
         channel.outlet.begin_line();
     }
     channel.written.via.note(channel.modal.position.command);
-    let homed = if named.is_empty() && channel.is_rs274() { channel.axes } else { named };
+    let is_all = channel.is_rs274() || channel.settings.machine.control.iso.is_haas();
+    let homed = if named.is_empty() && is_all { channel.axes } else { named };
     if homed.is_empty() {
         return Err(bad_value(span, format!("{} without axis words", name_of(code)), "name the axes"));
     }

@@ -165,6 +165,7 @@ fn fanuc_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
         430 => channel.push(Kind::Keep("G43")),
         440 => channel.push(Kind::Keep("G44")),
         // The output gives positions of the rotary axes, even if the program gives directions.
+        434 | 435 if channel.settings.machine.control.iso.is_haas() => channel.push(Kind::Keep("G234")),
         434 | 435 => channel.push(Kind::Keep("G43.4")),
         _ => channel.push(Kind::Keep("G49")),
     }

@@ -34,13 +34,13 @@ impl Interpreter<'_> {
                 let (count, short) = (number / SPLIT, number % SPLIT);
                 let mut found = self.find_number(short);
                 let other = self.find_number(number);
-                if !self.machine.control.iso.reads_as_fanuc && found.is_some() && other.is_some() {
+                if !self.machine.control.iso.reads_as_fanuc() && found.is_some() && other.is_some() {
                     let message = format!(
                         "M98 P{number}: program {short} {count} times on a Fanuc, program {number} once on a Haas, and both exist"
                     );
                     let help = format!(
-                        "write M98 P{short} L{count}, or give program {number} a four-digit number; if the \
-                         control is a Fanuc set control.word_meaning = \"fanuc\""
+                        "write M98 P{short} L{count}, or give program {number} a four-digit number; or set \
+                         control.word_meaning = \"fanuc\" or controller = \"haas\""
                     );
                     return Err(fault(Code::TWO_MEANINGS, call.span, message, help));
                 }

@@ -57,7 +57,7 @@ fn machine_motion(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, spa
         let message = "G53 requires G0 or G1";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "program G0 or G1 in the block of G53"));
     }
-    if channel.modal.modes.incremental {
+    if channel.modal.modes.incremental && !channel.settings.machine.control.iso.is_haas() {
         // A Fanuc ignores it, but a programmed motion must not vanish.
         return Err(fault(Code::BAD_WORD_VALUE, span, "G53 under G91", "program G90 in the block"));
     }

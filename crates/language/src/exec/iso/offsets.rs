@@ -5,6 +5,7 @@ use super::channel::Warned;
 use super::codes::{Group, name_of};
 use super::forbidden;
 use super::gathered::Gathered;
+use super::haas_codes;
 use super::modal::Modal;
 use super::setup;
 use super::target;
@@ -17,6 +18,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisVector;
 use ncfix_base::source::Span;
 use ncfix_dialect::Language;
+use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{FrameWords, Kind};
 
 /// Activates the zero offset without output.
@@ -64,8 +66,11 @@ pub(super) fn coordinates(channel: &mut Channel<'_>, gathered: &Gathered) -> Res
     let Some(code) = gathered.code(Group::Coordinates) else { return Ok(()) };
     let span = gathered.code_span(Group::Coordinates);
     forbidden::no_compensation(channel.language, &channel.modal, span, &name_of(code))?;
-    let is_additional = code == 541 || code == 540 && !channel.is_rs274() && p_is_of_offset(gathered);
-    let system = if is_additional {
+    let of_haas = haas_codes::system_of(code);
+    let is_additional = matches!(code, 541 | 1540) || code == 540 && !channel.is_rs274() && p_is_of_offset(gathered);
+    let system = if let Some(number) = of_haas {
+        System(System::ADDITIONAL + number)
+    } else if is_additional {
         match gathered.raw(b'P').map(f64::round).filter(|number| (1.0..=300.0).contains(number)) {
             Some(number) => System(System::ADDITIONAL + number as u16),
             None => {
@@ -79,8 +84,16 @@ pub(super) fn coordinates(channel: &mut Channel<'_>, gathered: &Gathered) -> Res
     channel.modal.system = system;
     load_offset(channel, span)?;
     check_offset(&channel.settings, &channel.modal, &mut channel.warned, &mut channel.outlet, span);
-    channel.push(Kind::Frame(FrameWords::Settable(system.words())));
+    channel.push(Kind::Frame(FrameWords::Settable(words_of(channel.settings.machine, system))));
     Ok(())
+}
+
+/// The words of a zero offset in the output: `G154 P1` on a Haas.
+pub(super) fn words_of(machine: &Machine, system: System) -> String {
+    match system.0.checked_sub(System::ADDITIONAL).filter(|number| *number > 0 && machine.control.iso.is_haas()) {
+        Some(number) => format!("G154 P{number}"),
+        None => system.words(),
+    }
 }
 
 /// `true` if the P of a block with G54 belongs to it: `G54 P3` is `G54.1 P3`.

@@ -10,6 +10,7 @@ use super::direction;
 use super::feed;
 use super::forbidden;
 use super::gathered::Gathered;
+use super::haas;
 use super::home;
 use super::length;
 use super::modal::Modal;
@@ -174,6 +175,8 @@ pub(super) fn action(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<b
             home::save_home(channel, code, gathered.code_span(Group::Action))?;
             return Ok(false);
         }
+        120 | 130 => haas::circular_pocket(channel, gathered, code)?,
+        700 | 710 | 720 => haas::holes(channel, gathered, code)?,
         520 | 920 => offsets::axis_offsets(channel, gathered, code)?,
         921 => offsets::axis_offsets(channel, gathered, code)?,
         _ => {

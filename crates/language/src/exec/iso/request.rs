@@ -59,7 +59,7 @@ pub(super) fn request(machine: &Machine, language: Language, level: &Level, word
         }
         match letter {
             b'M' if value == 98.0 => Some(Request::Subprogram),
-            b'M' if value == 97.0 && is_fanuc && has(b'P') && !machine.control.iso.reads_as_fanuc => {
+            b'M' if value == 97.0 && is_fanuc && has(b'P') && !machine.control.iso.reads_as_fanuc() => {
                 Some(Request::Local)
             }
             b'M' if value == 99.0 => Some(Request::Return),
@@ -142,7 +142,9 @@ impl Request {
                 let callee = match (callee, repeats) {
                     // Without L, the digits before the last four are the number of repetitions.
                     (Callee::Number(number), None)
-                        if number >= SPLIT && scope.program.dialect.language == Language::Fanuc =>
+                        if number >= SPLIT
+                            && scope.program.dialect.language == Language::Fanuc
+                            && !scope.channel.settings.machine.control.iso.is_haas() =>
                     {
                         Callee::Counted(number)
                     }

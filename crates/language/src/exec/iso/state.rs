@@ -119,7 +119,7 @@ fn bring_back(channel: &mut Channel<'_>, saved: &Modal) {
         channel.modal.system = saved.system;
         let found = offsets::load_offset(channel, channel.outlet.origin.span);
         channel.outlet.warnings.extend(found.err());
-        channel.push(Kind::Frame(FrameWords::Settable(saved.system.words())));
+        channel.push(Kind::Frame(FrameWords::Settable(offsets::words_of(channel.settings.machine, saved.system))));
     }
     for word in words {
         channel.push(Kind::Keep(word));

@@ -127,7 +127,10 @@ fn place_words(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<[Option
 /// `G51.1 X Y Z`
 fn mirror(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     let span = gathered.code_span(Group::Mirror);
-    let words = place_words(channel, gathered)?;
+    let mut words = place_words(channel, gathered)?;
+    if gathered.mirrors_zero {
+        words = words.map(|word| word.map(|_| 0.0));
+    }
     if words == [None; 3] {
         return Err(bad_value(
             span,
@@ -151,7 +154,7 @@ fn end_mirror(
     if !has_motion {
         gathered.use_up(&LETTERS);
     }
-    let mut text = "G50.1".to_owned();
+    let mut text = if gathered.mirrors_zero { "G100" } else { "G50.1" }.to_owned();
     for (letter, _) in LETTERS.into_iter().zip(named).filter(|&(_, is_named)| is_named) {
         text::append(language, &mut text, letter, 0.0);
     }

@@ -19,8 +19,11 @@ pub(super) const RS274_END: u32 = 5602;
 const FANUC_COMMON: std::ops::RangeInclusive<u32> = 100..=999;
 /// From this number on, Fanuc variables contain the state of the control.
 pub(super) const FANUC_SYSTEM: u32 = 1000;
-/// Fanuc common variables from this number on are retained at power off.
+/// Fanuc common variables from this number on are retained at power off; on a Haas all are.
 const FANUC_KEPT: u32 = 500;
+const HAAS_KEPT: u32 = 100;
+/// Second numbers of the common variables of a Haas: #10100 is #100. #10000 to #10099 have no other number.
+const HAAS_COMMON: std::ops::RangeInclusive<u32> = 10_000..=10_999;
 
 /// Marks a variable that may contain a value of another program.
 const LEFT_OVER: Option<f64> = Some(f64::NAN);
@@ -66,6 +69,7 @@ struct Locals {
 #[derive(Clone, Debug)]
 pub(super) struct Variables {
     language: Language,
+    is_haas: bool,
     /// The innermost level last; never empty.
     levels: Vec<Locals>,
     common: Vec<Option<f64>>,
@@ -84,8 +88,14 @@ pub(super) struct Variables {
 impl Variables {
     /// Variables at the start of a run; the machine file's table may contain values retained by the control: `"#500" = 1.5`.
     pub(super) fn new(language: Language, machine: &Machine) -> Variables {
+        let is_haas = machine.control.iso.is_haas();
         let common = match language {
             Language::Rs274 => vec![Some(0.0); RS274_END as usize],
+            _ if is_haas => {
+                let mut common = vec![None; *HAAS_COMMON.end() as usize + 1];
+                common.iter_mut().skip(HAAS_KEPT as usize).for_each(|value| *value = LEFT_OVER);
+                common
+            }
             _ => {
                 let mut common = vec![None; FANUC_SYSTEM as usize];
                 common[FANUC_KEPT as usize..].fill(LEFT_OVER);
@@ -94,6 +104,7 @@ impl Variables {
         };
         let mut variables = Variables {
             language,
+            is_haas,
             levels: vec![Locals::default()],
             common,
             global: Vec::new(),
@@ -164,6 +175,7 @@ impl Variables {
             Language::Rs274 if (1..RS274_END).contains(&number) => Place::Variable,
             Language::Rs274 => Place::Nowhere,
             _ if number == 0 => Place::Null,
+            _ if self.is_haas && HAAS_COMMON.contains(&number) => Place::Variable,
             _ if number as usize <= FANUC_LOCALS || FANUC_COMMON.contains(&number) => Place::Variable,
             _ if number >= FANUC_SYSTEM => Place::System,
             _ => Place::Nowhere,
@@ -174,9 +186,16 @@ impl Variables {
         if self.language == Language::Rs274 { RS274_LOCALS } else { FANUC_LOCALS }
     }
 
+    /// The index of a variable in its store.
+    fn index(&self, number: u32) -> usize {
+        let short = number.wrapping_sub(*HAAS_COMMON.start());
+        let is_second = self.is_haas && HAAS_COMMON.contains(&number) && FANUC_COMMON.contains(&short);
+        (if is_second { short } else { number }) as usize
+    }
+
     /// The value of a variable by number.
     pub(super) fn get(&self, number: u32) -> Option<f64> {
-        let index = number as usize;
+        let index = self.index(number);
         if index <= self.locals() {
             return self.levels.last().and_then(|level| level.numbered.get(index).copied().flatten());
         }
@@ -185,12 +204,12 @@ impl Variables {
 
     /// `true` if a common variable still has a value of another program.
     pub(super) fn is_left_over(&self, number: u32) -> bool {
-        self.common.get(number as usize).copied().flatten().is_some_and(f64::is_nan)
+        self.common.get(self.index(number)).copied().flatten().is_some_and(f64::is_nan)
     }
 
     /// Sets a variable by number.
     pub(super) fn set(&mut self, number: u32, value: Option<f64>) {
-        let index = number as usize;
+        let index = self.index(number);
         let cell = if index <= self.locals() {
             self.levels.last_mut().and_then(|level| level.numbered.get_mut(index))
         } else {

@@ -94,6 +94,7 @@ fn aside(hole: &Hole) -> Result<[f64; 2], HoleFault> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::pattern::PeckWords;
     use super::*;
     use HoleStep::{Aside, Dwell, Feed, Rapid, Spindle};
 
@@ -103,6 +104,7 @@ mod tests {
         clear: 50.0,
         dwell_s: None,
         q: Some(8.0),
+        pecks: PeckWords { first: None, less: None, last: None },
         clearance: 1.0,
         slack: 0.0,
         aside: Some([-1.0, 0.0]),

@@ -6,6 +6,7 @@ pub(super) mod fanuc;
 pub(super) mod rs274;
 pub(super) mod threading;
 
+use super::pattern::PeckWords;
 use crate::exec::core::step::Turn;
 
 /// Maximum number of steps of one hole.
@@ -43,6 +44,8 @@ pub(super) struct Hole {
     pub(super) dwell_s: Option<f64>,
     /// Q: depth of one peck, or shift of the tool.
     pub(super) q: Option<f64>,
+    /// Further words of the pecks of a Haas.
+    pub(super) pecks: PeckWords,
     /// Clearance of a peck cycle from the remaining material, or its chip-breaking retraction, mm.
     pub(super) clearance: f64,
     /// Largest remainder of the depth that is not a peck, mm: rounding errors of sums if the control counts increments.
@@ -68,6 +71,9 @@ fn wrong(message: impl Into<String>, help: &'static str) -> HoleFault {
 
 /// Depths of the pecks from R on, ending at the bottom.
 fn depths(hole: &Hole) -> Result<Vec<f64>, HoleFault> {
+    if let Some(first) = hole.pecks.first {
+        return decreasing(hole, first);
+    }
     let Some(peck) = hole.q.filter(|peck| *peck > 0.0) else {
         return Err(wrong("the depth of one peck (Q) is not above 0", "give Q, the depth of one peck"));
     };
@@ -81,6 +87,29 @@ fn depths(hole: &Hole) -> Result<Vec<f64>, HoleFault> {
     let mut depth = hole.r + towards * peck;
     while (hole.bottom - depth) * towards > hole.slack {
         depths.push(depth);
+        depth += towards * peck;
+    }
+    depths.push(hole.bottom);
+    Ok(depths)
+}
+
+/// Depths of pecks that become smaller by J, down to K (G73 and G83 of a Haas).
+fn decreasing(hole: &Hole, first: f64) -> Result<Vec<f64>, HoleFault> {
+    let less = hole.pecks.less.unwrap_or(0.0);
+    let least = hole.pecks.last.unwrap_or(first);
+    if !(first > 0.0 && less >= 0.0 && least > 0.0) {
+        return Err(wrong("I, J and K of the pecks are not above 0", "give I, J and K without a sign"));
+    }
+    let count = ((hole.r - hole.bottom) / least.min(first)).abs();
+    if !count.is_finite() || count > (MOST_STEPS / 3) as f64 {
+        return Err(wrong(format!("{count:.0} pecks in one hole"), "correct I, J, K, R or Z"));
+    }
+    let towards = if hole.bottom < hole.r { -1.0 } else { 1.0 };
+    let (mut depths, mut peck) = (Vec::new(), first);
+    let mut depth = hole.r + towards * peck;
+    while (hole.bottom - depth) * towards > hole.slack {
+        depths.push(depth);
+        peck = (peck - less).max(least.min(peck));
         depth += towards * peck;
     }
     depths.push(hole.bottom);
@@ -107,8 +136,15 @@ fn chip_breaking(hole: &Hole) -> Result<Vec<HoleStep>, HoleFault> {
     let depths = depths(hole)?;
     let towards = if hole.bottom < hole.r { -1.0 } else { 1.0 };
     let mut steps = Vec::with_capacity(2 * depths.len() + 1);
+    // With Q, K of a Haas is the depth after which the tool clears the hole.
+    let clears_after = hole.pecks.last.filter(|_| hole.pecks.first.is_none());
+    let mut cleared = hole.r;
     for (place, depth) in depths.iter().enumerate() {
         if let Some(reached) = place.checked_sub(1).and_then(|last| depths.get(last)) {
+            if clears_after.is_some_and(|after| (reached - cleared).abs() >= after - hole.slack) {
+                steps.push(HoleStep::Rapid(hole.r));
+                cleared = *reached;
+            }
             steps.push(HoleStep::Rapid(reached - towards * hole.clearance));
         }
         steps.push(HoleStep::Feed(*depth));
