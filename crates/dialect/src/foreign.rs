@@ -56,6 +56,12 @@ const LANGUAGES: &[Language] = &[
         enough: 2,
     },
     Language {
+        name: "an Okuma OSP program",
+        // `$PART.MIN%`
+        marks: &[r"^\$[^ ]+\.MIN%$"],
+        enough: 1,
+    },
+    Language {
         name: "a 3D printer program",
         // `;FLAVOR:Marlin`, `M104 S200`, `G92 E0`, `G1 X10 Y5 E0.3`
         marks: &["^;FLAVOR:", "^M(?:104|109|140|190) S", "^G92 E", "^G[01] (?-i:(?:.* )?E[-.0-9])"],
@@ -159,6 +165,7 @@ mod tests {
             ("0  BEGIN PGM FLANGE MM\n", "Heidenhain"),
             ("1 blk form 0.1 Z X+0 Y+0 Z-20", "Heidenhain"),
             ("$PART.MIN%\nN1 CALL O100 \n", "Okuma"),
+            ("$PART.MIN%\nG0 X1", "Okuma"),
             ("VC1 =10\nG56 H1 HA=1", "Okuma"),
             ("N1 G15 H1\nG85 NLAP1 D4", "Okuma"),
             (";FLAVOR:Marlin\nG1 X10 Y5 E0.3", "3D printer"),

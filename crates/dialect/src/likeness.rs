@@ -12,8 +12,9 @@ use super::{DIALECTS, Dialect, Language};
 const HEAD: usize = 65_536;
 /// Sum of weights from which on a dialect is likely.
 const ENOUGH: u32 = 3;
-/// Lead over the next dialect.
+/// Lead over the next dialect, and between the two dialects with the words of ISO 6983.
 const LEAD: u32 = 2;
+const ISO_LEAD: u32 = 1;
 
 /// Words that are usual in a dialect and rare in others.
 struct Evidence {
@@ -47,24 +48,33 @@ const EVIDENCE: &[Evidence] = &[
     of(Language::Fanuc, 2, "a program number", r"^O\s*[0-9]{1,5}\s*(?:\(|$)"),
     of(Language::Fanuc, 1, "numbers that end with a point", r"[XYZ]-?[0-9]+\.(?:\s|[A-Z]|$)"),
     of(Language::Fanuc, 1, "a comment in brackets", r"^(?:N[0-9]+\s*)?\([^)]*\)$"),
+    of(Language::Fanuc, 1, "a unit G20 or G21", r"^[^(;]*\bG2[01]\b"),
     of(Language::Fanuc, 1, "look-ahead", r"G0?5\s*P10000|G0?5\.1\s*Q1"),
     of(Language::Rs274, 3, "a path tolerance G64 P", r"G64\s*P[.0-9]"),
     of(Language::Rs274, 3, "digital outputs", r"M6[2-6]\s*P[0-9]"),
     of(Language::Rs274, 3, "centers as G90.1 or G91.1", r"G9[01]\.1"),
     of(Language::Rs274, 3, "a probe G38", r"G38\.[2-5]"),
     of(Language::Rs274, 3, "an expression in a word", r"^[^(;]*[XYZ]\s*\[.*#[0-9<]"),
+    of(Language::Rs274, 1, "a unit G20 or G21", r"^[^(;]*\bG2[01]\b"),
+    of(Language::Rs274, 1, "a comment in brackets", r"^(?:N[0-9]+\s*)?\([^)]*\)$"),
+    of(Language::Rs274, 1, "whole numbers without a point", r"^[^(;]*\b[XYZ]-?[0-9]+(?:\s|$)"),
     of(Language::Rs274, 2, "lower-case words", r"(?-i:^(?:n[0-9]+ *)?g[0-9]+.* [xyz])"),
     of(Language::Rs274, 2, "a length offset G43 H", r"G43\s*(?:[XYZ][-.0-9]+\s*)?H[0-9]"),
     of(Language::Sinumerik, 3, "an assignment", r"^[^(;]*\b(?:R[0-9]+|CR|AP|RP|TURN|[XYZIJK])\s*=\s*[-.0-9A-Z]"),
-    of(Language::Sinumerik, 3, "a call of a cycle", r"\b(?:CYCLE[0-9]+|HOLES[12]|POCKET[1-4]|SLOT[12]|LONGHOLE)\s*\("),
-    of(Language::Sinumerik, 3, "a frame", r"\bA?(?:TRANS|ROT|MIRROR|SCALE)\b"),
+    of(
+        Language::Sinumerik,
+        3,
+        "a call of a cycle",
+        r"^[^(;]*\b(?:CYCLE[0-9]+|HOLES[12]|POCKET[1-4]|SLOT[12]|LONGHOLE)\s*\(",
+    ),
+    of(Language::Sinumerik, 3, "a frame", r"^[^(;]*\bA?(?:TRANS|ROT|MIRROR|SCALE)\b"),
     of(
         Language::Sinumerik,
         3,
         "a word of the control",
-        r"\b(?:SUPA|MCALL|STOPRE|GOTOF|GOTOB|TRAORI|TRAFOOF|ENDIF|DEF REAL|MSG\s*\()",
+        r"^[^(;]*\b(?:SUPA|MCALL|STOPRE|GOTOF|GOTOB|TRAORI|TRAFOOF|ENDIF|DEF REAL|MSG\s*\()",
     ),
-    of(Language::Sinumerik, 2, "a zero offset G500", r"\bG5(?:00|0[5-9]|[1-9][0-9])\b"),
+    of(Language::Sinumerik, 2, "a zero offset G500", r"^[^(;]*\bG5(?:00|0[5-9]|[1-9][0-9])\b"),
     of(Language::Sinumerik, 1, "a comment after a semicolon", r"^(?:N[0-9]+\s*)?;"),
     of(Language::Grundig, 3, "an E parameter", r"^[^(;]*(?:\bE[0-9]+\s*=|=\s*-?E[0-9])"),
     of(Language::Grundig, 3, "a tool change M66 or M67", r"\bT[0-9]+\s*M6[67]\b"),
@@ -93,9 +103,12 @@ pub fn likeness(bytes: &[u8]) -> Option<Likeness> {
     };
     let (best, dialect) =
         DIALECTS.iter().map(|dialect| (sum(dialect.language), dialect)).max_by_key(|(sum, _)| *sum)?;
-    let next =
-        DIALECTS.iter().filter(|other| other.language != dialect.language).map(|other| sum(other.language)).max();
-    if best < ENOUGH || best < next.unwrap_or(0) + LEAD {
+    let is_iso = |language: Language| matches!(language, Language::Fanuc | Language::Rs274);
+    let leads = |other: &Dialect| {
+        let lead = if is_iso(other.language) && is_iso(dialect.language) { ISO_LEAD } else { LEAD };
+        other.language == dialect.language || best >= sum(other.language) + lead
+    };
+    if best < ENOUGH || !DIALECTS.iter().all(leads) {
         return None;
     }
     let own = EVIDENCE.iter().zip(&found).filter(|(one, _)| one.language == dialect.language);
@@ -113,6 +126,8 @@ mod tests {
         for (text, name) in [
             ("%\nG91 G28 Z0.\nT1 M6\nG0 G90 G54 X1. Y2.\nG43 Z5. H1", "fanuc"),
             ("N10 G90 G17\nN20 T1 M6\nN30 G43 H1 Z50.\nN40 G98 G81 X1. Y1. Z-5. R2. F100.", "fanuc"),
+            ("(PLATE)\nG90 G94\nG21\nG0 X5 Y2.5", "rs274"),
+            ("(PLATE)\nG90 G94\nG21\nG0 X5. Y2.5", "fanuc"),
             ("G21 G90 G64 P0.01\nG0 X1 Y2\nM64 P1", "rs274"),
             ("N10 G0 X=R1 Y5\nN20 G2 X5 CR=10", "sinumerik"),
             ("; PART\nG54\nTRANS X10\nG1 X5 F100", "sinumerik"),
