@@ -146,6 +146,7 @@ impl Interpreter<'_> {
         }
         let end = gathered.take_function(30).map(|_| 30).or_else(|| gathered.take_function(2).map(|_| 2));
         let mut gathered = std::mem::take(&mut self.own);
+        let ends_meaning = order::ends_meaning(&gathered);
         let done = if gathered.is_empty() {
             self.channel.comment(comment);
             Ok(())
@@ -155,6 +156,8 @@ impl Interpreter<'_> {
         self.own = gathered;
         if end.is_some() {
             self.end(end);
+        } else if ends_meaning && done.is_err() {
+            self.ledger.end();
         }
         done
     }

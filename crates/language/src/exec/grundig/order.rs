@@ -92,13 +92,25 @@ pub(super) fn execute(
     gathered.check_all_used()
 }
 
+/// Codes of five-axis programs that change the meaning of all following positions: tilted plane, tool direction, tool center point control.
+const FIVE_AXES: [u16; 3] = [7, 8, 141];
+
+/// `true` if no position after the block has a known meaning.
+pub(super) fn ends_meaning(gathered: &Gathered) -> bool {
+    gathered.codes.iter().any(|code| FIVE_AXES.contains(&code.number))
+}
+
 /// Reports an unsupported code before its words are interpreted by the active motion.
 pub(super) fn check_supported(codes: &'static CodeTable, gathered: &Gathered) -> Result<(), Fault> {
     let is_left = |number: u16| !ACTIONS.contains(&number) && super::cycles::find(number).is_none();
     let Some(code) = gathered.codes.iter().find(|code| is_left(code.number)) else { return Ok(()) };
     let known = codes.g(usize::from(code.number)).map_or("unknown code", |entry| entry.meaning);
     let message = format!("G{} ({known}) is not supported", code.number);
-    let help = "remove it and program its effect directly";
+    let help = if FIVE_AXES.contains(&code.number) {
+        "the meaning of all positions after it depends on it, so the program is read up to here; post-process it for axis positions without a tilted plane"
+    } else {
+        "remove it and program its effect directly"
+    };
     Err(fault(Code::NOT_SUPPORTED, code.span, message, help))
 }
 
