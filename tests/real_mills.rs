@@ -43,3 +43,13 @@ fn a_plane_after_a_tool_change_is_corrected_and_verifies() {
     let text = corrected("five_sinumerik", "plane.mpf", program);
     assert!(text.contains("SUPA G0 A30 C0"), "{text}");
 }
+
+/// Pecks, a pattern, a pocket and an additional work offset of a Haas come out as moves that mean the same.
+#[test]
+fn a_program_of_a_haas_verifies() {
+    let program = "O1\nG21 G90 G17 G40 G49 G80\nG28\nG154 P1\nT1 M6\nG43 H1 Z50.\nS500 M3\nG0 X50. Y40.\nG98 G83 Z-20. R2. I8. J2. K3. F150. L0\n\
+                   G70 I20. J15. L4\nG80\nG0 X0. Y0. Z2.\nG13 Z-5. I8. K12. Q4. D1 F300.\nG0 Z50.\nG53 G49 Z0.\nM30\n";
+    let text = corrected("haas", "haas.nc", program);
+    assert!(text.contains("G154 P1"), "{text}");
+    assert!(!text.contains("G70") && !text.contains("G13"), "{text}");
+}

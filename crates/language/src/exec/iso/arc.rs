@@ -114,7 +114,7 @@ pub(super) fn arc(
         // Parameter 3403, bit 5 (CIR): with 0 a straight line, with 1 alarm PS0022.
         let message = "an arc without center and radius is a straight move on a Fanuc";
         let help = "add I, J, K or R if an arc was intended (parameter 3403, bit 5: straight move or alarm PS0022)";
-        channel.outlet.warnings.push(fault(Code::UNUSUAL_ARC, span, message, help));
+        channel.outlet.warnings.push(fault(Code::UNUSUAL_MOTION, span, message, help));
         return step::step(channel, Step::straight(gathered, false, end, named));
     };
     let (mut target, mut to) = (target, to);
@@ -188,7 +188,7 @@ fn spiral(arc: &Arc, [from, to]: [&AxisVector; 2], allowed_mm: impl Fn(f64) -> f
     ((start - end).abs() > allowed_mm(start.max(end))).then(|| {
         let message = format!("a spiral from radius {start:.4} mm to radius {end:.4} mm");
         let help = "the control does not compare the radii (control.arc_radius_check = false); correct the center if a circle was intended";
-        fault(Code::UNUSUAL_ARC, span, message, help)
+        fault(Code::UNUSUAL_MOTION, span, message, help)
     })
 }
 

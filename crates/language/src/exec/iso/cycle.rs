@@ -161,6 +161,12 @@ pub(super) fn cycle_at(
         return Ok(());
     }
     let is_kept = is_tapping(code) && is_left_to_control(channel, code);
+    let begins = gathered.code(Group::Cycle) == Some(code) && matches!(code, 730 | 830);
+    if begins && channel.language == Language::Fanuc && channel.cycles.drill.has_no_peck() {
+        let message = format!("{} without Q drills in one stroke", name_of(code));
+        let help = "program Q, the depth of one peck (parameter 5103, bit 1: one stroke or alarm PS0045)";
+        channel.outlet.warnings.push(fault(Code::UNUSUAL_MOTION, gathered.span, message, help));
+    }
     if is_kept {
         tapping::check(channel, gathered, code, span)?;
     } else if is_tapping(code) && modes::code_of_motion(channel.language, &channel.cycles, gathered) == Some(code) {
@@ -183,7 +189,8 @@ pub(super) fn cycle_at(
             let steps = actions.get(place..).unwrap_or_default();
             let count = steps.iter().take_while(|step| !matches!(step, CycleStep::Rapid { .. })).count();
             tapped = place + count;
-            let hole = tapping::TappedHole { code, level: end, steps: steps.get(..count).unwrap_or_default() };
+            let peck = channel.cycles.drill.peck();
+            let hole = tapping::TappedHole { code, level: end, peck, steps: steps.get(..count).unwrap_or_default() };
             tapping::tap(channel, &hole, gathered.span)?;
             feed_named = false;
             continue;
@@ -332,6 +339,7 @@ fn call(
         aside: iso
             .orient_shift
             .map(|(axis, sign)| direction_of(&channel.modal, &channel.standing, axis, sign * growth)),
+        is_kept: is_tapping(code) && is_left_to_control(channel, code),
     })
 }
 

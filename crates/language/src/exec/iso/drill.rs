@@ -55,6 +55,8 @@ pub(super) struct Call {
     pub(super) clearance: f64,
     /// Direction in the plane in which an oriented tool shifts.
     pub(super) aside: Option<[f64; 2]>,
+    /// `true` if the control taps the holes itself: it makes the pecks of Q.
+    pub(super) is_kept: bool,
 }
 
 /// The modal words.
@@ -67,6 +69,8 @@ pub(super) struct Drill {
     r: Option<Level>,
     bottom: Option<Level>,
     q: Option<f64>,
+    /// The cycle whose block gave Q.
+    q_code: u16,
     pecks: PeckWords,
     dwell_s: Option<f64>,
     /// `true` if the operator has withdrawn the tool from the last hole.
@@ -85,6 +89,16 @@ impl Drill {
     /// Records that another motion has stated the tool position.
     pub(super) fn moved(&mut self) {
         self.is_drawn_out = false;
+    }
+
+    /// `true` if no word gives the depth of the pecks.
+    pub(super) fn has_no_peck(&self) -> bool {
+        self.q.is_none_or(|q| q == 0.0) && self.pecks.first.is_none()
+    }
+
+    /// Q of the cycle of the last block, if that block or one before it in the same cycle gave it, mm.
+    pub(super) fn peck(&self) -> Option<f64> {
+        self.q.filter(|_| Some(self.q_code) == self.code)
     }
 
     /// `true` if the operator has determined the tool position along its axis.
@@ -117,7 +131,9 @@ impl Drill {
         self.code = Some(call.code);
         self.r = call.r.map(level).or(self.r);
         self.bottom = call.bottom.map(level).or(self.bottom);
-        self.q = call.q.or(self.q);
+        if call.q.is_some() {
+            (self.q, self.q_code) = (call.q, call.code);
+        }
         self.pecks = call.pecks.or(self.pecks);
         let repeats = call.repeats.unwrap_or(1);
         if repeats == 0 {
@@ -144,7 +160,7 @@ impl Drill {
             bottom,
             clear: if call.to_r { r } else { initial },
             dwell_s: self.dwell_s,
-            q: self.q,
+            q: self.q.filter(|_| !(call.is_kept && self.q_code == call.code)),
             pecks: self.pecks,
             clearance: call.clearance,
             slack: 1e-6,
@@ -264,6 +280,7 @@ mod tests {
         spindle: Turn::Clockwise,
         clearance: 1.0,
         aside: None,
+        is_kept: false,
     };
     const WORDLESS: Call = Call { r: None, bottom: None, ..CALL };
 

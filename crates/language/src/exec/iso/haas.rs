@@ -1,4 +1,4 @@
-//! Hole patterns and circular pockets of a Haas (mill operator's manual, 2017).
+//! Hole patterns, circular pockets and turned work offsets of a Haas (mill operator's manual, 2017).
 
 use super::channel::Channel;
 use super::codes::{Group, name_of};
@@ -8,13 +8,16 @@ use super::forbidden;
 use super::gathered::Gathered;
 use super::measure::{self, whole};
 use super::pattern::Pattern;
+use super::setup;
 use super::step::{self, Step};
 use super::target;
 use crate::exec::core::arc::behind_frame;
 use crate::exec::core::contour::{ContourRequest, Side};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::{Arc, Axis, AxisSet, Plane};
+use ncfix_base::geometry::{Arc, Axis, AxisSet, AxisVector, Plane, Vector};
+use ncfix_machine::machine::Kinematics;
+use ncfix_machine::snc::Kind;
 use std::sync::Arc as Shared;
 
 /// Largest number of holes of a pattern, of circles and of passes of a pocket.
@@ -52,6 +55,47 @@ pub(super) fn holes(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
         _ => Pattern::Circle { radius_mm: size, first, step: std::f64::consts::TAU / f64::from(count), count },
     };
     cycle::cycle_at(channel, gathered, in_force, Some(pattern))
+}
+
+/// `G254`, `G255`: the zero offset stays at its place on the turned table, and its axes stay parallel to those of the machine. The output has positions of the
+/// zero offset itself.
+pub(super) fn turned_zero(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
+    let (span, name) = (gathered.code_span(Group::Action), name_of(code));
+    forbidden::no_compensation(channel.language, &channel.modal, span, &name)?;
+    if !gathered.axes.is_empty() {
+        return Err(bad_value(span, format!("{name} with axis words"), "write it in its own block"));
+    }
+    channel.push(Kind::Keep("G255"));
+    channel.modal.turned_zero = None;
+    if code == 2540 {
+        let machine = channel.settings.machine;
+        let is_free = channel.modal.turning.is_none() && channel.modal.transforms.is_empty();
+        let kinematics = Kinematics::new(machine);
+        let is_table = |axis: Axis| machine.topology.workpiece.contains(&axis);
+        let offset = channel.modal.settable;
+        let is_plain = offset.is_translation() && kinematics.rotary_axes().all(|axis| offset.shift(axis) == 0.0);
+        if !(is_free && is_plain && kinematics.rotary_axes().all(is_table)) {
+            let message =
+                "G254 with a turning head, a turned zero offset, a transformation or tool center point control";
+            let help = "end the transformation; the rotary axes must carry the workpiece, and their offsets must be 0";
+            return Err(fault(Code::NOT_SUPPORTED, span, message, help));
+        }
+        let mut zero = channel.modal.position.command;
+        for axis in kinematics.rotary_axes() {
+            target::check_stated(channel.settings.strict, &channel.modal, axis, span)?;
+        }
+        AxisSet::XYZ.iter().for_each(|axis| zero[axis] = offset.shift(axis));
+        let turned = kinematics.command_on_workpiece(&zero, &Vector::zeros());
+        let Some(turned) = turned else {
+            let message = "G254 needs X, Y and Z";
+            return Err(fault(Code::NO_AXIS, span, message, "check the topology in the machine file"));
+        };
+        let mut shift = AxisVector::ZERO;
+        AxisSet::XYZ.iter().for_each(|axis| shift[axis] = turned[axis] - zero[axis]);
+        channel.modal.turned_zero = Some(shift);
+    }
+    setup::refresh_setup(channel);
+    Ok(())
 }
 
 /// `G12`, `G13`: full circles about the position of the tool, from the radius I in steps of Q to K, at the depth Z. Half circles lead to the first circle, from

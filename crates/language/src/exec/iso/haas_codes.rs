@@ -5,7 +5,7 @@ use super::codes::Group;
 /// The group of a code of a Haas, in tenths, and the code that is executed; `None` for the codes of a Fanuc.
 pub(super) fn code_of(tenths: u16) -> Option<(Group, u16)> {
     Some(match tenths {
-        120 | 130 | 700 | 710 | 720 => (Group::Action, tenths),
+        120 | 130 | 700 | 710 | 720 | 2540 | 2550 => (Group::Action, tenths),
         1540 => (Group::Coordinates, tenths),
         1100..=1290 if tenths.is_multiple_of(10) => (Group::Coordinates, tenths),
         1000 => (Group::Mirror, 501),
@@ -20,9 +20,6 @@ pub(super) fn advice(tenths: u16) -> Option<&'static str> {
     Some(match tenths {
         1500 => "on a Haas this is a pocket whose path only the control knows: program the moves of the pocket",
         470 => "on a Haas this engraves a text whose strokes only the control knows: program the moves of the text",
-        2540 => {
-            "on a Haas this shifts the work offset with the table: set an offset for each position of the table, or use G68.2"
-        }
         350 | 360 | 370 | 1360 => {
             "the measured value changes positions: put the measurement into a program that is not corrected"
         }

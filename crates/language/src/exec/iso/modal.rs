@@ -43,6 +43,8 @@ pub(super) struct Modal {
     pub(super) stored_shift: AxisVector,
     /// G52 of Fanuc.
     pub(super) local: AxisVector,
+    /// G254 of a Haas: the shift of the zero offset with the turned table.
+    pub(super) turned_zero: Option<AxisVector>,
     /// Rotation, scale, mirror, tilted plane.
     pub(super) transforms: Transforms,
     /// The length is along X, Y, Z; it may be assumed, the radius may not.
@@ -82,6 +84,7 @@ impl Modal {
             shift: AxisVector::ZERO,
             stored_shift: AxisVector::ZERO,
             local: AxisVector::ZERO,
+            turned_zero: None,
             transforms: Transforms::default(),
             tool: ToolState::default(),
             h: 0,
@@ -123,7 +126,8 @@ impl Modal {
 
     /// Zero offset and shifts.
     pub(super) fn below_transforms(&self) -> Frame {
-        self.settable.compose(&Frame::translation(self.shift + self.local))
+        let turned = self.turned_zero.unwrap_or(AxisVector::ZERO);
+        self.settable.compose(&Frame::translation(turned + self.shift + self.local))
     }
 
     /// The current relation between programmed positions and axis commands.

@@ -36,6 +36,10 @@ fn way(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), 
     match code {
         0 | 10 => {
             let (end, named) = step::end(channel, gathered)?;
+            if named.is_empty() && !gathered.axes.is_empty() && !gathered.has_any(b"@^") {
+                // Increments of zero from a position that is not known.
+                return Ok(());
+            }
             special::corner_words(channel, gathered)?;
             step::step(channel, Step::straight(gathered, code == 0, end, named))
         }

@@ -66,6 +66,10 @@ pub(super) fn coordinates(channel: &mut Channel<'_>, gathered: &Gathered) -> Res
     let Some(code) = gathered.code(Group::Coordinates) else { return Ok(()) };
     let span = gathered.code_span(Group::Coordinates);
     forbidden::no_compensation(channel.language, &channel.modal, span, &name_of(code))?;
+    if channel.modal.turned_zero.is_some() {
+        let message = format!("{} while G254 is in force", name_of(code));
+        return Err(fault(Code::FORBIDDEN_STATE, span, message, "program G255 before it, and G254 after it"));
+    }
     let of_haas = haas_codes::system_of(code);
     let is_additional = matches!(code, 541 | 1540) || code == 540 && !channel.is_rs274() && p_is_of_offset(gathered);
     let system = if let Some(number) = of_haas {

@@ -177,6 +177,7 @@ pub(super) fn action(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<b
         }
         120 | 130 => haas::circular_pocket(channel, gathered, code)?,
         700 | 710 | 720 => haas::holes(channel, gathered, code)?,
+        2540 | 2550 => haas::turned_zero(channel, gathered, code)?,
         520 | 920 => offsets::axis_offsets(channel, gathered, code)?,
         921 => offsets::axis_offsets(channel, gathered, code)?,
         _ => {

@@ -64,6 +64,12 @@ pub(super) fn end(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(Axi
     for axis in gathered.axes.iter() {
         let value = target::axis_value(channel, gathered, axis)?;
         if channel.modal.modes.incremental {
+            let is_known = channel.modal.position.known.contains(axis);
+            if value == 0.0 && !is_known && !channel.is_rs274() && channel.modal.turning.is_none() {
+                // No motion, wherever the axis is.
+                named.remove(axis);
+                continue;
+            }
             target::check_stated(channel.settings.strict, &channel.modal, axis, gathered.span_of(axis.letter()))?;
             end[axis] += value;
         } else {
@@ -137,6 +143,11 @@ pub(super) fn send(
     shape: Shape,
     setup: Shared<Setup>,
 ) -> Result<(), Fault> {
+    let rotary = step.named.difference(AxisSet::XYZ).iter().find(|axis| axis.is_rotary());
+    if let Some(axis) = rotary.filter(|_| channel.modal.turned_zero.is_some()) {
+        let message = format!("{axis} turns while G254 is in force");
+        return Err(fault(Code::FORBIDDEN_STATE, step.span, message, "program G255 before it, and G254 after it"));
+    }
     let in_machine_frame = !Shared::ptr_eq(&setup, &channel.standing.setup);
     if !in_machine_frame {
         offsets::check_offset(&channel.settings, &channel.modal, &mut channel.warned, &mut channel.outlet, step.span);

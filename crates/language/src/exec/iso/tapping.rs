@@ -21,6 +21,8 @@ pub(super) struct TappedHole<'a> {
     pub(super) code: u16,
     /// The programmed position at R.
     pub(super) level: AxisVector,
+    /// Q: the depth of one peck, mm.
+    pub(super) peck: Option<f64>,
     /// The moves in the hole.
     pub(super) steps: &'a [Step],
 }
@@ -71,6 +73,9 @@ pub(super) fn tap(channel: &mut Channel<'_>, hole: &TappedHole<'_>, span: Span) 
     if let Some(seconds) = dwell {
         // Writing to a string cannot fail.
         let _ = write!(cycle, " P{:.0}", seconds * 1000.0);
+    }
+    if let Some(peck) = hole.peck.filter(|peck| *peck != 0.0) {
+        text::append_length(machine, language, &mut cycle, b'Q', peck);
     }
     text::append_length(machine, language, &mut cycle, b'F', channel.modal.modes.feed);
     if channel.cycles.is_rigid {

@@ -39,6 +39,10 @@ pub(super) fn switch_tip(channel: &mut Channel<'_>, code: u16, gathered: &Gather
         let help = "program G40 with a motion in the plane before it";
         return Err(fault(Code::BAD_COMPENSATION, span, message, help));
     }
+    if turning.is_some() && channel.modal.turned_zero.is_some() {
+        let message = "tool center point control (G234) while G254 is in force";
+        return Err(fault(Code::FORBIDDEN_STATE, span, message, "program G255 before it"));
+    }
     if turning.is_some() && !channel.modal.transforms.is_empty() {
         let message = "tool center point control (G43.4) within a rotation, scaling, mirror or tilted plane";
         let help = "end them with G69, G50 and G50.1 before G43.4";

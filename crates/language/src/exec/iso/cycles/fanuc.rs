@@ -21,6 +21,10 @@ pub(in crate::exec::iso) fn steps(code: u16, hole: &Hole) -> Result<Vec<HoleStep
             steps.extend(dwell(hole));
             steps.push(out);
         }
+        // Parameter 5103, bit 1 (QZA): without Q one stroke, or alarm PS0045.
+        730 | 830 if hole.q.is_none_or(|q| q == 0.0) && hole.pecks.first.is_none() => {
+            steps.extend([HoleStep::Feed(bottom), out]);
+        }
         730 => steps = chip_breaking(hole)?,
         830 => steps = deep_hole(hole)?,
         740 | 840 | 842 | 843 => {
