@@ -9,9 +9,6 @@ use ncfix_base::geometry::AxisVector;
 use ncfix_machine::machine::Load;
 use ncfix_path::path::{self, Arcs, FiveAxis, OutputFrame, Rapids, Rotary, Subdivision};
 
-/// Distance of the samples of the predicted error along the path, mm.
-const SAMPLE_MM: f64 = 1.0;
-
 /// In which language a program is.
 ///
 /// ```
@@ -197,7 +194,6 @@ impl Options {
             five_axis: self.five_axis,
             max_correction_mm: self.max_correction_mm,
             rotary: self.rotary,
-            sample_mm: SAMPLE_MM,
             ..path::CorrectionOptions::default()
         }
     }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::correction::{Correction, corrected_before};
 use crate::diagnostics::Diagnostics;
+use crate::disk::stated_machine::MachineSearch;
 use crate::error::Error;
 use crate::machine::Machine;
 use crate::moves::Elements;
@@ -215,6 +216,11 @@ impl Program {
             found.add(corrected_before(&self.source), std::slice::from_ref(&self.source));
         }
         is_stamped
+    }
+
+    /// The search for its machine, with the nearest machine file from the folder of `near` upwards.
+    pub(crate) fn search<'a>(&'a self, near: &'a Path) -> MachineSearch<'a> {
+        MachineSearch { near, made: Some((Path::new(self.source.name()), self.bytes())) }
     }
 
     /// The text.

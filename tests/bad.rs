@@ -72,6 +72,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("W0801", "realtime: a_kernel_that_cannot_follow_the_model_is_pointed_out"),
     ("W0802", "realtime: a_state_that_breaks_leaves_the_kernel_in_force"),
     ("E0322", "coverage: a_release_gate_refuses_gaps_and_writes_nothing"),
+    ("E0323", "agreement: a_corrected_program_finds_its_own_machine"),
     ("W0316", "coverage: rotary_axes_that_were_never_measured_are_named_and_nothing_is_green"),
     ("W0317", "coverage: a_position_beyond_the_measured_range_is_named_with_its_distance_and_size"),
     ("W0318", "coverage: a_longer_tool_is_named_where_angles_matter"),

@@ -1,31 +1,34 @@
 //! Choice of the machine.
 
-use std::path::Path;
-
 use super::arguments::{MachineChoice, StateChoice};
 use super::findings::Findings;
 use super::state;
 use super::stop::Stop;
 pub(super) use crate::disk::hash::digest;
 pub(super) use crate::disk::machine_file::{FoundFile, locate, read, source_of};
+pub(super) use crate::disk::stated_machine::{self, MachineSearch};
 pub(super) use crate::machine::Machine as Chosen;
 
 /// Chooses and reads the machine for `program`; `None` if errors forbid its use.
 ///
 /// # Errors
 /// If a named file cannot be read.
-pub(super) fn choose(choice: &MachineChoice, program: &Path, findings: &mut Findings) -> Result<Option<Chosen>, Stop> {
-    Ok(crate::disk::machine_file::choose(choice.machine.as_deref(), &choice.setup, program, findings)?)
+pub(super) fn choose<'a>(
+    choice: &MachineChoice,
+    program: impl Into<MachineSearch<'a>>,
+    findings: &mut Findings,
+) -> Result<Option<Chosen>, Stop> {
+    Ok(stated_machine::choose(choice.machine.as_deref(), &choice.setup, program.into(), findings)?)
 }
 
 /// Chooses and reads the machine for `program`, in the condition given.
 ///
 /// # Errors
 /// If a named file cannot be read.
-pub(super) fn choose_in(
+pub(super) fn choose_in<'a>(
     choice: &MachineChoice,
     condition: &StateChoice,
-    program: &Path,
+    program: impl Into<MachineSearch<'a>>,
     findings: &mut Findings,
 ) -> Result<Option<Chosen>, Stop> {
     let Some(mut chosen) = choose(choice, program, findings)? else { return Ok(None) };

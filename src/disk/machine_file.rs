@@ -276,14 +276,23 @@ pub(crate) fn locate(named: Option<&Path>, program: &Path) -> (Option<PathBuf>, 
     if let Some(named) = named {
         return (Some(named.to_path_buf()), FoundFile::Option);
     }
-    // A variable with an empty value counts as not set.
-    if let Some(path) = std::env::var_os(VARIABLE).filter(|path| !path.is_empty()) {
-        return (Some(path.into()), FoundFile::Environment);
+    if let Some(path) = of_environment() {
+        return (Some(path), FoundFile::Environment);
     }
     match nearest(program) {
         Some((path, found)) => (Some(path), found),
         None => (None, FoundFile::Demo),
     }
+}
+
+/// The machine file that the environment names. A variable with an empty value counts as not set.
+fn of_environment() -> Option<PathBuf> {
+    std::env::var_os(VARIABLE).filter(|path| !path.is_empty()).map(PathBuf::from)
+}
+
+/// True if an option or the environment names the machine file.
+pub(crate) fn is_named(named: Option<&Path>) -> bool {
+    named.is_some() || of_environment().is_some()
 }
 
 /// The nearest machine file, from the folder of the program upwards, then from the working folder upwards.

@@ -18,6 +18,7 @@ pub(crate) mod origin;
 pub(crate) mod output;
 pub(crate) mod parameters;
 mod replace;
+pub(crate) mod stated_machine;
 pub(crate) mod table_files;
 mod target;
 pub(crate) mod traces;

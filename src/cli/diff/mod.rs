@@ -95,8 +95,8 @@ fn compare(
     has_places: bool,
     findings: &mut Findings,
 ) -> Result<Option<(ReviewTrace, Outcome)>, Stop> {
-    let Some(machine) = machine_choice::choose_in(&arguments.machine, &arguments.state, &arguments.original, findings)?
-    else {
+    let search = programs[1].search(&arguments.original);
+    let Some(machine) = machine_choice::choose_in(&arguments.machine, &arguments.state, search, findings)? else {
         return Ok(None);
     };
     let (promised, watch) = (arguments.promised, Some(progress::watch as fn() -> _));

@@ -56,8 +56,8 @@ fn compare(
     if findings.has_errors() {
         return Ok(None);
     }
-    let Some(machine) = machine_choice::choose_in(&arguments.machine, &arguments.state, &arguments.original, findings)?
-    else {
+    let search = programs[1].search(&arguments.original);
+    let Some(machine) = machine_choice::choose_in(&arguments.machine, &arguments.state, search, findings)? else {
         return Ok(None);
     };
     let pair = Pair {

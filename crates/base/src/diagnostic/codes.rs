@@ -400,6 +400,11 @@ position within the backlash is unknown (W0308).";
 errors, and positions, tool lengths, temperatures and the load are within the ranges of [measured] in the machine file. The message
 states the gap. Nothing was written. Measure the missing range and calibrate, change the program, or correct without
 --require-coverage after a person has looked at the warnings (W0316 to W0320).";
+    STATED_MACHINE_MISSING = "E0323" "machine file of the program not found"
+"A corrected program has the fingerprint of its machine file in its stamp, and a flat stream has the name of its machine. Without
+--machine, verify, diff and snc use only this machine file. They search the nearest ncfix.toml, and the folders of the programs. A
+file that has changed since has another fingerprint. Name the machine file with --machine; if it has changed, correct the program
+again.";
 
     BAD_TOML = "E0401" "machine file is not TOML"
 "The file breaks the rules of TOML 1.0 at this place.";

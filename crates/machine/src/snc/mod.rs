@@ -12,7 +12,7 @@ mod text_reader;
 
 pub use feed_unit::{FEED_MODES, FeedUnit};
 pub use motion_mode::{MotionMode, Thread, ThreadCode};
-pub use text::TextWriter;
+pub use text::{TextWriter, stated_machine};
 pub use text_reader::{TextError, TextReader};
 
 use std::sync;

@@ -35,6 +35,18 @@ pub struct TextWriter<'a, W: Write> {
     count: u64,
 }
 
+/// The head line before the name of the machine, and after it.
+const HEAD: &str = "; snc 1 machine=";
+const UNITS: &str = " units=mm";
+
+/// Returns the name of the machine in the head line of a text; `None` if it is not a flat stream.
+#[must_use]
+pub fn stated_machine(text: &[u8]) -> Option<String> {
+    let line = text.split(|&byte| byte == b'\n').next()?;
+    let line = std::str::from_utf8(line).ok()?.trim_end();
+    Some(line.strip_prefix(HEAD)?.strip_suffix(UNITS)?.to_owned())
+}
+
 impl<'a, W: Write> TextWriter<'a, W> {
     /// Writes the head line. `turned_tool_mm` returns the tool vector as rotated by the rotary axes of the tool side at an axis command, along the directions
     /// of F, mm.
@@ -47,7 +59,7 @@ impl<'a, W: Write> TextWriter<'a, W> {
         axes: AxisSet,
         turned_tool_mm: impl Fn(&AxisVector, &Vector) -> Vector + 'a,
     ) -> io::Result<Self> {
-        writeln!(out, "; snc 1 machine={machine} units=mm")?;
+        writeln!(out, "{HEAD}{machine}{UNITS}")?;
         Ok(TextWriter {
             out,
             axes,

@@ -83,6 +83,8 @@ struct Active {
     as_chords: bool,
     /// `true` if its error counts in the prediction.
     is_counted: bool,
+    /// Parameter up to which its errors are sampled.
+    sampled: f64,
     /// As in [`SegmentFitter::settled`].
     settled: [i8; AXIS_COUNT],
 }
@@ -192,6 +194,7 @@ where
             unwritten: 0.0,
             as_chords: self.options.arcs == Arcs::Chords,
             is_counted: starts_at_known && self.ever_named.difference(known).is_empty(),
+            sampled: 0.0,
             settled,
         };
         self.active = Some(match self.idle.take() {
@@ -303,6 +306,7 @@ where
         let known = active.motion.known;
         let stated = if self.placer.is_parallel() { known } else { frame.known_across(known, false) };
         let bands = self.bands(trial, stated);
+        let (first, first_band) = (self.standing.command, self.standing.band);
         if let Some(start) = &trial.overshoot {
             let end = active.route.end;
             let step = self.write(active, start, None, (0.0, &end), false);
@@ -335,12 +339,15 @@ where
         }
         let has_backlash = !self.sampler.backlash.is_empty();
         self.check_sense(active, &bands, trial);
-        if active.is_counted && self.prediction.wants(active.motion.rapid) {
-            self.predict(active, trial, &bands);
+        // A piece that is not written belongs to the next one.
+        if active.is_counted && self.prediction.wants(active.motion.rapid) && piece.is_some() {
+            self.predict(active, trial, &bands, (&first, &first_band));
         }
         if has_backlash {
-            let sensed = self.standing.sensed;
-            self.lead.along(&mut self.standing.nominal_band, &active.route, sensed, [from, to]);
+            if is_last {
+                let sensed = self.standing.sensed;
+                self.lead.along(&mut self.standing.nominal_band, &active.route, sensed, [0.0, 1.0]);
+            }
             self.standing.band = bands.end;
         }
         self.prediction.note_correction(&nominal, &trial.end.command);

@@ -1,6 +1,6 @@
 //! Propagation of commands through the dead bands of the axis bodies along a path.
 
-use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, Vector};
+use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector, Vector};
 use ncfix_machine::machine::Machine;
 use ncfix_model::{DeadBand, Model, Off, Room};
 
@@ -94,15 +94,6 @@ impl<'a> Lead<'a> {
             let [ahead, back] = band.ways(self.model, axis, &way.start);
             for place in [from + ahead, from - back] {
                 way.crossings(axis, place, [0.0, 1.0], parameters);
-            }
-        }
-    }
-
-    /// Puts quick axes on these sides, by slot.
-    pub(super) fn put(&self, band: &mut DeadBand, sides: &[i8; AXIS_COUNT], command: &AxisVector) {
-        for axis in self.axes.iter().filter(|axis| sides[axis.slot()] != 0) {
-            if self.is_quick(axis, command) {
-                band.put(axis, sides[axis.slot()], self.model.lost_motion(axis, command));
             }
         }
     }

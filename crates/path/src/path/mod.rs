@@ -29,6 +29,7 @@ mod reach;
 mod remaining;
 mod rotary_word;
 mod route;
+mod sampling;
 mod segment_candidate;
 mod sides;
 mod singularity;
@@ -87,8 +88,6 @@ pub struct CorrectionOptions {
     pub max_correction_mm: f64,
     /// Participation of rotary axes in the correction.
     pub rotary: Rotary,
-    /// Distance of the samples of the prediction along the path, mm.
-    pub sample_mm: f64,
     /// Programmed position before the first block (mm, rad), if the program relies on one.
     pub start: Option<AxisVector>,
 }
@@ -107,7 +106,6 @@ impl Default for CorrectionOptions {
             five_axis: FiveAxis::Tcp,
             max_correction_mm: 0.2,
             rotary: Rotary::Auto,
-            sample_mm: 1.0,
             start: None,
         }
     }

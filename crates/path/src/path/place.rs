@@ -8,7 +8,7 @@ mod partly;
 use std::cell::RefCell;
 use std::sync::Arc;
 
-use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES, Vector};
+use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES};
 use ncfix_machine::machine::{Kinematics, Machine, State};
 use ncfix_machine::snc::{Move, Setup};
 use ncfix_model::{Model, NotConverged, Solve};
@@ -42,7 +42,7 @@ pub(super) struct CommandSolver<'a> {
     /// The model in the zero offset in force.
     pub(super) model: &'a Model,
     /// The model with all zero offsets.
-    base: &'a Model,
+    pub(super) base: &'a Model,
     pub(super) setup: Arc<Setup>,
     pub(super) increments: Increments,
     pub(super) turns: Turns,
@@ -350,11 +350,6 @@ impl<'a> CommandSolver<'a> {
             command[axis] = nominal[axis];
         }
         command
-    }
-
-    /// Size of an error in the zero offset in force, and of its part beyond the displacement that a touched zero takes up, mm.
-    pub(super) fn form_mm(&self, error_mm: Vector) -> [f64; 2] {
-        [error_mm.norm(), self.base.form_mm(self.setup.zero, &error_mm)]
     }
 
     /// Distance of the tip at `command` with errors from the nominal tip at `nominal`, mm.

@@ -1,9 +1,8 @@
 //! The error of the tool tip along the path, before and after the correction, collected from the stream.
 //!
-//! Samples lie between the ends of the pieces, about one per `sample_mm` of path: long pieces have several, short ones share one. Means therefore
-//! refer to the path, independent of its division. "Before" is the programmed command on the error model with the programmed direction of motion.
-//! "After" is the emitted command with rounding. Both are measured from the nominal tip at the same parameter of the move. The maximum after the
-//! correction includes the middle of every piece.
+//! Samples lie at stations along the programmed path, about one per mm, whatever its division into moves and pieces. "Before" is the programmed command on
+//! the error model with the programmed direction of motion. "After" is the emitted command with rounding. Both are measured from the nominal tip at one
+//! parameter of the move. The maximum after the correction includes the end and the middle of every piece.
 
 use ncfix_base::geometry::AxisVector;
 use ncfix_machine::snc::Origin;
@@ -63,8 +62,8 @@ pub struct Prediction {
     pub as_programmed: u64,
     /// Largest tip error at the ends of rapid moves that are not an approach to a cut, mm.
     pub off_cut_mm: f64,
-    /// Path since the last sample, mm.
-    unsampled_mm: f64,
+    /// Path of the counted feed moves and rapid moves so far, mm.
+    path_mm: [f64; 2],
 }
 
 /// Maximum number of places of each kind of moves.
@@ -155,15 +154,31 @@ impl Prediction {
         own.spread.kept().iter().copied().chain(largest).collect()
     }
 
-    /// `true` if a piece of a size (mm) needs no sample because it is near the last one.
-    pub(super) fn passes(&mut self, rapid: bool, size_mm: f64, sample_mm: f64) -> bool {
+    /// Parameters of the stations of the current move, of a size in mm, between two others. The first move has at least one.
+    pub(super) fn stations(
+        &self,
+        rapid: bool,
+        size_mm: f64,
+        [from, to]: [f64; 2],
+    ) -> impl Iterator<Item = f64> + use<> {
+        // A longer move has stations of its own, which bounds its time.
+        let own_mm = size_mm / MOST_STATIONS;
+        let (start_mm, step_mm) =
+            if own_mm > STATION_MM { (0.0, own_mm) } else { (self.path_mm[usize::from(rapid)], STATION_MM) };
+        let of_part = move |[from, to]: [f64; 2]| {
+            let [first, last] = [from, to].map(|parameter| ((start_mm + parameter * size_mm) / step_mm) as u64);
+            let parameters = (first..=last).map(move |k| (step_mm * station(k) - start_mm) / size_mm);
+            parameters.filter(move |&parameter| from < parameter && parameter <= to)
+        };
         let pair = if rapid { &self.rapid } else { &self.feed };
-        self.unsampled_mm += size_mm;
-        let passes = pair.before.samples > 0 && self.unsampled_mm < sample_mm;
-        if !passes {
-            self.unsampled_mm = 0.0;
-        }
-        passes
+        let is_first = pair.before.samples == 0 && of_part([0.0, 1.0]).next().is_none();
+        let middle = (is_first && from < 0.5 && 0.5 <= to).then_some(0.5);
+        of_part([from, to]).chain(middle)
+    }
+
+    /// Ends a counted move of a size, mm.
+    pub(super) fn end_move(&mut self, rapid: bool, size_mm: f64) {
+        self.path_mm[usize::from(rapid)] += size_mm;
     }
 
     /// Records a deviation for the maximum only.
@@ -195,19 +210,21 @@ impl Prediction {
     }
 }
 
-/// Maximum samples of one piece; it bounds the time for long rapid moves.
-const MOST_SAMPLES: f64 = 256.0;
+/// Mean distance of the stations along the path, mm.
+const STATION_MM: f64 = 1.0;
+/// Maximum number of stations of one move.
+const MOST_STATIONS: f64 = 1024.0;
+/// The golden section spreads places most evenly.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// The number of samples of a piece of a size, mm.
-pub(super) fn sample_count(size_mm: f64, sample_mm: f64) -> u32 {
-    // The conversion is exact for whole numbers up to 256; NaN becomes 0.
-    ((size_mm / sample_mm).ceil().min(MOST_SAMPLES) as u32).max(1)
+/// Place of station `k` on a path, in mean distances: one in each of them. The place varies, so that an error with a period near the distance is detected.
+fn station(k: u64) -> f64 {
+    let k = k as f64;
+    k + (0.5 + GOLDEN * k).fract()
 }
 
-/// Place of sample `k` of `count` in a piece, 0 … 1: one in each of `count` equal parts. The place varies between the parts, so that an error with a
-/// period near the sample distance is detected. The golden section spreads the places most evenly.
+/// Place of sample `k` of `count` in a piece, 0 … 1: one in each of `count` equal parts.
 pub(super) fn sample_place(k: u32, count: u32) -> f64 {
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
     (f64::from(k) + (0.5 + GOLDEN * f64::from(k)).fract()) / f64::from(count)
 }
 
@@ -238,11 +255,22 @@ mod tests {
         assert_eq!((prediction.after().max_mm, prediction.max_at()), (1.0, Some(place(2))));
     }
 
+    /// Stations of a move of 10.4 mm after 2 mm of path, in two parts.
     #[test]
-    fn every_piece_has_a_sample_and_none_has_too_many() {
-        assert_eq!(sample_count(0.0, 1.0), 1);
-        assert_eq!(sample_count(2.5, 1.0), 3);
-        assert_eq!(sample_count(1e9, 1.0), 256);
-        assert_eq!(sample_count(0.0, 0.0), 256);
+    fn stations_do_not_depend_on_the_division() {
+        let mut prediction = Prediction::default();
+        // A first move of 0.3 mm has no station of its own: the first one is at 0.5 mm.
+        assert_eq!(prediction.stations(false, 0.3, [0.0, 1.0]).collect::<Vec<_>>(), [0.5]);
+        assert_eq!(prediction.stations(false, 0.3, [0.5, 1.0]).count(), 0);
+        prediction.add(false, [1.0; 2], 1.0, &Origin::default());
+        assert_eq!(prediction.stations(false, 0.3, [0.0, 1.0]).count(), 0);
+        prediction.end_move(false, 2.0);
+        let whole: Vec<f64> = prediction.stations(false, 10.4, [0.0, 1.0]).collect();
+        let parts = [[0.0, 0.37], [0.37, 1.0]].map(|part| prediction.stations(false, 10.4, part).collect::<Vec<_>>());
+        assert_eq!(whole, parts.concat());
+        // 0.5 + 2 · 0.618 = 1.736: the station of the third millimetre is at 2.736 mm.
+        assert!(((whole[0] * 10.4) - 0.736).abs() < 1e-3 && (10..=11).contains(&whole.len()), "{whole:?}");
+        assert!(whole.is_sorted() && prediction.stations(false, 0.0, [0.0, 1.0]).count() == 0);
+        assert_eq!(prediction.stations(false, 1e7, [0.0, 1.0]).count(), 1024);
     }
 }

@@ -1,6 +1,6 @@
 //! The corrected moves of one original move: their selection, and their residual error.
 
-use ncfix_base::geometry::{AXES, AxisSet, AxisVector, ROTARY_AXES, Vector};
+use ncfix_base::geometry::{AXES, AxisVector, Vector};
 use ncfix_machine::machine::Kinematics;
 use ncfix_model::Model;
 
@@ -8,13 +8,11 @@ use super::ahead::MovesAhead;
 use super::judge::{Judge, PlaceInMove, TipDeviation};
 use super::parting::Parting;
 use super::step::ComparedMove;
-use super::{Course, Follow, Grouping, ON_THE_SPOT_MM, SAME_END_MM};
+use super::{Course, Follow, Grouping, SAME_END_MM};
+use crate::path::Prediction;
 use crate::path::lead::Lead;
-use crate::path::prediction::{sample_count, sample_place};
-use crate::path::{ErrorPlace, Prediction};
+use crate::path::sampling::{ON_THE_SPOT_MM, Offset, SampledPiece};
 
-/// Distance of the samples along the path, mm.
-const SAMPLE_MM: f64 = 1.0;
 /// End tolerance as a share of the move length: the error of an uncorrected program changes along it.
 const SAME_END_SHARE: f64 = 1e-3;
 /// A further move belongs to the group only if it comes nearer by more than rounding, mm.
@@ -25,45 +23,10 @@ pub(super) const MEANT_END_MM: f64 = 0.5;
 const LEAST_SHARE: f64 = 0.5;
 /// A group longer than the original move by this factor is another path.
 const MOST_SHARE: f64 = 1.5;
-/// Weight of rotary axis deviations, mm per rad. It is small, as rotary corrections do not indicate another place, but table moves about the tip have
-/// no other measure.
-const ROTARY_ARM_MM: f64 = 10.0;
-/// If the tip moves by at least this share of the weighted rotary motion, it alone determines the place.
-const TIP_DECIDES: f64 = 0.1;
 /// Difference below which the end of a piece counts as unchanged, mm and rad.
 const SAME_MM: f64 = 1e-8;
 /// Minimum share of the lost motion that a step must cover to lead a body through it.
 const LED_SHARE: f64 = 0.5;
-/// Half the parameter step for a direction of the path.
-const SENSE_STEP: f64 = 1e-4;
-/// Maximum number of examined turning points of one arc.
-const MOST_TURNINGS: usize = 64;
-/// Iterations of the search for the nearest place on the original move.
-const NEAREST_STEPS: usize = 4;
-
-/// Offset of the tool from its nominal place.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Offset {
-    /// Tip, in the workpiece frame, mm.
-    pub(super) tip: Vector,
-    /// Rotary axes, at [`ROTARY_ARM_MM`].
-    turned: Vector,
-}
-
-impl Offset {
-    fn minus(&self, other: &Offset) -> Offset {
-        Offset { tip: self.tip - other.tip, turned: self.turned - other.turned }
-    }
-
-    fn dot(&self, other: &Offset) -> f64 {
-        self.tip.dot(&other.tip) + self.turned.dot(&other.turned)
-    }
-
-    fn norm_mm(&self) -> f64 {
-        self.dot(self).sqrt()
-    }
-}
-
 /// The corrected moves of one original move, during their search.
 pub(super) struct MoveGroup<'a> {
     /// The model in the zero offset of the move.
@@ -156,7 +119,7 @@ impl MoveGroup<'_> {
                 from: before,
                 to: self.parameter,
             };
-            let (errors_mm, mut seen) = self.sample(&course, stands && !is_complete, prediction);
+            let (errors_mm, mut seen) = self.sample(&course, (stands && !is_complete, is_complete), prediction);
             if stands && let Some(next) = corrected.peek().filter(|next| next.continues && next.on_the_spot) {
                 seen.end = self.beyond_play(&piece, next, seen.end);
             }
@@ -184,16 +147,24 @@ impl MoveGroup<'_> {
         self.off_mm(&self.offset(piece, 1.0)) <= MEANT_END_MM
     }
 
-    /// The largest error of the original at a parameter, mm.
-    pub(super) fn before_mm(&self, parameter: f64) -> f64 {
-        self.before(parameter)[0]
+    /// A piece beside the original move.
+    fn beside<'p>(&'p self, piece: &'p ComparedMove) -> SampledPiece<'p> {
+        SampledPiece {
+            lead: &self.lead,
+            base: self.base,
+            zero: self.step.setup.zero,
+            programmed: self.step.path(),
+            emitted: piece.path(),
+            origin: self.step.origin,
+            rapid: self.step.rapid,
+            off_curve_mm: self.step.off_curve_mm,
+            middle_mm: None,
+        }
     }
 
-    /// The largest error of the original at a parameter, and its part beyond the displacement that a touched zero takes up, mm.
-    fn before(&self, parameter: f64) -> [f64; 2] {
-        let (nominal, band) = (self.step.route.at(parameter), self.step.band_at(parameter, &self.lead));
-        let off = self.lead.error_mm(&band, (&nominal, &nominal), &self.step.tool_mm, None);
-        [off.most_mm, self.base.form_mm(self.step.setup.zero, &off.nearest)]
+    /// The largest error of the original at a parameter, mm.
+    pub(super) fn before_mm(&self, parameter: f64) -> f64 {
+        self.beside(self.step).before(parameter)[0]
     }
 
     /// The data of a piece that covers the original move up to the parameter.
@@ -245,12 +216,7 @@ impl MoveGroup<'_> {
 
     /// Offset of the tool from the place of the original move at `parameter` at the end of a piece.
     fn offset(&self, piece: &ComparedMove, parameter: f64) -> Offset {
-        let command = piece.route.end;
-        let nominal = self.step.route.at(parameter);
-        let band = piece.band_at(1.0, &self.lead);
-        let tip = self.lead.error_mm(&band, (&nominal, &command), &piece.tool_mm, None).nearest;
-        let turned = ROTARY_AXES.map(|axis| ROTARY_ARM_MM * (command[axis] - nominal[axis]));
-        Offset { tip, turned: Vector::from(turned) }
+        self.beside(piece).end_offset(parameter)
     }
 
     /// An offset as a distance, mm: the smaller of its own length and its difference from the initial offset.
@@ -258,30 +224,17 @@ impl MoveGroup<'_> {
         offset.norm_mm().min(offset.minus(&self.carried).norm_mm())
     }
 
-    /// The parameter of the original move at which its nominal tip is nearest to the end of a piece: Gauss–Newton from the share of the length.
+    /// The parameter of the original move at which its nominal tip is nearest to the end of a piece.
     fn nearest(&self, piece: &ComparedMove) -> f64 {
-        let mut parameter = (self.length_mm / self.step.route.size_mm().max(ON_THE_SPOT_MM)).min(1.0);
-        for _ in 0..NEAREST_STEPS {
-            let [low, high] = [parameter - SENSE_STEP, parameter + SENSE_STEP].map(|value| value.clamp(0.0, 1.0));
-            let mut change = self.offset(piece, high).minus(&self.offset(piece, low));
-            if change.tip.norm() > TIP_DECIDES * change.turned.norm() {
-                // Corrections of rotary axes do not indicate another place.
-                change.turned = Vector::zeros();
-            }
-            let square = change.dot(&change);
-            if square > 0.0 {
-                parameter -= (high - low) * change.dot(&self.offset(piece, parameter)) / square;
-            }
-            parameter = parameter.clamp(self.parameter, 1.0);
-        }
-        parameter
+        let share = (self.length_mm / self.step.route.size_mm().max(ON_THE_SPOT_MM)).min(1.0);
+        self.beside(piece).nearest(share, self.parameter)
     }
 
     /// The offset at the end of a step on the spot or of a rapid move, reduced by the permitted backlash. A quick body may be on either side, for the
     /// side to which the next piece leads it. A body that a rapid move leaves within its dead band waits for a step that leads it out.
     fn on_either_side(&self, piece: &ComparedMove, nominal: &AxisVector, end: Vector) -> Vector {
         let command = piece.route.end;
-        let band = piece.band_at(1.0, &self.lead);
+        let band = piece.path().band_at(1.0, &self.lead);
         let mut best = end;
         let mut bands = vec![band];
         for axis in self.lead.axes.iter() {
@@ -337,74 +290,27 @@ impl MoveGroup<'_> {
     fn sample(
         &self,
         course: &Course<'_>,
-        waits: bool,
+        (waits, is_complete): (bool, bool),
         prediction: &mut Prediction,
     ) -> (Option<[f64; 2]>, TipDeviation) {
-        let (piece, [from, to]) = (course.piece, [course.from, course.to]);
-        let errors_at = |fraction: f64| {
-            let parameter = if fraction < 1.0 { from + (to - from) * fraction } else { to };
-            let nominal = self.step.route.at(parameter);
-            let command = piece.route.at(fraction);
-            let before_mm = self.before_mm(parameter);
-            let after = piece.band_at(fraction, &self.lead);
-            // On its path the tool may lag with a body; at the end it must have arrived.
-            let way = (parameter < 1.0).then_some((&self.step.route, parameter));
-            let after = self.lead.error_mm(&after, (&nominal, &command), &piece.tool_mm, way);
-            [before_mm, after.most_mm, after.nearest.norm()]
-        };
-        let end = self.offset(piece, to).tip;
-        let [_, end_mm, nearest_mm] = errors_at(1.0);
-        let mut seen = TipDeviation { end, most_mm: nearest_mm };
+        let (piece, between) = (course.piece, [course.from, course.to]);
+        let beside = self.beside(piece);
+        let end = beside.end_offset(course.to).tip;
+        let mut seen = TipDeviation { end, most_mm: end.norm() };
         if (waits || self.step.rapid) && !self.lead.axes.is_empty() {
-            seen.end = self.on_either_side(piece, &self.step.route.at(to), end);
+            seen.end = self.on_either_side(piece, &self.step.route.at(course.to), end);
         }
-        let size_mm = self.step.route.size_mm() * (to - from);
-        let stands_still = size_mm < ON_THE_SPOT_MM && self.step.route.size_mm() > ON_THE_SPOT_MM;
-        let counts = !waits && !stands_still && self.step.is_counted && prediction.wants(self.step.rapid);
-        if !counts {
+        if waits || !self.step.is_counted || !prediction.wants(self.step.rapid) {
             return (None, seen);
         }
-        let chord_mm = self.step.off_curve_mm;
-        let mut largest = [0.0, end_mm, nearest_mm];
-        let mut note = |errors: [f64; 3]| largest = [0, 1, 2].map(|k| f64::max(largest[k], errors[k]));
-        let count = sample_count(size_mm, SAMPLE_MM);
-        for k in 0..count {
-            let errors = errors_at(sample_place(k, count));
-            let parameter = from + (to - from) * sample_place(k, count);
-            prediction.add(self.step.rapid, self.before(parameter), errors[1] + chord_mm, &self.step.origin);
-            prediction.offer(self.step.rapid, [errors[0], errors[1]], || ErrorPlace {
-                nominal: self.step.route.at(parameter),
-                command: piece.route.at(sample_place(k, count)),
-                states: [
-                    self.step.band_at(parameter, &self.lead).state(),
-                    piece.band_at(sample_place(k, count), &self.lead).state(),
-                ],
-                tool_mm: piece.tool_mm,
-                zero: self.step.setup.zero,
-            });
-            note(errors);
+        let found = beside.sample(between, prediction, &mut Vec::new());
+        if is_complete {
+            prediction.end_move(self.step.rapid, self.step.route.size_mm());
         }
-        let mut edges = Vec::new();
-        self.lead.edges(&piece.band, &piece.route, &mut edges);
-        for place in edges {
-            let [_, after_mm, nearest_mm] = errors_at(place);
-            note([0.0, after_mm, nearest_mm]);
-        }
-        // Rounding has its largest effect at the turning point of an axis on an arc.
-        let mut place = 0.0;
-        for _ in 0..MOST_TURNINGS {
-            place = piece.route.next_turning(AxisSet::XYZ, place);
-            if place >= 1.0 {
-                break;
-            }
-            let [_, after_mm, nearest_mm] = errors_at(place);
-            note([0.0, after_mm, nearest_mm]);
-        }
-        let [before_mm, mut after_mm, nearest_mm] = largest;
+        let Some(found) = found else { return (None, seen) };
         // If the side of an axis is unknown, the place for either side satisfies the promise.
-        seen.most_mm = nearest_mm;
-        after_mm += chord_mm;
-        prediction.note_after(self.step.rapid, after_mm, &self.step.origin);
-        (Some([before_mm, after_mm]), seen)
+        seen.most_mm = found.nearest_mm;
+        let before_mm = found.before_mm.unwrap_or_else(|| beside.before(0.5 * (course.from + course.to))[0]);
+        (Some([before_mm, found.after_mm]), seen)
     }
 }

@@ -31,12 +31,13 @@ pub use parting::Parting;
 pub use promise::Promise;
 
 use ahead::{MovesAhead, rejoin};
-use group::{MoveGroup, Offset};
+use group::MoveGroup;
 use judge::Judge;
 use step::{ComparedMove, Walk};
 
 use super::lead::Lead;
 use super::prediction::SpreadPair;
+use super::sampling::{ON_THE_SPOT_MM, Offset};
 use super::{ErrorPlace, Feeds, Prediction, Spread};
 
 /// Receives data along the moves.
@@ -46,8 +47,6 @@ type Differ<'a> = &'a mut dyn FnMut(ProgramDifference);
 
 /// Ends nearer to each other than this are equal, mm.
 const SAME_END_MM: f64 = 0.02;
-/// Length below which a piece is a step on the spot without extent along the move, mm: half of the shortest emitted piece.
-const ON_THE_SPOT_MM: f64 = 0.005;
 
 /// Errors of two programs. Feed moves count, or all moves if there are none.
 #[derive(Clone, Debug, Default, PartialEq)]

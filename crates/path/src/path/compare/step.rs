@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::super::lead::Lead;
 use super::super::route::Route;
+use super::super::sampling::LedPath;
 use super::super::way::counts_turns;
 use super::super::{Feeds, lost_axes};
 use super::acts::{Act, Acts, Passing};
@@ -64,11 +65,9 @@ pub(super) struct ComparedMove {
 }
 
 impl ComparedMove {
-    /// Positions of the axes in their dead bands at a parameter.
-    pub(super) fn band_at(&self, parameter: f64, lead: &Lead<'_>) -> DeadBand {
-        let mut band = self.band;
-        lead.along(&mut band, &self.route, self.stated, [0.0, parameter]);
-        band
+    /// Its path with the bodies of the axes at its beginning.
+    pub(super) fn path(&self) -> LedPath<'_> {
+        LedPath { route: &self.route, band: &self.band, stated: self.stated, tool_mm: &self.tool_mm }
     }
 
     /// An axis command as this program would write it here: coordinates of the active frame; under a transformation, of the tip in the workpiece.

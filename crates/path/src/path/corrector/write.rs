@@ -3,15 +3,17 @@
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
 use ncfix_machine::snc::{Element, MotionMode};
+use ncfix_model::DeadBand;
 
 use super::dead_band::Bands;
 use super::{Active, Corrector};
+use crate::path::Piece;
 use crate::path::place::Placed;
-use crate::path::prediction::{sample_count, sample_place};
 use crate::path::rotary_word;
+use crate::path::route::Route;
+use crate::path::sampling::{LedPath, PieceErrors, SampledPiece};
 use crate::path::segment_candidate::SegmentCandidate;
 use crate::path::treatment::MoveTreatment;
-use crate::path::{ErrorPlace, Piece};
 
 impl<I> Corrector<'_, I>
 where
@@ -86,78 +88,64 @@ where
         })
     }
 
-    /// Samples the error along a piece, unless it is short and near the last sample.
-    pub(super) fn predict(&mut self, active: &Active, trial: &SegmentCandidate, bands: &Bands) {
-        let [from, to] = trial.between;
-        let size_mm = active.route.size_mm() * (to - from);
-        let (rapid, sample_mm) = (active.motion.rapid, self.options.sample_mm);
-        // The written path is a chord of the programmed path.
-        let chord_mm = active.motion.off_curve_mm;
-        let (lead, placer) = (&self.lead, &self.placer);
-        let tool_mm = &placer.setup.tool_mm;
-        let off_at = |share: f64| {
-            let at = trial.parameter(share);
-            let (nominal, command) = (active.route.at(at), trial.emitted.at(share));
-            // If the axes continue as placed, the errors depend on nothing else.
-            if bands.are_led {
-                return [placer.tip_error_mm(&nominal, &command, &trial.state()); 2];
-            }
-            let mut band = bands.at(lead, trial, share);
-            if share == 0.0 {
-                lead.put(&mut band, &trial.sense, &command);
-            }
-            let off = lead.error_mm(&band, (&nominal, &command), tool_mm, active.way_at(at));
-            [off.most_mm, off.nearest.norm()]
-        };
-        let middle_mm = trial.middle_mm.filter(|_| bands.are_led);
-        let mut largest = off_at(1.0);
-        if let Some(middle_mm) = middle_mm
-            && self.prediction.passes(rapid, size_mm, sample_mm)
-        {
-            self.prediction.note_after(rapid, middle_mm.max(largest[0]) + chord_mm, &active.origin);
-            return;
+    /// Samples the error along a piece; `first` are the command and the bodies before it and its preparatory steps.
+    pub(super) fn predict(
+        &mut self,
+        active: &mut Active,
+        trial: &SegmentCandidate,
+        bands: &Bands,
+        first: (&AxisVector, &DeadBand),
+    ) {
+        if let Some(beyond) = &trial.overshoot {
+            let route = Route::new(*first.0, beyond.command, None);
+            self.sample(active, (&route, first.1, self.standing.sensed), (1.0, false), None);
         }
-        let mut note = |off: [f64; 2]| largest = [0, 1].map(|k| f64::max(largest[k], off[k]));
-        if !bands.are_led {
-            note(off_at(0.0));
-            self.scratch.clear();
-            lead.edges(&bands.start, &trial.emitted, &mut self.scratch);
-            self.scratch.iter().for_each(|&share| note(off_at(share)));
-        }
-        let count = sample_count(size_mm, sample_mm);
-        for k in 0..count {
-            let share = sample_place(k, count);
-            let at = trial.parameter(share);
-            let nominal = active.route.at(at);
-            let mut programmed = self.standing.state;
-            let before_mm = if lead.axes.is_empty() {
-                placer.form_mm(placer.model.tip_error_mm(&nominal, &nominal, tool_mm, &programmed))
-            } else {
-                let mut before = self.standing.nominal_band;
-                lead.along(&mut before, &active.route, self.standing.sensed, [from, at]);
-                let off = lead.error_mm(&before, (&nominal, &nominal), tool_mm, None);
-                let [_, form_mm] = placer.form_mm(off.nearest);
-                programmed = before.state();
-                [off.most_mm, form_mm]
-            };
-            let off = middle_mm.filter(|_| count == 1).map_or_else(|| off_at(share), |middle_mm| [middle_mm; 2]);
-            note(off);
-            self.prediction.add(rapid, before_mm, off[0] + chord_mm, &active.origin);
-            self.prediction.offer(rapid, [before_mm[0], off[0]], || ErrorPlace {
-                nominal,
-                command: trial.emitted.at(share),
-                states: [programmed, trial.state()],
-                tool_mm: *tool_mm,
-                zero: placer.setup.zero,
-            });
-        }
-        let [most_mm, nearest_mm] = largest;
-        self.prediction.note_after(rapid, most_mm + chord_mm, &active.origin);
+        let is_last = trial.between[1] >= 1.0;
+        let is_whole = is_last && trial.between[0] <= 0.0 && trial.overshoot.is_none();
+        let middle_mm = trial.middle_mm.filter(|_| bands.are_led && is_whole);
+        let emitted = (&trial.emitted, &bands.start, bands.sensed);
+        let found = self.sample(active, emitted, (trial.between[1], is_last), middle_mm);
+        let nearest_mm = found.map_or(0.0, |found| found.nearest_mm.max(found.start_mm));
         // Rounding may leave bodies within their dead bands, away from the side for which they were placed.
         let tolerance_mm = self.options.tolerance_mm;
-        if !bands.are_led && !rapid && nearest_mm > placer.increments.allowed_mm(tolerance_mm) {
+        if !bands.are_led && !active.motion.rapid && nearest_mm > self.placer.increments.allowed_mm(tolerance_mm) {
             let is_cut = active.motion.motion_mode == MotionMode::Path;
             self.findings.tolerance_missed(&active.origin, is_cut, nearest_mm, tolerance_mm);
         }
+    }
+
+    /// Samples a piece on a path of commands with its bodies and stated axes; `guess` is the parameter at its end.
+    fn sample(
+        &mut self,
+        active: &mut Active,
+        (route, band, stated): (&Route, &DeadBand, AxisSet),
+        (guess, is_last): (f64, bool),
+        middle_mm: Option<f64>,
+    ) -> Option<PieceErrors> {
+        let tool_mm = &self.placer.setup.tool_mm;
+        let from = active.sampled;
+        let piece = SampledPiece {
+            lead: &self.lead,
+            base: self.placer.base,
+            zero: self.placer.setup.zero,
+            programmed: LedPath {
+                route: &active.route,
+                band: &self.standing.nominal_band,
+                stated: self.standing.sensed,
+                tool_mm,
+            },
+            emitted: LedPath { route, band, stated, tool_mm },
+            origin: active.origin,
+            rapid: active.motion.rapid,
+            // The written path is a chord of the programmed path.
+            off_curve_mm: active.motion.off_curve_mm,
+            middle_mm,
+        };
+        active.sampled = if is_last { 1.0 } else { piece.nearest(guess, from) };
+        let found = piece.sample([from, active.sampled], &mut self.prediction, &mut self.scratch);
+        if is_last {
+            self.prediction.end_move(active.motion.rapid, active.route.size_mm());
+        }
+        found
     }
 }
