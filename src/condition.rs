@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::machine::Machine;
 use crate::options::ConditionFiles;
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_base::geometry::{Axis, Vector};
+use ncfix_base::geometry::{AXIS_COUNT, Axis, Vector};
 use ncfix_base::source::FileId;
 use ncfix_machine::machine::condition::{file, log};
 use ncfix_machine::machine::{Condition, Load, ZeroPose};
@@ -44,7 +44,7 @@ pub(crate) fn read(choice: &ConditionFiles, chosen: &mut Machine, findings: &mut
     }
     set_times(choice, &mut condition, is_logged)?;
     if let Some(command) = choice.zero_at {
-        condition.set_zero_pose(ZeroPose { command, tool_mm: Vector::zeros() });
+        condition.set_zero_pose(ZeroPose { command, tool_mm: Vector::zeros(), direction: [0; AXIS_COUNT] });
     }
     if choice.time_s.is_some() || choice.zero_time_s.is_some() || choice.zero_at.is_some() {
         parts.push(format!("{:?} {:?} {:?}", choice.time_s, choice.zero_time_s, choice.zero_at));

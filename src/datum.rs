@@ -1,16 +1,19 @@
 //! The datum of a job: the zero offsets that a program uses, the method by which each was set, and the error of the machine that a touched one contains.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::str::FromStr;
 
 use crate::diagnostics::Diagnostics;
 use crate::error::Error;
 use crate::machine::Machine;
+use crate::program::Program;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Vector};
 use ncfix_base::units::um_from_mm;
+use ncfix_language::exec;
 use ncfix_machine::machine::condition::Condition;
 use ncfix_machine::machine::{Datum, TouchedAt, ZeroSetting};
+use ncfix_machine::snc::Kind;
 use ncfix_model::Model;
 use ncfix_report::json::ZeroReport;
 
@@ -22,25 +25,34 @@ pub(crate) struct StatedZero {
     setting: ZeroSetting,
     /// Axis positions of the touch, machine coordinates, for the stated axes.
     at: Option<(AxisSet, AxisVector)>,
+    /// Length of the tool or probe at the touch, mm.
+    tool_length_mm: Option<f64>,
 }
 
 impl FromStr for StatedZero {
     type Err = String;
 
-    /// Reads `G54=touched`, `G54=absolute` or `G54=probed@X330,Y240,Z120`.
+    /// Reads `G54=touched`, `G54=absolute` or `G54=probed@X330,Y240,Z120,L100`, with the length of the tool after L.
     fn from_str(text: &str) -> Result<StatedZero, String> {
-        let wrong = || format!("'{text}' is not a zero; write for example G54=touched or G54=touched@X330,Y240,Z120");
+        let wrong =
+            || format!("'{text}' is not a zero; write for example G54=touched or G54=touched@X330,Y240,Z120,L100");
         let (name, rest) = text.split_once('=').ok_or_else(wrong)?;
         let (setting, place) = rest.split_once('@').map_or((rest, None), |(setting, place)| (setting, Some(place)));
         let setting = ZeroSetting::of_name(setting.trim()).ok_or_else(wrong)?;
-        let of_place = |place: &str| {
-            let command: AxisVector = place.parse().map_err(|_| wrong())?;
-            let letters = place.split(',').filter_map(|part| part.trim().bytes().next());
-            let stated = letters.filter_map(|letter| Axis::from_letter(letter.to_ascii_uppercase())).collect();
-            Ok::<_, String>((stated, command))
-        };
-        let at = place.map(of_place).transpose()?;
-        Ok(StatedZero { name: name.trim().to_ascii_uppercase(), setting, at })
+        let parts = || place.into_iter().flat_map(|place| place.split(',')).map(str::trim);
+        let length_of = |part: &str| part.strip_prefix(['L', 'l']).map(|text| text.trim().parse::<f64>());
+        let tool_length_mm = parts().find_map(length_of).transpose().map_err(|_| wrong())?;
+        if tool_length_mm.is_some_and(|length_mm| !length_mm.is_finite()) {
+            return Err(wrong());
+        }
+        let axes: Vec<&str> = parts().filter(|part| length_of(part).is_none()).collect();
+        let letters = axes.iter().filter_map(|part| part.bytes().next());
+        let stated = letters.filter_map(|letter| Axis::from_letter(letter.to_ascii_uppercase())).collect();
+        let command = |_| axes.join(",").parse::<AxisVector>().map_err(|_| wrong());
+        // A length alone states no position.
+        let at = place.filter(|_| !axes.is_empty() || tool_length_mm.is_none()).map(command).transpose()?;
+        let at = at.map(|command| (stated, command));
+        Ok(StatedZero { name: name.trim().to_ascii_uppercase(), setting, at, tool_length_mm })
     }
 }
 
@@ -49,7 +61,7 @@ impl FromStr for StatedZero {
 /// # Errors
 /// If a zero offset has no value there.
 pub(crate) fn state(zeros: &[StatedZero], chosen: &mut Machine) -> Result<(), Error> {
-    for StatedZero { name, setting, at } in zeros {
+    for StatedZero { name, setting, at, tool_length_mm } in zeros {
         if !chosen.machine.zero_offsets.contains_key(name) {
             return Err(Error::usage(format!("--zero {name}: this zero offset has no value in the machine file")));
         }
@@ -57,7 +69,10 @@ pub(crate) fn state(zeros: &[StatedZero], chosen: &mut Machine) -> Result<(), Er
         datum.setting = Some(*setting);
         if let Some((stated, command)) = *at {
             let tool_length_mm = datum.at[0].tool_length_mm;
-            datum.at = [TouchedAt { stated, command, tool_length_mm }; 3];
+            datum.at = [TouchedAt { stated, command, tool_length_mm, ..TouchedAt::default() }; 3];
+        }
+        if tool_length_mm.is_some() {
+            datum.at.iter_mut().for_each(|at| at.tool_length_mm = *tool_length_mm);
         }
     }
     Ok(())
@@ -66,7 +81,7 @@ pub(crate) fn state(zeros: &[StatedZero], chosen: &mut Machine) -> Result<(), Er
 /// A model of the machine with the errors that its zero offsets contain.
 pub(crate) fn with_zeros(chosen: &Machine, model: Model) -> Model {
     let machine = &chosen.machine;
-    if machine.zero_offsets.is_empty() || model.is_empty() {
+    if all(chosen).next().is_none() || model.is_empty() {
         return model;
     }
     let earlier = chosen.condition.zero().map(|_| {
@@ -76,16 +91,59 @@ pub(crate) fn with_zeros(chosen: &Machine, model: Model) -> Model {
     let then = earlier.as_ref().unwrap_or(&model);
     // Nobody knows how warm the machine was at a touch that no file states: drift counts from the reference condition.
     let reference = Model::at(machine, &chosen.errors, &Condition::default());
-    let datums = machine.zero_offsets.iter().map(|(name, zero)| {
+    let datums = all(chosen).map(|(name, shift)| {
         let datum = machine.datums.get(name).copied().unwrap_or_default();
         let is_assumed = datum.setting.is_none() && earlier.is_none();
         let then = if is_assumed { &reference } else { then };
-        let touch_mm = then.displacement_at(&[0, 1, 2].map(|side| datum.pose(side, zero, machine)));
+        let touch_mm = then.displacement_at(&[0, 1, 2].map(|side| datum.pose(side, &shift, machine)));
         let touch_mm = if touch_mm.iter().all(|mm| mm.is_finite()) { touch_mm } else { Vector::zeros() };
         (touch_mm, is_relative(&datum))
     });
     let (touches_mm, relative): (Vec<Vector>, Vec<bool>) = datums.unzip();
     model.with_zeros(&touches_mm, &relative)
+}
+
+/// Names and shifts of all zero offsets, by index: those of the machine file, and then those that the program sets.
+fn all(chosen: &Machine) -> impl Iterator<Item = (&String, AxisVector)> {
+    let of_file = chosen.machine.zero_offsets.iter().map(|(name, zero)| (name, zero.shift()));
+    of_file.chain(chosen.written_zeros.iter().map(|(name, shift)| (name, *shift)))
+}
+
+/// Beginnings of words with which a program sets a zero offset itself: G10, `$P_UIFR`, `$P_IFRAME`, `#5221`, `#7001`, `#[…]`.
+const SETTERS: [&[u8]; 6] = [b"G10", b"UIFR", b"IFRAME", b"#5", b"#7", b"#["];
+
+/// Maximum number of executed elements of this: a program may have no end.
+const MOST_ELEMENTS: usize = 10_000_000;
+
+/// The machine with the values of the zero offsets that a program sets itself. If it may set any, it is executed once.
+pub(crate) fn with_written(program: &Program, chosen: &Machine) -> Machine {
+    let mut out = chosen.clone();
+    out.written_zeros.clear();
+    let sets = |at: usize, text: &[u8]| {
+        SETTERS.iter().any(|word| text.get(at..at + word.len()).is_some_and(|part| part.eq_ignore_ascii_case(word)))
+    };
+    let bytes = program.bytes();
+    let begins = |byte: &u8| matches!(byte, b'G' | b'g' | b'U' | b'u' | b'I' | b'i' | b'#');
+    let may_set = bytes.iter().enumerate().any(|(at, byte)| begins(byte) && sets(at, bytes));
+    if !may_set || chosen.model().is_empty() {
+        return out;
+    }
+    let Ok(Some(opened)) = program.open(Some(chosen), &mut Diagnostics::default()) else { return out };
+    let elements = program.start_as(opened, &chosen.machine, exec::Options::default());
+    let first = chosen.machine.zero_offsets.len();
+    let mut found: BTreeMap<usize, (String, AxisVector)> = BTreeMap::new();
+    for element in elements.take(MOST_ELEMENTS).flatten() {
+        if let Kind::Setup(setup) = &element.kind
+            && let Some(written) = &setup.written_zero
+        {
+            let index = usize::from(written.index).saturating_sub(first);
+            found.entry(index).or_insert_with(|| (written.name.clone(), written.shift));
+        }
+    }
+    // A value that was replaced before any motion has an index, but no move counts from it.
+    let count = found.keys().next_back().map_or(0, |last| last + 1);
+    out.written_zeros = (0..count).map(|index| found.remove(&index).unwrap_or_default()).collect();
+    out
 }
 
 /// True if errors are relative to the touched position.
@@ -103,8 +161,8 @@ pub(crate) fn of_run(
     found: &mut Diagnostics,
 ) -> Vec<ZeroReport> {
     let machine = &chosen.machine;
-    let all = machine.zero_offsets.keys().zip(0_u16..).filter(|(_, index)| used.contains(index));
-    let reports = all.map(|(name, index)| {
+    let used = all(chosen).zip(0_u16..).filter(|(_, index)| used.contains(index));
+    let reports = used.map(|((name, _), index)| {
         let datum = machine.datums.get(name).copied().unwrap_or_default();
         let contains_mm = model.touch_mm(index);
         ZeroReport {
@@ -121,9 +179,10 @@ pub(crate) fn of_run(
     for one in reports.iter().filter(is_doubtful).filter(|_| !chosen.is_demo) {
         let name = &one.name;
         let message = format!("{name} counts as touched, because no method is stated; {}", one.contents());
-        let help = format!(
-            "state it: set = \"touched\" or \"absolute\" in [zero_offset.{name}], or --zero {name}=touched or {name}=absolute"
-        );
+        let mut help = format!("state it: set = \"touched\" or \"absolute\" in [zero_offset.{name}]");
+        if machine.zero_offsets.contains_key(name) {
+            help += &format!(", or --zero {name}=touched or {name}=absolute");
+        }
         found.add(Diagnostic::nowhere(Code::ZERO_NOT_STATED, message, help), &[]);
     }
     reports
@@ -133,11 +192,12 @@ pub(crate) fn of_run(
 pub(crate) fn stamped(chosen: &Machine) -> Option<String> {
     let machine = &chosen.machine;
     let stated = |name: &String| machine.datums.get(name).and_then(|datum| datum.setting);
-    let relative = machine.zero_offsets.keys().filter_map(|name| Some((name, stated(name)?)));
+    let names: BTreeSet<&String> = all(chosen).map(|(name, _)| name).collect();
+    let relative = names.into_iter().filter_map(|name| Some((name, stated(name)?)));
     let relative = relative.filter(|(_, setting)| setting.is_relative());
     let mut parts: Vec<String> =
         relative.map(|(name, setting)| format!("{}-{}", name.replace(' ', "_"), setting.name())).collect();
-    if machine.zero_offsets.keys().any(|name| stated(name).is_none()) {
+    if all(chosen).any(|(name, _)| stated(name).is_none()) {
         parts.push(format!("unstated-{}", Datum::default().method().name()));
     }
     (!parts.is_empty()).then(|| parts.join(","))

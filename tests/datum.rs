@@ -181,3 +181,80 @@ fn a_feed_says_that_a_zero_counts_as_touched() {
     let stated = shop.run(feed.iter().chain(&["--zero", "G54=touched"]));
     assert!(!stated.stderr.contains("W0321"), "{}", stated.stderr);
 }
+
+/// The values that a program gives to its zero offset are values of the control: touched, if nothing is stated. At X 100 the tool stands at 100.31, and a
+/// point 400 from there is commanded at 499.960. In the true place it is 500 = c + 0.3 + c/10⁴, that is 499.650.
+#[test]
+fn an_offset_that_the_program_sets_counts_as_touched() {
+    let sinumerik = "N10 G17 G90 G71 G94\nN15 $P_UIFR[1]=CTRANS(X,100,Y,0,Z,0)\nN16 G54\nN20 G0 X10 Y10 Z50\nN30 G1 Z5 F500\nN40 X400\nN50 M30\n";
+    let fanuc =
+        "%\nO1\nG17 G90 G21 G94\nG10 L2 P1 X100. Y0. Z0.\nG54\nG0 X10. Y10. Z50.\nG1 Z5. F500.\nX400.\nM30\n%\n";
+    for (controller, text) in [("sinumerik", sinumerik), ("fanuc", fanuc)] {
+        let machine = format!("{LINEAR}{OFF_AND_LONG}").replace("sinumerik", controller);
+        let mut own = shop(&machine, text);
+        let fix = [
+            "fix",
+            "in.mpf",
+            "-o",
+            "out.mpf",
+            "--machine",
+            "m.toml",
+            "--max-correction",
+            "1mm",
+            "--dialect",
+            controller,
+        ];
+        own.run(fix).exits(0).says("warning[W0321]: G54 counts as touched").says("X 310 µm");
+        near(*words(&own, 'X').last().unwrap(), 399.960);
+        let verified = own
+            .run(["verify", "in.mpf", "out.mpf", "--machine", "m.toml", "--dialect", controller, "--json"])
+            .exits(0)
+            .json();
+        assert_eq!((&verified["zeros"][0]["name"], &verified["zeros"][0]["is_stated"]), (&"G54".into(), &false.into()));
+        assert!(verified["after"]["max_um"].as_f64().unwrap() < 1.5, "{verified}");
+        for (set, wanted) in [("touched", 399.960), ("absolute", 399.650)] {
+            own = own.file("m.toml", format!("{machine}[zero_offset.G54]\nset = \"{set}\"\n"));
+            let run = own.run(fix).exits(0);
+            assert!(!run.stderr.contains("W0321"), "{}", run.stderr);
+            near(*words(&own, 'X').last().unwrap(), wanted);
+        }
+    }
+}
+
+/// A program that sets its offset twice has two touched places: at X 100 the tool stands at 100.31, at X 500 at 500.35.
+#[test]
+fn each_value_that_the_program_sets_has_its_own_place() {
+    let text = "N10 G17 G90 G71 G94\n$P_UIFR[1]=CTRANS(X,100)\nG54\nG0 X10 Y10 Z50\nG1 Z5 F500\nX0\n$P_UIFR[1]=CTRANS(X,500)\nG54\nX0\nX100\nM30\n";
+    let shop = shop(&format!("{LINEAR}{OFF_AND_LONG}"), text);
+    near(last(&shop, 'X', &["--max-correction", "1mm"]), 99.990);
+    let found = words(&shop, 'X');
+    near(found[found.len() - 2], 0.0);
+}
+
+/// b = 0.1 mm: the tool stands 0.05 mm further in X after a positive motion, and 0.05 mm less after a negative one. The cut comes from below. A side touched
+/// from below contains the same half; touched from above it contains the other one, 0.1 mm away; without a direction it is in the middle.
+#[test]
+fn the_direction_of_the_touch_decides_the_half_of_the_backlash() {
+    let machine = format!(
+        "{LINEAR}[[motion]]\ncomponent = \"EXX\"\nkind = \"backlash\"\nvalue_um = 100\n{G54}set = \"touched\"\n"
+    );
+    for (at, wanted) in
+        [("set_at = { X = { X_dir = 1 } }\n", 400.0), ("set_at = { X_dir = -1 }\n", 399.9), ("", 399.95)]
+    {
+        let shop = shop(&format!("{machine}{at}"), &program("X400"));
+        near(last(&shop, 'X', &["--max-correction", "1mm"]), wanted);
+    }
+    let shop = shop(&format!("{machine}set_at = {{ X_dir = 2 }}\n"), &program("X400"));
+    shop.run(["machine", "check", "m.toml"]).exits(4).says("E0404").says("X_dir");
+}
+
+/// Z tilts the tool by 0.1 mrad: a probe of 100 mm stands at −0.01 mm, the bare gauge point of the program at 0.
+#[test]
+fn the_length_of_the_touch_counts() {
+    let tilt = "[[motion]]\ncomponent = \"EBZ\"\nkind = \"polynomial\"\ncoefficients = [1e-4]\n";
+    let shop = shop(&format!("{LINEAR}{tilt}{G54}set = \"touched\"\n"), &program("X400"));
+    near(last(&shop, 'X', &[]), 400.0);
+    near(last(&shop, 'X', &["--zero", "G54=touched@L100"]), 399.990);
+    near(last(&shop, 'X', &["--zero", "G54=touched@X100,Y0,Z100,L100"]), 399.990);
+    shop.run(["in.mpf", "-o", "x.mpf", "--machine", "m.toml", "--zero", "G54=touched@Lx"]).exits(2).says("L100");
+}

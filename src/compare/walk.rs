@@ -64,6 +64,7 @@ impl Pair<'_> {
         if self.at_feed && servo(&self.machine.machine, findings).is_none() {
             return Ok(None);
         }
+        let machine = datum::with_written(self.programs[0], self.machine);
         let open = |program: &Program| {
             let mut own = Diagnostics::default();
             let opened = program.open(Some(self.machine), &mut own);
@@ -76,7 +77,7 @@ impl Pair<'_> {
         findings.absorb(original.1);
         findings.absorb(corrected.1);
         let (Some(original), Some(corrected)) = (original.0?, corrected.0?) else { return Ok(None) };
-        Ok(self.walked([original, corrected], findings, see))
+        Ok(Pair { machine: &machine, ..*self }.walked([original, corrected], findings, see))
     }
 
     fn walked(

@@ -68,7 +68,7 @@ pub struct Correction<'a> {
 
 impl<'a> Correction<'a> {
     pub(crate) fn new(program: &'a Program, machine: &Machine, options: &Options) -> Correction<'a> {
-        let mut machine = machine.clone();
+        let mut machine = datum::with_written(program, machine);
         if let Some(increment_mm) = options.increment_mm {
             machine.machine.control.increment_mm = increment_mm;
         }

@@ -224,6 +224,7 @@ fn read_with(
         condition: Condition::default(),
         state: None,
         is_demo: false,
+        written_zeros: Vec::new(),
         hash,
         files,
     }))

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::link::ControlLink;
 use super::options::FeedOptions;
 use crate::correction::Writing;
+use crate::datum;
 use crate::diagnostics::Diagnostics;
 use crate::disk::files;
 use crate::disk::hash::short_hash;
@@ -50,11 +51,12 @@ impl Transfer {
     /// If the program cannot be written.
     pub(crate) fn new(
         program: Program,
-        mut machine: Machine,
+        machine: Machine,
         (link, sensors_hash): (ControlLink, String),
         (correction, options): (&Options, FeedOptions),
         found: &mut Diagnostics,
     ) -> Result<Option<Transfer>, Error> {
+        let mut machine = datum::with_written(&program, &machine);
         if let Some(increment_mm) = correction.increment_mm {
             machine.machine.control.increment_mm = increment_mm;
         }

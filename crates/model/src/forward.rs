@@ -155,12 +155,13 @@ impl Model {
     }
 
     /// Returns the displacement of the tip that a zero touched with these poses for its sides X, Y and Z contains, in the workpiece frame at the
-    /// pose of each, mm. A side gives the component of its own axis of F. Axes have no direction of motion there.
+    /// pose of each, mm. A side gives the component of its own axis of F. An axis without a stated direction of motion is in the middle of its reversal.
     #[must_use]
     pub fn displacement_at(&self, sides: &[ZeroPose; 3]) -> Vector {
         let mut out = Vector::zeros();
-        for (side, ZeroPose { command, tool_mm }) in sides.iter().enumerate() {
-            let own = Vector::ith(side, self.deviation(command, tool_mm, &State::default()).translation[side]);
+        for (side, ZeroPose { command, tool_mm, direction }) in sides.iter().enumerate() {
+            let state = State { direction: *direction, ..State::default() };
+            let own = Vector::ith(side, self.deviation(command, tool_mm, &state).translation[side]);
             // From the directions of F through the tool frame to those of the workpiece.
             let in_tool = self.tool_orientation(command).transpose() * own;
             out += self.nominal(command, tool_mm).rotation * in_tool;

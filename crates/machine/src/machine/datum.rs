@@ -4,7 +4,7 @@
 //! if only the difference to this error is corrected.
 
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_base::geometry::{Axis, AxisSet, AxisVector, FrameParts};
+use ncfix_base::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector};
 
 use super::section::Section;
 use super::{Machine, ZeroPose};
@@ -56,6 +56,8 @@ pub struct TouchedAt {
     pub command: AxisVector,
     /// Length of the tool or probe, mm; `None` if it is not stated.
     pub tool_length_mm: Option<f64>,
+    /// Direction of the last motion of each axis at the touch: −1, 0 (not stated) or 1.
+    pub direction: [i8; AXIS_COUNT],
 }
 
 /// Statement about a zero offset.
@@ -75,15 +77,15 @@ impl Datum {
     }
 
     /// Returns the pose at which a side (0 for X, 1 for Y, 2 for Z) was touched. Positions that are not stated are those at which the tip is at the
-    /// workpiece zero; a tool that is not stated has no length.
+    /// workpiece zero, which `shift` is; a tool that is not stated has no length.
     #[must_use]
-    pub fn pose(&self, side: usize, zero: &FrameParts, machine: &Machine) -> ZeroPose {
+    pub fn pose(&self, side: usize, shift: &AxisVector, machine: &Machine) -> ZeroPose {
         let at = self.at.get(side).copied().unwrap_or_default();
         let tool_mm = machine.spindle.axis * -at.tool_length_mm.unwrap_or(0.0);
-        let mut command = zero.translation + zero.fine;
+        let mut command = *shift;
         command.set_xyz(command.xyz() - tool_mm);
         at.stated.iter().for_each(|axis| command[axis] = at.command[axis]);
-        ZeroPose { command, tool_mm }
+        ZeroPose { command, tool_mm, direction: at.direction }
     }
 
     /// Reads `set` and `set_at` of a zero offset; `None` if it has neither.
@@ -116,6 +118,10 @@ impl TouchedAt {
     fn read(section: &mut Section<'_>, axes: AxisSet, base: TouchedAt) -> TouchedAt {
         let mut out = base;
         for axis in axes.iter() {
+            let key = format!("{axis}_dir");
+            if let Some(direction) = section.number_where(&key, "1 or -1", |value| value.abs() == 1.0) {
+                out.direction[axis.slot()] = if direction > 0.0 { 1 } else { -1 };
+            }
             let unit = if axis.is_rotary() { "deg" } else { "mm" };
             let Some(value) = section.number(&format!("{axis}_{unit}")) else { continue };
             out.command[axis] = if axis.is_rotary() { value.to_radians() } else { value };

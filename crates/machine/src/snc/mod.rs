@@ -9,11 +9,13 @@ mod feed_unit;
 mod motion_mode;
 mod text;
 mod text_reader;
+mod written_zero;
 
 pub use feed_unit::{FEED_MODES, FeedUnit};
 pub use motion_mode::{MotionMode, Thread, ThreadCode};
 pub use text::{TextWriter, stated_machine};
 pub use text_reader::{TextError, TextReader};
+pub use written_zero::{WrittenZero, WrittenZeros};
 
 use std::sync;
 
@@ -268,8 +270,10 @@ pub struct Setup {
     pub transform: Option<Turning>,
     /// True if frame or tool had no value and zero was assumed. The diagnostic is not repeated, but the correction must not use such a setup.
     pub assumed: bool,
-    /// Index of the zero offset in force among those of the machine; `None` without one, or if the program sets its value itself.
+    /// Index of the zero offset in force: among those of the machine, or after them for a value that the program has set. `None` without one.
     pub zero: Option<u16>,
+    /// The zero offset in force, if the program has set its value.
+    pub written_zero: Option<sync::Arc<WrittenZero>>,
 }
 
 impl Setup {
@@ -299,6 +303,7 @@ impl Default for Setup {
             transform: None,
             assumed: false,
             zero: None,
+            written_zero: None,
         }
     }
 }

@@ -111,7 +111,7 @@ pub fn predict(
         for sign in [1.0, -1.0] {
             let both = [0, 1].map(|which: usize| {
                 let sum = &sums[which.min(sides.len() - 1)];
-                figures(own[which].iter().zip(sum).map(|(own, by)| own + by * sign))
+                figures(places, own[which].iter().zip(sum).map(|(own, by)| own + by * sign))
             });
             better += usize::from(both[1][1] <= both[0][1] && both[1][2] <= both[0][2]);
             for (lists, figures) in all.iter_mut().zip(both) {
@@ -119,7 +119,7 @@ pub fn predict(
             }
         }
     }
-    let of_model = figures(own[0].iter().copied());
+    let of_model = figures(places, own[0].iter().copied());
     let [mut before, after] = all.map(|lists| lists.map(ends));
     before.iter_mut().zip(of_model).for_each(|(ends, figure)| ends[0] = lowered(*ends, figure));
     let [before, after] = [before, after].map(|[mean_mm, rms_mm, max_mm, x, y, z]| ErrorInterval {
@@ -131,16 +131,18 @@ pub fn predict(
     Some(PredictedInterval { before, after, better: better as f64 / (2 * PAIRS) as f64 })
 }
 
-/// Mean, root mean square and maximum of the distances, and the maximum of each direction, mm.
-fn figures(errors: impl Iterator<Item = Vector>) -> ErrorFigures {
+/// Mean and root mean square of the distances at evenly spread places, their maximum at all, and the maximum of each direction, mm.
+fn figures(places: &[ErrorPlace], errors: impl Iterator<Item = Vector>) -> ErrorFigures {
     let mut out = [0.0; 6];
     let mut count = 0.0;
-    for error in errors {
+    for (place, error) in places.iter().zip(errors) {
         let square = error.norm_squared();
         let size = square.sqrt();
-        count += 1.0;
-        out[0] += size;
-        out[1] += square;
+        if place.is_even {
+            count += 1.0;
+            out[0] += size;
+            out[1] += square;
+        }
         out[2] = f64::max(out[2], size);
         for (largest, part) in out[3..].iter_mut().zip(error.iter()) {
             *largest = f64::max(*largest, part.abs());
@@ -189,7 +191,8 @@ mod tests {
             nominal[Axis::X] = f64::from(10 * k);
             let mut command = nominal;
             command[Axis::X] -= scale * nominal[Axis::X];
-            ErrorPlace { nominal, command, states: [State::default(); 2], tool_mm: Vector::zeros(), zero: None }
+            let states = [State::default(); 2];
+            ErrorPlace { nominal, command, states, tool_mm: Vector::zeros(), zero: None, is_even: true }
         };
         (1..=40).map(of).collect()
     }

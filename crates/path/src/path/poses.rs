@@ -31,6 +31,8 @@ pub struct ErrorPlace {
     pub tool_mm: Vector,
     /// The zero offset in force, by its index.
     pub zero: Option<u16>,
+    /// `true` if it counts in means. A place that was chosen for its large error counts only in maxima.
+    pub is_even: bool,
 }
 
 /// Poses of a program.

@@ -67,7 +67,7 @@ pub struct Prediction {
 }
 
 /// Maximum number of places of each kind of moves.
-const MOST_PLACES: usize = 64;
+const MOST_PLACES: usize = 192;
 
 /// Places of samples: some of each part of the program, and those of the largest errors before and after.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -150,7 +150,7 @@ impl Prediction {
     #[must_use]
     pub fn places(&self) -> Vec<ErrorPlace> {
         let own = &self.places[usize::from(self.feed.before.samples == 0)];
-        let largest = own.largest.iter().flatten().map(|(_, place)| *place);
+        let largest = own.largest.iter().flatten().map(|(_, place)| ErrorPlace { is_even: false, ..*place });
         own.spread.kept().iter().copied().chain(largest).collect()
     }
 

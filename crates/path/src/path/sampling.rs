@@ -219,6 +219,7 @@ impl SampledPiece<'_> {
             ],
             tool_mm: *self.emitted.tool_mm,
             zero: self.zero,
+            is_even: true,
         }
     }
 }

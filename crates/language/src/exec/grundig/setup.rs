@@ -29,7 +29,7 @@ pub(super) fn refresh_setup(channel: &mut Channel<'_>) -> Result<(), Fault> {
     let assumed = frames.assumed || tool.assumed;
     let plane = channel.modal.modes.plane;
     let zero = frames.settable.as_deref().and_then(|name| channel.settings.machine.zero_index(name));
-    let setup = Setup { frame, tool_mm, plane, transform: None, assumed, zero };
+    let setup = Setup { frame, tool_mm, plane, transform: None, assumed, zero, written_zero: None };
     let lost = lengthened(&channel.standing.setup, &setup);
     if !lost.is_empty() {
         // The length in the control may differ: no move may rely on the tip position for this length.

@@ -23,7 +23,7 @@ use ncfix_base::geometry::{AxisSet, AxisVector, FrameParts, Vector};
 use ncfix_base::source::Span;
 use ncfix_dialect::{Dialect, Language};
 use ncfix_machine::machine::{Machine, Tool};
-use ncfix_machine::snc::{BlockNumber, Kind, Origin, Word};
+use ncfix_machine::snc::{BlockNumber, Kind, Origin, Word, WrittenZeros};
 
 /// State and output of the channel.
 pub(super) struct Channel<'a> {
@@ -57,6 +57,8 @@ pub(super) struct Channel<'a> {
 pub(super) struct WrittenData {
     /// Zero offsets set by the program.
     pub(super) offsets: BTreeMap<System, FrameParts>,
+    /// Their values that were used.
+    pub(super) zeros: WrittenZeros,
     /// Tool offsets set by the program.
     pub(super) tools: ToolTable<ToolOffset>,
     /// The intermediate point of the last G28 or G30.

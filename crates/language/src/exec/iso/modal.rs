@@ -1,5 +1,7 @@
 //! Modal state, which stays active from block to block: modal codes, offsets, tool, position.
 
+use std::sync::Arc;
+
 use super::codes::{G80, Group};
 use super::frames::Transforms;
 use super::zero_offset::System;
@@ -10,7 +12,7 @@ use crate::exec::core::tool::ToolState;
 use ncfix_base::geometry::{AxisSet, AxisVector, Frame, Vector};
 use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
-use ncfix_machine::snc::{Setup, Turning};
+use ncfix_machine::snc::{Setup, Turning, WrittenZero};
 
 /// Modal state of the channel.
 #[derive(Clone, Debug)]
@@ -35,6 +37,8 @@ pub(super) struct Modal {
     pub(super) settable: Frame,
     /// Index of the settable zero offset among those of the machine.
     pub(super) zero: Option<u16>,
+    /// The zero offset, if the program has set its value.
+    pub(super) written_zero: Option<Arc<WrittenZero>>,
     /// `true` if the zero offset has no value in the machine file.
     pub(super) offset_assumed: bool,
     /// G92; on RS274/NGC including G52.
@@ -80,6 +84,7 @@ impl Modal {
             system: machine.control.initial_zero_offset.as_deref().and_then(System::of_name).unwrap_or(System::FIRST),
             settable: Frame::identity(),
             zero: None,
+            written_zero: None,
             offset_assumed: false,
             shift: AxisVector::ZERO,
             stored_shift: AxisVector::ZERO,
@@ -144,6 +149,7 @@ impl Modal {
             transform: self.turning,
             assumed: self.offset_assumed || self.tool.assumed,
             zero: self.zero,
+            written_zero: self.written_zero.clone(),
         }
     }
 

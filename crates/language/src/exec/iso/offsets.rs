@@ -35,8 +35,13 @@ pub(super) fn load_offset(channel: &mut Channel<'_>, span: Span) -> Result<(), F
         return Err(fault(Code::NOT_COMPUTABLE, span, message, "check its factors"));
     };
     channel.modal.settable = external.compose(&own);
-    let is_own = channel.written.offsets.contains_key(&system);
-    channel.modal.zero = if is_own { None } else { channel.settings.machine.zero_index(&system.words()) };
+    let (machine, name) = (channel.settings.machine, system.words());
+    let own = channel.written.offsets.get(&system);
+    channel.modal.written_zero = own.and_then(|own| channel.written.zeros.entry(machine, &name, own));
+    channel.modal.zero = match (own, &channel.modal.written_zero) {
+        (None, _) => machine.zero_index(&name),
+        (Some(_), written) => written.as_ref().map(|written| written.index),
+    };
     setup::refresh_setup(channel);
     Ok(())
 }

@@ -7,7 +7,7 @@ use ncfix_base::geometry::about;
 use ncfix_base::geometry::by_solid_angles;
 use ncfix_machine::machine::Control;
 use ncfix_machine::snc::FrameKind;
-use ncfix_machine::snc::FrameStatement;
+use ncfix_machine::snc::{FrameStatement, WrittenZeros};
 use std::collections::BTreeMap;
 
 use crate::exec::core::fault::{Fault, fault};
@@ -24,6 +24,8 @@ pub(super) const BASES: i64 = 16;
 pub(super) struct FrameStore {
     /// By number: 0 for G500, 1 for G54, 5 for G505.
     pub(super) settable: BTreeMap<i64, FrameParts>,
+    /// Values of written settable frames that were used.
+    pub(super) zeros: WrittenZeros,
     /// Base frames in the data of the control; they take effect at the next selection of a settable frame.
     pub(super) stored_base: BTreeMap<i64, FrameParts>,
     /// Active base frames: those of the control, then those of the channel from number 16 on.
@@ -77,7 +79,7 @@ impl FrameStore {
     /// The base frames of the control at the start of a program.
     pub(super) fn new(machine: &Machine) -> FrameStore {
         let bases = &machine.base_frames;
-        FrameStore { settable: BTreeMap::new(), stored_base: bases.clone(), active_base: bases.clone() }
+        FrameStore { stored_base: bases.clone(), active_base: bases.clone(), ..FrameStore::default() }
     }
 
     /// Settable frames that were written, by number.

@@ -48,8 +48,12 @@ pub(super) fn offset(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(
             "check its factors",
         ));
     };
-    let is_own = settable_number(name).is_some_and(|number| channel.system.frames.settable.contains_key(&number));
-    channel.modal.zero = if is_own { None } else { channel.settings.machine.zero_index(name) };
+    let own = settable_number(name).and_then(|number| frames.settable.get(&number));
+    channel.modal.written_zero = own.and_then(|own| frames.zeros.entry(channel.settings.machine, name, own));
+    channel.modal.zero = match (own, &channel.modal.written_zero) {
+        (None, _) => channel.settings.machine.zero_index(name),
+        (Some(_), written) => written.as_ref().map(|written| written.index),
+    };
     channel.modal.settable = settable;
     channel.modal.base = base;
     channel.modal.offset_assumed = missing;

@@ -1,5 +1,7 @@
 //! Modal state, which stays active from block to block: modal codes, frames, tool, position.
 
+use std::sync::Arc;
+
 use super::curve::End;
 use super::five_axis::Transform;
 use super::pole::Polar;
@@ -14,7 +16,7 @@ use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame, Plane, Vector};
 use ncfix_base::source::Span;
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::FrameStatement;
-use ncfix_machine::snc::{FeedUnit, Setup, ThreadCode, WordValue};
+use ncfix_machine::snc::{FeedUnit, Setup, ThreadCode, WordValue, WrittenZero};
 
 /// The active motion mode: G group 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,6 +101,8 @@ pub(super) struct Modal {
     pub(super) settable: Frame,
     /// Index of the settable zero offset among those of the machine.
     pub(super) zero: Option<u16>,
+    /// The zero offset, if the program has set its value.
+    pub(super) written_zero: Option<Arc<WrittenZero>>,
     /// TRANS, ROT, SCALE, MIRROR and their additive variants.
     pub(super) programmable: Frame,
     /// Plane of CYCLE800, below the programmable frame.
@@ -147,6 +151,7 @@ impl Modal {
             base: Frame::identity(),
             settable: Frame::identity(),
             zero: None,
+            written_zero: None,
             programmable: Frame::identity(),
             swivelled: None,
             fine: AxisVector::ZERO,
@@ -197,6 +202,7 @@ impl Modal {
             transform: self.transform.turning(),
             assumed: self.offset_assumed || self.tool.assumed,
             zero: self.zero,
+            written_zero: self.written_zero.clone(),
         }
     }
 

@@ -78,7 +78,7 @@ pub(super) fn send(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -
 /// The setup of a block with a word that suppresses frames: G53 keeps the base frame.
 pub(super) fn suppressed(modal: &Modal, standing: &InForce, word: &str) -> Setup {
     let frame = if word == "G53" { modal.base } else { Frame::identity() };
-    Setup { frame, zero: None, ..(*standing.setup).clone() }
+    Setup { frame, zero: None, written_zero: None, ..(*standing.setup).clone() }
 }
 
 /// Rejects state that is incompatible with a swivelled plane.

@@ -20,7 +20,7 @@
 use super::{Condition, Load, ZeroPose};
 use crate::machine::file::{MachineFile, Section};
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_base::geometry::{AXES, AxisVector, Vector};
+use ncfix_base::geometry::{AXES, AXIS_COUNT, AxisVector, Vector};
 use ncfix_base::source::Source;
 
 /// Plausible range of sensor temperatures, °C: a value outside is faulty or in another unit.
@@ -84,7 +84,7 @@ fn read_temperatures(mut section: Section<'_>, condition: &mut Condition, findin
 
 /// Reads `X_mm = 100`, `C_deg = 30`, `tool_mm = [0, 0, -120]`; missing keys are 0.
 fn read_pose(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> ZeroPose {
-    let mut pose = ZeroPose { command: AxisVector::ZERO, tool_mm: Vector::zeros() };
+    let mut pose = ZeroPose { command: AxisVector::ZERO, tool_mm: Vector::zeros(), direction: [0; AXIS_COUNT] };
     for axis in AXES {
         let key = format!("{axis}_{}", if axis.is_rotary() { "deg" } else { "mm" });
         let value = section.number(&key).unwrap_or(0.0);

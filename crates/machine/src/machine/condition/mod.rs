@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use ncfix_base::geometry::{AxisVector, Vector};
+use ncfix_base::geometry::{AXIS_COUNT, AxisVector, Vector};
 
 /// Largest plausible weight of a workpiece, N: 1000 t. A greater value is in another unit.
 pub const MOST_FORCE_N: f64 = 1e7;
@@ -181,6 +181,8 @@ pub struct ZeroPose {
     pub command: AxisVector,
     /// From the spindle gauge point to the tip, in F at the zero pose, mm.
     pub tool_mm: Vector,
+    /// Direction of the last motion of each axis: −1, 0 (not known) or 1.
+    pub direction: [i8; AXIS_COUNT],
 }
 
 impl Condition {
