@@ -4,9 +4,7 @@ use std::sync::Arc;
 
 use ncfix_base::geometry::{AxisVector, FrameParts};
 
-use crate::machine::Machine;
-
-/// Maximum number of values that are told apart.
+/// Maximum number of values with an index.
 const MOST: usize = 1000;
 
 /// Value of a zero offset that a program sets itself.
@@ -25,13 +23,13 @@ pub struct WrittenZero {
 pub struct WrittenZeros(Vec<Arc<WrittenZero>>);
 
 impl WrittenZeros {
-    /// Returns the entry for a value, a new one at its first use; `None` after a thousand values.
-    pub fn entry(&mut self, machine: &Machine, name: &str, parts: &FrameParts) -> Option<Arc<WrittenZero>> {
+    /// Returns the entry for a value, a new one at its first use; `None` after a thousand values. `first` is the number of zero offsets of the machine.
+    pub fn entry(&mut self, first: usize, name: &str, parts: &FrameParts) -> Option<Arc<WrittenZero>> {
         let shift = parts.shift();
         if let Some(known) = self.0.iter().find(|known| known.name == name && known.shift == shift) {
             return Some(Arc::clone(known));
         }
-        let index = u16::try_from(machine.zero_offsets.len() + self.0.len()).ok().filter(|_| self.0.len() < MOST)?;
+        let index = u16::try_from(first + self.0.len()).ok().filter(|_| self.0.len() < MOST)?;
         let new = Arc::new(WrittenZero { index, name: name.to_owned(), shift });
         self.0.push(Arc::clone(&new));
         Some(new)

@@ -49,7 +49,8 @@ pub(super) fn offset(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(
         ));
     };
     let own = settable_number(name).and_then(|number| frames.settable.get(&number));
-    channel.modal.written_zero = own.and_then(|own| frames.zeros.entry(channel.settings.machine, name, own));
+    let first = channel.settings.machine.zero_offsets.len();
+    channel.modal.written_zero = own.and_then(|own| frames.zeros.entry(first, name, own));
     channel.modal.zero = match (own, &channel.modal.written_zero) {
         (None, _) => channel.settings.machine.zero_index(name),
         (Some(_), written) => written.as_ref().map(|written| written.index),

@@ -175,7 +175,7 @@ fn assign_frame(
         FrameName::ActiveSettable => {
             channel.modal.settable = frame;
             let name = channel.modal.stated.offset().to_owned();
-            channel.modal.written_zero = frames.zeros.entry(channel.settings.machine, &name, &parts);
+            channel.modal.written_zero = frames.zeros.entry(channel.settings.machine.zero_offsets.len(), &name, &parts);
             channel.modal.zero = channel.modal.written_zero.as_ref().map(|written| written.index);
             channel.modal.offset_assumed = false;
             "$P_IFRAME".to_owned()
