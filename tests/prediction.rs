@@ -604,7 +604,9 @@ fn the_true_error_lies_in_the_predicted_interval_in_95_of_100_cases() {
     let seed = std::env::var("NCFIX_SEED").ok().and_then(|text| text.parse().ok()).unwrap_or(0x1234_5678_9abc);
     let found = counted(1000, seed);
     let share = found.hits.map(|hits| hits as f64 / found.judged as f64);
-    assert!(share.iter().all(|share| (0.93..=0.97).contains(share)), "{share:?}");
+    // The lower ends before the correction also cover the scatter that the model contains, so more of them hit.
+    assert!(share.iter().all(|share| *share >= 0.93), "{share:?}");
+    assert!(share[2..].iter().all(|share| *share <= 0.97), "{share:?}");
 }
 
 #[test]
