@@ -14,6 +14,8 @@ pub(crate) fn of_run(machine: &Machine, extent: &PathExtent, is_required: bool) 
     let coverage = of_ranges(machine, &used);
     let mut found = coverage.diagnostics(is_required);
     found.extend(extent.unknown().map(|(origin, axes)| unknown_cut(origin, axes, is_required)));
+    let rotary = machine.machine.axis_set().iter().filter(|axis| axis.is_rotary()).collect();
+    found.extend(extent.unstated(rotary).map(|(origin, axes)| unstated_axes(origin, axes, is_required)));
     (CoverageReport::from(&coverage), found)
 }
 
@@ -29,6 +31,19 @@ fn unknown_cut(origin: Origin, axes: AxisSet, is_required: bool) -> Diagnostic {
         "program {names} before this cut; for the beginning of a program, --start gives the position; \
          a program of the control that moves no axis is named by [[opaque]] with moves = false"
     );
+    Diagnostic::at(code, place, message, help)
+}
+
+/// A cut with rotary axes that nothing has positioned: the correction is right only if they are at 0.
+fn unstated_axes(origin: Origin, axes: AxisSet, is_required: bool) -> Diagnostic {
+    let code = if is_required { Code::NOT_COVERED } else { Code::ROTARY_ASSUMED };
+    let names: Vec<String> = axes.iter().map(|axis| axis.to_string()).collect();
+    let zeros: Vec<String> = names.iter().map(|name| format!("{name}0")).collect();
+    let (names, zeros) = (names.join(" and "), zeros.join(","));
+    let place = Place { file: origin.file, span: origin.span };
+    let message = format!("the tool cuts here, and the position of {names} is not stated; the correction is for 0°");
+    let help =
+        format!("program {names} before this cut, or state the position at the beginning: --start X0,Y0,Z0,{zeros}");
     Diagnostic::at(code, place, message, help)
 }
 

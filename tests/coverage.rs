@@ -172,6 +172,10 @@ fn an_axis_without_a_stated_range_is_named() {
     let shop = shop(own, &program(300.0, 20.0, 90.0));
     let run = fix(&shop, "").exits(0);
     run.says("warning[W0319]").says("Y moves, and [measured] does not state in which range it was measured");
+    // A table of another component of Y says nothing of the polynomial EYY.
+    let table = "[[motion]]\ncomponent = \"EXY\"\nkind = \"table\"\npositions_mm = [0, 500]\nvalues_um = [0, 4]\n";
+    let shop = self::shop(&format!("{table}{own}"), &program(300.0, 20.0, 90.0));
+    fix(&shop, "").exits(0).says("Y moves, and [measured] does not state in which range it was measured");
 }
 
 #[test]
@@ -369,4 +373,20 @@ fn a_cut_at_an_unknown_position_is_named() {
     let still = format!("{MEASURED}[[opaque]]\nname = \"L6\"\nmoves = false\n");
     assert!(!fix(&shop(&still, calls), "").stderr.contains("W0322"));
     assert!(!fix(&shop(MEASURED, begins), "--start X0,Y0,Z0").stderr.contains("W0322"));
+}
+
+/// Programs for three axes on a machine with rotary axes: nothing says that the table is at 0°.
+#[test]
+fn rotary_axes_that_nothing_positions_are_named() {
+    let text = "G90 G71 G0 X100 Y50 Z100\nG1 X120 F500\nG0 Z700\nM30\n";
+    let shop = shop(MEASURED, text);
+    fix(&shop, "--require-coverage").says("error[E0322]").says("part.mpf:2:1");
+    fix(&shop, "--review r.html")
+        .exits(0)
+        .says("warning[W0324]: the tool cuts here, and the position of A and C is not stated; the correction is for 0°\n --> part.mpf:2:1")
+        .says("verdict      check it before it runs");
+    // The advice is followed.
+    assert!(!fix(&shop, "--start X0,Y0,Z0,A0,C0").stderr.contains("W0324"));
+    let stated = text.replacen("Z100", "Z100 A0 C0", 1);
+    assert!(!fix(&self::shop(MEASURED, &stated), "").stderr.contains("W0324"));
 }

@@ -679,6 +679,10 @@ See docs/how-to/set-the-zero.md.";
 "The program has a feed move while the position of a linear axis is not known. Either no earlier block states it, or a program that the
 control runs itself has moved the axes. The errors of the machine depend on this position, so the correction there is incomplete, and
 the predicted errors do not count the move. Program the axes before the cut, or give the position at the beginning with --start.";
+    ROTARY_ASSUMED = "W0324" "rotary axes assumed at 0°"
+"The program has a feed move, and neither an earlier block nor --start states the position of a rotary axis of the machine. ncfix takes
+it to be at 0°, as programs for three axes expect. If the axis is elsewhere, the workpiece is turned, and the correction acts in wrong
+directions. Program the axis before the cut, or state its position with --start.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be detected.";
     TWO_DRIFTS = "W0402" "two models of the drift"

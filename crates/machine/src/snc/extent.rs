@@ -24,6 +24,8 @@ pub struct PathExtent {
     zeros: BTreeSet<u16>,
     /// First feed move that ends at an unknown position, and its axes.
     unknown: Option<(Origin, AxisSet)>,
+    /// First feed move at which the position of axes other than X, Y and Z is not known, and these axes, whether a machine has them or not.
+    unstated: Option<(Origin, AxisSet)>,
 }
 
 /// Positions and tools of one kind of moves.
@@ -101,6 +103,7 @@ impl Default for PathExtent {
             zero: None,
             zeros: BTreeSet::new(),
             unknown: None,
+            unstated: None,
         }
     }
 }
@@ -129,6 +132,10 @@ impl PathExtent {
         if is_feed && self.unknown.is_none() && unknown != AxisSet::EMPTY {
             self.unknown = Some((origin, unknown));
         }
+        let unstated = AxisSet::ALL.difference(AxisSet::XYZ).difference(motion.known);
+        if is_feed && self.unstated.is_none() && unstated != AxisSet::EMPTY {
+            self.unstated = Some((origin, unstated));
+        }
         self.zeros.extend(self.zero);
         self.last = motion.target;
         self.known = motion.known;
@@ -139,6 +146,14 @@ impl PathExtent {
     #[must_use]
     pub fn unknown(&self) -> Option<(Origin, AxisSet)> {
         self.unknown
+    }
+
+    /// Returns the first feed move at which the position of some of these axes is not known, and these axes. They are taken to be at 0.
+    #[must_use]
+    pub fn unstated(&self, among: AxisSet) -> Option<(Origin, AxisSet)> {
+        let (origin, axes) = self.unstated?;
+        let own = axes.intersection(among);
+        (own != AxisSet::EMPTY).then_some((origin, own))
     }
 
     /// Returns the indices of the zero offsets in which axes moved.

@@ -224,7 +224,13 @@ impl<'a> Survey<'a> {
                     ..gap(GapKind::Position)
                 }));
             }
-            if tables.is_empty() && !stays && self.machine.measured.is_some() {
+            // The positions of one table are not the range in which other errors of the axis were measured.
+            let is_in_tables = |error: &super::MotionError| {
+                error.name.axis() != Some(axis)
+                    || matches!(error.function, EntryFunction::Table(_) | EntryFunction::Grid(_))
+            };
+            let is_ranged = !tables.is_empty() && self.errors.motion.iter().all(is_in_tables);
+            if !is_ranged && !stays && self.machine.measured.is_some() {
                 gaps.push(gap(GapKind::RangeNotStated));
             }
         }
