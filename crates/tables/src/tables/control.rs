@@ -8,6 +8,11 @@ use ncfix_model::motion::{EntryFunction, MotionError, table};
 use ncfix_model::name::DIRECTIONS;
 use ncfix_model::{ErrorModel, ErrorName, Model, Solve};
 
+/// Points of several tables that are nearer than this are one point: files round positions, and an error of 1 µm/mm changes by 1 nm over 1 µm.
+const NEAR_MM: f64 = 1e-3;
+/// Same distance of a rotary axis: 1 µm at an arm of 1 m.
+const NEAR_RAD: f64 = 1e-6;
+
 /// A control with its tables, ready for evaluation.
 #[derive(Clone, Debug)]
 pub struct Control {
@@ -94,7 +99,8 @@ impl ActiveCompensation for Control {
             knots.iter_mut().for_each(|knot| *knot = knot.to_radians());
         }
         knots.sort_by(f64::total_cmp);
-        knots.dedup();
+        let near = if axis.is_rotary() { NEAR_RAD } else { NEAR_MM };
+        knots.dedup_by(|next, last| *next - *last < near);
         knots
     }
 
