@@ -343,12 +343,12 @@ fn every_limit_of_programs_is_met_with_its_finding() {
     assert_eq!(
         others,
         [
-            "bytes of a file that people write",
-            "bytes of a program, a table, an archive",
-            "bytes of a stream",
             "coefficient of an error function",
             "ends of a travel",
             "shortest travel",
+            "size of a hand-written file, bytes",
+            "size of a program, a table, an archive, bytes",
+            "size of a stream, bytes",
             "smallest sampling distance for the curvature of an error, linear",
         ]
     );

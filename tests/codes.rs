@@ -13,7 +13,8 @@ use crate::support::repository;
 /// What docs/reference/codes.md must say.
 fn page() -> String {
     let mut text = String::from(
-        "# Codes\n\nThese are the codes of each dialect. This page is made from the tables in [`grammars`](../../grammars/) that the program itself reads. \
+        "# G and M codes\n\nThese are the codes of each dialect, with other words. `ncfix explain E0203` explains a diagnostic. \
+         This page is made from the tables in [`grammars`](../../grammars/) that the program itself reads. \
          *execute* codes\nare executed, so only positions remain of them. *keep* codes change no position and are passed on in their \
          place. *display*\ncodes concern the screen and are omitted. *refuse* codes are known and refused, because they change positions or \
          feeds in a way\nthat is not executed. The effects of the other words (`motion`, `frame` …) name what is executed. `axes` are all \
