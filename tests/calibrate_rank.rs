@@ -87,7 +87,7 @@ fn an_axis_that_never_turned_is_named() {
         fit(&bench.machine, &ErrorModel::default(), &bench.parameters, &bench.data, FitOptions { robust: true });
     let Some(FitError::NotIdentified(lost)) = fault.err() else { panic!("told") };
     assert_eq!(lost.confused.iter().map(|one| one.sentence.clone()).collect::<Vec<_>>(), bench.lost());
-    assert_eq!(lost.confused[0].remedy, "index C to at least 1 more angle, or leave it out");
+    assert_eq!(lost.confused[0].remedy, "index C to at least 1 more angle, or leave it out of the model");
 }
 
 /// Ball-bar circles: in one sense backlash is still told (each axis goes both ways); where no axis ever turns round it is not. All gains

@@ -141,13 +141,13 @@ fn what_cannot_be_told_is_said_in_few_sentences() {
     );
     has(
         "EXY1, EXY2 and EXY3 are not separable from the zero of the instrument; Y was at 1 position; at least 4 are needed",
-        "measure at 4 or more positions of Y, or leave them out",
+        "measure at 4 or more positions of Y, or leave them out of the model",
     );
     has(
         "EYX1 and EYX2 have no effect on the measurements",
-        "measure where they would have an effect, or leave them out",
+        "measure where they would have an effect, or leave them out of the model",
     );
-    has("EXX0 is not separable from zero of EXX", "leave it out: constant parts belong to the set-up");
+    has("EXX0 is not separable from zero of EXX", "leave it out of the model: constant parts belong to the set-up");
     assert_eq!(found.leave_out.len(), 15 - 3, "EXX1, EXX2 and EXX3 can be told");
     // Truncated powers where the axis never was are named by the first and the last.
     let mut bench = circles(24, &[1.0, -1.0]);
@@ -159,5 +159,5 @@ fn what_cannot_be_told_is_said_in_few_sentences() {
         found.confused[0].sentence,
         "EXX2@300 … EXX2@950 have no effect on the measurements; X did not move that far"
     );
-    assert_eq!(found.confused[0].remedy, "measure further along X, or leave them out");
+    assert_eq!(found.confused[0].remedy, "measure further along X, or leave them out of the model");
 }

@@ -1,4 +1,4 @@
-//! What another crate adds to the registers: a source of error, a kind of motion error, a cause and an instrument, by public names alone.
+//! What another crate adds to the registries: an error source, a kind of motion error, a cause and an instrument, by public names alone.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -283,7 +283,7 @@ fn a_name_or_a_section_of_another_is_refused() {
     let refused = |sources: Sources| sources.try_with(Beams).err().map(|refused| refused.0);
     assert_eq!(refused(Sources::default()), None);
     let twice = Sources::default().with(Beams);
-    assert_eq!(refused(twice).unwrap(), "a source of error \"beam\" already exists");
+    assert_eq!(refused(twice).unwrap(), "the error source \"beam\" already exists");
     struct Greedy;
     impl ErrorSource for Greedy {
         fn info(&self) -> &'static SourceInfo {
@@ -293,7 +293,7 @@ fn a_name_or_a_section_of_another_is_refused() {
         fn read(&self, _: &mut MachineFileReading<'_, '_>, _: &mut ErrorModel) {}
     }
     let refused = Sources::default().try_with(Greedy).unwrap_err();
-    assert_eq!(refused.0, "source of error \"greedy\": the section axis of the machine file belongs to another source");
+    assert_eq!(refused.0, "error source \"greedy\": the section axis of the machine file belongs to another source");
 }
 
 static SAGS: Cause = Cause {

@@ -239,7 +239,7 @@ fn what_is_wrong_with_the_file_is_said_at_its_place() {
     assert_eq!(read("").unwrap_err().len(), 2);
     let head = "[source.a]\nkind = \"file\"\npath = \"x\"\n";
     for (text, expected) in [
-        ("[source.a]\nkind = \"fiel\"\n[channel.T]\nsource = \"a\"\n", "E0404:2: there is no kind 'fiel'"),
+        ("[source.a]\nkind = \"fiel\"\n[channel.T]\nsource = \"a\"\n", "E0404:2: unknown kind \"fiel\""),
         ("[source.a]\npath = \"x\"\n[channel.T]\nsource = \"a\"\n", "E0403:1: [source.a] has no kind"),
         ("[source.a]\nkind = \"file\"\n[channel.T]\nsource = \"a\"\n", "E0403:1: [source.a] has no path"),
         (&format!("{head}[channel.T]\nsource = \"b\"\n"), "E0404:1: no channel uses [source.a]"),

@@ -1,4 +1,4 @@
-//! Every source of error in the register: its example is read, contributes, follows its parameters, and does not care how an axis counts.
+//! Every error source in the registry: its example is read, contributes, follows its parameters, and does not care how an axis counts.
 
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
 use ncfix_base::source::{FileId, Source};

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 /// Entry type of a registry: implemented for the trait object or the type of an entry.
 pub trait Registered {
-    /// Name of an entry in messages: `source of error`.
+    /// Name of an entry in messages: `error source`.
     const KIND: &'static str;
 
     /// Returns the name by which it is found; no other entry has it.
@@ -64,10 +64,10 @@ impl<T: ?Sized + Registered> Register<T> {
     pub fn try_with(mut self, entry: impl Into<Box<T>>) -> Result<Register<T>, Refused> {
         let entry = entry.into();
         if entry.name().is_empty() {
-            return Err(Refused(format!("a {} has no name", T::KIND)));
+            return Err(Refused(format!("the name of the {} is empty", T::KIND)));
         }
         if self.find(entry.name()).is_some() {
-            return Err(Refused(format!("a {} \"{}\" already exists", T::KIND, entry.name())));
+            return Err(Refused(format!("the {} \"{}\" already exists", T::KIND, entry.name())));
         }
         if let Some(why) = self.iter().find_map(|known| known.conflict(&entry)) {
             return Err(Refused(format!("{} \"{}\": {why}", T::KIND, entry.name())));
@@ -167,9 +167,9 @@ mod tests {
     #[test]
     fn a_second_of_the_same_name_is_refused() {
         let add = |name| Register::<dyn Tool>::default().try_with(Named(name)).err().map(|refused| refused.0);
-        assert_eq!(add("saw").as_deref(), Some("a tool \"saw\" already exists"));
+        assert_eq!(add("saw").as_deref(), Some("the tool \"saw\" already exists"));
         assert_eq!(add("axe").as_deref(), Some("tool \"axe\": a saw is there"));
-        assert_eq!(add("").as_deref(), Some("a tool has no name"));
+        assert_eq!(add("").as_deref(), Some("the name of the tool is empty"));
         assert_eq!(add("plane"), None);
     }
 }

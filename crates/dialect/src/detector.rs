@@ -42,7 +42,7 @@ impl Detector {
 }
 
 impl Registered for Detector {
-    const KIND: &'static str = "detector of a dialect";
+    const KIND: &'static str = "dialect detector";
 
     fn name(&self) -> &str {
         &self.name

@@ -53,7 +53,7 @@ pub fn load_with(source: &Source, registers: &ModelRegisters) -> (Option<(Machin
             Some(near) => format!("did you mean `{near}`?"),
             None => "remove it, or correct its name".into(),
         };
-        let message = format!("no source of error uses the sensor {}", unused.join(", "));
+        let message = format!("no error source uses the sensor {}", unused.join(", "));
         root.report(Code::UNUSED_SENSOR, root.place_of_key("sensor"), message, help);
     }
     if root.has("segment") && root.has("drift") {

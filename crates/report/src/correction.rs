@@ -110,10 +110,7 @@ impl CorrectionReport {
                 0 => String::new(),
                 count => format!(", {} of them still above the limit", grouped(count)),
             };
-            row(
-                "contouring",
-                &format!("up to {before} before, {after} after; at most {} asked", micrometers(limit.limit_um)),
-            );
+            row("contouring", &format!("up to {before} before, {after} after; limit {}", micrometers(limit.limit_um)));
             row("slowed", &format!("{}{exceeding}", counted(limit.slowed, "block")));
             row(
                 "on machine",

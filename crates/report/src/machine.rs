@@ -74,7 +74,7 @@ pub fn table(machine: &Machine, errors: &ErrorModel) -> String {
         }
     }
     line("");
-    line("source of error             data");
+    line("error source                data");
     for source in errors.sources() {
         let mut labels: Vec<String> = errors.effects_of(source.name).map(Effect::label).collect();
         let count = labels.len();

@@ -64,7 +64,7 @@ pub(in crate::cli) struct ShowArguments {
     #[command(flatten)]
     /// Machine file and set-up files.
     pub(in crate::cli) file: MachineArguments,
-    /// Axis positions (machine coordinates, mm, deg; other axes: 0) at which to show the errors: X100,Y=50,C30
+    /// Axis positions (machine coordinates, mm, deg; other axes: 0) at which to show the errors: X100,Y50,C30
     #[arg(long, value_name = "X..,Y..,Z..", allow_hyphen_values = true)]
     pub(in crate::cli) at: Option<AxisVector>,
     /// Tool length along the spindle, mm, or X,Y,Z from gauge point to tip along the axes of F, mm

@@ -173,9 +173,9 @@ impl OrientationChoice {
 /// See [`Multiplication`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum MultiplicationChoice {
-    /// Product instead of the own value
+    /// Product in place of the table's own value
     Instead,
-    /// Product in addition to the own value
+    /// Product in addition to the table's own value
     Beside,
 }
 

@@ -94,7 +94,8 @@ codes! {
 "The text here is not a word, statement or expression of the dialect.
 
 A common cause is a missing '=': in Sinumerik and Grundig programs a value that is not a plain number needs one (X=R1*2, CR=5,
-S2=500, X=E1). Another is a comment without ';' in a Sinumerik program, where ( ) belongs to expressions, or without ( ) in others.";
+S2=500, X=E1). Another is a comment without ';' in a Sinumerik program, where ( ) belongs to expressions, or without ( ) in others.
+A comma is not a decimal point: write X10.5, not X10,5.";
     BAD_NUMBER = "E0102" "malformed number"
 "A number is digits with at most one decimal point; the exponent of a Sinumerik number is written EX, as in 1.5EX-3.
 Numbers beyond the range of a double are refused too.";
@@ -166,7 +167,9 @@ center is not determined; use I, J, K.";
     NOT_COMPUTABLE = "E0209" "expression has no value"
 "Division by zero, root of a negative number, logarithm of zero, or a result beyond the range of a double.";
     BAD_WORD_VALUE = "E0210" "value not allowed for this word"
-"A G, M, T, D, N, L or P number must be a whole number in range; a feed and a dwell must not be negative.";
+"A G, M, T, D, N, L or P number must be a whole number in range; a feed and a dwell must not be negative. A word that is not possible in
+the current state has this code too: a tool direction without TRAORI, or a position of a modulo axis whose direction is not determined.
+The message states the rule.";
     NO_TARGET = "E0211" "jump target not found"
 "The label or block number does not occur in the search direction: GOTOF searches towards the end of this program, GOTOB towards its
 start, never in other programs.";
@@ -478,7 +481,7 @@ with large deviations.";
     DATA_SIZE = "E0608" "readings of an implausible size"
 "Readings are in µm or µrad, as their column names state. This one is above --max (an angle is judged by its effect at an arm of 1 m),
 or all readings of a measurement are below the uncertainty of the instrument. Probably values in mm or nm are in a column of µm, or
-length_mm and centre_mm of the description are wrong. A parameter that would move the tool by more than --max is reported too. If a
+length_mm and centre_mm of the description are wrong. A parameter that would move the tool by more than --max is reported too. If the
 machine really has such errors, give a larger --max.";
     BAD_PARAMETER = "E0609" "not a parameter of this machine"
 "A file for --model has one parameter per line, and comments after #: EC0Y is a location error, EXX1 the coefficient of degree 1 of a

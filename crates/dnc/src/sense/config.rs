@@ -313,7 +313,7 @@ fn read_kind(section: &mut Section<'_>, kinds: &SensorSources) -> Option<Arc<dyn
             || format!("one of {}", names().collect::<Vec<_>>().join(", ")),
             |near| format!("did you mean \"{near}\"?"),
         );
-        section.report(Code::BAD_VALUE, section.place_of("kind"), format!("there is no kind '{written}'"), help);
+        section.report(Code::BAD_VALUE, section.place_of("kind"), format!("unknown kind \"{written}\""), help);
     }
     found
 }

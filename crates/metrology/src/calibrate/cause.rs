@@ -74,27 +74,36 @@ impl UndeterminedCause {
             UndeterminedCause::Few(axis, found, needed) if axis.is_rotary() => {
                 let more = needed.saturating_sub(found).max(1);
                 let s = if more == 1 { "" } else { "s" };
-                format!("index {axis} to at least {more} more angle{s}, or leave {them} out")
+                format!("index {axis} to at least {more} more angle{s}, or leave {them} out of the model")
             }
             UndeterminedCause::Few(axis, _, needed) => {
-                format!("measure at {needed} or more positions of {axis}, or leave {them} out")
+                format!("measure at {needed} or more positions of {axis}, or leave {them} out of the model")
             }
             UndeterminedCause::OneSense(axis) => {
-                format!("approach positions of {axis} from both directions, or leave {them} out")
+                format!("approach positions of {axis} from both directions, or leave {them} out of the model")
             }
-            UndeterminedCause::Beyond(axis) => format!("measure further along {axis}, or leave {them} out"),
+            UndeterminedCause::Beyond(axis) => {
+                format!("measure further along {axis}, or leave {them} out of the model")
+            }
             UndeterminedCause::NoLoad => {
-                format!("measure also with a load on the table and give it (load_N), or leave {them} out")
+                format!("measure also with a load on the table and give it (load_N), or leave {them} out of the model")
             }
-            UndeterminedCause::OneLoad => format!("measure also without the load, or leave {them} out"),
+            UndeterminedCause::OneLoad => format!("measure also without the load, or leave {them} out of the model"),
             UndeterminedCause::NoTemperatures => {
-                format!("measure also with the machine warm, with temperature columns or --state, or leave {them} out")
+                format!(
+                    "measure also with the machine warm, with temperature columns or --state, or leave {them} out of the model"
+                )
             }
             UndeterminedCause::Conditions => {
-                format!("measure at other loads or temperatures, in poses in which they differ, or leave {them} out")
+                format!(
+                    "measure at other loads or temperatures, in poses in which they differ, or leave {them} out of the model"
+                )
             }
             UndeterminedCause::Unfelt => {
-                format!("measure where {} would have an effect, or leave {them} out", if many { "they" } else { "it" })
+                format!(
+                    "measure where {} would have an effect, or leave {them} out of the model",
+                    if many { "they" } else { "it" }
+                )
             }
             UndeterminedCause::Scale => {
                 "give a calibrated length (remove length from free, or write [[length]] between two balls); \
@@ -102,24 +111,30 @@ impl UndeterminedCause {
                     .into()
             }
             UndeterminedCause::Stylus => format!(
-                "turn the spindle by hand between probings (spindle_deg), remove tool from free if the stylus is calibrated, or leave {them} out"
+                "turn the spindle by hand between probings (spindle_deg), remove tool from free if the stylus is calibrated, or leave {them} out of the model"
             ),
             UndeterminedCause::Constant => {
                 format!(
-                    "leave {them} out: constant parts belong to the set-up unless the description gives its position"
+                    "leave {them} out of the model: constant parts belong to the set-up unless the description gives its position"
                 )
             }
             UndeterminedCause::SetUp => format!(
-                "describe what is known of the set-up (remove it from free), measure in another one, or leave {them} out"
+                "describe what is known of the set-up (remove it from free), measure in another one, or leave {them} out of the model"
             ),
             UndeterminedCause::Lever => {
                 "measure the same with a second tool vector (another length, or off the spindle)".into()
             }
             UndeterminedCause::Plane => {
-                format!("leave {one_of_them} out, or measure in poses in which they differ, outside this plane")
+                format!(
+                    "leave {one_of_them} out of the model, or measure in poses in which they differ, outside this plane"
+                )
             }
-            UndeterminedCause::Angles(axis) => format!("index {axis} at three more angles, or leave {them} out"),
-            UndeterminedCause::Poses => format!("leave {one_of_them} out, or measure in poses in which they differ"),
+            UndeterminedCause::Angles(axis) => {
+                format!("index {axis} at three more angles, or leave {them} out of the model")
+            }
+            UndeterminedCause::Poses => {
+                format!("leave {one_of_them} out of the model, or measure in poses in which they differ")
+            }
         }
     }
 }

@@ -167,7 +167,8 @@ impl PreparedFit<'_> {
             if is_parameter && found.effect_mm > self.settings.max_mm && !badly {
                 let effect = micrometers(um_from_mm(found.effect_mm));
                 let message = format!("{} would move the tool by {effect} RMS", one.name);
-                let help = "check units and signs of the readings; give a larger --max if the machine is like this";
+                let help =
+                    "check units and signs of the readings; give a larger --max if the machine really has such errors";
                 findings.push(Diagnostic::nowhere(Code::DATA_SIZE, message, help));
             }
             if is_parameter { &mut report.parameters } else { &mut report.unknowns }.push(one);
@@ -323,7 +324,7 @@ pub fn machine_text(
 pub fn check_sizes(begin: &CalibrationStart<'_>, measurement: &Measurement, max_mm: f64) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
     let data = &measurement.data;
-    let help = "check the unit of the column; if the machine is like this, give a larger --max";
+    let help = "check the unit of the column; if the machine really has such errors, give a larger --max";
     // Lengths, then angles: sum of squares, count, the first row.
     let mut sums = [(0.0, 0.0_f64, None); 2];
     for row in &data.observations {
@@ -381,7 +382,7 @@ fn check_bars(begin: &CalibrationStart<'_>, measurement: &Measurement, max_mm: f
                 off(&distance),
                 setup.length_mm
             );
-            let help = "check centre_mm and length_mm of the description, and tool_z_mm; give a larger --max if the machine is like this";
+            let help = "check centre_mm and length_mm of the description, and tool_z_mm; give a larger --max if the machine really has such errors";
             findings.push(Diagnostic::at(Code::DATA_SIZE, first.place, message, help));
         }
     }
@@ -408,7 +409,7 @@ fn check_balls(begin: &CalibrationStart<'_>, measurement: &Measurement, max_mm: 
             let off = (tip - center).norm();
             if off > max_mm {
                 let message = format!("the tip is {off:.3} mm from the position of the ball {label} in the other rows");
-                let help = "check the positions, target and tool_x_mm … of the row; give a larger --max if the machine is like this";
+                let help = "check the positions, target and tool_x_mm … of the row; give a larger --max if the machine really has such errors";
                 findings.push(Diagnostic::at(Code::DATA_SIZE, row.place, message, help));
             }
         }

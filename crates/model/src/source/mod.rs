@@ -63,7 +63,7 @@ impl<S: ErrorSource + 'static> From<S> for Box<dyn ErrorSource> {
 pub type Sources = Register<dyn ErrorSource>;
 
 impl Registered for dyn ErrorSource {
-    const KIND: &'static str = "source of error";
+    const KIND: &'static str = "error source";
 
     fn name(&self) -> &str {
         self.info().name

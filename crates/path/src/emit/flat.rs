@@ -1,6 +1,6 @@
 //! Flat programs that are generated without a source: axis positions in machine coordinates, for test plans.
 //!
-//! No zero offset and no tool length may act on them: Sinumerik writes `SUPA` in every block and `D0`, Grundig `G53`. Fanuc knows machine coordinates
+//! Zero offset and tool length must not be active: Sinumerik writes `SUPA` in every block and `D0`, Grundig `G53`. Fanuc knows machine coordinates
 //! on rapid moves only, RS274/NGC on straight moves only. There these moves are `G90 G53`, and all others are increments of the last written
 //! position. No offset changes increments, and they add up exactly because they are counts. After a stop or a cycle, increments begin with a `G90 G53
 //! G0` to the last position of the axes. The first comments list what must be off.
@@ -76,7 +76,7 @@ impl Flat<'_> {
             Language::Sinumerik => {
                 self.comment(title.as_bytes());
                 self.notes(&[
-                    "positions of the axes in machine coordinates: SUPA and D0, no zero offset and no tool length act",
+                    "positions of the axes in machine coordinates: SUPA and D0, zero offset and tool length are not active",
                     "feed in mm/min",
                 ]);
                 self.line(b"G17 G710 G90 G94 G40 G60");

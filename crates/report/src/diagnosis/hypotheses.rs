@@ -128,7 +128,7 @@ fn rather(evidence: f64) -> String {
         return "as probable".into();
     }
     let which = if evidence < 0.0 { "less" } else { "more" };
-    format!("{} times {which} probable", factor(evidence.abs()))
+    format!("{which} probable by a factor of {}", factor(evidence.abs()))
 }
 
 fn factor(evidence: f64) -> String {

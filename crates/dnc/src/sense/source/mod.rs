@@ -100,7 +100,7 @@ impl<S: SensorSource + 'static> From<S> for Box<dyn SensorSource> {
 pub type SensorSources = Register<dyn SensorSource>;
 
 impl Registered for dyn SensorSource {
-    const KIND: &'static str = "kind of source of readings";
+    const KIND: &'static str = "sensor source";
 
     fn name(&self) -> &str {
         SensorSource::name(self)

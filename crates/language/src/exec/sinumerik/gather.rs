@@ -55,7 +55,7 @@ impl Gatherer<'_> {
                 Code::MUST_STAND_ALONE,
                 call.span,
                 format!("the call of {} must be alone in its block", call.name),
-                "give the call its own block",
+                "give the call its own block, or correct the word",
             ));
         }
         Ok(())

@@ -137,7 +137,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
         let away = readings.beside(view.scene, view.tips(), beside).map_or(0.0, |readings| readings.middle());
         if away > PLAUSIBLE_MM {
             let evidence = format!(
-                "half of the readings are {:.0} µm or more from what they should be there; no machine errs so much",
+                "half of the readings differ by {:.0} µm or more from the prediction there; no machine has such errors",
                 um_from_mm(away)
             );
             add(DefectKind::Positions, data.name.clone(), "not of these positions".into(), evidence);

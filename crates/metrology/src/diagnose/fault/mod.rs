@@ -66,7 +66,7 @@ pub struct DefectCheck {
 pub type Checks = Register<&'static DefectCheck>;
 
 impl Registered for &'static DefectCheck {
-    const KIND: &'static str = "kind of fault of the data";
+    const KIND: &'static str = "data check";
 
     fn name(&self) -> &str {
         self.name

@@ -504,7 +504,7 @@ impl<'t> Reader<'t, '_> {
             let columns = if known.is_empty() {
                 "the data have none".to_owned()
             } else {
-                format!("columns are {}", known.join(", "))
+                format!("known columns: {}", known.join(", "))
             };
             self.fault(
                 span,

@@ -76,7 +76,7 @@ pub enum Measurand {
 pub type Instruments = Register<&'static Instrument>;
 
 impl Registered for &'static Instrument {
-    const KIND: &'static str = "kind of measurement";
+    const KIND: &'static str = "instrument";
 
     fn name(&self) -> &str {
         self.name

@@ -187,7 +187,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     }
     if near > 0 {
         plan.notes.push(format!(
-            "at {near} poses the tool passes another ball by less than {clearance_mm} mm: check them before you run the program"
+            "at {near} poses the tool passes within {clearance_mm} mm of another ball: check them before you run the program"
         ));
     }
     if wishes.balls_mm.is_empty() {

@@ -66,7 +66,7 @@ pub struct Scheme {
 pub type Schemes = Register<&'static Scheme>;
 
 impl Registered for &'static Scheme {
-    const KIND: &'static str = "scheme of tables";
+    const KIND: &'static str = "table scheme";
 
     fn name(&self) -> &str {
         self.name
