@@ -1,6 +1,6 @@
 //! A custom cause: the spindle expands along its axis with the square of its speed, as balls and rings are pressed outwards.
 //!
-//! The example simulates readings with this effect, 9 µm at 10,000 1/min, and noise. The diagnosis names the cause and
+//! The example simulates readings with this effect, 9 µm at 10,000 rpm, and noise. The diagnosis names the cause and
 //! prints its gain on held-out data.
 
 #![allow(clippy::print_stdout, reason = "an example shows what it found")]
@@ -14,7 +14,7 @@ static GROWTH: Cause = Cause {
     name: "spindle growth with speed",
     effect: EffectKind::Own("spindle-growth"),
     made_by: "centrifugal force in the bearings of the spindle",
-    shown_by: "readings along the tool that follow the square of the speed at once",
+    shown_by: "readings along the tool that follow the square of the speed without lag",
     separate_by: "the same speeds in another order: heat follows late",
     correctable: Correctable::No,
     propose: |scene, out| {
@@ -24,7 +24,7 @@ static GROWTH: Cause = Cause {
     },
 };
 
-/// Readings at speeds up to 18,000 1/min in random order, with noise of about 0.5 µm.
+/// Readings at speeds up to 18,000 rpm in random order, with noise of about 0.5 µm.
 fn readings(mut seed: u32) -> Result<DataSet, Error> {
     let mut random = move || {
         seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -51,7 +51,7 @@ pub(crate) fn main() -> Result<(), Error> {
             one.effect, one.parameter, one.value, one.u95, one.unit
         );
     }
-    // The size refers to the largest weight, at 18,000 1/min: 9 µm times 1.8 squared.
+    // The size refers to the largest weight, at 18,000 rpm: 9 µm times 1.8 squared.
     let growth = found.causes().iter().find(|one| one.effect == "spindle-growth");
     assert!(growth.is_some_and(|one| (one.value - 29.16).abs() < one.u95));
     println!("residual of the held-out readings: {:.0} % smaller", 100.0 * found.result().holdout_gain.unwrap_or(0.0));

@@ -1,7 +1,7 @@
 //! A custom error source: the table sags when it moves out over its bed along Y.
 //!
-//! The weight times the overhang y tilts the table, and the tilt times the overhang lowers the workpiece by s (y/L)². `[overhang]` in the machine file
-//! contains s, the sag at the overhang L, and L. The error adds to all others and is corrected; a calibration fits it as `overhang.sag`.
+//! The table tilts in proportion to its overhang y, so the workpiece sinks by s (y/L)². The section `[overhang]` of the machine file has the sag s
+//! (`sag_um`) at the overhang L (`reach_mm`). ncfix adds this error to all others and corrects it; a calibration fits it as `overhang.sag`.
 #![allow(clippy::print_stdout, reason = "an example shows what it found")]
 
 use ncfix::extend::source::*;

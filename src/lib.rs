@@ -17,10 +17,11 @@
 //! [`prelude`] has the names of the library. Lengths are mm, angles rad and times s unless a name states another unit. Everything that holds data is `Send` and
 //! `Sync`.
 //!
-//! Functions with *file* in their name, [`DataSet::read`] and [`Tables::read`] read files. Other functions read no file, except that running a program from a
-//! file reads its subprograms. If one cannot be read, the reason is logged with [`log`].
+//! These read or write files: functions with *file* in their name, [`DataSet::read`], [`Tables::read`], [`Transfer::send`] (its journal) and
+//! [`sensors::from_text`] (the sources that the text names). Running a program from a file reads its subprograms; if one cannot be read, the reason is logged
+//! with [`log`]. Other functions use no file.
 //!
-//! Everything streams: no stage holds the path, so an endless program can be fed and memory is bounded by the program text. `ARCHITECTURE.md` of the project is
+//! Everything streams: no stage holds the path, so a program with an endless loop can be fed and memory is bounded by the program text. `ARCHITECTURE.md` of the project is
 //! the map of its crates, `docs/explanation/theory.md` has the formulas with their sources.
 
 pub mod extend;

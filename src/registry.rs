@@ -128,7 +128,7 @@ impl Registry {
         Registry { model: self.model.with_preset(preset), ..self }
     }
 
-    /// Adds an instrument: a kind of measurement. The built-in `probe` is an example.
+    /// Adds an instrument. The built-in `probe` is an example.
     ///
     /// ```
     /// use ncfix::extend::instrument::Instrument;
@@ -212,7 +212,7 @@ impl Registry {
         Registry { schemes: self.schemes.with(scheme), ..self }
     }
 
-    /// Adds a detector of a dialect. The file extension decides before the lines of the file; of several detectors that match, the one added first decides.
+    /// Adds a dialect detector. The file extension decides before the lines of the file; of several detectors that match, the one added first decides.
     ///
     /// ```
     /// use ncfix::extend::dialect::{Detector, find};
@@ -260,7 +260,7 @@ impl Registry {
         Registry { protocols: self.protocols.with(protocol), ..self }
     }
 
-    /// Adds a kind of source of live readings: `kind = "…"` of a sensor file. [`sensors::from_text`](crate::sensors::from_text) takes the registry;
+    /// Adds a sensor source: `kind = "…"` of a sensor file. [`sensors::from_text`](crate::sensors::from_text) takes `registry.sensor_sources`;
     /// `examples/feed_with_own_sensor.rs` is a complete program.
     ///
     /// ```

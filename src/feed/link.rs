@@ -52,7 +52,7 @@ impl ControlLink {
     /// ```
     ///
     /// # Errors
-    /// If there is no link of this name, or diagnostics forbid to use its profile.
+    /// If there is no link of this name, or diagnostics forbid the use of its profile.
     pub fn named_with(name: &str, registry: &Registry) -> Result<ControlLink, Error> {
         let mut found = Diagnostics::default();
         let link = ControlLink::of(&shipped(name, &registry.links)?, &registry.protocols, &mut found)?;

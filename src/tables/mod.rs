@@ -361,7 +361,7 @@ fn wiring(mut wiring: Wiring, options: &TableOptions) -> Wiring {
     wiring
 }
 
-/// The remarks at the begin of new tables.
+/// The remarks at the beginning of new tables.
 fn notes(machine: &Machine, request: &TablesRequest<'_>, format: &Format, made: &MadeTables) -> Vec<String> {
     let state = machine.state.as_deref().map_or(String::new(), |state| format!(", state {state}"));
     let version = env!("CARGO_PKG_VERSION");

@@ -7,7 +7,7 @@ use clap::Args;
 /// Report page and its pictures.
 #[derive(Clone, Debug, Default, Args)]
 pub(in crate::cli) struct PageChoice {
-    /// Write an HTML report with tables and pictures: one file that needs no network; also if the data is refused
+    /// Write an HTML report with tables and pictures: one file that needs no network; also if the data are refused
     #[arg(long, value_name = "REPORT.html")]
     pub(in crate::cli) report: Option<PathBuf>,
     /// Write each picture of the report as an SVG file into this folder

@@ -1,6 +1,6 @@
 //! `ncfix snc`: prints the flat stream of a program.
 //!
-//! Standard output gets each line as soon as it is known, so that an endless program can be examined; a file is
+//! Standard output gets each line as soon as it is known, so that a program with an endless loop can be examined; a file is
 //! written completely or, if there is any error, not at all.
 
 use std::io::{self, BufWriter};

@@ -1,6 +1,6 @@
 //! Presets: parameter sets of an error model for a given machine, generalized from those in the literature.
 //!
-//! A preset is derived from the roles of the axes (`roles`), not from their letters; for the printed topology it gives exactly the printed list. Every set is
+//! A preset is derived from the roles of the axes (`roles`), not from their letters; for the published topology it gives exactly the published list. Every set is
 //! free of redundancy under its assumptions about the set-up, which its file states. An omitted parameter moves the tool like a combination of the others, or
 //! like the unknown position of the workpiece or the tool. A preset is a file here and a line in [`PRESETS`]; a caller adds its own to [`Presets`].
 

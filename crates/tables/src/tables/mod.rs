@@ -56,7 +56,7 @@ pub struct Tables {
 /// Esmaeili 2021, 2.4.5.3: the table is multiplied instead of added).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Multiplication {
-    /// The product replaces the table's own value. A table without factor that serves as one is added too.
+    /// The product replaces the table's own value. A table without a factor adds its own value, also if it is itself the factor of another table.
     #[default]
     Instead,
     /// The product is added to the table's own value.

@@ -138,7 +138,7 @@ pub trait Propose: Send + Sync {
 
     /// Pushes a candidate for each form that the cause can have: each axis, length, sensor. It is called once per diagnosis, before the search. The
     /// search finds the amount of each column. It accepts a candidate only if its gain is significant for the number of candidates proposed, also in
-    /// readings that were not used. Many candidates make each one less likely, so propose only effects that the measurements can show. If a driver is
+    /// readings that were not used. Each additional candidate raises the significance that the others must reach, so propose only effects that the measurements can show. If a driver is
     /// missing, propose nothing.
     fn propose(&self, scene: &Scene<'_>, out: &mut Vec<Candidate>);
 }

@@ -53,7 +53,7 @@ pub struct Format {
     pub read: fn(&Source, &Wiring, &mut Tables) -> Vec<Diagnostic>,
     /// The numbers of the tables in a file, if a second file with one of them replaces it in the control.
     pub numbers: fn(&Source) -> BTreeSet<usize>,
-    /// Formats whose tables the same control may have in the same file, and adds.
+    /// Formats whose tables may be in the same file of a control; the control adds the values of both.
     pub beside: &'static [&'static str],
     /// `true` if a file looks like this format, by its name and first bytes.
     pub is_mine: fn(&str, &[u8]) -> bool,

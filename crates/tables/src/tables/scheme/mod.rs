@@ -56,7 +56,7 @@ pub struct Scheme {
     pub needs: &'static [Holds],
     /// Its default orientation option.
     pub home: Orientation,
-    /// Whether it finds its own nodes: what does not fit does not fit with more points.
+    /// `true` if it finds its own nodes: if the result does not fit, adding points cannot make it fit.
     pub finds_nodes: bool,
     /// Fills the tables; a message if that is impossible.
     pub fill: fn(&Task<'_>) -> Result<Tables, String>,
