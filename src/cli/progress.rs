@@ -94,7 +94,7 @@ impl Progress {
         self.notes = self.notes.wrapping_add(1);
         if self.is_wanted && self.notes.is_multiple_of(NOTES_PER_LOOK) && Instant::now() >= self.next {
             let percent = 100.0 * f64::from(self.offset) / length.max(1) as f64;
-            self.draw(&format!("{} blocks, {percent:.0} % of the source", grouped(blocks)));
+            self.draw(&format!("{} blocks, {percent:.0} % of the original", grouped(blocks)));
         }
     }
 

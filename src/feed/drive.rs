@@ -218,7 +218,7 @@ impl Drive<'_> {
                     FeedEvent::Shift,
                     now,
                     None,
-                    format!("{said} at line {line} of the source (--warn-shift)"),
+                    format!("{said} at line {line} of the original (--warn-shift)"),
                 );
             }
             if self.view.is_due(now) {

@@ -158,7 +158,7 @@ fn refusal(found: &SearchOutcome, clearance_mm: Option<f64>) -> Option<Diagnosti
             let message = match why {
                 Why::Tilted => "the tool was tilted against Z: lifting Z would pull it sideways through the workpiece".to_owned(),
                 Why::HeightUnknown(line) => {
-                    format!("line {line} of the source machines at a height that the program does not state: the space above it is not known")
+                    format!("line {line} of the original machines at a height that the program does not state: the space above it is not known")
                 }
                 Why::BeginningCrosses => {
                     "only a restart from the beginning is possible, and the tool cannot be lifted to the given height before it: the program changes the tool, its length or something unknown first, so this Z would mean another height"

@@ -142,7 +142,7 @@ impl<'a> LineSource<'a> {
         if shift_mm.is_nan() || shift_mm.abs() > self.max_shift_mm {
             let limit = um_from_mm(self.max_shift_mm);
             return Err(format!(
-                "{} at line {} of the source, more than {limit} µm (--max-shift); check the sensors and the model",
+                "{} at line {} of the original, more than {limit} µm (--max-shift); check the sensors and the model",
                 said(),
                 line.source_line
             ));

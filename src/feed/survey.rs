@@ -168,7 +168,7 @@ fn judge(allows_starvation: bool, before: &Before, findings: &mut Diagnostics) {
     let [first, last] = worst.source_lines;
     let lines = if first == last { format!("line {first}") } else { format!("lines {first} to {last}") };
     let message = format!(
-        "the control will stand still for {:.1} s of {:.1} s; {lines} of the source: {} lines/s needed, {} available{}",
+        "the control will stand still for {:.1} s of {:.1} s; {lines} of the original: {} lines/s needed, {} available{}",
         before.starved_s,
         before.total_s,
         rate(worst.needed_per_s),
@@ -191,7 +191,7 @@ fn judge(allows_starvation: bool, before: &Before, findings: &mut Diagnostics) {
 
 fn not_for_link(line: &Line, why: &str) -> Diagnostic {
     let text = String::from_utf8_lossy(&line.text);
-    let message = format!("line {} of the source becomes '{text}': {why}", line.source_line);
+    let message = format!("line {} of the original becomes '{text}': {why}", line.source_line);
     let help =
         "change the program there, choose a larger --increment for shorter numbers, or another profile with --link";
     Diagnostic::nowhere(Code::NOT_FOR_LINK, message, help)

@@ -136,7 +136,7 @@ impl Before {
             let [first, last] = late.source_lines;
             let _ = writeln!(
                 out,
-                "             lines {first}–{last} of the source: {} lines/s needed, {} available: {} late",
+                "             lines {first}–{last} of the original: {} lines/s needed, {} available: {} late",
                 rate(late.needed_per_s),
                 rate(late.given_per_s),
                 duration(late.starved_s)
@@ -332,7 +332,8 @@ impl Plan {
     #[must_use]
     pub fn table(&self, journal: &str) -> String {
         let mut out = String::new();
-        let in_source = |line: Option<u32>| line.map_or(String::new(), |line| format!(" (line {line} of the source)"));
+        let in_source =
+            |line: Option<u32>| line.map_or(String::new(), |line| format!(" (line {line} of the original)"));
         let ended = self.ended.as_deref().unwrap_or("the sending program ended unexpectedly");
         let _ = writeln!(out, "job           {}, aborted: {ended}", self.program);
         if self.executed > 0 {
@@ -363,7 +364,7 @@ impl Plan {
         }
         let place = if self.is_beginning { ", the beginning" } else { ", a rapid move" };
         let above = self.above_mm.map_or(String::new(), |mm| format!(", {mm:.1} mm above all machined surfaces"));
-        let _ = writeln!(out, "resumes       at line {} of the source{place}{above}", self.source_line);
+        let _ = writeln!(out, "resumes       at line {} of the original{place}{above}", self.source_line);
         if let Some(line) = self.unsure_line {
             let _ = writeln!(out, "              (after line {line} the state of the control cannot be restored)");
         }

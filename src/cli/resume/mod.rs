@@ -55,7 +55,7 @@ pub(in crate::cli) fn run(arguments: &ResumeArguments) -> Result<ExitCode, Stop>
             Ok(ExitCode::Done)
         }
         Some(confirmed) if *confirmed == plan.plan => {
-            tell(&format!("resuming at line {} of the source\n", plan.source_line));
+            tell(&format!("resuming at line {} of the original\n", plan.source_line));
             feed::send(&feed, job, &before, &begin)
         }
         Some(confirmed) => Err(Stop::Usage(format!(
