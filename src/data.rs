@@ -13,7 +13,7 @@ use ncfix_metrology::measure::trace;
 use ncfix_metrology::results::measurement::{self, Measurement, Purpose};
 
 /// A measurement from its files: a table of readings (`NAME.csv`) and its description (`NAME.toml`), which contains
-/// the kind of measurement and the unknowns of its set-ups. It is interpreted for a machine:
+/// the instrument and the unknowns of its set-ups. It is interpreted for a machine:
 /// [`Calibration::run`](crate::prelude::Calibration::run), [`Diagnosis::run`](crate::prelude::Diagnosis::run).
 ///
 /// ```

@@ -43,7 +43,7 @@ pub mod preset {
     pub use ncfix_model::preset::{Preset, Unsuitable};
 }
 
-/// Kinds of measurement, and faults of the data.
+/// Instruments and data checks.
 pub mod instrument {
     pub use ncfix_base::csv::{DecimalSign, Row, Table};
     pub use ncfix_base::diagnostic::Diagnostic;
@@ -65,7 +65,7 @@ pub mod table {
     };
 }
 
-/// Protocol dialogues of links.
+/// Protocols of links.
 pub mod link {
     pub use ncfix_dnc::feed::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire};
 }

@@ -14,7 +14,7 @@ use ncfix_path::emit::flat;
 /// The request for a plan.
 #[derive(Clone, Debug)]
 pub(crate) struct PlanRequest<'a> {
-    /// The kind of measurement.
+    /// The kind of test plan.
     pub(crate) kind: &'static PlanKind,
     /// The options of the plan.
     pub(crate) wishes: &'a Wishes,

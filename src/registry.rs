@@ -30,9 +30,9 @@ use ncfix_tables::tables::{Format, Formats, Scheme, Schemes};
 pub struct Registry {
     /// Error sources, kinds of motion errors and presets of parameters: the entries of a machine file for errors.
     pub model: ModelRegisters,
-    /// Instruments: kinds of measurement.
+    /// Instruments.
     pub instruments: Instruments,
-    /// Checks for faults of the data.
+    /// Data checks.
     pub checks: Checks,
     /// Causes that a diagnosis searches for.
     pub causes: Causes,
@@ -42,11 +42,11 @@ pub struct Registry {
     pub schemes: Schemes,
     /// Links that have a name.
     pub links: Links,
-    /// Dialogues that links may name.
+    /// Protocols that links may name.
     pub protocols: Protocols,
-    /// The detectors of the dialect of a file.
+    /// Dialect detectors.
     pub detectors: Detectors,
-    /// Kinds of sources of live readings.
+    /// Sensor sources.
     pub sensor_sources: SensorSources,
 }
 
@@ -143,7 +143,7 @@ impl Registry {
         Registry { instruments: self.instruments.with(kind), ..self }
     }
 
-    /// Adds a check for a fault of the data. It runs after the existing checks.
+    /// Adds a data check. It runs after the existing checks.
     ///
     /// ```
     /// use ncfix::extend::instrument::DefectCheck;
@@ -242,7 +242,7 @@ impl Registry {
         Registry { links: self.links.with(link), ..self }
     }
 
-    /// Adds a dialogue that profiles may name: `protocol = "…"`.
+    /// Adds a protocol that profiles may name: `protocol = "…"`.
     ///
     /// ```
     /// use ncfix::extend::link::Protocol;

@@ -154,7 +154,7 @@ pub(super) fn prepare(arguments: &FeedArguments, findings: &mut Findings) -> Res
     Ok(before.map(|before| (job, before)))
 }
 
-/// Reads the files of the arguments; `None` if errors forbid to continue.
+/// Reads the files of the arguments; `None` if errors prevent it from continuing.
 fn transfer(arguments: &FeedArguments, findings: &mut Findings) -> Result<Option<Transfer>, Stop> {
     let link = ControlLink::find(&arguments.link, findings)?;
     let sensors_hash = match &arguments.sensors {

@@ -84,8 +84,8 @@ pub(in crate::cli) struct TablesArguments {
     /// Name of an axis at the control, such as X=AX1; repeatable
     #[arg(long, value_name = "AXIS=NAME", value_parser = axis_name)]
     pub(in crate::cli) axis_name: Vec<(Axis, String)>,
-    /// Rule of the control for multiplied tables: only the product, or the product plus the own value (default: by the file or the machine file,
-    /// else instead)
+    /// Rule of the control for multiplied tables: only the product, or the product plus the table's own value (default: by the file or the machine
+    /// file, else instead)
     #[arg(long, value_enum)]
     pub(in crate::cli) multiplication: Option<MultiplicationChoice>,
     /// Tool length along the spindle, mm, or X,Y,Z from gauge point to tip, mm (default: the longest tool of the machine file)

@@ -21,7 +21,7 @@ mod tests {
 
     #[test]
     fn it_is_what_tables_print() {
-        // Upper limits of printed tables.
+        // Upper limits of published tables.
         for (chance, above, below, ratio) in
             [(0.05, 3.0, 10.0, 3.708), (0.05, 2.0, 20.0, 3.493), (0.01, 5.0, 30.0, 3.699), (0.05, 1.0, 1e6, 3.8415)]
         {

@@ -52,7 +52,7 @@ mod tests {
 
     #[test]
     fn it_is_what_tables_print() {
-        // Two-sided limits of printed tables.
+        // Two-sided limits of published tables.
         for (chance, freedom, expected) in [
             (0.05, 1.0, 12.706),
             (0.05, 10.0, 2.228),

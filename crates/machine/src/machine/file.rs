@@ -359,7 +359,7 @@ fn read_control(
         Some("T") => control.tool_change = ToolChange::T,
         Some(other) => {
             let message = format!("tool_change must be \"M6\" or \"T\", found \"{other}\"");
-            let help = "M6: T selects and M6 changes; T: T changes at once";
+            let help = "M6: T selects and M6 changes; T: T changes the tool immediately";
             section.report(Code::BAD_VALUE, section.place_of("tool_change"), message, help);
         }
     }

@@ -121,7 +121,7 @@ pub enum Free {
     Rotation,
     /// The tool vector.
     Tool,
-    /// An unknown of a custom kind of measurement, by its word.
+    /// An unknown of a custom instrument, by its word.
     Own(&'static str),
 }
 

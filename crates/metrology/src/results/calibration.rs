@@ -69,8 +69,8 @@ pub struct PreparedFit<'a> {
     held_out: Vec<Measurement>,
 }
 
-/// Checks measurements, of which the first `used` are used and the others held out, and leaves parameters out if requested; `None` if diagnostics
-/// forbid to continue.
+/// Checks measurements, of which the first `used` are used and the others held out, and leaves parameters out if requested; `None` if
+/// diagnostics prevent it from continuing.
 pub fn prepare<'a>(
     begin: CalibrationStart<'a>,
     settings: CalibrationSettings,

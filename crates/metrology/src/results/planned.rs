@@ -20,7 +20,7 @@ const MOST_NAMES: usize = 30;
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PlanResult {
-    /// The kind of measurement.
+    /// The kind of test plan.
     pub kind: String,
     /// Name of the machine.
     pub machine: String,

@@ -10,7 +10,7 @@ use ncfix_base::geometry::Axis;
 /// Product of two polynomials.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cross {
-    /// aₖ at index k, of the own command.
+    /// aₖ at index k, for the command of its own axis.
     pub coefficients: Vec<f64>,
     /// Other axis.
     pub with: Axis,
@@ -19,7 +19,7 @@ pub struct Cross {
 }
 
 impl Cross {
-    /// Returns the value at the own command and that of the other axis, mm or rad.
+    /// Returns the value at the commands of its own and of the other axis, mm or rad.
     #[must_use]
     pub fn value(&self, own: f64, other: f64) -> f64 {
         evaluate(&self.coefficients, own) * evaluate(&self.with_coefficients, other)

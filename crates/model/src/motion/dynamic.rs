@@ -7,7 +7,7 @@
 use ncfix_base::geometry::Axis;
 use ncfix_machine::machine::State;
 
-/// Deflection proportional to the rates of the own axis.
+/// Deflection proportional to the rates of its own axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Dynamic {
     /// Deflection by acceleration: mm or rad per mm/s² or rad/s² of the axis.

@@ -1,7 +1,7 @@
 //! Table over two axes: bilinear between its points, constant outside, like control tables with two inputs.
 //!
 //! The error of one axis depends on the position of another: for example the roll of a knee on the position of the table on it (Spaan, ch. 4). In a cell with
-//! the shares u of the own and v of the other axis
+//! the shares u of its own axis and v of the other axis
 //! e = (1−u)(1−v) e₀₀ + u(1−v) e₁₀ + (1−u) v e₀₁ + u v e₁₁.
 
 use super::entry::position_key_of;
@@ -24,7 +24,7 @@ pub struct ErrorGrid {
 }
 
 impl ErrorGrid {
-    /// Returns the value at the own command and that of the other axis, mm or rad.
+    /// Returns the value at the commands of its own and of the other axis, mm or rad.
     #[must_use]
     pub fn value(&self, own: f64, other: f64) -> f64 {
         let across = Cell::around(&self.with_positions, other);
@@ -33,7 +33,7 @@ impl ErrorGrid {
         })
     }
 
-    /// Returns the kinks along the own and the other axis; none along an axis on which it does not depend.
+    /// Returns the kinks along its own and the other axis; none along an axis on which it does not depend.
     pub(super) fn knots(&self) -> [&[f64]; 2] {
         [&self.positions, &self.with_positions].map(|positions| if positions.len() > 1 { positions } else { &[][..] })
     }

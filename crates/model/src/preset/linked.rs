@@ -47,7 +47,7 @@ pub(super) fn linked_10(machine: &Machine) -> Result<Vec<ParameterName>, Unsuita
     Ok(parameters)
 }
 
-/// Returns the eight location errors, in the order of the printed tables.
+/// Returns the eight location errors, in the order of the published tables.
 pub(super) fn location_errors(machine: &Machine) -> Result<Vec<ParameterName>, Unsuitable> {
     let linear = Linear::of(machine)?;
     let rotary = RotaryPair::of(machine)?;

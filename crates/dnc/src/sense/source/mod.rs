@@ -61,7 +61,7 @@ use ncfix_machine::machine::file::Section;
 use super::monitor::{ChannelFault, SourceReport};
 use super::outlet::ReadingOutlet;
 
-/// Kind of source of readings.
+/// Sensor source: a kind of source of live readings.
 pub trait SensorSource: Send + Sync {
     /// Returns its name in the sensor file: `kind = "file"`.
     fn name(&self) -> &str;

@@ -21,7 +21,7 @@ use ncfix_model::{Model, Pose};
 use super::data::{DataSet, Free, Observation};
 use super::reading::Reading;
 
-/// A kind of measurement. Defaults exist for unused functions: [`zeros`], [`no_ties`].
+/// An instrument: the columns and equations of one kind of measurement. Defaults exist for unused functions: [`zeros`], [`no_ties`].
 #[derive(Debug)]
 pub struct Instrument {
     /// Its name in the description: `kind = "ballbar"`. Unique in a registry.
@@ -72,7 +72,7 @@ pub enum Measurand {
     Other,
 }
 
-/// The kinds of measurement for descriptions: [`Register::default`](ncfix_base::register::Register::default) contains the built-in ones.
+/// The instruments for descriptions: [`Register::default`](ncfix_base::register::Register::default) contains the built-in ones.
 pub type Instruments = Register<&'static Instrument>;
 
 impl Registered for &'static Instrument {
@@ -118,7 +118,7 @@ pub enum Unknown {
     Place(usize, usize),
     /// Correction of the tool vector of the rows, with the spindle at zero.
     Tool(usize, usize),
-    /// A length, mm, of a custom kind of measurement: its description, such as `span of the gauge`, and the index of its set-up.
+    /// A length, mm, of a custom instrument: its description, such as `span of the gauge`, and the index of its set-up.
     Own(&'static str, usize),
 }
 

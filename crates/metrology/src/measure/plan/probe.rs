@@ -1,4 +1,4 @@
-//! Balls on the table, probed at many angles of the rotary axes: the printed strategies of Esmaeili 2021 (Table 4-1, SAMBA; Table 5-3, RUMBA), and a
+//! Balls on the table, probed at many angles of the rotary axes: the published strategies of Esmaeili 2021 (Table 4-1, SAMBA; Table 5-3, RUMBA), and a
 //! generated one for any machine with rotary axes (chase the ball).
 //!
 //! A row is the position at which tip and ball would coincide; the program ends above it, along the tool, where a probing cycle begins.

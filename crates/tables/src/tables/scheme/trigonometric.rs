@@ -1,7 +1,7 @@
 //! Products of linear axes with trigonometric functions of a rotary axis: 23 tables on a machine with five axes (Esmaeili 2021, chapter 6).
 //!
 //! Δq_I = f(A) + X·g(A) + Y·h(A) + Z·k(A) for the linear axes and Δq_J = f(A) for the rotary axes, every function a sum of 1, cos A, sin A, cos A sin
-//! A and sin² A. The printed basis (eq. 44) lacks the functions without an arm, which an offset of the C axis needs.
+//! A and sin² A. The published basis (eq. 44) lacks the functions without an arm, which an offset of the C axis needs.
 
 use super::fit::{FitTerm, Wave, fill};
 use super::{Holds, Scheme, Task};
