@@ -178,8 +178,8 @@ impl Program {
         Correction::new(self, machine, options)
     }
 
-    /// The flat stream of the program: moves, dwells, tool and auxiliary words, without calls, loops, frames or cycles. It is lazy, so an endless
-    /// program is possible.
+    /// The flat stream of the program: moves, dwells, tool and auxiliary words, without calls, loops, frames or cycles. It is lazy, so a program
+    /// with an endless loop is possible.
     ///
     /// ```
     /// use ncfix::prelude::*;

@@ -260,5 +260,5 @@ fn kind(name: &str) -> Result<&'static super::kind::Instrument, PlanRefused> {
         .iter()
         .copied()
         .find(|kind| kind.name == name)
-        .ok_or_else(|| PlanRefused(format!("unknown kind of measurement {name}")))
+        .ok_or_else(|| PlanRefused(format!("unknown kind of test plan '{name}'")))
 }
