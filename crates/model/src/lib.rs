@@ -2,7 +2,7 @@
 //!
 //! [`ErrorModel`] is the error part of a machine file: location errors ([`location`]), motion errors ([`motion`], one file per kind of function), named as
 //! in ISO 230-1 ([`name`]), and the effects of other sources ([`source`], one file each). The [`Accumulator`] adds up their contributions in one condition of
-//! the machine. [`Model`] is machine and sum prepared for evaluation; [`Model::actual`] is the only forward function, and [`Model::solve`] inverts it.
+//! the machine. [`Model`] is the machine with this sum, prepared for evaluation; [`Model::actual`] is the only forward function, and [`Model::solve`] inverts it.
 //! [`Model::on_intervals`] and [`Model::solve_in_cycle`] are their counterparts for the cycle of a control. [`preset`] lists the parameters ([`parameter`])
 //! of a model. [`coverage`] compares positions and conditions with the measured ranges, and [`uncertainty`] varies a model
 //! within its uncertainty. This crate contains neither programs nor instruments.
