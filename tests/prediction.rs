@@ -85,9 +85,9 @@ struct Bodies([f64; 6]);
 impl Bodies {
     /// Drags the bodies along a motion on which no axis reverses.
     fn drag(&mut self, truth: &TrueMachine, command: &Pose) {
-        for axis in 0..6 {
-            let half = truth.lost.iter().find(|(letter, _)| slot(*letter) == axis).map_or(0.0, |(_, lost)| 0.5 * lost);
-            self.0[axis] = self.0[axis].clamp(command[axis] - half, command[axis] + half);
+        for ((body, at), letter) in self.0.iter_mut().zip(command).zip(LETTERS) {
+            let half = truth.lost.iter().find(|(own, _)| *own == letter).map_or(0.0, |(_, lost)| 0.5 * lost);
+            *body = body.clamp(at - half, at + half);
         }
     }
 }

@@ -143,7 +143,7 @@ pub(super) fn arc(
         let has_corner = channel.block.corner.is_some() || channel.outlet.is_holding();
         let is_compensated = channel.modal.contour.compensates() || has_corner;
         let arc = ProgrammedArc { plane, clockwise, from: &from, to: &to, center_mm: center, extra_turns: turns };
-        let arc = arc.checked(channel.language, &channel.settings.machine.control, is_compensated, &tolerance);
+        let arc = arc.checked(channel.language, &channel.settings.machine.control, is_compensated, tolerance);
         if channel.language != Language::Rs274
             && let Ok(arc) = &arc
         {

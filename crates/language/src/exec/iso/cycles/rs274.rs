@@ -61,6 +61,7 @@ fn turns(spindle: Turn) -> Result<(), HoleFault> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::pattern::PeckWords;
     use super::*;
     use HoleStep::{DrawnOut, Dwell, Feed, Rapid, Spindle, Stop};
 
@@ -70,6 +71,7 @@ mod tests {
         clear: 50.0,
         dwell_s: Some(0.5),
         q: Some(8.0),
+        pecks: PeckWords { first: None, less: None, last: None },
         clearance: CLEARANCE_MM,
         slack: 0.0,
         aside: None,
