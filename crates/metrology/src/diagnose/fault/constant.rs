@@ -116,10 +116,10 @@ mod tests {
 
     /// Rows of the faults in 100 readings at one pose: a function of the row in the first 60, its last value in the others.
     fn found(um: impl Fn(usize) -> f64) -> Vec<[usize; 2]> {
-        let rows: String = (0..100).map(|row| format!("0,0,0,{}\n", um(usize::min(row, 59)))).collect();
+        let rows: String = (0..100).map(|row| format!("0,0,0,{},{}\n", 60 * row, um(usize::min(row, 59)))).collect();
         let machine = bench::machine();
         let description = "[measurement]\nkind = \"displacement\"\nsigma_um = 1\nfree = [\"offset\"]\n";
-        let sets = [bench::table(&machine, &format!("X,Y,Z,dx_um\n{rows}"), description)];
+        let sets = [bench::table(&machine, &format!("X,Y,Z,t_s,dx_um\n{rows}"), description)];
         find_with(&Checks::empty().with(&CHECK), &bench::scene(&machine, &sets)).iter().map(|one| one.rows).collect()
     }
 
