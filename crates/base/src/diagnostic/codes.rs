@@ -583,12 +583,12 @@ the action is active only during the first piece.";
     TAPPING_BY_FEED = "W0207" "tapping by feed moves"
 "A tapping cycle (G84, G74) becomes a feed move into the hole, a spindle reversal, and a move out. Spindle and axis are not
 synchronized as they may be in the cycle of the control, so the tap needs a compensating chuck, as older controls always do.";
-    UNUSUAL_MOTION = "W0208" "code that the control executes as another motion"
+    UNUSUAL_MOTION = "W0208" "motion that depends on the control"
 "A Fanuc moves in a straight line if a block of G2 or G3 has neither R nor I, J, K (parameter 3403, bit 5; otherwise it stops with
 alarm PS0022). If it does not compare the radii at start and end (parameter 3410 is 0; control.arc_radius_check = false), an arc
 whose center fits only the start is a spiral. G73 and G83 without Q, or with Q0, drill in one stroke (parameter 5103, bit 1;
-otherwise alarm PS0045). The corrected program makes the same moves. Such a block is often an error of a post-processor: check the
-part.";
+otherwise alarm PS0045). Such a block is often an error of a post-processor: check the part. A Haas moves between the circles of
+G12 and G13 on its own ways, and its manual leaves open where G72 drills first: the message states the moves of the corrected program.";
     CORNER_LEFT_OUT = "W0231" "no rounding or chamfer made"
 "After the block with RND, CHF or CHR no motion in the working plane follows within three blocks, or a motion of other axes comes
 first. A control makes no transition then, and neither does ncfix.";

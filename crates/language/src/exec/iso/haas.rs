@@ -46,6 +46,11 @@ pub(super) fn holes(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
         let message = format!("{name} with {count} holes and a distance of {size} mm");
         return Err(bad_value(span, message, "write I above 0 and L from 1 to 10000"));
     }
+    if code == 720 {
+        let message = "the first hole of G72 is at the current position";
+        let help = "the manual does not state it clearly: check it on the control, or program the holes one by one";
+        channel.outlet.warnings.push(fault(Code::UNUSUAL_MOTION, span, message, help));
+    }
     let pattern = match code {
         720 => Pattern::Line { step_mm: [size * first.cos(), size * first.sin()], count },
         710 => {
@@ -146,6 +151,10 @@ pub(super) fn circular_pocket(channel: &mut Channel<'_>, gathered: &Gathered, co
         return Err(bad_value(gathered.span_of(b'L'), message, "write L from 1 to 10000 under G91"));
     }
     let depth = if gathered.has(b'Z') { Some(target::axis_value(channel, gathered, Axis::Z)?) } else { None };
+    let message =
+        format!("{name}: half circles lead to the first circle, from one circle to the next, and back to the center");
+    let help = "the control has its own ways between the circles: check that the material allows half circles, or program G2 and G3";
+    channel.outlet.warnings.push(fault(Code::UNUSUAL_MOTION, span, message, help));
     let mut is_first = true;
     for pass in 1..=repeats {
         if let Some(depth) = depth {
