@@ -142,7 +142,7 @@ fn pieces_are_marked_and_words_of_the_end_stand_at_the_end() {
     N40 G0 X0 Y-0.01 Z0
     N50 G1 X-0.002 F500 S100 ; LONG
     X0.002 ;+~
-    X86.3184 Y-0.0347 ;+
+    X85.8724 Y-0.0345 ;+
     G9 X150.002 Y-0.0625 M5 ;+
     N60 G1 X149.998 ;~
     X94.998 Y-0.038 ;+
@@ -150,7 +150,7 @@ fn pieces_are_marked_and_words_of_the_end_stand_at_the_end() {
     N70 G53 G1 X140.002 ;~
     G53 X195.002 Y49.962 ;+
     G53 X250.002 Y49.9375 ;+
-    N80 G1 X150.4746 Y-0.0553
+    N80 G1 X150.4734 Y-0.0553
     "#);
 }
 

@@ -11,7 +11,7 @@ use super::route::{Route, distance_mm};
 use super::standing::PathState;
 
 /// Share of the tolerance for the samples; the rest covers the path between them.
-pub(super) const SAMPLED_SHARE: f64 = 0.97;
+pub(super) const SAMPLED_SHARE: f64 = 0.96;
 /// Deviation of a bend in addition to rounding if rounding alone exceeds the tolerance, as a share of it.
 pub(super) const BEND_SHARE: f64 = 0.1;
 /// Guesses of the direction of motion before an axis without a consistent direction is held.
