@@ -390,3 +390,29 @@ fn rotary_axes_that_nothing_positions_are_named() {
     let stated = text.replacen("Z100", "Z100 A0 C0", 1);
     assert!(!fix(&self::shop(MEASURED, &stated), "").stderr.contains("W0324"));
 }
+
+/// The machine file states where the rotary axes are at the beginning of every program.
+#[test]
+fn a_position_at_the_beginning_counts_as_programmed() {
+    let begin = |a_deg: f64, c_deg: f64| {
+        let five = FIVE_AXES.replace("[axis.A]", &format!("[axis.A]\nstart_deg = {a_deg}"));
+        five.replace("[axis.C]", &format!("[axis.C]\nstart_deg = {c_deg}")) + MEASURED
+    };
+    let text = |rotary: &str| format!("G90 G71 G0 X100 Y50 Z100{rotary}\nG1 X120 F500\nG0 Z700\nM30\n");
+    let at = |machine: &str, rotary: &str| {
+        let shop = Shop::new().file("five.toml", machine).file("part.mpf", text(rotary));
+        fix(&shop, "--json").exits(0)
+    };
+    let begins = at(&begin(20.0, 90.0), "");
+    assert!(!begins.codes().contains(&"W0324".to_owned()), "{}", begins.stderr);
+    // The errors are those of a program that names the position.
+    let named = at(&format!("{FIVE_AXES}{MEASURED}"), " A20 C90").json();
+    let unstated = at(&format!("{FIVE_AXES}{MEASURED}"), "").json();
+    let begins = begins.json();
+    assert_eq!(begins["before"], named["before"]);
+    assert_eq!(begins["coverage"], named["coverage"]);
+    assert_ne!(begins["coverage"], unstated["coverage"]);
+    // A position beyond the travel is a mistake.
+    let far = Shop::new().file("five.toml", begin(500.0, 0.0)).file("part.mpf", text(""));
+    fix(&far, "").exits(4).says("error[E0404]: start_deg of axis A is outside its travel");
+}

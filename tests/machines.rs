@@ -19,6 +19,7 @@ pub(crate) fn xyz_machine() -> Machine {
             travel,
             modulo: false,
             max_feed,
+            start_rad: None,
             clamps: Vec::new(),
             lever: Lever::Carried,
         })

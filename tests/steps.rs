@@ -77,6 +77,7 @@ fn a_turning_table_counts_at_an_arm_of_a_hundred_millimeters() {
         travel: Some([-7200_f64.to_radians(), 7200_f64.to_radians()]),
         modulo: false,
         max_feed: None,
+        start_rad: None,
         clamps: Vec::new(),
         lever: Lever::Carried,
     };

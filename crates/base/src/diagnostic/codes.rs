@@ -685,7 +685,8 @@ the predicted errors do not count the move. Program the axes before the cut, or 
     ROTARY_ASSUMED = "W0324" "rotary axes assumed at 0°"
 "The program has a feed move, and neither an earlier block nor --start states the position of a rotary axis of the machine. ncfix takes
 it to be at 0°, as programs for three axes expect. If the axis is elsewhere, the workpiece is turned, and the correction acts in wrong
-directions. Program the axis before the cut, or state its position with --start.";
+directions. Program the axis before the cut, or state its position: with --start, or with start_deg in the section of the axis if
+every program begins there.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be detected.";
     TWO_DRIFTS = "W0402" "two models of the drift"

@@ -251,6 +251,7 @@ fn read_axis(
         let help = format!("add `{travel_key} = [lowest, highest]`, so that positions outside the travel are detected");
         section.report(Code::NO_TRAVEL, section.place(), message, help);
     }
+    let start_rad = read_start(axis, travel, &mut section);
     let max_feed = section.number_where(feed_key, "a number above 0", |feed| feed > 0.0);
     let lever = match section.text("lever") {
         None | Some("carried") => Lever::Carried,
@@ -265,7 +266,22 @@ fn read_axis(
     let clamps = super::clamp::read(axis, controller, &mut section);
     let name = super::axis_name::read(axis, &mut section);
     section.finish(findings);
-    Some(AxisData { axis, name, direction: direction?, point_mm, travel, modulo, max_feed, clamps, lever })
+    Some(AxisData { axis, name, direction: direction?, point_mm, travel, modulo, start_rad, max_feed, clamps, lever })
+}
+
+/// Reads the position of a rotary axis at the beginning of a program, rad.
+fn read_start(axis: Axis, travel: Option<[f64; 2]>, section: &mut Section<'_>) -> Option<f64> {
+    const KEY: &str = "start_deg";
+    if !axis.is_rotary() {
+        return None;
+    }
+    let start_rad = section.number(KEY)?.to_radians();
+    if travel.is_some_and(|[low, high]| start_rad < low || start_rad > high) {
+        let message = format!("start_deg of axis {axis} is outside its travel");
+        let help = "write the position that the control shows when a program begins";
+        section.report(Code::BAD_VALUE, section.place_of(KEY), message, help);
+    }
+    Some(start_rad)
 }
 
 /// Returns the unit vector of a direction. A linear axis must run along its own direction of F; a deviation belongs to the errors, not to the direction.

@@ -121,6 +121,8 @@ pub struct AxisData {
     pub travel: Option<[f64; 2]>,
     /// True for a modulo axis, whose positions are within one turn; it has no travel.
     pub modulo: bool,
+    /// Position of a rotary axis at the beginning of every program, rad; `None` if the file does not state it.
+    pub start_rad: Option<f64>,
     /// Maximum feed, mm/min or deg/min as in the file; `None` if not given.
     pub max_feed: Option<f64>,
     /// Clamps; while one of them is closed, the axis must not move.

@@ -228,6 +228,7 @@ mod tests {
             "direction",
             "travel_mm",
             "travel_deg",
+            "start_deg",
             "max_feed_mm_min",
             "max_feed_deg_min",
             "clamp_codes",

@@ -16,10 +16,19 @@ pub(in crate::exec) struct Position {
 }
 
 impl Position {
-    /// The state before the first block: given by the caller, or unknown.
+    /// The state before the first block: given by the caller, or as far as the machine states it.
     pub(in crate::exec) fn at_start(start: Option<AxisVector>, machine: &Machine) -> Self {
-        let known = if start.is_some() { machine.axis_set() } else { AxisSet::EMPTY };
-        Position { command: start.unwrap_or_default(), known }
+        if let Some(command) = start {
+            return Position { command, known: machine.axis_set() };
+        }
+        let mut position = Position { command: AxisVector::ZERO, known: AxisSet::EMPTY };
+        for axis in machine.axis_set().iter() {
+            if let Some(start_rad) = machine.axis(axis).and_then(|data| data.start_rad) {
+                position.command[axis] = start_rad;
+                position.known.insert(axis);
+            }
+        }
+        position
     }
 
     /// Makes the position of axes unknown. Axes that a transformation or frame mixes become unknown together. Returns all unknown axes.
