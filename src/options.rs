@@ -9,7 +9,7 @@ use ncfix_base::geometry::AxisVector;
 use ncfix_machine::machine::Load;
 use ncfix_path::path::{self, Arcs, FiveAxis, OutputFrame, Rapids, Rotary, Subdivision};
 
-/// In which language a program is.
+/// The control language of a program.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -20,7 +20,8 @@ use ncfix_path::path::{self, Arcs, FiveAxis, OutputFrame, Rapids, Rotary, Subdiv
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum DialectChoice {
-    /// Detected from the file name or the first lines. Parsing uses the detected dialect; running uses the dialect of the machine's control if it has one.
+    /// Detected from the file name or the first lines, then from typical words; else Sinumerik. Parsing uses the detected dialect; running uses the dialect of
+    /// the machine's control if it has one.
     #[default]
     Guess,
     /// Siemens Sinumerik 840D, 828D.

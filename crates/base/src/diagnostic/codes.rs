@@ -294,7 +294,7 @@ G42.1, whose diameter is in the program; --frame machine and --five-axis axes, w
 below 10 mm, which cut the motion to the contour into pieces; and an output that the control could not follow completely with a wear
 of plus or minus --largest-wear: smaller inner arcs of the tool center path, or shorter elements, such as the few micrometers that a
 correction or backlash adds across the path. Change the program as the message states, give a smaller --largest-wear, or correct
-it without the option; then enter the wear in the machine file.";
+it without the option; then add the wear to radius_mm in the machine file.";
     NO_ORIENTATION = "E0240" "tool direction out of reach"
 "Under TRAORI the rotary axes cannot turn the tool to the programmed direction, at least not within their travel: for example a table
 that tilts to one side only, or an axis at its limit. Check the direction (A3, B3, C3 run from the tip to the spindle) and
@@ -610,15 +610,16 @@ no such words: position the rotary axes before it, or choose the other solution 
     WEAR_WITHOUT_EFFECT = "W0236" "radius compensation is replaced by the tool center path"
 "The program uses G41 or G42 (Grundig: G43 and G44 too), and the corrected one has the tool center path instead, for the radius of
 the tool in the machine file. The control no longer uses its own radius: another radius or wear entered at the control has no effect
-on this program. After a change of radius or wear put the new value into the machine file or a set-up file ([[tool]] radius_mm, wear
-included; --setup takes the tool table of the control) and correct the program again. Tool lengths and their wear are not affected.";
+on this program. After a change of radius or wear, enter the new radius, wear included, as radius_mm of [[tool]] in the machine file or
+a set-up file (--setup also takes the tool table of the control), and correct the program again. Tool lengths and their wear are not
+affected.";
     WEAR_ALONE = "W0237" "radius compensation at the control is for wear alone"
 "The program was corrected with --compensation wear: it has the tool center path, for the radius of the tool in the machine file, and
 G41 or G42 in addition, so that wear entered at the control keeps its effect. The control must therefore have the radius 0 for these
 tools, plus the wear. If it still has the radius of the tool, it offsets the tool twice: too far from the part outside, into the
 wall or to an alarm inside. Set the radius in the register (D number) to 0 before this program runs and enter only the wear. Restore
-it before any other program uses that register, or give this program its own register. The machine file needs the real radius. See
-docs/reference/output.md.";
+it before any other program uses that register, or give this program its own register. In the machine file, radius_mm is the radius of
+the tool without this wear. See docs/reference/output.md.";
     MOVES_NOTHING = "W0238" "no axis is moved"
 "The program was executed, and no axis has moved: a correction of it would be refused (E0223). For a file of definitions or
 subprograms this is correct. Otherwise its blocks may be after the end of the program (M30), in a subprogram that is never called,
