@@ -18,7 +18,7 @@ pub struct NumberRange {
     pub reason: &'static str,
 }
 
-/// More turns of a rotary axis than anyone counts, degrees.
+/// More turns than a rotary axis makes in one direction, degrees.
 const MANY_TURNS_DEG: f64 = 360_000.0;
 /// One kilometre, mm.
 const KILOMETRE_MM: f64 = 1e6;
@@ -35,16 +35,16 @@ pub const RANGES: &[NumberRange] = &[
     of("travel_mm", -1e9, 1e9, "see [limits](limits.md)"),
     of("travel_deg", -1e9, 1e9, "see [limits](limits.md)"),
     of("radius_mm", 0.0, 1e4, "10 m; no tool is larger"),
-    of("baud", 50.0, 4e6, "telegraphs and the fastest adapters"),
+    of("baud", 50.0, 4e6, "the slowest serial lines and the fastest adapters"),
     of("lines", 1.0, 1000.0, "lines in the window no longer follow the temperatures"),
     of("bytes", 1.0, 65_536.0, "the largest receive buffers of controls"),
     of("system_bytes", 1.0, 65_536.0, "as `bytes`"),
     of("planned", 0.0, 10_000.0, "ten times the largest planners (grblHAL: 1000)"),
     of("at_most", 1.0, 10_000.0, "as `planned`; a control without a planner has no `[depth]`"),
     of("longest_line", 1.0, 4096.0, "no control takes longer blocks"),
-    of("repeats", 0.0, 100.0, "after a hundred failures, a line never arrives"),
+    of("repeats", 0.0, 100.0, "more repetitions do not repair a link"),
     of("*sigma_um_per_m", 0.0, 1e6, "a strain of 1"),
-    of("*um_per_m_K", -1e4, 1e4, "a thousand times the expansion of aluminum is another unit"),
+    of("*um_per_m_K", -1e4, 1e4, "hundreds of times the expansion of aluminum: probably another unit"),
     of("*um_per_K", -1e4, 1e4, "10 mm per K"),
     of("*_mm_min", 0.0, 1e7, "10 km/min"),
     of("*_deg_min", 0.0, 1e9, "a million turns per minute"),
@@ -52,14 +52,14 @@ pub const RANGES: &[NumberRange] = &[
     of("*_mm", -KILOMETRE_MM, KILOMETRE_MM, "1 km; no machine is larger"),
     of("*_inch", -KILOMETRE_MM, KILOMETRE_MM, "as lengths in mm"),
     of("*_deg", -MANY_TURNS_DEG, MANY_TURNS_DEG, "1000 turns"),
-    of("*_um", -1e6, 1e6, "1 m of error is another unit"),
-    of("*_urad", -1e7, 1e7, "10 rad of error is another unit"),
+    of("*_um", -1e6, 1e6, "1 m: a larger error is probably in another unit"),
+    of("*_urad", -1e7, 1e7, "10 rad: a larger error is probably in another unit"),
     of("*_ms", 0.0, 1e6, "a quarter of an hour"),
     of("*_s", 0.0, YEAR_S, "a year"),
-    of("*_C", -273.15, 1000.0, "above absolute zero, below glowing"),
-    of("*_K", -1e4, 1e4, "no difference of temperature is larger"),
+    of("*_C", -273.15, 1000.0, "from absolute zero to above any temperature of a machine"),
+    of("*_K", -1e4, 1e4, "no temperature difference is larger"),
     of("*_N", 0.0, 1e6, "100 t on a table"),
-    of("*_percent", 0.0, 100.0, "a share"),
+    of("*_percent", 0.0, 100.0, "a share of the whole"),
     of("*", -1e9, 1e9, "any other number: nine digits before the point, as in a program"),
 ];
 
