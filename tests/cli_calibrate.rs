@@ -375,7 +375,7 @@ fn readings_of_another_unit_are_refused() {
     let shop = shop.file("circles.csv", large);
     refused(&shop, "model.txt", &["E0608", "circles.csv:2:", "beyond 1000 µm"]);
     let shop = shop.file("circles.csv", small);
-    refused(&shop, "model.txt", &["E0608", "circles.csv:2:", "less than their uncertainty"]);
+    refused(&shop, "model.txt", &["E0608", "circles.csv:2:", "the RMS of all lengths is less than sigma_um"]);
     // Positions in another unit leave the travel.
     let text = circles_csv().replace("setup,X,Y,Z,tool_z_mm", "setup,X,Y,Z,dr_um").replace(",-100\n", ",1\n");
     let meters = text.replacen("A,500.0000", "A,500000.0", 1);

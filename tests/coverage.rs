@@ -80,7 +80,7 @@ fn rotary_axes_that_were_never_measured_are_named_and_nothing_is_green() {
     assert_eq!(json["verdict"]["grade"], "warn");
     assert_eq!(json["verdict"]["is_covered"], false);
     let first = json["verdict"]["reasons"][0]["text"].as_str().unwrap();
-    assert!(first.contains("A and C move, and the machine file has no error of them"), "{first}");
+    assert!(first.contains("A and C move, but their errors are not in the machine file"), "{first}");
     assert!(shop.text("page.html").contains("A and C move"));
     // For people: the verdict, and its reason in the next row.
     let run = fix(&shop, "--review page.html").exits(0);
@@ -194,7 +194,7 @@ fn a_longer_tool_is_named_where_angles_matter() {
     let tool = "tool_length_mm = [100, 150]\n[[tool]]\nnumber = 5\nlength_mm = 220.0\n";
     let cut = "G90 G71 G17\nT5 M6\nG0 X100 Y50 Z300 D1\nG1 X200 F500\nM30\n";
     let run = fix(&shop(&format!("{MEASURED}{tool}"), cut), "").exits(0);
-    run.says("warning[W0318]").says("a tool of 220 mm is 70 mm longer than the measured ones, 100 to 150 mm");
+    run.says("warning[W0318]").says("a tool of 220 mm is 70 mm longer than the tools of the measurement, 100 to 150 mm");
     let json = fix(&shop(&format!("{MEASURED}{tool}"), cut), "--json").exits(0).json();
     // EA0Z = -15 µrad at 70 mm more.
     let size_um = gaps(&json, "tool-length")[0]["size_um"].as_f64().unwrap();
@@ -231,7 +231,7 @@ fn temperatures_and_loads_beyond_the_measured_ones_are_named() {
 #[test]
 fn a_release_gate_refuses_gaps_and_writes_nothing() {
     for (own, x, says) in [
-        ("", 300.0, "A and C move, and the machine file has no error of them"),
+        ("", 300.0, "A and C move, but their errors are not in the machine file"),
         ("", 300.0, "the machine file does not state in which ranges its errors were measured"),
         (MEASURED, 650.0, "X 650 mm is 53 mm beyond the measured range"),
     ] {

@@ -132,7 +132,7 @@ pub(crate) fn source_of(path: Option<&Path>, found: FoundFile, findings: &mut Di
                     Code::NO_MACHINE,
                     format!("the embedded demo machine is used: no --machine was given and no {NEAREST} was found"),
                     format!(
-                        "give --machine M.toml, name the machine file in {VARIABLE}, or put it into the folder of the program as {NEAREST}"
+                        "give --machine M.toml, name the machine file in {VARIABLE}, or save it as {NEAREST} in the folder of the input file"
                     ),
                 ),
                 &[],

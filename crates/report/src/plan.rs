@@ -51,7 +51,7 @@ fn said(judgement: &PlanJudgement, model: &str) -> String {
         let _ = writeln!(out, "  cannot determine: and {} more", all - MOST_SENTENCES);
     }
     for sentence in told.harmless.iter().take(MOST_SENTENCES) {
-        let _ = writeln!(out, "  no harm: {sentence}");
+        let _ = writeln!(out, "  not needed: {sentence}");
     }
     if told.left_out > 1 {
         let _ =

@@ -414,7 +414,8 @@ again.";
     UNKNOWN_KEY = "E0402" "unknown key in the machine file"
 "The key is not known in this section; a misspelled key would have no effect without notice, so it is refused.";
     MISSING_KEY = "E0403" "missing key in the machine file"
-"The section needs this key.";
+"A section lacks a key that has no default. The message names the key and the section. Add it with the unit that its name states;
+docs/reference/machine-file.md lists all keys.";
     BAD_VALUE = "E0404" "value not allowed in the machine file"
 "The value has the wrong type, is not finite, or is outside its range; the message states what is expected.";
     BAD_TOPOLOGY = "E0405" "invalid topology"
@@ -480,7 +481,7 @@ set-up or an axis, or single parameters hardly affect the readings. Check the de
 with large deviations.";
     DATA_SIZE = "E0608" "readings of an implausible size"
 "Readings are in µm or µrad, as their column names state. This one is above --max (an angle is judged by its effect at an arm of 1 m),
-or all readings of a measurement are below the uncertainty of the instrument. Probably values in mm or nm are in a column of µm, or
+or the RMS of all readings is less than the uncertainty of the instrument. Probably values in mm or nm are in a column of µm, or
 length_mm and centre_mm of the description are wrong. A parameter that would move the tool by more than --max is reported too. If the
 machine really has such errors, give a larger --max.";
     BAD_PARAMETER = "E0609" "not a parameter of this machine"
@@ -665,7 +666,7 @@ the axis and calibrate. If it was measured and has no error worth a correction, 
 "An axis goes beyond the range of [measured] in the machine file or, without it, beyond the positions of a table of this axis. The
 error model is extrapolated there: a polynomial may rise steeply, a table keeps its last value. The message states how far, and the
 part of the error at the tool tip that no measurement supports. Only feed moves count, unless the program has none.";
-    TOOL_BEYOND_MEASURED = "W0318" "tool length beyond the measured ones"
+    TOOL_BEYOND_MEASURED = "W0318" "tool length beyond the measured range"
 "Angular errors and rotary axes move the tool tip in proportion to the tool length. This tool is longer or shorter than all tools with
 which the machine was measured ([measured] tool_length_mm), so its error is extrapolated.";
     RANGE_NOT_STATED = "W0319" "measured range of an axis not stated"

@@ -349,7 +349,7 @@ pub fn check_sizes(begin: &CalibrationStart<'_>, measurement: &Measurement, max_
             && (sum / count).sqrt() < sigma
         {
             let (place, _) = cell(measurement, first, 0);
-            let message = format!("all {what} together are less than their uncertainty (RMS)");
+            let message = format!("the RMS of all {what} is less than {key}");
             let help = format!("check the unit of the column and {key} in the description");
             findings.push(Diagnostic::at(Code::DATA_SIZE, place, message, help));
         }

@@ -46,7 +46,7 @@ pub enum GapKind {
     RangeNotStated,
     /// Position beyond the measured range.
     Position,
-    /// Tool shorter or longer than the measured ones.
+    /// Tool shorter or longer than the tools of the measurement.
     ToolLength,
     /// Temperature beyond the measured range.
     Temperature,

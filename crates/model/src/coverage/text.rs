@@ -23,9 +23,9 @@ impl Coverage {
             let help = "add [measured] to the machine file: ncfix calibrate -o writes it from the data";
             say(Code::NOT_COVERED, message.into(), help.into());
         }
-        if let Some((axes, verb, them, _)) = self.subjects(GapKind::NoErrors) {
-            let message = format!("{axes} {verb}, and the machine file has no error of {them}");
-            let help = format!("measure {axes} and calibrate; until then errors of {them} remain on the workpiece");
+        if let Some((axes, verb, errors, _)) = self.subjects(GapKind::NoErrors) {
+            let message = format!("{axes} {verb}, but {errors} are not in the machine file");
+            let help = format!("measure {axes} and calibrate; until then {errors} remain on the workpiece");
             say(GapKind::NoErrors.code(), message, help);
         }
         if let Some((axes, verb, _, they)) = self.subjects(GapKind::RangeNotStated) {
@@ -41,14 +41,14 @@ impl Coverage {
         found
     }
 
-    /// Returns the axes of a kind of gaps as a subject, with its verb and its pronouns.
+    /// Returns the axes of a kind of gaps as a subject, with its verb, its errors and its passive.
     fn subjects(&self, kind: GapKind) -> Option<(String, &'static str, &'static str, &'static str)> {
         let of_kind = self.gaps.iter().filter(|gap| gap.kind == kind);
         let axes: Vec<String> = of_kind.filter_map(|gap| Some(gap.axis?.to_string())).collect();
         Some(match axes.as_slice() {
             [] => return None,
-            [one] => (one.clone(), "moves", "it", "it was"),
-            [first @ .., last] => (format!("{} and {last}", first.join(", ")), "move", "them", "they were"),
+            [one] => (one.clone(), "moves", "its errors", "it was"),
+            [first @ .., last] => (format!("{} and {last}", first.join(", ")), "move", "their errors", "they were"),
         })
     }
 }
@@ -105,7 +105,7 @@ fn sentence(gap: &CoverageGap) -> Option<(String, String)> {
         }
         GapKind::ToolLength => {
             let than = if gap.beyond > 0.0 { "longer" } else { "shorter" };
-            let message = format!("a tool of {used} mm is {far} mm {than} than the measured ones, {ends} mm{size}");
+            let message = format!("a tool of {used} mm is {far} mm {than} than the tools of the measurement, {ends} mm{size}");
             (message, "measure with a tool of this length, or choose another tool".to_owned())
         }
         GapKind::Temperature => {

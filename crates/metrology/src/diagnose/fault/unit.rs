@@ -96,7 +96,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
             let evidence = if by_model || by_both {
                 let of_noise = of_noise.map_or_else(String::new, |text| format!("; {text}"));
                 format!(
-                    "the readings are {:.3e} times the prediction, which explains {:.0} % of their squares{of_noise}: {means}",
+                    "the readings are {:.3e} times the prediction, which explains {:.0} % of their sum of squares{of_noise}: {means}",
                     matched.gain,
                     matched.share * 100.0
                 )

@@ -193,7 +193,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     if wishes.balls_mm.is_empty() {
         let shown = balls_mm.iter().map(|ball| format!("{:.0},{:.0},{:.0}", ball.x, ball.y, ball.z));
         let shown: Vec<String> = shown.collect();
-        plan.notes.push(format!("the balls are assumed at {}; give --ball X,Y,Z for each", shown.join(" and ")));
+        plan.notes.push(format!("the balls are assumed at {}; give --ball X,Y,Z for each", shown.join("; ")));
     }
     if strategy == ProbeStrategy::Samba {
         plan.notes
