@@ -100,7 +100,8 @@ impl Calibration {
     /// ```
     ///
     /// # Errors
-    /// If a name is no parameter of the machine, data are wrong, or they cannot tell the parameters apart: the diagnostics say why, and what to measure.
+    /// If a name is not a parameter of the machine, the data are wrong, or the parameters are not identifiable. The diagnostics state the reason, and the
+    /// measurement that is missing.
     pub fn run(machine: &Machine, data: &[DataSet], options: &CalibrationOptions) -> Result<Calibration, Error> {
         let mut diagnostics = Diagnostics::default();
         let parameters = chosen(machine, &options.parameters, &mut diagnostics)?;

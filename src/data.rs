@@ -47,7 +47,7 @@ impl DataSet {
     /// ```
     ///
     /// # Errors
-    /// If a file cannot be read, or the path is no `NAME.csv`.
+    /// If a file cannot be read, or the path does not end with `.csv`.
     pub fn read(path: impl AsRef<Path>) -> Result<DataSet, Error> {
         let path = path.as_ref();
         let Some(beside) = measurement::description_of(path) else {

@@ -1,5 +1,5 @@
-//! ncfix reads a part program and executes it into a flat stream of simple moves. It adds the corrections for the measured errors of one machine, and
-//! writes a program for this machine only.
+//! ncfix reads a part program and executes it: the result is a flat stream of simple moves. It adds the corrections for the measured errors of one machine,
+//! and writes a program for this machine only.
 //!
 //! ```
 //! use ncfix::prelude::*;
@@ -14,15 +14,15 @@
 //! # Ok::<(), ncfix::Error>(())
 //! ```
 //!
-//! [`prelude`] has the names of the library. Lengths are mm, angles rad and times s unless a name states another unit. Everything that holds data is `Send` and
+//! [`prelude`] exports the types of the library. Lengths are mm, angles rad and times s unless a name states another unit. Everything that holds data is `Send` and
 //! `Sync`.
 //!
-//! These read or write files: functions with *file* in their name, [`DataSet::read`], [`Tables::read`], [`Transfer::send`] (its journal) and
-//! [`sensors::from_text`] (the sources that the text names). Running a program from a file reads its subprograms; if one cannot be read, the reason is logged
-//! with [`log`]. Other functions use no file.
+//! These functions read or write files: those with *from_file* in their name, [`DataSet::read`], [`Tables::read`], [`Transfer::send`] and
+//! [`Transfer::send_seen`] (the journal), and [`sensors::from_text`] (the sources that the text names). Running a program from a file reads its subprograms; if
+//! one cannot be read, the reason is logged with [`log`]. Other functions use no file.
 //!
-//! Everything streams: no stage holds the path, so a program with an endless loop can be fed and memory is bounded by the program text. `ARCHITECTURE.md` of the project is
-//! the map of its crates, `docs/explanation/theory.md` has the formulas with their sources.
+//! Everything streams: no stage holds the path, so memory is bounded by the program text, also for a program with an endless loop. `ARCHITECTURE.md` of the
+//! project is the map of its crates, `docs/explanation/theory.md` has the formulas with their sources.
 
 pub mod extend;
 pub mod prelude;

@@ -33,7 +33,7 @@ pub struct Machine {
     pub(crate) machine: ncfix_machine::machine::Machine,
     /// Its errors.
     pub(crate) errors: ErrorModel,
-    /// The registry: the keys that the machine file may use, and the causes that are searched for in its measurements.
+    /// The registry: it defines the keys of the machine file, and the causes of a diagnosis with this machine.
     pub(crate) registry: Arc<Registry>,
     /// Its condition.
     pub(crate) condition: Condition,
@@ -172,7 +172,7 @@ impl Machine {
         &self.machine.name
     }
 
-    /// The registry: the keys that the machine file may use, and the causes that are searched for in its measurements.
+    /// The registry: it defines the keys of the machine file, and the causes of a diagnosis with this machine.
     ///
     /// ```
     /// # use ncfix::prelude::*;

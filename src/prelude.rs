@@ -1,4 +1,4 @@
-//! The names of the library: `use ncfix::prelude::*`.
+//! The types of the library: `use ncfix::prelude::*`.
 
 pub use crate::calibration::{Calibration, CalibrationOptions};
 pub use crate::correction::{Correction, Pieces};

@@ -242,7 +242,7 @@ impl Transfer {
     /// ```
     ///
     /// # Errors
-    /// If it does not begin: findings forbid it, the journal cannot be written, sensors are missing or do not begin.
+    /// If the transfer does not begin, because there are errors, the journal cannot be written, or sensors are missing or do not start.
     pub fn send(self, port: Box<dyn Port>, sensors: Option<Panel>, journal: impl AsRef<Path>) -> Result<Sent, Error> {
         self.send_seen(port, sensors, journal, &mut Nobody)
     }

@@ -233,7 +233,7 @@ impl Tables {
         Ok(Tables { tables: read, format, wiring, notes: vec![format!("read from {name}")] })
     }
 
-    /// The files in the format of the control: names that begin with `name`, and texts.
+    /// The files in the format of the control, as pairs of a name and a text. Every name begins with `name`. Nothing is written.
     ///
     /// ```
     /// use ncfix::prelude::*;

@@ -1,4 +1,4 @@
-//! Foundation of ncfix: bytes with their places, diagnostics as plain data, unit conversion, text tables, frames, least squares, and registers that a caller
+//! Foundation of ncfix: bytes with their places, diagnostics as plain data, unit conversion, text tables, frames, least squares, and registries that a caller
 //! can extend. This crate does not depend on machines.
 
 pub mod csv;

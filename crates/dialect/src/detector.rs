@@ -28,7 +28,7 @@ impl Detector {
     /// case is ignored; `^` and `$` match the ends of the line.
     ///
     /// # Errors
-    /// A sentence if the pattern is not valid.
+    /// The pattern is not valid. The error is a sentence.
     pub fn new(
         name: impl Into<String>,
         dialect: &'static Dialect,

@@ -85,7 +85,7 @@ pub fn find(name: &str) -> Option<&'static Dialect> {
     DIALECTS.iter().find(|dialect| dialect.name.eq_ignore_ascii_case(name))
 }
 
-/// Guesses the dialect from the file name, then from the first kilobytes. Plain words that occur in several dialects are no basis for a guess: the languages
+/// Guesses the dialect from the file name, then from the first kilobytes. Words that occur in several dialects are not used, because the languages
 /// differ in the meaning of a number without a decimal point.
 #[must_use]
 pub fn guess(file_name: &str, bytes: &[u8]) -> Option<&'static Dialect> {

@@ -1,4 +1,4 @@
-//! Register of diagnostic codes: every code once, with its title and the long text that `ncfix explain` prints.
+//! Registry of diagnostic codes: every code once, with its title and the long text that `ncfix explain` prints.
 //!
 //! Groups: `E01` syntax, `E02` execution, `E03` safety and machine limits, `E04` machine file and error model, `E05` state of the machine, `E06` measured
 //! data, `E07` links, `E08` the cycle of a control, `E09` compensation tables; `W…` are these groups as warnings. Codes are stable; a code that is no longer

@@ -1,4 +1,4 @@
-//! Makes the lines of a link from corrected pieces: second step of the correction, dosing, text.
+//! Makes the lines of a link from corrected pieces: thermal correction, rate limit, text.
 //!
 //! [`Lines`] takes the outputs of the first step one by one, with the current model, and returns the lines that they complete. A writer ends a line when the
 //! next block begins, so a line becomes available one output later. Comments, messages and headers are not sent: they cost time on a slow link, and some

@@ -1,4 +1,4 @@
-//! Maps the permissions of a move to doses.
+//! Maps the permissions of a move to steps of the rate limit.
 
 use crate::feed::{Dose, DosingLimits, LineDosing};
 use ncfix_base::geometry::{AXES, AXIS_COUNT, AxisVector};
@@ -6,7 +6,7 @@ use ncfix_path::path::{Allows, Asked, Doses};
 
 use super::slots;
 
-/// Doses the correction within the limits of a job.
+/// Limits the rate of change of the correction to the limits of a job.
 pub(super) struct RateLimiter {
     dosing: LineDosing,
     /// True while sensors are unreliable: the applied correction follows the path and approaches no target.

@@ -1,4 +1,4 @@
-//! Sends a program to a control line by line: links, dialogues, window, dosing, journal.
+//! Sends a program to a control line by line: links, dialogues, window, rate limit, journal.
 //!
 //! ```text
 //! Supply ─▶ Line (frozen) ─▶ Dialogue ─▶ Wire ─▶ Port

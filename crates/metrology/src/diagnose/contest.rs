@@ -1,7 +1,7 @@
 //! Selects the most probable explanation of the readings: the result of the search, or another set of terms.
 //!
 //! All terms compete in one comparison ([`super::explain`]): errors of axes in the form in which each has one name, and every candidate of the
-//! register. The result of the search is one of its starts. A set that is certainly more probable replaces it.
+//! registry. The result of the search is one of its starts. A set that is certainly more probable replaces it.
 
 use std::collections::HashMap;
 
@@ -199,7 +199,7 @@ impl Field<'_, '_> {
             Family::Scale => known(EffectKind::Motion, &|own| is_slope(own)),
             Family::Backlash => known(EffectKind::Backlash, &|_| true),
             Family::LateralPlay | Family::AngularPlay => known(EffectKind::LateralPlay, &|_| true),
-            // Lags and products are candidates of the register.
+            // Lags and products are candidates of the registry.
             Family::Lag | Family::Cross | Family::CrossAngle => return,
             _ => None,
         };

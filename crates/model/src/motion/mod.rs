@@ -61,8 +61,7 @@ pub enum EntryFunction {
 
 /// Kind of function as named in the machine file.
 ///
-/// A caller adds one with [`MotionKinds::with`](ncfix_base::register::Register::with) and reads the machine file with
-/// [`file::load_with`](crate::file::load_with).
+/// To add one, pass it to `ncfix::Registry::with_motion_kind`, and read the machine file with `ncfix::Machine::from_file_with`.
 pub trait MotionKind: Send + Sync {
     /// Returns its name: `kind = "…"` in `[[motion]]` and `[[load]]`.
     fn name(&self) -> &str;

@@ -40,8 +40,8 @@ pub struct SourceInfo {
 
 /// Error source: reads its sections of the machine file into effects.
 ///
-/// A caller adds one with [`Sources::with`](ncfix_base::register::Register::with) and reads the machine file with
-/// [`file::load_with`](crate::file::load_with). A section of a source that is not in the registry is unknown.
+/// To add one, pass it to `ncfix::Registry::with_source`, and read the machine file with `ncfix::Machine::from_file_with`. A section of a source that is not
+/// in the registry is unknown.
 pub trait ErrorSource: Send + Sync {
     /// Returns its description: always the same static, which its effects return, too.
     fn info(&self) -> &'static SourceInfo;

@@ -1,7 +1,7 @@
 //! Dialogues between a sender and a control, as state machines without input, output or a clock.
 //!
 //! To add one, write its file and register it in [`PROTOCOLS`]; profiles refer to it by its name. From another crate, write a static [`Protocol`], pass it to
-//! [`Protocols::with`](ncfix_base::register::Register::with) and read the profile with [`Profile::read_with`].
+//! `ncfix::Registry::with_protocol`, and read the profile with `ncfix::ControlLink::from_file_with`.
 
 mod answers;
 mod barrier;
@@ -73,7 +73,7 @@ pub trait Dialogue: Send {
     /// Sends a line.
     ///
     /// # Errors
-    /// A sentence if its bytes have another meaning on this link. Nothing was sent then.
+    /// Its bytes have another meaning on this link. Nothing was sent. The error is a sentence.
     fn send(&mut self, line: &Line, now: Duration, wire: &mut Wire) -> Result<(), String>;
 
     /// Handles received bytes.
@@ -95,7 +95,7 @@ pub trait Dialogue: Send {
     fn halt(&mut self, halt: Halt, now: Duration, wire: &mut Wire) -> Option<String>;
 }
 
-/// Kind of dialogue.
+/// Protocol: creates the dialogues of one kind of control.
 #[derive(Clone, Copy, Debug)]
 pub struct Protocol {
     /// Name in profiles.
@@ -108,9 +108,9 @@ pub struct Protocol {
     pub has_planner: bool,
     /// Blocks beyond the planner places that may not be executed either: those that still move, and those that wait before the planner.
     pub beyond: u64,
-    /// Checks that a line can be sent over it; a sentence if not.
+    /// Checks that a line can be sent over it. The error is a sentence.
     pub check: fn(&Profile, &[u8]) -> Result<(), String>,
-    /// Creates a dialogue; a sentence if the profile does not fit it.
+    /// Creates a dialogue. The error is a sentence, if the profile does not fit it.
     pub create: fn(&Profile) -> Result<Box<dyn Dialogue>, String>,
 }
 
@@ -121,7 +121,7 @@ impl PartialEq for Protocol {
     }
 }
 
-/// Kinds of dialogues that a profile may name. [`Register::default`](ncfix_base::register::Register::default) contains the built-in ones.
+/// Protocols that a profile may name. [`Register::default`](ncfix_base::register::Register::default) contains the built-in ones.
 pub type Protocols = Register<&'static Protocol>;
 
 impl Registered for &'static Protocol {

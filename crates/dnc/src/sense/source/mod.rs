@@ -1,7 +1,7 @@
 //! Sources of readings: one file for each kind, and their registry ([`SensorSources`]), which a caller can extend.
 //!
-//! To add a kind from another crate, implement [`SensorSource`] and pass it to [`SensorSources::with`](ncfix_base::register::Register::with). Then read the
-//! sensor file with [`Config::read_with`](super::Config::read_with).
+//! To add a kind from another crate, implement [`SensorSource`] and pass it to `ncfix::Registry::with_sensor_source`. Then read the sensor file with
+//! `ncfix::sensors::from_file`.
 
 /// Placeholder for a kind that is not built in: its name is known, and its use is reported.
 #[allow(unused_macros, reason = "with all features there is none")]
@@ -166,7 +166,7 @@ pub trait SourcePlan: fmt::Debug + Send + Sync {
     /// Prepares the source for running; paths are relative to `base`.
     ///
     /// # Errors
-    /// A sentence if it can never run.
+    /// It can never run. The error is a sentence.
     fn open(&self, base: &Path, poll: Duration) -> Result<OpenedSource, String>;
 }
 
@@ -189,7 +189,7 @@ pub trait Polled: Send + 'static {
     /// Polls once.
     ///
     /// # Errors
-    /// A sentence if it cannot be reached.
+    /// It cannot be reached. The error is a sentence.
     fn poll(&mut self, outlet: &ReadingOutlet) -> Result<(), String>;
 }
 

@@ -5,7 +5,7 @@
 //! a term is only reported.
 //!
 //! To add a cause from another crate, write a static [`Cause`] with its function, or a type that implements [`Propose`] if it needs its own data.
-//! Pass it to [`Causes::with`](ncfix_base::register::Register::with) and the registry to [`diagnose_with`](super::diagnose_with).
+//! Pass it to `ncfix::Registry::with_cause`, and read the machine file with `ncfix::Machine::from_file_with`. A diagnosis of this machine uses it.
 
 mod backlash;
 pub mod catalogue;
@@ -94,7 +94,7 @@ pub enum EffectKind {
     Program,
     /// An effect without a known cause.
     Unknown,
-    /// The effect of a cause of another crate, with its name: small letters and hyphens, such as `beam-sag`.
+    /// The effect of a custom cause, with its name: small letters and hyphens, such as `beam-sag`.
     Own(&'static str),
 }
 
@@ -255,7 +255,7 @@ impl fmt::Debug for Weight {
 pub enum Term {
     /// By parameters, one for each column.
     Parameters(Vec<ParameterName>),
-    /// By a function of the amounts: entries of an error source of another crate.
+    /// By a function of the amounts: entries of a custom error source.
     File(FileTerm),
     /// None: it is not an error of the machine, or has no entry in the machine file.
     None,

@@ -10,7 +10,7 @@
 //! findings                            terms with their probabilities, and sizes averaged over all explanations
 //! ```
 //!
-//! A diagnosis compares the result of its search with all sets of these terms and of the candidates of the register. [`explain`] uses only errors of
+//! A diagnosis compares the result of its search with all sets of these terms and of the candidates of the registry. [`explain`] uses only errors of
 //! axes: position-dependent and position-independent ones, backlash and lateral play, lags.
 
 pub mod assumptions;

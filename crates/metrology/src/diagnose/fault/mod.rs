@@ -1,4 +1,4 @@
-//! Faults of the data, between the machine and the file: one module each, and their register ([`Checks`]), which a caller can extend.
+//! Faults of the data, between the machine and the file: one module each, and their registry ([`Checks`]), which a caller can extend.
 //!
 //! Faults are searched before causes: otherwise a wrong factor, a stuck sensor or a pulse would be explained by a cause that is not present. Each
 //! check reports the fault, its rows and the evidence; [`Then`] defines the consequence for the search. An effect of the machine repeats when axes
@@ -163,7 +163,7 @@ pub enum DefectKind {
     Topology,
     /// Readings are in another unit.
     Unit,
-    /// A kind of a custom check: its word.
+    /// The kind of a custom check, by its name.
     Own(&'static str),
 }
 

@@ -2,8 +2,7 @@
 //!
 //! A kind reads its columns and predicts its readings: [`Instrument::equations`] receives the tool pose from the error model – the one forward function –
 //! and returns reading minus prediction, with the derivatives by the tool pose and by the unknowns of the set-up. To add one from another crate,
-//! write a static [`Instrument`], pass it to [`Instruments::with`](ncfix_base::register::Register::with) and read the measurement with
-//! [`data::load_with`](super::data::load_with).
+//! write a static [`Instrument`], pass it to `ncfix::Registry::with_instrument`, and read the machine file with `ncfix::Machine::from_file_with`.
 
 mod ballbar;
 mod direct;
@@ -52,8 +51,8 @@ pub struct Instrument {
     pub columns: &'static [&'static str],
 }
 
-/// Measured quantity of an instrument. Descriptions, plans, figures and causes depend on it, never on the name of the instrument. So an instrument of
-/// another crate is treated like a built-in one.
+/// Measured quantity of an instrument. Descriptions, plans, figures and causes depend on it, never on the name of the instrument. So a custom instrument
+/// is treated like a built-in one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Measurand {
