@@ -10,6 +10,7 @@ use super::number::counted;
 use super::plot::{Chart, Picture, PlotSeries, STYLE, Shape, WIDTH};
 use ncfix_base::geometry::Axis;
 use ncfix_tables::results::result::TablesResult;
+use ncfix_tables::tables::format::Holds;
 use ncfix_tables::tables::{FORMATS, SCHEMES, Sense, Tables};
 
 /// Maximum number of tables that are listed individually.
@@ -143,7 +144,7 @@ pub fn list() -> String {
     let mut text = String::from("formats\n");
     let limit = |value: usize| if value == 0 { "-".to_owned() } else { value.to_string() };
     for one in FORMATS {
-        let holds: Vec<String> = one.holds.iter().map(|what| format!("{what:?}").to_lowercase()).collect();
+        let holds: Vec<&str> = one.holds.iter().map(|what| kind_name(*what)).collect();
         let _ = writeln!(
             text,
             "  {:<11} {}: {}; tables {}, points {}, largest value {}",
@@ -161,6 +162,22 @@ pub fn list() -> String {
     }
     let _ = writeln!(text, "  {:<14} the fewest tables that reach the tolerance on this control", "auto");
     text
+}
+
+/// Returns the name of a kind of table for people.
+fn kind_name(kind: Holds) -> &'static str {
+    match kind {
+        Holds::Own => "own axis",
+        Holds::Cross => "other axis",
+        Holds::Products => "products",
+        Holds::Senses => "own axis by direction",
+        Holds::CrossSenses => "other axis by direction",
+        Holds::Repetition => "periodic",
+        Holds::Grid => "grid",
+        Holds::Errors => "error functions",
+        Holds::Locations => "location errors",
+        Holds::Matrix => "matrix",
+    }
 }
 
 /// Returns a picture of all tables: the contribution of each over its axis, mm or degrees; error functions in µm and µrad; a grid along lines through its

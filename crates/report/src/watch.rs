@@ -52,7 +52,7 @@ pub enum WatchVerdict {
     Good,
     /// Some sensors had no good value yet.
     Waiting,
-    /// Some sensors are held: nothing is dosed.
+    /// Some sensors are held: the correction does not approach that of the model.
     Freeze,
     /// A sensor has been without a good value for too long, and the work continues.
     Continue,

@@ -1,6 +1,6 @@
-//! Second step of the correction, in doses: the applied correction approaches that of the model, so that no temperature step marks a workpiece.
+//! Rate limit of the thermal correction: the applied correction approaches that of the model, so that no temperature step marks a workpiece.
 //!
-//! The remaining dose is the difference between the correction of the model and the applied one. A new temperature increases it at once, while the applied
+//! The remainder is the difference between the correction of the model and the applied one. A new temperature increases it at once, while the applied
 //! correction stays; every block removes part of it. A change of the correction due to axis motion is followed at once. It is part of the volumetric
 //! correction and as smooth as the path (Spaan 1995, ch. 7). The limits are those of controls with their own temperature compensation: per step, per path
 //! length and per time.
@@ -44,14 +44,14 @@ impl Default for DosingLimits {
     }
 }
 
-/// Applied correction and remaining dose.
+/// Applied correction and remainder.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LineDosing {
     limits: DosingLimits,
     /// Correction of the model minus applied correction, for each axis; `None` before the first block.
     left: Option<[f64; AXIS_COUNT]>,
     applied: [f64; AXIS_COUNT],
-    /// Remaining dose before moves without correction; `None` if the last move was corrected.
+    /// Remainder before moves without correction; `None` if the last move was corrected.
     released: Option<[f64; AXIS_COUNT]>,
 }
 
@@ -74,7 +74,7 @@ impl LineDosing {
                 self.applied = [0.0; AXIS_COUNT];
             }
             Dose::Follow => {
-                // After a move without correction the remaining dose is again that before the move.
+                // After a move without correction the remainder is again that before the move.
                 let applied = self.applied;
                 let lacks = self.released.unwrap_or_else(|| std::array::from_fn(|slot| before[slot] - applied[slot]));
                 self.applied = std::array::from_fn(|slot| now[slot] - lacks[slot]);
@@ -104,7 +104,7 @@ impl LineDosing {
         &self.applied
     }
 
-    /// Returns the remaining dose at the end of the last block; `None` before the first.
+    /// Returns the remainder at the end of the last block; `None` before the first.
     #[must_use]
     pub fn left(&self) -> Option<&[f64; AXIS_COUNT]> {
         self.left.as_ref()

@@ -7,7 +7,7 @@
 //! # program 5a1e… part.mpf
 //! 0 T 24.125 nose                           temperature of a sensor, °C, valid from here on
 //! 0 F 12 9c41f00a 37 51 X+0.0123 Z-0.0040/-0.0051   frozen: number, CRC-32 of the text, source line, element of the corrected program,
-//!                                           correction of the second step (mm, degrees), and that of the model if different
+//!                                           thermal correction (mm, degrees), and that of the model if different
 //! 20 P 116 [OPT:VL,100,1024]                maximum number of blocks taken and not executed, and the words of the control
 //! 31 A 12                                   acknowledged, with all before it
 //! 31 C 11                                   certainly taken, with all before it, by evidence other than the count of answers

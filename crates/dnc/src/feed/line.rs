@@ -16,7 +16,7 @@ pub struct Line {
     pub source_line: u32,
     /// Number of the piece or other element of the corrected program, from 1; the number is equal in every run of the program.
     pub element: u64,
-    /// Correction added to the axes by the second step, mm or rad.
+    /// Thermal correction added to the axes, mm or rad.
     pub offset: [f64; AXIS_COUNT],
     /// Correction that the model asks for, mm or rad.
     pub target: [f64; AXIS_COUNT],

@@ -21,7 +21,7 @@ pub enum PanelVerdict {
     Good,
     /// These channels had no good value yet.
     Waiting(Vec<String>),
-    /// Some channels are held: their last good values stay in use, and nothing is dosed.
+    /// Some channels are held: their last good values stay in use, and the correction does not approach that of the model.
     Freeze(String),
     /// A channel has been without a good value for so long that this action is due. [`Action::Continue`]: continue with the held values.
     Act(Action, String),

@@ -1,7 +1,6 @@
 //! The file formats of the controls: one file each, and their registry ([`Formats`]), which a caller may extend.
 //!
-//! To add one from another crate, write a static [`Format`] with its functions and pass it to
-//! [`Formats::with`](ncfix_base::register::Register::with).
+//! To add one from another crate, write a static [`Format`] with its functions and pass it to `ncfix::Registry::with_format`.
 
 mod cec;
 mod comp;
