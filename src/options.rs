@@ -15,7 +15,7 @@ use ncfix_path::path::{self, Arcs, FiveAxis, OutputFrame, Rapids, Rotary, Subdiv
 /// use ncfix::prelude::*;
 ///
 /// assert_eq!("fanuc".parse::<DialectChoice>().unwrap(), DialectChoice::Fanuc);
-/// assert!("klingon".parse::<DialectChoice>().is_err());
+/// assert!("unknown".parse::<DialectChoice>().is_err());
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]

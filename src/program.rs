@@ -94,7 +94,7 @@ impl Program {
     ///
     /// let machine = Machine::demo();
     /// let program = Program::parse("part.mpf", "G91 G1 X5 F500\nM30\n", DialectChoice::Sinumerik)?;
-    /// assert!(program.correct(&machine, &Options::default()).report().is_err(), "nobody knows where X is");
+    /// assert!(program.correct(&machine, &Options::default()).report().is_err(), "the position of X is unknown");
     /// let program = program.starting_at("X10,Y20,Z30".parse()?);
     /// program.correct(&machine, &Options::default()).report()?;
     /// # Ok::<(), ncfix::Error>(())

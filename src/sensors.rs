@@ -22,7 +22,7 @@ use ncfix_dnc::sense::Config;
 /// use ncfix::sensors::{SensorSources, from_file};
 ///
 /// let path = std::env::temp_dir().join(format!("ncfix_sensors_{}.toml", std::process::id()));
-/// std::fs::write(&path, "[source.own]\nkind = \"crystal ball\"\n")?;
+/// std::fs::write(&path, "[source.own]\nkind = \"unknown\"\n")?;
 /// let opened = from_file(&path, &SensorSources::default());
 /// std::fs::remove_file(&path)?;
 /// assert!(opened.err().unwrap().diagnostics().has_errors());
@@ -42,7 +42,7 @@ pub fn from_file(path: impl AsRef<Path>, kinds: &SensorSources) -> Result<Panel,
 /// ```
 /// use ncfix::sensors::{SensorSources, from_text};
 ///
-/// let error = from_text("sensors.toml", "[source.probe]\nkind = \"crystal ball\"\n", &SensorSources::default()).err();
+/// let error = from_text("sensors.toml", "[source.probe]\nkind = \"unknown\"\n", &SensorSources::default()).err();
 /// assert!(error.unwrap().diagnostics().has_errors());
 /// ```
 ///
