@@ -463,7 +463,7 @@ fn page(compared: &Compared, tools: &[Told<'_>]) -> String {
         (
             "direct",
             "`laser`, 6 components of each axis, 36 targets, 2 runs",
-            "0.5 µm, 0.5 µrad; squares with an error of 2 µrad",
+            "0.5 µm, 0.5 µrad; try squares with an error of 2 µrad",
         ),
         (
             "hole plates",
@@ -493,7 +493,7 @@ fn page(compared: &Compared, tools: &[Told<'_>]) -> String {
         out,
         "\nThe limit of 10 µm matters. If terms with an uncertainty of up to 0.1 mm at the tip are kept, the model of the hole plates still fits plates.\n\
          On the diagonals its efficiency falls from {} to {}. Terms that cancel in the planes of the plates do not\n\
-         cancel elsewhere. The efficiency on plates alone is no evidence for other places. Hold out diagonals too, and compare the effects of\n\
+         cancel elsewhere. The efficiency on plates alone is no evidence for other positions. Hold out diagonals too, and compare the effects of\n\
          the parameters with their uncertainties.",
         shares(&kept),
         shares(&compared.loose),

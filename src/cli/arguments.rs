@@ -145,7 +145,7 @@ pub(super) enum Command {
     /// Find the largest fixed step that keeps a tolerance
     #[command(name = "max-step", alias = "steps", after_help = steps::arguments::AFTER_HELP)]
     Steps(StepsArguments),
-    /// Weigh the workpiece and find its place, from strain readings
+    /// Weigh the workpiece and find its position, from strain readings
     #[command(name = "weigh", alias = "load", after_help = load::arguments::AFTER_HELP)]
     Load(LoadArguments),
     /// Find what the error model gets wrong, and why

@@ -65,7 +65,7 @@ pub enum AxisUnit {
     Millimeter,
     /// Degrees.
     Degree,
-    /// Micrometres.
+    /// Micrometers.
     Micrometer,
     /// Microradians.
     Microradian,

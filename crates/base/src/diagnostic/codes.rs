@@ -307,7 +307,7 @@ orientation by its own rule (Sinumerik MD24530, MD24540; control.pole_limit_deg,
 Move around the pole, end a block at it, or program ORIAXES: rotary axes then move in proportion.";
     CORNER_OVER_UNKNOWN = "E0242" "rounding or chamfer across an unknown effect"
 "Between the two contour elements of a rounding or chamfer (RND, RNDM, CHF, CHR; ,R and ,C) there is something whose effect on the
-motion is not known: the call of a program that the control executes itself, a stop (M0, M1, STOPRE, a read of $AA_ or $AC_
+motion is not known: the call of a program that the control itself executes, a stop (M0, M1, STOPRE, a read of $AA_ or $AC_
 variables), a tool change, another zero offset, frame, tool length or plane, a message, words that are passed on. Whether and where
 a control makes the transition then is not known. Move it before the first element or after the second one, or remove the
 transition.
@@ -328,11 +328,11 @@ ACN(…), IC(…).";
 message gives the axis, the limit and the position: the end of the move if that is outside, otherwise the farthest point of the
 path. Check zero offset and tool length first: a wrong one shifts the whole program.";
     CORRECTION_TOO_LARGE = "E0303" "correction larger than allowed"
-"A correction exceeds --max-correction (default 0.2 mm; rotary axes are judged by the arc at the tool). Geometric errors of a working
+"A correction exceeds --max-correction (default 0.2 mm; for a rotary axis, the arc at the tool counts). Geometric errors of a working
 machine are smaller: check the units in the machine file before raising the limit.";
     UNKNOWN_START = "E0304" "motion from an unknown position"
 "An incremental move or an arc starts from a position that the program has not stated: at its beginning, or after a tool change. The
-corrected program is absolute, so it would move to a different place from the original. Or the plane is tilted, and the positions of
+corrected program is absolute, so it would move to another position than the original. Or the plane is tilted, and the positions of
 the axes are not known. Begin with an absolute position of all axes, or give --start X0,Y0,Z0 for the beginning.";
     UNITS_DOUBT = "E0305" "ambiguous units"
 "Positions were programmed before the unit was stated, and the program switches between inch (G70, G700) and metric (G71, G710) later.
@@ -388,7 +388,7 @@ or one that changes the text direction. The program on the screen then differs f
     OTHER_ACT = "E0319" "corrected program differs in function"
 "A correction changes positions, and cuts moves into pieces. All other functions – spindle speed and direction, tools and their
 offsets, coolant, M functions, dwells, stops, path modes, work offsets, calls, the end of the program – must occur in the corrected
-program at the same place along the path. ncfix verify and ncfix diff compare it one by one, and name what is changed, missing or
+program at the same position along the path. ncfix verify and ncfix diff compare it one by one, and name what is changed, missing or
 new with its line in both programs.";
     OFF_PROMISE = "E0320" "deviation larger than the correction promised"
 "The stamp of a corrected program states how far a piece may deviate from its exactly corrected path (--tolerance). At the ends of
@@ -466,10 +466,10 @@ twice, or is also held out, is reported too, even if its readings are rounded or
 "ncfix weigh weighs a workpiece by the change of a strain along an axis. The readings must lie where [strain] of the machine file
 describes the gauge, at enough positions to separate the weight from the offset (and the drift, if there is a column t_s) of each
 run. There must be more readings than unknowns, otherwise the uncertainty is not known: measure every position twice. If two
-readings of a position contradict each other, the disturbed one (a pulse of lubricant) may not be identifiable; a third run shows
+readings of a position contradict each other, the disturbed one (a lubrication pulse) may not be identifiable; a third run shows
 it. A negative weight means a wrong sign in [strain] or in the readings.";
     NOT_TOLD = "E0606" "errors not identifiable from the data"
-"ncfix calibrate finds errors of the machine and what is unknown of each set-up from readings. Here some of these affect the readings
+"ncfix calibrate finds errors of the machine and unknowns of each set-up from readings. Here some of these affect the readings
 in exactly the same way, or not at all, so their sizes cannot be determined: a least-squares solution would be one of infinitely
 many. The message names them. Measure in poses in which they differ (other angles of the rotary axes, another tool length, a second
 set-up, a known length), state what is known of the set-up (remove it from free), or choose a model with fewer parameters (ncfix
@@ -485,7 +485,7 @@ or the RMS of all readings is less than the uncertainty of the instrument. Proba
 length_mm and centre_mm of the description are wrong. A parameter that would move the tool by more than --max is reported too. If the
 machine really has such errors, give a larger --max.";
     BAD_PARAMETER = "E0609" "not a parameter of this machine"
-"A file for --model has one parameter per line, and comments after #: EC0Y is a location error, EXX1 the coefficient of degree 1 of a
+"A file for --model has one parameter per line, and comments after #: EC0X is a location error, EXX1 the coefficient of degree 1 of a
 motion error, EXXb its backlash, EXX2@150 a truncated power that begins at 150 mm; load.EAX, drift.Y or expansion.X.scale are those
 of effects, which the machine file must have. The axis must exist, too, and each parameter may occur only once.";
     DATA_FAULT = "E0614" "readings inconsistent with the measurement"
@@ -563,7 +563,7 @@ another --format; ncfix tables --list shows what each has.";
 "The residual error of the corrected program is larger than the error of the original program, and larger than the tolerance. Nothing
 was written. Usually the increment of the output is coarser than the error to be corrected (--increment, control.increment_mm), or
 --tolerance is larger than the error.";
-    SKIP_EXECUTED = "W0201" "skip blocks are decided"
+    SKIP_EXECUTED = "W0201" "skip blocks executed or skipped"
 "Blocks with / were executed (or skipped with --skip), and the output contains no /: the skip switch at the control has no effect on it.";
     FEED_ASSUMED = "W0202" "feed motion without a feed"
 "G1, G2 and G3 need F; the control stops at this block. For snc the motion is shown without a feed; a check and a correction are refused
@@ -677,12 +677,12 @@ positions is unknown. Add the range, as docs/reference/machine-file.md describes
 effect is extrapolated by the error model.";
     ZERO_NOT_STATED = "W0321" "method of setting the zero not stated"
 "No file or option states how the zero offset was set, so it is treated as touched off with the tip at the workpiece zero. A touched zero
-contains the error of the machine at that place, and only the difference from it is corrected. If the zero is the true place in the machine,
+contains the error of the machine at that point, and only the difference from it is corrected. If the zero is the true position in the machine,
 the cut is wrong by this error. State it: set = \"touched\", \"probed\" or \"absolute\" in [zero_offset.NAME], or --zero G54=absolute.
 See docs/how-to/set-the-zero.md.";
     UNKNOWN_CUT = "W0322" "cut at a position that is not known"
 "The program has a feed move while the position of a linear axis is not known. Either no earlier block states it, or a program that the
-control runs itself has moved the axes. The errors of the machine depend on this position, so the correction there is incomplete, and
+control itself executes has moved the axes. The errors of the machine depend on this position, so the correction there is incomplete, and
 the predicted errors do not count the move. Program the axes before the cut, or give the position at the beginning with --start.";
     ROTARY_ASSUMED = "W0324" "rotary axes assumed at 0°"
 "The program has a feed move, and neither an earlier block nor --start states the position of a rotary axis of the machine. ncfix takes
@@ -700,7 +700,7 @@ of the other.";
 name is misspelled, the intended sensor keeps the reference temperature of the machine.";
     PARTIAL_OFFSET = "W0404" "zero offset without an axis"
 "[zero_offset.NAME] states some linear axes of the machine and not all; the others count as 0. If the control has another value
-there, the corrected program refers to the wrong place. Write every axis as the control shows it, including 0. The external
+there, the corrected program refers to the wrong position. Write every axis as the control shows it, including 0. The external
 offset EXT of a Fanuc may have single axes.";
     NO_TEMPERATURES = "W0501" "temperatures not given"
 "The error model has sources that depend on temperatures, and neither --state nor, in a calibration, the table of readings gives
@@ -717,7 +717,7 @@ move while one side of the workpiece is machined: give the position of the load 
 itself (give it with --known Z-280), the load is below the noise, too few other readings check a disturbed one, or the scatter is
 above sigma_um_per_m.";
     READING_LEFT_OUT = "W0602" "reading excluded"
-"Every pulse of lubricant disturbs the strain for a moment. One or two readings without which the others agree significantly better
+"A lubrication pulse disturbs the strain for a moment. One or two readings without which the others agree significantly better
 (1 %) are excluded from the weighing.";
     ROW_DOES_NOT_FIT = "W0603" "reading that does not fit the others"
 "In a calibration a reading that deviates from the model by more than the noise gets a smaller weight, and beyond 4.7 standard

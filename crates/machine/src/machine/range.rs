@@ -20,7 +20,7 @@ pub struct NumberRange {
 
 /// More turns than a rotary axis makes in one direction, degrees.
 const MANY_TURNS_DEG: f64 = 360_000.0;
-/// One kilometre, mm.
+/// One kilometer, mm.
 const KILOMETRE_MM: f64 = 1e6;
 /// One year, s.
 const YEAR_S: f64 = 366.0 * 86_400.0;

@@ -50,7 +50,7 @@ pub(super) const PROBE: Cause = Cause {
 
 /// Maximum number of set-ups. With more, no set-up gets unknowns of its own.
 const MOST: usize = 40;
-/// Columns with the temperatures of instrument and artefact.
+/// Columns with the temperatures of instrument and artifact.
 const OWN: [&str; 6] = ["T_plate_C", "T_air_C", "T_artefact_C", "T_artifact_C", "T_bar_C", "T_workpiece_C"];
 
 /// A part of a column: the path of its effect, and its weight as a function of the row.
@@ -241,7 +241,7 @@ fn scale(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     }
 }
 
-/// Scale of one artefact or of one mounting: its length differs from the certificate, about its middle and in all directions.
+/// Scale of one artifact or of one mounting: its length differs from the certificate, about its middle and in all directions.
 fn artefacts(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     let is_plate = |set: usize| scene.sets.get(set).is_some_and(|set| set.kind.measurand == Measurand::Displacement);
     let mut all: Vec<(usize, usize)> =

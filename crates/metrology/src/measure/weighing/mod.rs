@@ -1,7 +1,7 @@
 //! Weighs a workpiece: its weight and position from the change of a strain along an axis (Spaan 1995, ch. 4).
 //!
 //! The strain is linear in the weight F and its moments F pₓ, F p_z ([`StrainGauge`]), with an offset for every run and, if times are known, a linear
-//! drift: least squares (`fit`). A pulse of lubricant that disturbs single readings is detected by its effect on the sum of squares (`outlier`). This
+//! drift: least squares (`fit`). A lubrication pulse that disturbs single readings is detected by its effect on the sum of squares (`outlier`). This
 //! needs more readings than unknowns: every position twice for detection, three times for location. The uncertainties are those of the readings
 //! (`sigma_um_per_m`, unless the residuals contradict it, otherwise from the residuals); that of p = (F p)/F follows from both and their covariance.
 
