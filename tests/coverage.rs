@@ -194,7 +194,8 @@ fn a_longer_tool_is_named_where_angles_matter() {
     let tool = "tool_length_mm = [100, 150]\n[[tool]]\nnumber = 5\nlength_mm = 220.0\n";
     let cut = "G90 G71 G17\nT5 M6\nG0 X100 Y50 Z300 D1\nG1 X200 F500\nM30\n";
     let run = fix(&shop(&format!("{MEASURED}{tool}"), cut), "").exits(0);
-    run.says("warning[W0318]").says("a tool of 220 mm is 70 mm longer than the tools of the measurement, 100 to 150 mm");
+    run.says("warning[W0318]")
+        .says("a tool of 220 mm is 70 mm longer than the tools of the measurement, 100 to 150 mm");
     let json = fix(&shop(&format!("{MEASURED}{tool}"), cut), "--json").exits(0).json();
     // EA0Z = -15 µrad at 70 mm more.
     let size_um = gaps(&json, "tool-length")[0]["size_um"].as_f64().unwrap();

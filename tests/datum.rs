@@ -167,7 +167,7 @@ fn a_wrong_statement_is_refused() {
     fix("G54=guessed").exits(2).says("write for example G54=touched");
     fix("G57=touched").exits(2).says("G57");
     let shop = shop.file("m.toml", format!("{LINEAR}{OFF}{G54}set = \"guessed\"\nset_at = {{ Q_mm = 1 }}\n"));
-    shop.run(["machine", "check", "m.toml"]).exits(4).says("not a way to set a zero").says("Q_mm");
+    shop.run(["machine", "check", "m.toml"]).exits(4).says("not a method of setting a zero").says("Q_mm");
 }
 
 /// A program that is sent line by line is corrected from the same assumed touch, so it says so.

@@ -237,7 +237,7 @@ pub(crate) fn apply(
             (part[0]..count).for_each(|k| shift(&mut values.readings[k], size));
             vec![unseen(at_an_end(sheet, [part[0]; 2], 330.0), fault(65, "step", "", "step", [part[0], count - 1]))]
         }
-        F::Compensated => vec![fault(66, "compensated", "", "known errors already taken out", all)],
+        F::Compensated => vec![fault(66, "compensated", "", "known errors already removed", all)],
         F::Quantised => {
             let step = (size * 1e3).round().max(1.0) / 1e3;
             values.readings.iter_mut().flatten().for_each(|value| *value = (*value / step).round() * step);

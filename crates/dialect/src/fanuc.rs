@@ -10,7 +10,7 @@ static CODES: LazyLock<CodeTable> =
 pub(super) const FANUC: Dialect = Dialect {
     language: Language::Fanuc,
     name: "fanuc",
-    title: "Fanuc and its kin",
+    title: "Fanuc and compatible controls",
     extensions: &["eia", "fan"],
     mark: MARK,
     is_executable: true,

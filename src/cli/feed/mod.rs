@@ -167,7 +167,7 @@ fn transfer(arguments: &FeedArguments, findings: &mut Findings) -> Result<Option
     };
     if machine.is_demo && !arguments.dry_run {
         return Err(Stop::Usage(
-            "the embedded demo machine is not a real machine: give --machine, or put the machine file into the folder of the program".into(),
+            "the embedded demo machine is not a real machine: give --machine, or save the machine file as ncfix.toml in the folder of the program".into(),
         ));
     }
     let is_read = match arguments.sensors {

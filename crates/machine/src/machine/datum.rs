@@ -94,7 +94,7 @@ impl Datum {
         if let Some(text) = section.text("set") {
             datum.setting = ZeroSetting::of_name(text);
             if datum.setting.is_none() {
-                let message = format!("\"{text}\" is not a way to set a zero");
+                let message = format!("\"{text}\" is not a method of setting a zero");
                 let help = "write \"touched\", \"probed\" or \"absolute\"";
                 section.report(Code::BAD_VALUE, section.place_of("set"), message, help);
             }

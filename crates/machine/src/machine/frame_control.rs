@@ -38,7 +38,7 @@ pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
         Some("shortest") => control.rollover = Some(Rollover::Shortest),
         Some(other) => {
             let message = format!("rollover must be \"none\" or \"shortest\", found \"{other}\"");
-            let help = "none: positions count their turns; shortest: the shortest way to a position within the turn (Fanuc parameter 1008)";
+            let help = "none: positions count their turns; shortest: the shortest path to a position within the turn (Fanuc parameter 1008)";
             section.report(Code::BAD_VALUE, section.place_of("rollover"), message, help);
         }
     }

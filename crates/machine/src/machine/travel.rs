@@ -18,7 +18,7 @@ pub(super) fn read(axis: Axis, key: &str, section: &mut Section<'_>) -> Option<[
                 return Some([low, high]);
             }
             let help =
-                format!("travels are {SHORTEST_TRAVEL} long at least and end before {FARTHEST:e}; check the numbers");
+                format!("a travel is at least {SHORTEST_TRAVEL} long and ends before {FARTHEST:e}; check the numbers");
             (format!("{key} of axis {axis} is not a plausible travel"), help)
         }
         _ => {

@@ -88,7 +88,7 @@ impl Field<'_, '_> {
         let (Through::Component(name), _) = *one.columns.first()?.first()? else { return None };
         let waves = self.seek.sweep(name.axis()?)?.count();
         (self.chance_of_places(weights, taken, number, waves) > BY_CHANCE).then(|| ExtrapolationRisk {
-            rivals: vec!["an error of each place by itself".to_owned()],
+            rivals: vec!["a separate error at each position".to_owned()],
             separate_by: steps(self.scene, one, one.constant.map_or(MOST_PERIOD, |(period, _)| period)),
         })
     }

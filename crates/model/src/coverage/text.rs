@@ -105,7 +105,8 @@ fn sentence(gap: &CoverageGap) -> Option<(String, String)> {
         }
         GapKind::ToolLength => {
             let than = if gap.beyond > 0.0 { "longer" } else { "shorter" };
-            let message = format!("a tool of {used} mm is {far} mm {than} than the tools of the measurement, {ends} mm{size}");
+            let message =
+                format!("a tool of {used} mm is {far} mm {than} than the tools of the measurement, {ends} mm{size}");
             (message, "measure with a tool of this length, or choose another tool".to_owned())
         }
         GapKind::Temperature => {

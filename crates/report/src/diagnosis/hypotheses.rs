@@ -59,7 +59,7 @@ impl DiagnosisReport {
         let gain = match one.gain_unseen {
             Some(gain) if gain >= 0.0 => format!("{:.0} % less residual on {unseen}", 100.0 * gain),
             Some(gain) => format!("{:.0} % more residual on {unseen}", -100.0 * gain),
-            None => "no part that was left out can show whether it helps".into(),
+            None => "no part that was left out can show whether it improves the prediction".into(),
         };
         out.push(format!("{gain}; effect on the readings {} {} RMS", significant(one.rms_um), self.unit_sign()));
         if one.variants > 1 {

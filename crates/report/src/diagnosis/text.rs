@@ -104,7 +104,7 @@ impl DiagnosisReport {
         let Some(largest) = sure.or(found.findings.iter().max_by(|a, b| a.share.total_cmp(&b.share))) else {
             if !found.unexplained.structure && found.after.rms_um > NOISY * found.noise_um {
                 return format!(
-                    "The residual of {} {unit} RMS is {} times the noise, but no cause is sure. Next: measure the same positions again, in both directions.",
+                    "The residual of {} {unit} RMS is {} times the noise, but no cause is certain. Next: measure the same positions again, in both directions.",
                     significant(found.after.rms_um),
                     significant(found.after.rms_um / found.noise_um)
                 );
@@ -120,7 +120,7 @@ impl DiagnosisReport {
                 return "The model explains the readings within their noise: the machine file needs no change.".into();
             }
             return format!(
-                "{} {unit} RMS are systematic, but no cause is sure. Next: measure more set-ups, in both directions of every axis.",
+                "{} {unit} RMS are systematic, but no cause is certain. Next: measure more set-ups, in both directions of every axis.",
                 significant(found.unexplained.rms_um)
             );
         };
@@ -132,7 +132,7 @@ impl DiagnosisReport {
             1 => " One more cause was found.".to_owned(),
             count => format!(" {count} more causes were found."),
         };
-        let first = if is_sure(&largest) { "Largest cause" } else { "No cause is sure; the largest that is possible" };
+        let first = if is_sure(&largest) { "Largest cause" } else { "No cause is certain; the largest possible one" };
         let expired = self.expired_sentence().map_or(String::new(), |sentence| format!("{sentence} "));
         format!(
             "{expired}{first}: {}{words}{}, {} ({sure}); its effect is {} {unit} RMS, the residual {} {unit} RMS.{others} Next: {}.",

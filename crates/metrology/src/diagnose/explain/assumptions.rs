@@ -103,7 +103,7 @@ pub const ASSUMPTIONS: &[Assumption] = &[
         family: Family::Squareness,
         size: Size::Urad(50.0),
         odds: 1.0,
-        source: "ISO 10791-2: 20 µm in 500 mm; every second machine has enough of it to be seen",
+        source: "ISO 10791-2: 20 µm in 500 mm; visible on about half of all machines",
     },
     Assumption {
         family: Family::Scale,
@@ -235,12 +235,7 @@ pub const ASSUMPTIONS: &[Assumption] = &[
         odds: 0.1,
         source: "ISO 230-10: pre-travel and lobing of touch probes, and lengths that were set with another instrument",
     },
-    Assumption {
-        family: Family::Own,
-        size: Size::Um(20.0),
-        odds: 0.1,
-        source: "who adds a cause has a reason to look for it",
-    },
+    Assumption { family: Family::Own, size: Size::Um(20.0), odds: 0.1, source: "a custom cause is added for a reason" },
     Assumption { family: Family::Unnamed, size: Size::Um(10.0), odds: 0.001, source: "the last resort" },
 ];
 

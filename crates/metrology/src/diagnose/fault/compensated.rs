@@ -8,7 +8,7 @@ use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "active compensation",
     made_by: "a table of the control that was active during the measurement, or one with the wrong sign",
-    shown_by: "the readings contain the errors of the model not at all, or twice",
+    shown_by: "the readings contain the errors of the model twice, or not at all",
     source: "residual = −1 or +1 × the known map",
     look,
 };
@@ -40,9 +40,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
         if matched.size < SIZE * noise.sqrt() {
             continue;
         }
-        for (gain, what) in
-            [(0.0, "known errors already taken out"), (2.0, "known errors taken out with the wrong sign")]
-        {
+        for (gain, what) in [(0.0, "known errors already removed"), (2.0, "known errors removed with the wrong sign")] {
             let [as_is, otherwise] = [1.0, gain].map(|times| readings.left_with(None, times));
             let sure = (noise * MEMORY / matched.count).sqrt() / matched.size;
             if (matched.gain - gain).abs() > NEAR.max(FAR * sure) {

@@ -46,7 +46,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
                 (
                     "degrees Fahrenheit",
                     format!(
-                        "{low:.1} to {high:.1} are no °C where the coldest of the others is {rest:.1} °C; as °F they are {from:.1} to {to:.1} °C, begin as the others do and drift with them (correlation {together:.2})"
+                        "{low:.1} to {high:.1} cannot be °C: the coldest of the others is {rest:.1} °C; as °F they are {from:.1} to {to:.1} °C, begin as the others do and drift with them (correlation {together:.2})"
                     ),
                 )
             } else {

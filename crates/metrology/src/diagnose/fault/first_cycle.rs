@@ -122,7 +122,7 @@ fn first_run(trail: &Trail, data: &DataSet) -> Option<(usize, String)> {
     (count > 0.0 && score > CHANCE && size > SIZE && is_alone).then(|| {
         let most = later.iter().fold(0.0_f64, |most, other| most.max(*other)) / whole.max(f64::MIN_POSITIVE);
         let evidence = format!(
-            "it differs from the {} later runs of the same places by {size:.1} times the noise, of which these have {:.0} % at most",
+            "it differs from the {} later runs at the same positions by {size:.1} times the noise; these differ by at most {:.0} % of that",
             next.len(),
             most * 100.0
         );

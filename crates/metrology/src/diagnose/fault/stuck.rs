@@ -162,13 +162,13 @@ fn defect(
             )
         }
         (Silence::Empty, _, true) => {
-            format!("temperatures end before {from}: {who} say{verb} nothing in the last {count} rows")
+            format!("temperatures end before {from}: {who} give{verb} no value in the last {count} rows")
         }
         (Silence::Empty, true, false) => {
-            format!("temperatures begin after {to}: {who} say{verb} nothing in the first {count} rows")
+            format!("temperatures begin after {to}: {who} give{verb} no value in the first {count} rows")
         }
         (Silence::Empty, ..) => {
-            format!("temperatures pause from {from} to {to}: {who} say{verb} nothing in {count} rows")
+            format!("temperatures pause from {from} to {to}: {who} give{verb} no value in {count} rows")
         }
     };
     let follows = match &then {

@@ -214,7 +214,7 @@ fn judge(
         let changes = if trial.evidence_beside > 0.0 {
             extend::of_one(accepted, found.used.before.rms, (scene, outcome.used))
         } else {
-            Err("the readings speak against it".to_owned())
+            Err("the readings contradict it".to_owned())
         };
         trial.correctable = match (&changes, one.cause.correctable) {
             (Err(_), _) => Correctable::No,

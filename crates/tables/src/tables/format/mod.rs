@@ -95,7 +95,7 @@ impl Registered for &'static Format {
     }
 
     fn conflict(&self, other: &Self) -> Option<String> {
-        self.name.eq_ignore_ascii_case(other.name).then(|| "letters of either case are the same in its name".into())
+        self.name.eq_ignore_ascii_case(other.name).then(|| "names that differ only in case are the same".into())
     }
 }
 
