@@ -159,8 +159,8 @@ fn with_id(source: &Source, id: FileId) -> Source {
     Source::new(id, source.name(), source.bytes().to_vec()).unwrap_or_else(|_| source.clone())
 }
 
-/// The measurements of data on a machine, used ones first, their number, and their texts; `None` if diagnostics
-/// forbid their use.
+/// The measurements of data on a machine, used ones first, their number, and their texts; `None` if there are
+/// errors.
 pub(crate) fn measurements(
     data: &[DataSet],
     machine: &Machine,

@@ -89,7 +89,7 @@ pub(crate) fn with_zeros(chosen: &Machine, model: Model) -> Model {
         Model::at(machine, &chosen.errors, &then)
     });
     let then = earlier.as_ref().unwrap_or(&model);
-    // Nobody knows how warm the machine was at a touch that no file states: drift counts from the reference condition.
+    // The temperature of the machine at a touch that no file states is unknown: drift counts from the reference condition.
     let reference = Model::at(machine, &chosen.errors, &Condition::default());
     let datums = all(chosen).map(|(name, shift)| {
         let datum = machine.datums.get(name).copied().unwrap_or_default();

@@ -9,7 +9,7 @@ pub(super) use crate::disk::machine_file::{FoundFile, locate, read, source_of};
 pub(super) use crate::disk::stated_machine::{self, MachineSearch};
 pub(super) use crate::machine::Machine as Chosen;
 
-/// Chooses and reads the machine for `program`; `None` if errors forbid its use.
+/// Chooses and reads the machine for `program`; `None` if there are errors.
 ///
 /// # Errors
 /// If a named file cannot be read.

@@ -68,8 +68,8 @@ impl CompareOptions {
 }
 
 impl Program {
-    /// Executes this program and its corrected one side by side, and compares the errors of both on the error model: how far the tool is off the path
-    /// that this one asks for, and whether anything but a correction tells them apart.
+    /// Executes this program and its corrected version side by side, and compares both on the error model: the distance of the tool from the path of this
+    /// program, and every difference that is not a correction.
     ///
     /// ```
     /// use ncfix::prelude::*;

@@ -59,7 +59,7 @@ pub(crate) struct Lane<'a> {
 /// Sends a program over an open port.
 ///
 /// # Errors
-/// If the journal cannot be written, or the sensors do not begin.
+/// If the journal cannot be written, or the sensors do not start.
 pub(crate) fn run(
     job: Transfer,
     lane: Lane<'_>,

@@ -10,7 +10,7 @@ use crate::registry::Registry;
 use ncfix_base::source::{FileId, Source};
 use ncfix_dnc::feed::{Links, Profile, Protocols};
 
-/// The link to a control: its dialogue, limits and line endings, from a profile.
+/// The link to a control: its protocol, limits and line endings, from a profile.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -41,7 +41,7 @@ impl ControlLink {
         ControlLink::named_with(name, &Registry::default())
     }
 
-    /// A link of a registry, whose profile may name a dialogue of the registry.
+    /// A link of a registry, whose profile may name a protocol of the registry.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -52,7 +52,7 @@ impl ControlLink {
     /// ```
     ///
     /// # Errors
-    /// If there is no link of this name, or diagnostics forbid the use of its profile.
+    /// If there is no link of this name, or its profile has errors.
     pub fn named_with(name: &str, registry: &Registry) -> Result<ControlLink, Error> {
         let mut found = Diagnostics::default();
         let link = ControlLink::of(&shipped(name, &registry.links)?, &registry.protocols, &mut found)?;
@@ -78,7 +78,7 @@ impl ControlLink {
         ControlLink::from_file_with(path, &Registry::default())
     }
 
-    /// The link of a profile file (TOML), which may name a dialogue of the registry.
+    /// The link of a profile file (TOML), which may name a protocol of the registry.
     ///
     /// ```
     /// use ncfix::prelude::*;

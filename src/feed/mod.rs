@@ -2,7 +2,7 @@
 //!
 //! The program is executed twice. The first time ([`survey`]) nothing is sent: all diagnostics are reported, every
 //! line is checked against the link, and the forecast is made. The second time one thread executes and corrects
-//! ([`source`]), another one reads the temperatures ([`thermal`]), and the calling thread adds the second step, sends
+//! ([`source`]), another one reads the temperatures ([`thermal`]), and the calling thread adds the thermal correction, sends
 //! and listens ([`drive`]).
 
 mod book;
@@ -183,7 +183,7 @@ impl Program {
 }
 
 impl Transfer {
-    /// Runs the program without sending anything. Reports errors of the program, lines that the link cannot take, and a link that is too slow for the
+    /// Runs the program without sending anything. Reports errors of the program, lines that the link cannot send, and a link that is too slow for the
     /// motion.
     ///
     /// ```
@@ -216,7 +216,7 @@ impl Transfer {
     /// use ncfix::prelude::*;
     ///
     /// # use std::io::Read as _;
-    /// /// A control with a tape reader: it says XON once and takes every byte.
+    /// /// A control with a tape reader: it sends XON once and accepts every byte.
     /// struct Tape(std::io::Cursor<[u8; 1]>);
     ///
     /// impl Port for Tape {
@@ -253,7 +253,7 @@ impl Transfer {
     /// use ncfix::prelude::*;
     ///
     /// # use std::io::Read as _;
-    /// /// A control with a tape reader: it says XON once and takes every byte.
+    /// /// A control with a tape reader: it sends XON once and accepts every byte.
     /// struct Tape(std::io::Cursor<[u8; 1]>);
     ///
     /// impl Port for Tape {

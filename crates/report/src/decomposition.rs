@@ -202,7 +202,7 @@ impl DecompositionReport {
     }
 }
 
-/// A link error with its interval; a value that is not determined is no number.
+/// A link error with its interval; a value that is not determined has no number.
 pub(super) fn link_cell(one: &LinkReport) -> String {
     let sign = one.unit.unit().sign();
     if one.is_determined {

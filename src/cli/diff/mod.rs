@@ -88,7 +88,7 @@ pub(in crate::cli) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
     Ok(if review.same || arguments.fail_above.is_some() { ExitCode::Done } else { ExitCode::Different })
 }
 
-/// Reads the machine, and walks both programs; `None` if errors forbid it.
+/// Reads the machine, and walks both programs; `None` if there are errors.
 fn compare(
     arguments: &DiffArguments,
     programs: [&Program; 2],

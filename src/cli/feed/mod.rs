@@ -60,7 +60,7 @@ pub(super) fn run(arguments: &FeedArguments) -> Result<ExitCode, Stop> {
     send(arguments, job, &before, &begin)
 }
 
-/// Reports that errors forbid the transfer.
+/// Reports that the transfer is not possible because of errors.
 fn nothing_sent(findings: &Findings) -> ExitCode {
     findings.draw();
     tell(&format!("{}; nothing was sent\n", findings.count()));
@@ -139,7 +139,7 @@ fn journal_of(input: &Path, given: Option<&Path>) -> Result<PathBuf, Stop> {
     Ok(PathBuf::from(name))
 }
 
-/// Reads everything and makes a dry run of the program; `None` if errors forbid sending it.
+/// Reads everything and makes a dry run of the program; `None` if there are errors.
 ///
 /// # Errors
 /// If a file cannot be read, or the program cannot be written.

@@ -27,7 +27,7 @@ pub(in crate::cli) fn run(arguments: &MeasuredArguments) -> Result<ExitCode, Sto
     Ok(findings.exit_code())
 }
 
-/// Reads the table and writes its copy; `None` if errors forbid it.
+/// Reads the table and writes its copy; `None` if there are errors.
 fn correct(arguments: &MeasuredArguments, findings: &mut Findings) -> Result<Option<CorrectedReadings>, Stop> {
     let target = Target::new(&arguments.output)?;
     let source = input::read(&arguments.data, FileId(0), "positions")?;

@@ -65,7 +65,7 @@ pub(in crate::cli) fn run(arguments: &ResumeArguments) -> Result<ExitCode, Stop>
     }
 }
 
-/// Reports that errors forbid the transfer.
+/// Reports that the transfer is not possible because of errors.
 fn nothing_sent(findings: &Findings) -> ExitCode {
     findings.draw();
     tell(&format!("{}; nothing was sent\n", findings.count()));

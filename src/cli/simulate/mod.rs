@@ -35,7 +35,7 @@ pub(in crate::cli) fn run(arguments: &SimulateArguments) -> Result<ExitCode, Sto
     Ok(findings.exit_code())
 }
 
-/// Writes both files; the number of rows, `None` if errors forbid it.
+/// Writes both files; the number of rows, `None` if there are errors.
 fn simulate(arguments: &SimulateArguments, findings: &mut Findings) -> Result<Option<usize>, Stop> {
     if is_standard_stream(&arguments.output) {
         return Err(Stop::Usage("a measurement is a pair of files, NAME.csv and NAME.toml; give -o NAME.csv".into()));

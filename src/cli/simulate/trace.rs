@@ -36,7 +36,7 @@ fn text(recorded: &Recorded, arguments: &SimulateArguments) -> String {
     )
 }
 
-/// Writes both files; `None` if errors forbid it.
+/// Writes both files; `None` if there are errors.
 fn record(arguments: &SimulateArguments, findings: &mut Findings) -> Result<Option<Recorded>, Stop> {
     if is_standard_stream(&arguments.output) {
         return Err(Stop::Usage("a measurement is a pair of files, NAME.csv and NAME.toml; give -o NAME.csv".into()));

@@ -46,7 +46,7 @@ pub(in crate::cli) fn run(arguments: &StepsArguments) -> Result<ExitCode, Stop> 
     Ok(findings.exit_code())
 }
 
-/// Finds the step and draws the file; the report has no answer if errors forbid it.
+/// Finds the step and draws the file; the report has no answer if there are errors.
 fn find(arguments: &StepsArguments, findings: &mut Findings) -> Result<StepReport, Stop> {
     // Missing inputs are reported before any work is done.
     let part = arguments.input.as_deref().map(|path| program::of(path, &arguments.program)).transpose()?;

@@ -45,7 +45,7 @@ pub(in crate::cli) fn run(arguments: &TablesArguments) -> Result<ExitCode, Stop>
     Ok(findings.exit_code())
 }
 
-/// The machine itself, without tables that are active in its control; `None` if errors forbid its use.
+/// The machine itself, without tables that are active in its control; `None` if there are errors.
 fn machine(arguments: &TablesArguments, findings: &mut Findings) -> Result<Option<Chosen>, Stop> {
     arguments.check_ranges()?;
     let beside = arguments.output.as_deref().or(arguments.read.first().map(PathBuf::as_path)).unwrap_or(Path::new("."));

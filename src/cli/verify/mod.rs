@@ -45,7 +45,7 @@ pub(in crate::cli) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Stop>
     Ok(findings.exit_code())
 }
 
-/// Reads both programs and the machine, and compares; `None` if errors forbid it.
+/// Reads both programs and the machine, and compares; `None` if there are errors.
 fn compare(
     arguments: &VerifyArguments,
     findings: &mut Findings,

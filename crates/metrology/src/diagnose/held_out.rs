@@ -133,7 +133,7 @@ impl Question<'_> {
             .iter()
             .zip(&self.does)
             .map(|(&term, does)| {
-                // A term that is its own equivalent is no equivalent of another term.
+                // A term that is its own equivalent is not an equivalent of another term.
                 let is_free = |other: &usize| *other == term || !self.judged.contains(other);
                 let free: Vec<usize> = selection.all.iter().copied().filter(is_free).collect();
                 stand_ins(field, &train, (term, &does.all), &free)

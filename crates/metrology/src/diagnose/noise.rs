@@ -330,7 +330,7 @@ mod tests {
         let found = of_groups(std::iter::once(waved.as_slice())).unwrap();
         // The second differences of the wave are 8 (2π/200)² = 0.008.
         assert!((found.follows.unwrap() / sigma - 1.0).abs() < 0.15, "{found:?}");
-        // Runs with their own zero are no drift within the groups that they form.
+        // Runs with their own zero are not a drift within the groups that they form.
         let of_runs: Vec<f64> = noise.iter().enumerate().map(|(k, noise)| noise + 3.0 * noise_of_run(k)).collect();
         let found = of_groups(of_runs.chunks(5)).unwrap();
         assert!(found.follows.is_none(), "{found:?}");

@@ -219,7 +219,7 @@ pub(super) fn diagnose_then(
         let again = stand(&mut field, &weights, &all, &mut rejections, note);
         let of_again: Vec<usize> = again.iter().map(|(term, _)| term.candidate).collect();
         let squares = |taken: &[usize]| field.series(&weights, taken, 0.0).squares();
-        // A term of the comparison without a gain on unseen readings is no explanation. The terms of the search are then preferred if they are probable
+        // A term of the comparison without a gain on unseen readings is not an explanation. The terms of the search are then preferred if they are probable
         // enough.
         let is_likely = chosen.iter().all(Chosen::is_likely);
         if (outcome.is_whole && again.len() == all.len()) || !is_likely || squares(&of_again) <= squares(&numbers) {

@@ -20,7 +20,7 @@ use ncfix_model::{ErrorModel, Model, ModelRegisters, file, write};
 
 /// Residual in standard uncertainties of the instrument above which the model is poor.
 const POOR: f64 = 3.0;
-/// Excess of a mean square over the described one, in its standard deviations, above which it is no scatter.
+/// Excess of a mean square over the described one, in its standard deviations, above which it is not scatter.
 const CLEAR: f64 = 3.0;
 /// Arm at which angles count as lengths, mm.
 const ARM_MM: f64 = 1000.0;

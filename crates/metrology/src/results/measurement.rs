@@ -53,7 +53,7 @@ pub fn control_file(table: &Path, described: &Described) -> Option<PathBuf> {
     Some(table.parent().unwrap_or(Path::new(".")).join(name))
 }
 
-/// The measurement of a pair of texts, of one of these kinds; `None` if diagnostics forbid its use. `control` reads the control recording next to a
+/// The measurement of a pair of texts, of one of these kinds; `None` if there are errors. `control` reads the control recording next to a
 /// trace, given its description.
 ///
 /// # Errors

@@ -95,7 +95,7 @@ pub struct SensorTexts<'a> {
     pub logs: &'a [Source],
 }
 
-/// The runs, training runs first; `None` if diagnostics forbid it.
+/// The runs, training runs first; `None` if there are errors.
 pub fn read(texts: &SensorTexts<'_>, machine: &Machine, findings: &mut Vec<Diagnostic>) -> Option<Vec<SensorRun>> {
     let mut temperatures: Option<Condition> = None;
     for source in texts.logs {

@@ -43,11 +43,11 @@ pub struct StatedStart {
     pub errors: ErrorModel,
     /// All parameters that a fit finds: those of the model, and those of the terms.
     pub parameters: Vec<Parameter>,
-    /// Amounts of the terms that are no parameters.
+    /// Amounts of the terms that are not parameters.
     pub terms: Vec<StatedEstimate>,
 }
 
-/// Fits stated terms to the used measurements and puts them into the machine file; `None` if diagnostics, all about the text of the terms, forbid it.
+/// Fits stated terms to the used measurements and puts them into the machine file; `None` if there are errors, all in the text of the terms.
 #[must_use]
 pub fn start_with_terms(
     (file, registers): (&Source, &ModelRegisters),

@@ -10,7 +10,7 @@ use ncfix_metrology::results::hypotheses::{HypothesisAmount, HypothesisAnswer, H
 
 /// Factors from this on are shown as a power of ten.
 const MOST_TIMES: f64 = 1e4;
-/// Factors below 1.05 are no difference, as a natural logarithm.
+/// Factors below 1.05 do not count as a difference, as a natural logarithm.
 const EQUALLY: f64 = 0.05;
 /// Maximum number of other explanations and of combinations that are named.
 const RIVALS: usize = 4;

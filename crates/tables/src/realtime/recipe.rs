@@ -26,7 +26,7 @@ pub struct KernelRecipe {
 }
 
 impl KernelRecipe {
-    /// Creates a kernel for the model of a machine in one condition, with its agreement; `None` if diagnostics forbid it.
+    /// Creates a kernel for the model of a machine in one condition, with its agreement; `None` if there are errors.
     pub fn make(&self, machine: &Machine, model: &Model, found: &mut Vec<Diagnostic>) -> Option<(Kernel, Agreement)> {
         let kernel = Kernel::new(machine, model, &self.tool_mm, self.mode);
         let agreement = kernel.agreement(machine, model, POSES);

@@ -26,7 +26,7 @@ use ncfix_base::source::Source;
 /// Plausible range of sensor temperatures, °C: a value outside is faulty or in another unit.
 pub const PLAUSIBLE_C: [f64; 2] = [-30.0, 150.0];
 
-/// Range of the temperatures that a sensor in a table of measurements can have, °C: from a cold store to a hot end (a printer's has up to 300 °C). What failed sensors say is beyond it: −127 °C
+/// Range of the temperatures that a sensor in a table of measurements can have, °C: from a cold store to a hot end (a printer's has up to 300 °C). Values of failed sensors are beyond it: −127 °C
 /// and 85 °C of a DS18B20 (only the first is impossible), 850 °C of an open Pt100 (IEC 60751 ends there).
 pub const READABLE_C: [f64; 2] = [-60.0, 400.0];
 

@@ -39,7 +39,7 @@ pub(super) fn drift(edit: &mut Edit, direction: &str, sensor: (&str, f64), um_pe
     Some(Anchor::Entry(LIST, first))
 }
 
-/// Adds thermal expansion of a scale. An axis has one scale, so another sensor is refused. Its effect is no drift either: a drift ends when the zero
+/// Adds thermal expansion of a scale. An axis has one scale, so another sensor is refused. Its effect is not a drift either: a drift ends when the zero
 /// point is set, but the lengths stay wrong.
 pub(super) fn growth(
     edit: &mut Edit,

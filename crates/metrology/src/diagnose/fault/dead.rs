@@ -14,7 +14,7 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
 
 /// Plausible temperatures, °C.
 const POSSIBLE_C: std::ops::RangeInclusive<f64> = READABLE_C[0]..=READABLE_C[1];
-/// If the others are warmer than this, °C, 0 is no signal.
+/// If the others are warmer than this, °C, 0 means that there is no signal.
 const WARM_C: f64 = 5.0;
 /// Number of exact zeros that are not a coincidence.
 const ZEROS: usize = 3;
@@ -33,7 +33,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
             let is_dead =
                 |value: f64| value.is_finite() && (!POSSIBLE_C.contains(&value) || (no_signal && value == 0.0));
             let rows: Vec<usize> = (0..sensor.values.len()).filter(|&row| is_dead(sensor.values[row])).collect();
-            // Ranges of rows; a few good rows between them are no recovery.
+            // Ranges of rows; a few good rows between them do not count as recovery.
             let pieces: Vec<[usize; 2]> = rows
                 .chunk_by(|one, next| next - one <= ZEROS)
                 .filter_map(|piece| Some([*piece.first()?, *piece.last()?]))

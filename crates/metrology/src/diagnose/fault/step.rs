@@ -1,6 +1,6 @@
 //! A step: from one row on all readings keep a shift, as after a crash or a knock at the instrument.
 //!
-//! Warming, cooling and switching are no steps: they do not begin within one reading, do not last, or coincide with a driver.
+//! Warming, cooling and switching are not steps: they do not begin within one reading, do not last, or coincide with a driver.
 
 use super::cells::TableClock;
 use super::sharp::{CHANCE, EACH, END, sharpness, usual};
@@ -265,7 +265,7 @@ fn is_step(trail: &Trail, change: &ChangePoint, sharp: f64) -> bool {
         if at < range.start + change.side || at + change.side > range.end {
             continue;
         }
-        // Over the whole block: a decaying or reversed shift is no step.
+        // Over the whole block: a decaying or reversed shift is not a step.
         let [before, behind] = [at - range.start, range.end - at].map(|side| side.min(LONG));
         let mean = |from: usize, to: usize| channel.mean(from, to).map_or(0.0, |(mean, _)| mean);
         let jump = mean(at, at + behind) - mean(at - before, at);
