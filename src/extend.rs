@@ -2,7 +2,7 @@
 //!
 //! `docs/how-to/extending.md` of the project describes the requirements; `examples/own_error_source.rs` and `examples/own_cause.rs` are complete programs.
 
-/// Sources of error with sections of the machine file, and kinds of motion errors.
+/// Error sources with their sections of the machine file, and kinds of motion errors.
 pub mod source {
     pub use ncfix_base::diagnostic::Code;
     pub use ncfix_base::geometry::{Axis, AxisVector, Vector};
@@ -36,7 +36,7 @@ pub mod cause {
     pub use ncfix_model::{ErrorName, ParameterName};
 }
 
-/// Presets: which parameters an error model has.
+/// Presets: sets of parameters of an error model.
 pub mod preset {
     pub use ncfix_machine::machine::Machine;
     pub use ncfix_model::ParameterName;

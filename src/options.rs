@@ -73,7 +73,7 @@ pub(crate) struct ProgramReading {
     /// Maximum number of executed blocks; by default ten million, or twenty times the number of blocks of the program
     /// if that is more.
     pub(crate) max_blocks: Option<u64>,
-    /// Which levels of `/` blocks are skipped; `/` alone is level 0.
+    /// Levels of `/` blocks that are skipped; `/` alone is level 0.
     pub(crate) skip: [bool; 10],
     /// Axis positions before the first block, machine coordinates.
     pub(crate) start: Option<AxisVector>,

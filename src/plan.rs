@@ -47,7 +47,7 @@ impl PlanRequest<'_> {
     /// Makes the plan; `None` if there are errors.
     ///
     /// # Errors
-    /// If there is no such plan on this machine, a file cannot be read, or the plan cannot be asked about the model.
+    /// If there is no such plan on this machine, a file cannot be read, or the parameters of the model cannot be evaluated for it.
     pub(crate) fn run(&self, chosen: &Machine, found: &mut Diagnostics) -> Result<Option<MadePlan>, Error> {
         let machine = &chosen.machine;
         self.kind.check(self.wishes, self.is_seeded, machine).map_err(|reason| Error::usage(reason.to_string()))?;

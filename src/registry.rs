@@ -12,7 +12,7 @@ use ncfix_model::{ErrorSource, ModelRegisters, MotionKind};
 use ncfix_tables::tables::{Format, Formats, Scheme, Schemes};
 
 /// One registry for each kind of extension. [`Registry::default`] contains the built-in entries. Each `with_…` adds
-/// an entry of another crate; built-in entries use the same types. `docs/how-to/extending.md` describes the
+/// a custom entry; built-in entries use the same types. `docs/how-to/extending.md` describes the
 /// requirements of an entry.
 ///
 /// ```
@@ -107,7 +107,7 @@ impl Registry {
         Registry { model: self.model.with_motion_kind(kind), ..self }
     }
 
-    /// Adds a preset: which parameters an error model has. [`CalibrationOptions::parameters`](crate::CalibrationOptions::parameters) may name it.
+    /// Adds a preset: a set of parameters of an error model. [`CalibrationOptions::parameters`](crate::CalibrationOptions::parameters) may name it.
     ///
     /// ```
     /// use ncfix::extend::preset::Preset;

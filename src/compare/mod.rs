@@ -84,7 +84,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// If one of both is not understood, or they are no pair.
+    /// If one of the programs is not understood, or the two cannot be compared.
     pub fn verify(&self, corrected: &Program, machine: &Machine) -> Result<VerificationReport, Error> {
         let mut found = Diagnostics::default();
         let pair = Pair::of([self, corrected], machine);
@@ -110,7 +110,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// If one of both is not understood, or they are no pair.
+    /// If one of the programs is not understood, or the two cannot be compared.
     pub fn compare(&self, corrected: &Program, machine: &Machine) -> Result<Review, Error> {
         let mut found = Diagnostics::default();
         let pair = Pair::of([self, corrected], machine);

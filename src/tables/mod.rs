@@ -44,7 +44,7 @@ pub struct TableOptions {
     pub tool: Option<ToolVector>,
     /// Number of poses at which they are checked.
     pub poses: usize,
-    /// How the rotary axes treat the tool orientation; `None` for the default of each scheme.
+    /// Treatment of the tool orientation by the rotary axes; `None` for the default of each scheme.
     pub orientation: Option<Orientation>,
     /// Ranges of axes that the tables cover instead of their travel, mm or deg.
     pub ranges_mm_deg: Vec<(Axis, [f64; 2])>,

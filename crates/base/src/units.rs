@@ -128,7 +128,7 @@ pub fn sin_deg(degrees: f64) -> f64 {
 /// Reads a length with its unit, `1um`, `0.02mm`, `1e-3 mm`, `0.001in`, in mm; a number without a unit is refused.
 ///
 /// # Errors
-/// A sentence that states what was found and what is expected.
+/// The text is not a length. The error is a sentence that states what was found and what is expected.
 pub fn parse_length_mm(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let (number, factor) = [("um", 1e-3), ("µm", 1e-3), ("nm", 1e-6), ("mm", 1.0), ("in", MM_PER_INCH)]

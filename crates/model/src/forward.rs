@@ -142,7 +142,7 @@ impl Model {
         (error_mm + self.for_zero(zero).zero_mm - touch_mm).norm()
     }
 
-    /// Returns the model in which errors count from the given zero offset. Without one, or if it contains no error, they count from the true place.
+    /// Returns the model in which errors count from the given zero offset. Without one, or if it contains no error, they count from the true position.
     #[must_use]
     pub fn for_zero(&self, zero: Option<u16>) -> &Model {
         zero.and_then(|index| self.zeros.get(usize::from(index))?.as_ref()).unwrap_or(self)

@@ -185,7 +185,7 @@ impl Profile {
     /// Checks that a line can be sent over the link.
     ///
     /// # Errors
-    /// A sentence with the reason.
+    /// The line cannot be sent. The error is a sentence with the reason.
     pub fn check(&self, text: &[u8]) -> Result<(), String> {
         (self.protocol.check)(self, text)
     }

@@ -16,7 +16,7 @@ pub enum ZeroSetting {
     Touched,
     /// A side was touched with a probe of the machine.
     Probed,
-    /// The zero is at its true place in the machine.
+    /// The zero is at its true position in the machine.
     Absolute,
 }
 

@@ -21,7 +21,7 @@ pub struct OpenPort {
 /// Opens a port: `tcp:host:1234`, or the name of a serial port such as `/dev/ttyUSB0` or `COM3`.
 ///
 /// # Errors
-/// A sentence that says why it cannot be opened.
+/// It cannot be opened. The error is a sentence with the reason.
 pub fn open(name: &str, profile: &Profile) -> Result<OpenPort, String> {
     match name.strip_prefix(TCP) {
         Some(address) => tcp::open(address),

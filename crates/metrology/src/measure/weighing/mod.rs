@@ -324,7 +324,7 @@ const NOT_TOLD_HELP: &str =
 /// The place of a workpiece as a person writes it, `X0,Z-280`: coordinates in mm, `None` for those that are not given.
 ///
 /// # Errors
-/// A sentence if a coordinate is wrong or given twice.
+/// A coordinate is wrong or given twice. The error is a sentence.
 pub fn known_place(text: &str) -> Result<[Option<f64>; 3], String> {
     let mut place = [None; 3];
     for part in text.split(',').map(str::trim) {
