@@ -231,7 +231,7 @@ impl Machine {
         ErrorShares::new(&self.machine, &self.errors, &self.condition, pose, &tool_mm, state)
     }
 
-    /// Refuses a pose that the machine cannot reach.
+    /// Refuses a pose that the machine cannot take.
     ///
     /// # Errors
     /// If it lacks an axis, or the pose is outside of the travel.

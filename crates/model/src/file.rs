@@ -68,7 +68,7 @@ pub fn load_with(source: &Source, registers: &ModelRegisters) -> (Option<(Machin
     (machine.filter(|_| sound).map(|machine| (machine, errors)), findings)
 }
 
-/// Reports names of `[uncertainty]` that are not parameters of this machine.
+/// Reports names of `[uncertainty]` that are no parameter of this machine.
 fn check_uncertainty(root: &mut Section<'_>, axes: AxisSet, errors: &ErrorModel, findings: &mut Vec<Diagnostic>) {
     let Some(mut section) = root.section(uncertainty::SECTION) else { return };
     let names: Vec<&str> = section.keys().collect();
