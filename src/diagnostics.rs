@@ -16,6 +16,8 @@ const MOST_DRAWN: usize = 50;
 
 /// Number of errors drawn for a file that is probably in another language.
 const MOST_MISREAD: usize = 3;
+/// Further lines of a repeated diagnostic that are named.
+const MOST_LINES: usize = 8;
 
 /// Diagnostics of which there may be several in one line: those about a file as a whole, and words of one block.
 const ABOUT_FILES: &[Code] = &[
@@ -377,13 +379,14 @@ impl Diagnostics {
         self.kept.iter().map(|(diagnostic, source)| json::Finding::new(diagnostic, source.as_ref())).collect()
     }
 
-    /// The printed first diagnostics: a program that was corrected for another machine, errors, warnings (or only
-    /// errors), each group in order of occurrence.
+    /// The printed first diagnostics: another machine than that of the program, errors, warnings (or only errors), each
+    /// group in order of occurrence.
     pub(crate) fn drawing(&self, colors: terminal::Colors, with_warnings: bool) -> String {
         let mut shown: Vec<&(Diagnostic, Option<Source>)> = self.kept.iter().collect();
         shown.retain(|(diagnostic, _)| with_warnings || diagnostic.is_error());
-        // A machine other than that of the correction is the cause of everything that follows.
-        shown.sort_by_key(|(diagnostic, _)| (diagnostic.code != Code::OTHER_STAMP, !diagnostic.is_error()));
+        // A machine other than that of the program is the cause of everything that follows.
+        let is_cause = |code: Code| code == Code::OTHER_STAMP || code == Code::NO_MACHINE;
+        shown.sort_by_key(|(diagnostic, _)| (!is_cause(diagnostic.code), !diagnostic.is_error()));
         let mut total = self.errors + if with_warnings { self.warnings } else { 0 };
         let mut out = String::new();
         for (name, hint) in &self.misread {
@@ -405,13 +408,18 @@ impl Diagnostics {
             }
             out.push('\n');
         }
-        for (diagnostic, source) in shown.iter().take(MOST_DRAWN) {
+        let groups = repeated(&shown);
+        let mut drawn = 0;
+        for group in groups.iter().take(MOST_DRAWN) {
+            let (diagnostic, source) = group[0];
             let said = self.without_hint(diagnostic, source.as_ref());
             out.push_str(&terminal::draw(said.as_ref().unwrap_or(diagnostic), source.as_ref(), colors));
+            out.push_str(&further_lines(&group[1..]));
             out.push('\n');
+            drawn += group.len();
         }
-        if total > MOST_DRAWN {
-            out.push_str(&format!("… and {} more\n\n", total - MOST_DRAWN));
+        if total > drawn {
+            out.push_str(&format!("… and {} more\n\n", total - drawn));
         }
         out
     }
@@ -423,6 +431,39 @@ impl Diagnostics {
         let hint = self.misread.get(source?.name()).filter(|hint| hint.sentence.is_some())?;
         let help = diagnostic.help.strip_prefix(hint.help.as_str())?.strip_prefix("; else ")?.to_owned();
         Some(Diagnostic { help, ..diagnostic.clone() })
+    }
+}
+
+/// The diagnostics in groups with the same text in the same file, in order of their first occurrence.
+fn repeated<'a>(shown: &[&'a (Diagnostic, Option<Source>)]) -> Vec<Vec<&'a (Diagnostic, Option<Source>)>> {
+    let mut groups: Vec<Vec<&(Diagnostic, Option<Source>)>> = Vec::new();
+    let mut known = HashMap::new();
+    for &entry in shown {
+        let (diagnostic, source) = entry;
+        let name = source.as_ref().map(Source::name);
+        let index = *known.entry((diagnostic.code, &*diagnostic.message, &*diagnostic.help, name)).or_insert(groups.len());
+        match groups.get_mut(index) {
+            Some(group) => group.push(entry),
+            None => groups.push(vec![entry]),
+        }
+    }
+    groups
+}
+
+/// The lines of further occurrences, as a line of text.
+fn further_lines(others: &[&(Diagnostic, Option<Source>)]) -> String {
+    let mut lines: Vec<usize> = others
+        .iter()
+        .filter_map(|(diagnostic, source)| Some(source.as_ref()?.line_column(diagnostic.place?.span.start).0))
+        .collect();
+    lines.dedup();
+    let more = lines.len().saturating_sub(MOST_LINES);
+    let named: Vec<String> = lines.iter().take(MOST_LINES).map(usize::to_string).collect();
+    match (named.as_slice(), more) {
+        ([], _) => String::new(),
+        ([one], _) => format!("  = also in line {one}\n"),
+        ([most @ .., last], 0) => format!("  = also in lines {} and {last}\n", most.join(", ")),
+        (all, more) => format!("  = also in lines {} and {more} more\n", all.join(", ")),
     }
 }
 

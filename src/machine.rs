@@ -9,7 +9,7 @@ use crate::disk::machine_file;
 use crate::error::Error;
 use crate::registry::Registry;
 use crate::tool::ToolVector;
-use ncfix_base::geometry::{AXES, AxisVector};
+use ncfix_base::geometry::{AXES, Axis, AxisVector};
 use ncfix_base::source::{FileId, Source};
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_machine::machine::{AxisData, Condition, State};
@@ -231,6 +231,17 @@ impl Machine {
         ErrorShares::new(&self.machine, &self.errors, &self.condition, pose, &tool_mm, state)
     }
 
+    /// Refuses axes of an option that the machine does not have.
+    ///
+    /// # Errors
+    /// If it lacks one of them.
+    pub(crate) fn check_axes(&self, option: &str, axes: &[Axis]) -> Result<(), Error> {
+        match axes.iter().find(|axis| self.machine.axis(**axis).is_none()) {
+            Some(axis) => Err(Error::usage(format!("{option} {axis}: the machine has no axis {axis}"))),
+            None => Ok(()),
+        }
+    }
+
     /// Refuses a pose that the machine cannot take.
     ///
     /// # Errors
@@ -245,7 +256,8 @@ impl Machine {
                 }
                 Some(AxisData { travel: Some([low, high]), .. }) if !(low - ROOM..=high + ROOM).contains(&at[axis]) => {
                     let [at, low, high] = [at[axis], *low, *high].map(shown);
-                    let sentence = format!("--at: {axis} {at} is outside the travel from {low} to {high}");
+                    let unit = if axis.is_rotary() { "deg" } else { "mm" };
+                    let sentence = format!("--at: {axis} {at} {unit} is outside the travel from {low} to {high} {unit}");
                     return Err(Error::usage(sentence));
                 }
                 _ => {}

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails here, which is what it is for")]
 
 mod adversary;
+mod advice;
 mod agreement;
 mod answers;
 mod architecture;

@@ -15,7 +15,7 @@ use ncfix_base::source::{FileId, Source};
 use ncfix_dialect::{CodeEffect, Dialect};
 use ncfix_language::exec::apply_archive;
 use ncfix_machine::machine::Condition;
-use ncfix_machine::machine::file::{DEMO, apply_setup};
+use ncfix_machine::machine::file::{DEMO, MachineFile, apply_setup};
 use ncfix_model::file::load_with;
 
 /// Name of the machine file that is searched in the folder of the program and above it.
@@ -163,14 +163,14 @@ fn read_with(
     let Some((mut machine, errors)) = loaded else { return Ok(None) };
     if ncfix_dialect::find(&machine.controller).is_none() {
         is_usable = false;
-        findings.add(
-            Diagnostic::nowhere(
-                Code::BAD_VALUE,
-                format!("controller '{}' in {} is not a dialect", machine.controller, source.name()),
-                format!("write one of {}", dialect_names()),
-            ),
-            &[],
-        );
+        let place = MachineFile::parse(source).ok().and_then(|file| {
+            let section = file.root().section("machine")?;
+            Some(section.place_of("controller"))
+        });
+        let message = format!("controller '{}' in {} is not a dialect", machine.controller, source.name());
+        let help = format!("write one of {}, haas", dialect_names());
+        let found = Diagnostic::nowhere(Code::BAD_VALUE, message, help);
+        findings.add(Diagnostic { place, ..found }, std::slice::from_ref(source));
     }
     for word in &machine.control.initial_codes {
         let table = ncfix_dialect::find(&machine.controller).map(Dialect::codes);
@@ -196,8 +196,13 @@ fn read_with(
     for path in setups {
         let (setup, members) = members(path)?;
         for Member { source: member, is_saved_data } in members {
-            let found =
+            let mut found =
                 if is_saved_data { apply_archive(&member, &mut machine) } else { apply_setup(&member, &mut machine) };
+            if !is_saved_data && found.iter().any(|found| found.code == Code::BAD_TOML) && is_program(&member) {
+                let message = format!("{} is a part program, not a set-up", member.name());
+                let help = "give it as the program; a set-up is a .toml file, or the saved data of the control";
+                found = vec![Diagnostic::nowhere(Code::BAD_TOML, message, help)];
+            }
             is_usable &= !found.iter().any(Diagnostic::is_error);
             findings.extend(found, std::slice::from_ref(&member));
         }
@@ -228,6 +233,12 @@ fn read_with(
         hash,
         files,
     }))
+}
+
+/// True if the name or the words of a file are those of a part program.
+fn is_program(source: &Source) -> bool {
+    let (name, bytes) = (source.name(), source.bytes());
+    ncfix_dialect::guess(name, bytes).is_some() || ncfix_dialect::likeness(bytes).is_some()
 }
 
 /// A set-up file with its content.

@@ -134,7 +134,10 @@ pub fn parse_length_mm(text: &str) -> Result<f64, String> {
     let (number, factor) = [("um", 1e-3), ("µm", 1e-3), ("nm", 1e-6), ("mm", 1.0), ("in", MM_PER_INCH)]
         .iter()
         .find_map(|&(unit, factor)| text.strip_suffix(unit).map(|number| (number, factor)))
-        .ok_or_else(|| format!("'{text}' has no unit; write for example 1um or 0.02mm"))?;
+        .ok_or_else(|| match text.trim_start_matches(|c: char| c.is_ascii_digit() || "+-.,".contains(c)) {
+            "" => format!("'{text}' has no unit; write for example 1um or 0.02mm"),
+            unit => format!("'{}' is not a unit of length; write for example 1um or 0.02mm", unit.trim()),
+        })?;
     let value: f64 = number.trim().parse().map_err(|_| match number.contains(',') {
         true => format!("'{number}' is not a number; write a decimal point"),
         false => format!("'{number}' is not a number"),

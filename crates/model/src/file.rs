@@ -9,6 +9,7 @@ use ncfix_base::units::{mm_from_um, rad_from_urad};
 use ncfix_machine::machine::file::{MachineFile, SECTIONS, Section, nearest, read_machine};
 use ncfix_machine::machine::{Machine, uncertainty};
 
+use super::location;
 use super::motion::{Entry, MotionKind, MotionKinds};
 use super::name::{ErrorKind, ErrorName};
 use super::source::MachineFileReading;
@@ -62,10 +63,31 @@ pub fn load_with(source: &Source, registers: &ModelRegisters) -> (Option<(Machin
         root.report(Code::TWO_DRIFTS, root.place_of_key("segment"), message, help);
     }
     check_uncertainty(&mut root, axes, &errors, &mut findings);
+    if let Some(machine) = &machine {
+        check_location(&mut root, machine, &errors);
+    }
     root.finish(&mut findings);
     findings.sort_by_key(|finding| (finding.place, finding.code));
     let sound = !findings.iter().any(Diagnostic::is_error);
     (machine.filter(|_| sound).map(|machine| (machine, errors)), findings)
+}
+
+/// Reports location errors that move neither the tip nor the tool axis on this machine, such as the rotation of everything under the workpiece: the
+/// measured deviation then belongs to another axis, and would never be corrected.
+fn check_location(root: &mut Section<'_>, machine: &Machine, errors: &ErrorModel) {
+    let Some(section) = root.section("location") else { return };
+    for (name, others) in location::without_effect(machine, &errors.location) {
+        let names: Vec<String> = others.iter().map(ToString::to_string).collect();
+        let help = match names.as_slice() {
+            [] => "remove it".to_owned(),
+            names => format!(
+                "on this machine {} describes this angle; a squareness of two axes changes its sign if the other axis states it",
+                names.join(" or ")
+            ),
+        };
+        let message = format!("{name} has no effect on this machine: it moves the workpiece with everything on its side");
+        root.report(Code::NO_EFFECT, section.place_of_key(&name.to_string()), message, help);
+    }
 }
 
 /// Reports names of `[uncertainty]` that are no parameter of this machine.

@@ -99,6 +99,7 @@ fn compare(
     let Some(machine) = machine_choice::choose_in(&arguments.machine, &arguments.state, search, findings)? else {
         return Ok(None);
     };
+    machine.check_axes("--axis", &arguments.axis)?;
     let (promised, watch) = (arguments.promised, Some(progress::watch as fn() -> _));
     let pair = Pair { programs, machine: &machine, promised, at_feed: false, requires_coverage: false, watch };
     Ok(pair.trace(has_places, findings)?)

@@ -28,7 +28,7 @@ Examples:
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct SensorsArguments {
     /// Tables of temperatures and displacements; with --watch the file of live sensors
-    #[arg(value_name = "DATA.csv", required = true)]
+    #[arg(value_name = "FILE", required = true)]
     pub(in crate::cli) data: Vec<PathBuf>,
     #[command(flatten)]
     /// Machine file and set-up files.
@@ -36,7 +36,7 @@ pub(in crate::cli) struct SensorsArguments {
     /// Independent runs to test the result, not used for the selection; repeatable
     #[arg(long, value_name = "RUN.csv")]
     pub(in crate::cli) verify: Vec<PathBuf>,
-    /// Temperature log with the same clock, if DATA.csv has no temperatures; with --watch, the log to write
+    /// Temperature log with the same clock, if the tables have no temperatures; with --watch, the log to write
     #[arg(long, value_name = "LOG.csv")]
     pub(in crate::cli) log: Option<PathBuf>,
     /// Largest number of sensors

@@ -324,7 +324,7 @@ ACN(…), IC(…).";
     ALREADY_CORRECTED = "E0301" "program already corrected"
 "The first comment states that ncfix wrote this file. Correcting it again would add the corrections twice. Correct the original.";
     OUT_OF_TRAVEL = "E0302" "position outside the travel of an axis"
-"A position – in a correction the corrected one, in check that of the program – lies beyond axis.….travel_mm (travel_deg). The
+"A position – in a correction and in check the corrected one, in snc that of the program – lies beyond axis.….travel_mm (travel_deg). The
 message gives the axis, the limit and the position: the end of the move if that is outside, otherwise the farthest point of the
 path. Check zero offset and tool length first: a wrong one shifts the whole program.";
     CORRECTION_TOO_LARGE = "E0303" "correction larger than allowed"
@@ -702,6 +702,10 @@ name is misspelled, the intended sensor keeps the reference temperature of the m
 "[zero_offset.NAME] states some linear axes of the machine and not all; the others count as 0. If the control has another value
 there, the corrected program refers to the wrong position. Write every axis as the control shows it, including 0. The external
 offset EXT of a Fanuc may have single axes.";
+    NO_EFFECT = "W0405" "location error without effect"
+"A location error in [location] moves neither the tip nor the tool axis on this machine. On the workpiece side, the error of the axis next
+to the foundation turns the table with all that is on it, and the tool path on the workpiece remains the same. The squareness of two axes
+is then stated by the other axis. If the measured value stands under this name, it is never corrected.";
     NO_TEMPERATURES = "W0501" "temperatures not given"
 "The error model has sources that depend on temperatures, and neither --state nor, in a calibration, the table of readings gives
 them. All sensors are assumed to be at their reference temperature: no drift, no expansion.";

@@ -101,6 +101,12 @@ fn too_many_parts(source: &Source, header: Span) -> Diagnostic {
     Diagnostic::at(Code::NOT_A_PROGRAM, Place { file: source.id(), span: header }, message, help)
 }
 
+/// True for a comma between two digits.
+fn is_decimal_comma(bytes: &[u8], at: usize) -> bool {
+    let is_digit = |at: usize| bytes.get(at).is_some_and(u8::is_ascii_digit);
+    bytes.get(at) == Some(&b',') && at > 0 && is_digit(at - 1) && is_digit(at + 1)
+}
+
 /// Reports a file in UTF-16, and names the first character outside ASCII that no word has; the places of others are counted.
 fn name_characters(source: &Source, findings: &mut Vec<Diagnostic>) {
     let bytes = source.bytes();
@@ -114,6 +120,13 @@ fn name_characters(source: &Source, findings: &mut Vec<Diagnostic>) {
     findings.retain_mut(|finding| {
         at += 1;
         let span = finding.place.filter(|place| place.file == source.id()).map(|place| place.span);
+        if let (Code::UNEXPECTED, Some(span)) = (finding.code, span)
+            && is_decimal_comma(bytes, span.start as usize)
+        {
+            "a comma within a number".clone_into(&mut finding.message);
+            "write a decimal point, for example X10.5".clone_into(&mut finding.help);
+            return true;
+        }
         let name = match (finding.code, span) {
             (Code::UNEXPECTED, Some(span)) => character::name_at(bytes, span.start as usize),
             // The value of an address begins after it.

@@ -107,8 +107,9 @@ impl<'a> Section<'a> {
         }
         self.accept(key);
         let message = format!("{} has no {key}", self.title);
-        let is_section = example.starts_with(&format!("[{key}."));
-        let help = if is_section {
+        let help = if example.starts_with("a section ") {
+            format!("write {example}")
+        } else if example.starts_with(&format!("[{key}.")) {
             format!("add a section {example}")
         } else {
             format!("write for example `{key} = {example}`")
@@ -320,7 +321,7 @@ impl<'a> Section<'a> {
         if value.is_none() {
             let message = format!("{key} must be {expected}, found {}", item.found());
             let place = Place { file: self.file, span: item.span };
-            self.report(Code::BAD_VALUE, place, message, format!("make {key} in {} {expected}", self.title));
+            self.report(Code::BAD_VALUE, place, message, format!("give {key} in {} as {expected}", self.title));
         }
         value
     }

@@ -126,7 +126,7 @@ impl UndeterminedCause {
             }
             UndeterminedCause::Plane => {
                 format!(
-                    "leave {one_of_them} out of the model, or measure in poses in which they differ, outside this plane"
+                    "leave {one_of_them} out of the model; if the machine has poses outside this plane in which they differ, measure there as well"
                 )
             }
             UndeterminedCause::Angles(axis) => {

@@ -19,8 +19,10 @@ use super::motion::EntryFunction;
 use super::name::{ErrorKind, ErrorName};
 use super::source::Effect;
 
-/// Positions up to this beyond a range are within it: rounding noise, mm or rad.
+/// Positions nearer to each other than this are equal: rounding noise, mm or rad.
 const ON_LIMIT: f64 = 1e-6;
+/// Values up to this beyond a measured range are within it, mm, K or N: half of the last digit of 0.01 with which ranges and readings are written.
+const WITHIN: f64 = 5e-3;
 /// Share of a turn from which a measurement of a modulo axis counts as a whole turn: one of twelve steps may be missing.
 const WHOLE_TURN: f64 = 11.0 / 12.0;
 /// Rise of the first sensor in the condition that reveals which axes an effect concerns, K. The next ones rise by more, so that they do not cancel.
@@ -198,7 +200,8 @@ impl<'a> Survey<'a> {
         let stays = if axis.is_rotary() { is_zero } else { used[1] - used[0] <= ON_LIMIT };
         if let Some(&measured) = self.measured.axes.get(&axis) {
             let used = self.in_turn(axis, used, measured);
-            for beyond in beyond(used, measured) {
+            let within = if axis.is_rotary() { WITHIN.to_radians() } else { WITHIN };
+            for beyond in beyond(used, measured).into_iter().filter(|beyond| beyond.abs() > within) {
                 let size_mm = Some(self.extrapolated(axis, measured, beyond));
                 let position =
                     CoverageGap { used, measured: Some(measured), beyond, size_mm, ..gap(GapKind::Position) };
@@ -293,7 +296,7 @@ impl<'a> Survey<'a> {
             return;
         }
         let used = tools_mm.map(|tool_mm| tool_mm.norm());
-        for beyond in beyond(used, measured) {
+        for beyond in beyond(used, measured).into_iter().filter(|beyond| beyond.abs() > WITHIN) {
             let tool_mm = if beyond > 0.0 { tools_mm[1] } else { tools_mm[0] };
             let end_mm = if beyond > 0.0 { measured[1] } else { measured[0] };
             let direction = tool_mm.try_normalize(ON_LIMIT).unwrap_or(-self.machine.spindle.axis);

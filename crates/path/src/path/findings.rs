@@ -65,6 +65,7 @@ impl<'a> DiagnosticCollector<'a> {
     ) {
         let machine = self.machine;
         let nominal = &whole.at(parameter);
+        let mut is_outside = false;
         for data in machine.axes.iter().flatten().filter(|data| known.contains(data.axis)) {
             let end = emitted.end[data.axis];
             if let Some([low, high]) = data.travel {
@@ -74,12 +75,14 @@ impl<'a> DiagnosticCollector<'a> {
                 // Ranges, so that NaN is outside.
                 let is_below = |position: f64| !(low - ON_LIMIT..).contains(&position);
                 if is_below(least) {
+                    is_outside = true;
                     let on_the_way = [span_of(whole, data.axis)[0], least];
                     let (position, place) = place_outside(whole_end, on_the_way, is_below);
                     self.out_of_travel(origin, data.axis, position, place, ("below", low));
                 }
                 let is_above = |position: f64| !(..=high + ON_LIMIT).contains(&position);
                 if is_above(most) {
+                    is_outside = true;
                     let on_the_way = [span_of(whole, data.axis)[1], most];
                     let (position, place) = place_outside(whole_end, on_the_way, is_above);
                     self.out_of_travel(origin, data.axis, position, place, ("above", high));
@@ -91,7 +94,8 @@ impl<'a> DiagnosticCollector<'a> {
             } else {
                 correction
             };
-            if !(..=self.max_correction_mm).contains(&at_tip_mm.abs()) {
+            // Beyond the travel the errors are extrapolated, and their size says nothing about the machine.
+            if !is_outside && !(..=self.max_correction_mm).contains(&at_tip_mm.abs()) {
                 let message = format!(
                     "the correction of {} is {} at the tool, more than {}",
                     data.axis,

@@ -53,6 +53,8 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
         let help = "save the data at the control as _TOA, _UFR, _RPA, _GUD or _INI, or correct the header";
         findings.push(at(span, Code::UNEXPECTED, message, help).in_file(source.id()));
     }
+    let has_words = sections.iter().any(|section| !is_program(&section));
+    let mut is_data = false;
     for section in sections {
         if is_program(&section) {
             continue;
@@ -61,7 +63,9 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
             match block.body {
                 Body::Words => {
                     for word in loaded.program.words_of(block) {
-                        findings.extend(reader.word(word).err().map(|found| found.in_file(source.id())));
+                        let found = reader.word(word);
+                        is_data |= found.is_ok();
+                        findings.extend(found.err().map(|found| found.in_file(source.id())));
                     }
                 }
                 Body::Empty | Body::Faulty | Body::Define { .. } => {}
@@ -81,6 +85,12 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
         }
     }
     if findings.iter().any(Diagnostic::is_error) {
+        // Not one assignment: someone gave the part program, and advice for each of its words would empty it.
+        if let Some(first) = findings.iter_mut().find(|found| found.code == Code::UNEXPECTED).filter(|_| has_words && !is_data) {
+            "this file has no assignment: it is a program, not data that the control saved".clone_into(&mut first.message);
+            "give it as the program; a set-up is a .toml file, or the saved data of the control".clone_into(&mut first.help);
+            return vec![first.clone()];
+        }
         return findings;
     }
     let Reader { channel, data, .. } = reader;

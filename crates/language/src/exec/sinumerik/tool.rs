@@ -76,7 +76,13 @@ fn activate_edge(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
                 WordValue::Name(name) => format!("T=\"{}\"", String::from_utf8_lossy(name)),
             };
             let message = format!("{shown} D{} has no value in the machine file", channel.modal.edge);
-            (message, "add a [[tool]] entry there or in a file given with --setup")
+            let help = match active {
+                WordValue::Number(_) => "add a [[tool]] entry there or in a file given with --setup",
+                WordValue::Name(_) => {
+                    "add a [[tool]] entry there with this text as its name, and a number; or give the saved tool data with --setup"
+                }
+            };
+            (message, help)
         }
         (None, Some(_)) => (
             "a cutting edge is activated, but the selected tool was never loaded with M6".to_owned(),

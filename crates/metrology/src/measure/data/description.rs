@@ -44,8 +44,10 @@ pub(super) fn read(name: &str, source: &Source, instruments: &Instruments) -> (O
         }
         section.finish(&mut findings);
     }
+    // Only places of balls can be given, or distances between them; elsewhere these sections are unknown keys.
+    let has_balls = !matches!(measurand, Measurand::Component | Measurand::BallDistance);
     let mut lengths = Vec::new();
-    for mut section in root.sections("length") {
+    for mut section in has_balls.then(|| root.sections("length")).into_iter().flatten() {
         let from = section.required("from", "\"b1\"", Section::text);
         let to = section.required("to", "\"b2\"", Section::text);
         let value_mm = section.required("value_mm", "500.012", |section, key| {
@@ -62,7 +64,7 @@ pub(super) fn read(name: &str, source: &Source, instruments: &Instruments) -> (O
         section.finish(&mut findings);
     }
     let fixed = root.section("position").map_or_else(Vec::new, |section| read_fixed(section, &mut findings));
-    let balls = root.section("ball").map_or_else(Vec::new, |section| read_balls(section, &mut findings));
+    let balls = has_balls.then(|| root.section("ball")).flatten().map_or_else(Vec::new, |section| read_balls(section, &mut findings));
     root.finish(&mut findings);
     let data = data.map(|mut data: DataSet| {
         (data.setups, data.rods, data.artefact) = (setups, rods, artefact);
