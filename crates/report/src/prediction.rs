@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::correction::push_row;
 use super::number::significant;
 use ncfix_base::units::um_from_mm;
-use ncfix_path::path::{ErrorInterval, PredictedInterval};
+use ncfix_path::path::{ErrorInterval, PredictedInterval, StationInterval};
 
 /// Statement about a machine file without uncertainties.
 pub const NOT_KNOWN: &str = "the uncertainty of this machine file is not known";
@@ -30,6 +30,28 @@ pub struct PredictionReport {
     pub after: Option<IntervalReport>,
     /// Probability that the correction makes neither the largest nor the root mean square error larger; `null` if no uncertainty is known.
     pub improves: Option<f64>,
+    /// Intervals at up to 200 places along the program, in its order; empty if no uncertainty is known.
+    pub along: Vec<StationReport>,
+}
+
+/// Interval of the error of the tool tip at one place of a program with a probability of 95 %: lower and upper end.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct StationReport {
+    /// Line of the block in its file.
+    pub line: u32,
+    /// Error as programmed, µm.
+    pub before_um: [f64; 2],
+    /// Error as written, µm.
+    pub after_um: [f64; 2],
+}
+
+impl StationReport {
+    fn of(found: &StationInterval) -> StationReport {
+        let StationInterval { origin, before_mm, after_mm } = found;
+        let [before_um, after_um] = [before_mm, after_mm].map(|ends| ends.map(um_from_mm));
+        StationReport { line: origin.line, before_um, after_um }
+    }
 }
 
 /// Interval that contains the true error of the tool tip with a probability of 95 %: lower and upper end of each figure.
@@ -73,6 +95,7 @@ impl PredictionReport {
             before: found.map(|found| IntervalReport::of(&found.before)),
             after: found.map(|found| IntervalReport::of(&found.after)),
             improves: found.map(|found| found.better),
+            along: found.map_or_else(Vec::new, |found| found.along.iter().map(StationReport::of).collect()),
         }
     }
 
@@ -144,7 +167,7 @@ mod tests {
             max_mm: [2.0 * low, 4.0 * low],
             axes_mm: [[low, 2.0 * low], [0.0; 2], [0.0, low]],
         };
-        PredictedInterval { before: of(0.005), after: of(0.000_5), better }
+        PredictedInterval { before: of(0.005), after: of(0.000_5), better, along: Vec::new() }
     }
 
     #[test]

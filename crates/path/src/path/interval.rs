@@ -6,6 +6,7 @@
 
 use ncfix_base::geometry::Vector;
 use ncfix_base::numeric::noise::Noise;
+use ncfix_machine::snc::Origin;
 use ncfix_model::Model;
 
 use super::poses::ErrorPlace;
@@ -34,8 +35,19 @@ pub struct ErrorInterval {
     pub axes_mm: [[f64; 2]; 3],
 }
 
-/// Intervals before and after a correction.
+/// Interval of the error at one place of a program with a probability of 95 %, mm: lower and upper end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StationInterval {
+    /// Block of the program.
+    pub origin: Origin,
+    /// As programmed.
+    pub before_mm: [f64; 2],
+    /// As emitted.
+    pub after_mm: [f64; 2],
+}
+
+/// Intervals before and after a correction.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PredictedInterval {
     /// As programmed.
     pub before: ErrorInterval,
@@ -43,6 +55,8 @@ pub struct PredictedInterval {
     pub after: ErrorInterval,
     /// Share of the repetitions in which the correction makes neither the largest nor the root mean square error larger.
     pub better: f64,
+    /// Evenly spread places in order of the program.
+    pub along: Vec<StationInterval>,
 }
 
 /// Figures of one repetition, mm: mean, root mean square, maximum, and the maximum along X, Y and Z.
@@ -92,6 +106,8 @@ pub fn predict(
     let mut next = 0;
     let mut all: [[Vec<f64>; 6]; 2] = std::array::from_fn(|_| std::array::from_fn(|_| Vec::with_capacity(2 * PAIRS)));
     let mut better = 0_usize;
+    // At each place the magnitudes of all repetitions, before and after.
+    let mut stations: Vec<[Vec<f64>; 2]> = places.iter().map(|_| [Vec::new(), Vec::new()]).collect();
     let mut sums = vec![vec![Vector::zeros(); places.len()]; sides.len()];
     for _ in 0..PAIRS {
         sums.iter_mut().for_each(|sum| sum.fill(Vector::zeros()));
@@ -111,7 +127,9 @@ pub fn predict(
         for sign in [1.0, -1.0] {
             let both = [0, 1].map(|which: usize| {
                 let sum = &sums[which.min(sides.len() - 1)];
-                figures(places, own[which].iter().zip(sum).map(|(own, by)| own + by * sign))
+                let errors = || own[which].iter().zip(sum).map(|(own, by)| own + by * sign);
+                stations.iter_mut().zip(errors()).for_each(|(lists, error)| lists[which].push(error.norm()));
+                figures(places, errors())
             });
             better += usize::from(both[1][1] <= both[0][1] && both[1][2] <= both[0][2]);
             for (lists, figures) in all.iter_mut().zip(both) {
@@ -128,7 +146,18 @@ pub fn predict(
         max_mm,
         axes_mm: [x, y, z],
     });
-    Some(PredictedInterval { before, after, better: better as f64 / (2 * PAIRS) as f64 })
+    let even = places.iter().zip(&own[0]).zip(stations).filter(|((place, _), _)| place.is_even);
+    let along = even.map(|((place, own), lists)| {
+        let [mut before_mm, after_mm] = lists.map(ends);
+        before_mm[0] = lowered(before_mm, own.norm());
+        StationInterval { origin: place.origin, before_mm, after_mm }
+    });
+    Some(PredictedInterval {
+        before,
+        after,
+        better: better as f64 / (2 * PAIRS) as f64,
+        along: along.collect(),
+    })
 }
 
 /// Mean and root mean square of the distances at evenly spread places, their maximum at all, and the maximum of each direction, mm.
@@ -192,7 +221,8 @@ mod tests {
             let mut command = nominal;
             command[Axis::X] -= scale * nominal[Axis::X];
             let states = [State::default(); 2];
-            ErrorPlace { nominal, command, states, tool_mm: Vector::zeros(), zero: None, is_even: true }
+            let origin = Origin { line: k as u32, ..Origin::default() };
+            ErrorPlace { nominal, command, states, tool_mm: Vector::zeros(), origin, zero: None, is_even: true }
         };
         (1..=40).map(of).collect()
     }
@@ -210,6 +240,12 @@ mod tests {
         assert!(low < 0.2e-3 && (high - 2.24 * 2e-3).abs() < 0.8e-3, "{low} {high}");
         assert_eq!((found.better, found.after.axes_mm[1]), (1.0, [0.0; 2]));
         assert_eq!(found.after.axes_mm[0], found.after.max_mm);
+        // At 100 mm it is a quarter of that, 5 ± 0.5 µm before.
+        assert_eq!(found.along.len(), 40);
+        let at = found.along[9];
+        let [low, high] = at.before_mm;
+        assert_eq!(at.origin.line, 10);
+        assert!((low - (5.0 - 1.96 * 0.5) * 1e-3).abs() < 0.3e-3 && (high - (5.0 + 1.96 * 0.5) * 1e-3).abs() < 0.2e-3);
     }
 
     #[test]

@@ -48,7 +48,7 @@ pub use compare::{
 };
 pub use corrector::Corrector;
 pub use increment::Increments;
-pub use interval::{ErrorInterval, PredictedInterval, predict};
+pub use interval::{ErrorInterval, PredictedInterval, StationInterval, predict};
 pub use live::{Allows, Applied, Asked, Doses, Live};
 pub use moves::Moves;
 pub use poses::{ErrorPlace, PoseSample};

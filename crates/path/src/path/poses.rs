@@ -2,6 +2,7 @@
 
 use ncfix_base::geometry::{AxisSet, AxisVector, Vector};
 use ncfix_machine::machine::State;
+use ncfix_machine::snc::Origin;
 
 /// A pose of the tool in an emitted program.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +30,8 @@ pub struct ErrorPlace {
     pub states: [State; 2],
     /// From the spindle gauge point to the tip, in F at the zero pose, mm.
     pub tool_mm: Vector,
+    /// Block of the program.
+    pub origin: Origin,
     /// The zero offset in force, by its index.
     pub zero: Option<u16>,
     /// `true` if it counts in means. A place that was chosen for its large error counts only in maxima.

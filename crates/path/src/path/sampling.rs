@@ -218,6 +218,7 @@ impl SampledPiece<'_> {
                 self.emitted.band_at(share, self.lead).state(),
             ],
             tool_mm: *self.emitted.tool_mm,
+            origin: self.origin,
             zero: self.zero,
             is_even: true,
         }
