@@ -95,6 +95,9 @@ fn the_three_agree_on_the_samples() {
         ("sinumerik/slots.mpf", "demo"),
         ("sinumerik/saddle.mpf", "demo"),
         ("fanuc/fine_bores.nc", "vmc"),
+        // Five axes: the tool turns on its way, and stands in a swiveled plane.
+        ("sinumerik/swarf.mpf", "esmaeili_huron"),
+        ("sinumerik/three_plus_two.mpf", "esmaeili_xyz5"),
     ] {
         let shop = Shop::new().copy(&format!("samples/programs/{name}"));
         let own = name.rsplit('/').next().unwrap();
