@@ -342,6 +342,7 @@ impl<'a> Prepared<'a> {
         };
         let mut writer = writing.writer()?;
         writer.keep_free(numbers);
+        writer.keep_lines(program.source().clone());
         let feed_limit = options.feed_limit_mm.zip(machine.machine.servo.as_ref());
         let pipeline = Pipeline { machine: &machine.machine, model, options: &writing.options, feed_limit };
         let passed = pipeline.pass(&mut running, writer.as_mut(), sink, threads);

@@ -2,6 +2,7 @@
 //! thus find their places.
 
 use super::block_number::NumberSet;
+use super::kept::KeptLines;
 use ncfix_base::units::push_integer;
 
 /// The line under construction, with the settings common to all lines: line end, numbers, count.
@@ -34,12 +35,15 @@ pub(super) struct LineBuilder {
     /// The number of the source's block, if this is its first line.
     own_number: Option<u32>,
     blocks: u64,
+    /// Lines of the source, whose bytes stay if nothing in them changes.
+    pub(super) kept: KeptLines,
 }
 
 impl LineBuilder {
     /// An empty line; lines end with CR LF if `crlf` is set, otherwise with LF.
-    pub(super) fn new(crlf: bool) -> LineBuilder {
+    pub(super) fn new(crlf: bool, kept: KeptLines) -> LineBuilder {
         LineBuilder {
+            kept,
             text: Vec::with_capacity(256),
             has_motion: false,
             held: Vec::with_capacity(64),
@@ -203,15 +207,23 @@ impl LineBuilder {
             self.comment.clear();
         }
         if !self.text.is_empty() || self.has_comment() {
-            match self.own_number.take() {
-                Some(number) => push_number(number, out),
-                None => self.next_number(out),
+            let own_number = self.own_number.take();
+            let has_new_number = self.number.is_some() && own_number.is_none();
+            let kept = self.kept.line(own_number, &self.text, &self.comment);
+            match kept.filter(|kept| !has_new_number && kept.len() <= self.longest) {
+                Some(kept) => out.extend_from_slice(kept),
+                None => {
+                    match own_number {
+                        Some(number) => push_number(number, out),
+                        None => self.next_number(out),
+                    }
+                    out.extend_from_slice(&self.text);
+                    if !self.text.is_empty() && self.has_comment() {
+                        out.push(b' ');
+                    }
+                    out.extend_from_slice(&self.comment);
+                }
             }
-            out.extend_from_slice(&self.text);
-            if !self.text.is_empty() && self.has_comment() {
-                out.push(b' ');
-            }
-            out.extend_from_slice(&self.comment);
             out.extend_from_slice(self.ending);
             self.blocks += u64::from(self.has_words);
         }

@@ -6,6 +6,7 @@
 mod block_number;
 mod comment;
 mod flat;
+mod kept;
 mod line;
 mod number;
 mod sinumerik;
@@ -25,6 +26,7 @@ use std::io::{self, Write};
 use crate::path::{Centers, Feeds, Increments, Output, OutputFrame, Turns};
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::AXIS_COUNT;
+use ncfix_base::source::Source;
 
 /// Settings of a writer.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +56,8 @@ pub trait Writer: Send {
     fn finish(&mut self, out: &mut Vec<u8>);
     /// Reserves the block numbers of the source, if every line needs a number.
     fn keep_free(&mut self, _numbers: NumberSet) {}
+    /// Keeps the bytes of lines of the main program in which no word changes.
+    fn keep_lines(&mut self, _program: Source) {}
     /// The number of lines with words written so far, without comments and headers.
     fn blocks(&self) -> u64;
 }

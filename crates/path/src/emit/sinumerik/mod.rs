@@ -10,9 +10,11 @@ use std::collections::HashSet;
 use crate::path::{Centers, Feeds, Output, OutputFrame, Piece, Turns};
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::{AXIS_COUNT, Axis};
+use ncfix_base::source::Source;
 use ncfix_machine::snc::{BlockNumber, FeedUnit, Kind, Origin};
 
 use super::block_number::BlockNumbers;
+use super::kept::KeptLines;
 use super::line::LineBuilder;
 use super::number::{AxisNumbers, push_value, to_digits};
 use super::stops::Stops;
@@ -42,7 +44,7 @@ fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {
         stamp: options.stamp.text(),
         is_stamped: false,
         has_assumed: false,
-        line: LineBuilder::new(options.crlf),
+        line: LineBuilder::new(options.crlf, KeptLines::new(false, false)),
         stops: Stops::new(ncfix_dialect::sinumerik().block_ends),
         block_numbers: BlockNumbers::default(),
         labels: HashSet::new(),
@@ -105,6 +107,10 @@ impl Writer for Sinumerik {
         self.stamp(out);
     }
 
+    fn keep_lines(&mut self, program: Source) {
+        self.line.kept.of(program);
+    }
+
     fn blocks(&self) -> u64 {
         self.line.blocks()
     }
@@ -122,6 +128,9 @@ impl Sinumerik {
             self.line.end(out);
         }
         self.line.open();
+        if is_block {
+            self.line.kept.begin(origin);
+        }
         if let Some(number) = self.block_numbers.first(origin, number.filter(|_| is_block)) {
             self.line.block_number(if number.main { b':' } else { b'N' }, number.number);
         }

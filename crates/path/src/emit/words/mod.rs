@@ -16,9 +16,11 @@ mod thread_tests;
 use crate::path::{Centers, Feeds, Output, Piece, Turns};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::AXIS_COUNT;
+use ncfix_base::source::Source;
 use ncfix_machine::snc::{BlockNumber, Origin};
 
 use super::block_number::{BlockNumbers, NumberSet};
+use super::kept::KeptLines;
 use super::line::LineBuilder;
 use super::number::{AxisNumbers, push_pointed, push_value, to_digits};
 use super::stops::Stops;
@@ -84,7 +86,7 @@ fn create(flavour: &'static Flavour, options: &WriterOptions) -> Option<Box<dyn 
         numbers.linear = numbers.linear.pointed();
         numbers.rotary = numbers.rotary.pointed();
     }
-    let line = LineBuilder::new(options.crlf).no_longer_than(flavour.longest);
+    let line = LineBuilder::new(options.crlf, KeptLines::new(true, flavour.is_pointed)).no_longer_than(flavour.longest);
     let block_ends = ncfix_dialect::find(flavour.dialect)?.block_ends;
     let stamp = &options.stamp;
     Some(Box::new(Words {
@@ -176,6 +178,10 @@ impl Writer for Words {
         self.line.keep_free(numbers);
     }
 
+    fn keep_lines(&mut self, program: Source) {
+        self.line.kept.of(program);
+    }
+
     fn blocks(&self) -> u64 {
         self.line.blocks()
     }
@@ -188,6 +194,7 @@ impl Words {
         self.has_p = false;
         self.stops.begin_block();
         self.line.open();
+        self.line.kept.begin(origin);
         let own = self.block_numbers.first(origin, number).map(|own| own.number);
         if self.flavour.is_numbered {
             self.line.own_number(own);
