@@ -42,8 +42,9 @@ fn unstated_axes(origin: Origin, axes: AxisSet, is_required: bool) -> Diagnostic
     let (names, zeros) = (names.join(" and "), zeros.join(","));
     let place = Place { file: origin.file, span: origin.span };
     let message = format!("the tool cuts here, and the position of {names} is not stated; the correction is for 0°");
-    let help =
-        format!("program {names} before this cut, or state the position at the beginning: --start X0,Y0,Z0,{zeros} for this run, start_deg in [axis] for all");
+    let help = format!(
+        "program {names} before this cut, or state the position at the beginning: --start X0,Y0,Z0,{zeros} for this run, start_deg in [axis] for all"
+    );
     Diagnostic::at(code, place, message, help)
 }
 

@@ -36,7 +36,9 @@ impl FromStr for StatedZero {
     fn from_str(text: &str) -> Result<StatedZero, String> {
         let wrong =
             || format!("'{text}' is not a zero; write for example G54=touched or G54=touched@X330,Y240,Z120,L100");
-        let no_method = || format!("'{text}' does not state how the zero was set; write for example {text}=touched or {text}=absolute");
+        let no_method = || {
+            format!("'{text}' does not state how the zero was set; write for example {text}=touched or {text}=absolute")
+        };
         let (name, rest) = text.split_once('=').ok_or_else(no_method)?;
         let (setting, place) = rest.split_once('@').map_or((rest, None), |(setting, place)| (setting, Some(place)));
         let setting = ZeroSetting::of_name(setting.trim()).ok_or_else(wrong)?;

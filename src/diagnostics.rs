@@ -441,7 +441,8 @@ fn repeated<'a>(shown: &[&'a (Diagnostic, Option<Source>)]) -> Vec<Vec<&'a (Diag
     for &entry in shown {
         let (diagnostic, source) = entry;
         let name = source.as_ref().map(Source::name);
-        let index = *known.entry((diagnostic.code, &*diagnostic.message, &*diagnostic.help, name)).or_insert(groups.len());
+        let index =
+            *known.entry((diagnostic.code, &*diagnostic.message, &*diagnostic.help, name)).or_insert(groups.len());
         match groups.get_mut(index) {
             Some(group) => group.push(entry),
             None => groups.push(vec![entry]),

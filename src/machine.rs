@@ -257,7 +257,8 @@ impl Machine {
                 Some(AxisData { travel: Some([low, high]), .. }) if !(low - ROOM..=high + ROOM).contains(&at[axis]) => {
                     let [at, low, high] = [at[axis], *low, *high].map(shown);
                     let unit = if axis.is_rotary() { "deg" } else { "mm" };
-                    let sentence = format!("--at: {axis} {at} {unit} is outside the travel from {low} to {high} {unit}");
+                    let sentence =
+                        format!("--at: {axis} {at} {unit} is outside the travel from {low} to {high} {unit}");
                     return Err(Error::usage(sentence));
                 }
                 _ => {}

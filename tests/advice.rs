@@ -40,7 +40,8 @@ fn a_decimal_comma_is_named_in_every_language() {
     for (dialect, block) in
         [("sinumerik", "G0 X10,5"), ("fanuc", "G0 X10,5"), ("rs274", "G0 X10,5"), ("grundig", "N1 G0 X10,5")]
     {
-        let run = shop(&format!("{block}\n")).run(words(&format!("check part.mpf --machine mill.toml --dialect {dialect}")));
+        let run =
+            shop(&format!("{block}\n")).run(words(&format!("check part.mpf --machine mill.toml --dialect {dialect}")));
         run.exits(3).says("a comma within a number").says("write a decimal point, for example X10.5");
     }
 }
@@ -84,7 +85,8 @@ fn a_program_is_not_a_set_up() {
     for header in ["", "%_N_PART_UFR\n"] {
         let shop = shop(program).file("other.mpf", format!("{header}{program}"));
         let run = shop.run(words("part.mpf -o out.mpf --machine mill.toml --setup other.mpf"));
-        let run = run.exits(if header.is_empty() { 4 } else { 3 }).says("give it as the program; a set-up is a .toml file");
+        let run =
+            run.exits(if header.is_empty() { 4 } else { 3 }).says("give it as the program; a set-up is a .toml file");
         assert_eq!(run.stderr.matches("error[").count(), 1, "{}", run.stderr);
     }
 }
@@ -111,7 +113,8 @@ fn sections_that_are_missing_or_wrong_are_written_as_sections() {
 
 #[test]
 fn a_squareness_that_turns_everything_names_the_other_axis() {
-    let check = |own: &str| Shop::new().file("m.toml", format!("{MILL}[location]\n{own}\n")).run(words("machine check m.toml"));
+    let check =
+        |own: &str| Shop::new().file("m.toml", format!("{MILL}[location]\n{own}\n")).run(words("machine check m.toml"));
     let found = check("EC0Y = 20").exits(0);
     found.says("warning[W0405]: EC0Y has no effect on this machine").says("EC0X describes this angle");
     // Followed: the other name has an effect.
@@ -127,6 +130,9 @@ fn known_lengths_are_refused_where_they_have_no_effect() {
     for own in ["[[length]]\nfrom = \"b1\"\nto = \"b2\"\nvalue_mm = 100\n", "[ball.b1]\nplace_mm = [1, 2, 3]\n"] {
         let shop = Shop::new().file("mill.toml", MILL).file("bar.csv", rows).file("bar.toml", format!("{bar}{own}"));
         let section = own.split(['[', ']', '.', '\n']).find(|word| !word.is_empty()).unwrap();
-        shop.run(words("calibrate bar.csv --machine mill.toml --model EC0X -o fit.toml")).exits(4).says("error[E0402]").says(section);
+        shop.run(words("calibrate bar.csv --machine mill.toml --model EC0X -o fit.toml"))
+            .exits(4)
+            .says("error[E0402]")
+            .says(section);
     }
 }

@@ -181,7 +181,8 @@ fn another_order_of_the_axes_in_the_machine_file_is_told() {
     let told = &found["data_faults"][0];
     assert_eq!(told["kind"], "topology", "{found}");
     assert!(told["what"].as_str().unwrap().contains("wXYFZSt"), "{told}");
-    let codes: Vec<&str> = found["diagnostics"].as_array().unwrap().iter().map(|one| one["code"].as_str().unwrap()).collect();
+    let codes: Vec<&str> =
+        found["diagnostics"].as_array().unwrap().iter().map(|one| one["code"].as_str().unwrap()).collect();
     assert!(codes.contains(&"E0614"), "{codes:?}");
     // The squareness of a lower axis is a symptom as well.
     assert!(codes.contains(&"W0405"), "{codes:?}");

@@ -85,7 +85,8 @@ fn check_location(root: &mut Section<'_>, machine: &Machine, errors: &ErrorModel
                 names.join(" or ")
             ),
         };
-        let message = format!("{name} has no effect on this machine: it moves the workpiece with everything on its side");
+        let message =
+            format!("{name} has no effect on this machine: it moves the workpiece with everything on its side");
         root.report(Code::NO_EFFECT, section.place_of_key(&name.to_string()), message, help);
     }
 }

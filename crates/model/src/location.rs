@@ -6,9 +6,9 @@
 use ncfix_base::geometry::{AxisVector, Vector};
 use ncfix_machine::machine::Machine;
 
+use super::ErrorModel;
 use super::forward::Model;
 use super::name::ErrorName;
-use super::ErrorModel;
 
 /// Shares of the travel at which effects are looked for: no symmetric pose.
 const SHARES: [f64; 3] = [0.21, 0.58, 0.93];

@@ -152,12 +152,7 @@ pub fn predict(
         before_mm[0] = lowered(before_mm, own.norm());
         StationInterval { origin: place.origin, before_mm, after_mm }
     });
-    Some(PredictedInterval {
-        before,
-        after,
-        better: better as f64 / (2 * PAIRS) as f64,
-        along: along.collect(),
-    })
+    Some(PredictedInterval { before, after, better: better as f64 / (2 * PAIRS) as f64, along: along.collect() })
 }
 
 /// Mean and root mean square of the distances at evenly spread places, their maximum at all, and the maximum of each direction, mm.

@@ -86,9 +86,13 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
     }
     if findings.iter().any(Diagnostic::is_error) {
         // Not one assignment: someone gave the part program, and advice for each of its words would empty it.
-        if let Some(first) = findings.iter_mut().find(|found| found.code == Code::UNEXPECTED).filter(|_| has_words && !is_data) {
-            "this file has no assignment: it is a program, not data that the control saved".clone_into(&mut first.message);
-            "give it as the program; a set-up is a .toml file, or the saved data of the control".clone_into(&mut first.help);
+        if let Some(first) =
+            findings.iter_mut().find(|found| found.code == Code::UNEXPECTED).filter(|_| has_words && !is_data)
+        {
+            "this file has no assignment: it is a program, not data that the control saved"
+                .clone_into(&mut first.message);
+            "give it as the program; a set-up is a .toml file, or the saved data of the control"
+                .clone_into(&mut first.help);
             return vec![first.clone()];
         }
         return findings;

@@ -64,7 +64,10 @@ pub(super) fn read(name: &str, source: &Source, instruments: &Instruments) -> (O
         section.finish(&mut findings);
     }
     let fixed = root.section("position").map_or_else(Vec::new, |section| read_fixed(section, &mut findings));
-    let balls = has_balls.then(|| root.section("ball")).flatten().map_or_else(Vec::new, |section| read_balls(section, &mut findings));
+    let balls = has_balls
+        .then(|| root.section("ball"))
+        .flatten()
+        .map_or_else(Vec::new, |section| read_balls(section, &mut findings));
     root.finish(&mut findings);
     let data = data.map(|mut data: DataSet| {
         (data.setups, data.rods, data.artefact) = (setups, rods, artefact);
