@@ -387,29 +387,33 @@ impl Diagnostics {
         // A machine other than that of the program is the cause of everything that follows.
         let is_cause = |code: Code| code == Code::OTHER_STAMP || code == Code::NO_MACHINE;
         shown.sort_by_key(|(diagnostic, _)| (!is_cause(diagnostic.code), !diagnostic.is_error()));
-        let mut total = self.errors + if with_warnings { self.warnings } else { 0 };
+        let total = self.errors + if with_warnings { self.warnings } else { 0 };
+        let mut groups = repeated(&shown);
+        let mut drawn = 0;
         let mut out = String::new();
         for (name, hint) in &self.misread {
             let Some(sentence) = &hint.sentence else { continue };
-            let before = shown.len();
-            let mut count = 0;
-            shown.retain(|(found, source)| {
+            let (mut kinds, mut count, mut hidden) = (0, 0, 0);
+            groups.retain(|group| {
+                let (found, source) = group[0];
                 let is_one = is_of_text(found) && source.as_ref().is_some_and(|source| source.name() == name.as_str());
-                count += usize::from(is_one);
-                !is_one || count <= MOST_MISREAD
+                if !is_one {
+                    return true;
+                }
+                (kinds, count) = (kinds + 1, count + group.len());
+                hidden += if kinds > MOST_MISREAD { group.len() } else { 0 };
+                kinds <= MOST_MISREAD
             });
-            let hidden = before - shown.len();
-            total -= hidden;
+            drawn += hidden;
             out.push_str(&terminal::hint(sentence, colors));
             if hidden > 0 {
                 out.push_str(&format!(
-                    "{MOST_MISREAD} of its {count} faults are shown; `ncfix check --json` lists all, and --dialect shows them in the source\n"
+                    "{} of its {count} faults are shown; `ncfix check --json` lists all, and --dialect shows them in the source\n",
+                    count - hidden
                 ));
             }
             out.push('\n');
         }
-        let groups = repeated(&shown);
-        let mut drawn = 0;
         for group in groups.iter().take(MOST_DRAWN) {
             let (diagnostic, source) = group[0];
             let said = self.without_hint(diagnostic, source.as_ref());

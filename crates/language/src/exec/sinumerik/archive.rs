@@ -64,7 +64,7 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
                 Body::Words => {
                     for word in loaded.program.words_of(block) {
                         let found = reader.word(word);
-                        is_data |= found.is_ok();
+                        is_data |= found.is_ok() && word.address != Address::Letter(b'M');
                         findings.extend(found.err().map(|found| found.in_file(source.id())));
                     }
                 }
