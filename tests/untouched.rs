@@ -140,7 +140,12 @@ fn lines_in_which_nothing_changes_keep_their_bytes() {
         let written = shop.bytes("out.nc");
         let lines: Vec<&[u8]> = written.split(|&byte| byte == b'\n').collect();
         for line in program.split(|&byte| byte == b'\n').filter(|line| !line.starts_with(b"N60")) {
-            assert!(lines.contains(&line), "{dialect} {}: {}", String::from_utf8_lossy(line), String::from_utf8_lossy(&written));
+            assert!(
+                lines.contains(&line),
+                "{dialect} {}: {}",
+                String::from_utf8_lossy(line),
+                String::from_utf8_lossy(&written)
+            );
         }
         assert!(!lines.iter().any(|line| line.starts_with(b"N60 X200")), "{}", String::from_utf8_lossy(&written));
     }

@@ -18,6 +18,8 @@ pub(super) struct KeptLines {
     source: Option<Source>,
     /// Byte offset of the block whose first line is under construction.
     at: Option<u32>,
+    /// A word of the line that is in force without it: the source may lack it.
+    pub(super) in_force: Option<&'static str>,
     /// `true` if comments are in parentheses.
     has_parentheses: bool,
     /// `true` if `X10` and `X10.` differ.
@@ -40,7 +42,7 @@ impl KeptLines {
     /// No lines to keep yet.
     pub(super) fn new(has_parentheses: bool, has_points: bool) -> KeptLines {
         let (written, own) = (BlockWords::default(), BlockWords::default());
-        KeptLines { source: None, at: None, has_parentheses, has_points, written, own }
+        KeptLines { source: None, at: None, in_force: None, has_parentheses, has_points, written, own }
     }
 
     /// Sets the main program.
@@ -50,6 +52,7 @@ impl KeptLines {
 
     /// Notes that a block of the source begins with the next line.
     pub(super) fn begin(&mut self, origin: &Origin) {
+        self.in_force = None;
         self.at = self.source.as_ref().filter(|source| source.id() == origin.file).map(|_| origin.span.start);
     }
 
@@ -74,7 +77,11 @@ impl KeptLines {
         self.own.read(line, has_parentheses, has_points)?;
         self.written.comment.extend_from_slice(comment.trim_ascii());
         if !self.written.has_words_of(&self.own) {
-            return None;
+            // Only the first one is removed, so that a line with two such words is written anew.
+            self.written.remove(self.in_force?.as_bytes());
+            if !self.written.has_words_of(&self.own) {
+                return None;
+            }
         }
         let is_comment = if has_parentheses {
             self.own.comment.is_empty() && self.written.comment.is_empty()
@@ -134,6 +141,8 @@ impl BlockWords {
                     length = rest.iter().take_while(|byte| byte.is_ascii_digit() || **byte == b'.').count();
                     self.push_number(&rest[..length], has_points);
                 }
+                // A sign before a number; not between two.
+                b'+' if matches!(last, b'=' | b'(' | b',') || last.is_ascii_alphabetic() => {}
                 _ => {
                     let is_letter = byte.is_ascii_alphabetic() || byte == b'$' || byte == b'_';
                     if is_letter
@@ -180,6 +189,15 @@ impl BlockWords {
         starts.zip(&self.ends).map(|(start, &end)| &self.bytes[start..end])
     }
 
+    /// Removes the first word with this text.
+    fn remove(&mut self, word: &[u8]) {
+        let Some(index) = self.words().position(|own| own == word) else { return };
+        let start = index.checked_sub(1).and_then(|before| self.ends.get(before)).copied().unwrap_or(0);
+        self.bytes.drain(start..start + word.len());
+        self.ends.remove(index);
+        self.ends[index..].iter_mut().for_each(|end| *end -= word.len());
+    }
+
     /// `true` if the other block has these words, each as often.
     fn has_words_of(&self, other: &BlockWords) -> bool {
         if self.ends.len() != other.ends.len() || self.bytes.len() != other.bytes.len() {
@@ -212,7 +230,7 @@ mod tests {
     fn order_blanks_and_zeros_have_no_meaning() {
         for (source, written) in [
             ("N10 G54 G90 G71 T1 M6", "N10 G90 G71 G54 T1 M6"),
-            ("n10g1x10.500y+2", "N10 G1 X10.5 Y+2"),
+            ("n10g1x10.500y+2", "N10 G1 X10.5 Y2"),
             ("N010 G01 X 10 Y-0.50", "N10 G1 X10 Y-.5"),
             ("N20 DIAMOF G90", "N20 G90 DIAMOF"),
             ("N20 X=AC(10) Y=IC(5.0)", "N20 Y=IC(5) X=AC(10)"),
@@ -239,6 +257,21 @@ mod tests {
         ] {
             assert!(!keeps(source, written, false, false), "{source}");
         }
+    }
+
+    #[test]
+    fn a_word_in_force_may_be_absent() {
+        let mut kept = KeptLines::new(false, false);
+        kept.of(Source::new(FileId(0), "a", b"N5 Y+20. Z1\n".to_vec()).unwrap());
+        let origin = Origin { span: Span::new(0, 11), ..Origin::default() };
+        kept.begin(&origin);
+        assert_eq!(kept.line(None, b"N5 G1 Y20 Z1", b""), None);
+        kept.begin(&origin);
+        kept.in_force = Some("G1");
+        assert_eq!(kept.line(None, b"N5 G1 Y20 Z1", b""), Some(&b"N5 Y+20. Z1"[..]));
+        kept.begin(&origin);
+        kept.in_force = Some("G1");
+        assert_eq!(kept.line(None, b"N5 G1 Y20 Z2", b""), None);
     }
 
     #[test]

@@ -30,6 +30,7 @@ impl Sinumerik {
         let is_positioning = piece.motion_mode == MotionMode::Positioning;
         if !is_positioning && (piece.starts_block || piece.first || motion != self.motion) {
             self.word(motion.as_bytes());
+            self.line.kept.in_force = Some(motion).filter(|motion| *motion == self.motion);
             // G63 acts in its block only.
             if motion != ThreadCode::G63.word() {
                 self.motion = motion;

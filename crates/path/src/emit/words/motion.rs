@@ -35,6 +35,7 @@ impl Words {
             self.line.word(IN_MACHINE_FRAME.as_bytes());
         }
         if piece.starts_block || piece.first || motion != self.motion {
+            self.line.kept.in_force = Some(motion).filter(|motion| *motion == self.motion);
             self.line.word(motion.as_bytes());
             self.motion = motion;
         }
