@@ -20,6 +20,8 @@ pub(super) struct KeptLines {
     at: Option<u32>,
     /// A word of the line that is in force without it: the source may lack it.
     pub(super) in_force: Option<&'static str>,
+    /// Words in force in the whole output, which the source may state again.
+    assumed: &'static [&'static str],
     /// `true` if comments are in parentheses.
     has_parentheses: bool,
     /// `true` if `X10` and `X10.` differ.
@@ -40,9 +42,9 @@ struct BlockWords {
 
 impl KeptLines {
     /// No lines to keep yet.
-    pub(super) fn new(has_parentheses: bool, has_points: bool) -> KeptLines {
+    pub(super) fn new(assumed: &'static [&'static str], has_parentheses: bool, has_points: bool) -> KeptLines {
         let (written, own) = (BlockWords::default(), BlockWords::default());
-        KeptLines { source: None, at: None, in_force: None, has_parentheses, has_points, written, own }
+        KeptLines { source: None, at: None, in_force: None, assumed, has_parentheses, has_points, written, own }
     }
 
     /// Sets the main program.
@@ -77,8 +79,14 @@ impl KeptLines {
         self.own.read(line, has_parentheses, has_points)?;
         self.written.comment.extend_from_slice(comment.trim_ascii());
         if !self.written.has_words_of(&self.own) {
-            // Only the first one is removed, so that a line with two such words is written anew.
-            self.written.remove(self.in_force?.as_bytes());
+            if let Some(word) = self.in_force.filter(|word| !self.own.has(word)) {
+                self.written.remove(word);
+            }
+            for word in self.assumed {
+                if !self.written.has(word) {
+                    self.own.remove(word);
+                }
+            }
             if !self.written.has_words_of(&self.own) {
                 return None;
             }
@@ -189,9 +197,13 @@ impl BlockWords {
         starts.zip(&self.ends).map(|(start, &end)| &self.bytes[start..end])
     }
 
+    fn has(&self, word: &str) -> bool {
+        self.words().any(|own| own == word.as_bytes())
+    }
+
     /// Removes the first word with this text.
-    fn remove(&mut self, word: &[u8]) {
-        let Some(index) = self.words().position(|own| own == word) else { return };
+    fn remove(&mut self, word: &str) {
+        let Some(index) = self.words().position(|own| own == word.as_bytes()) else { return };
         let start = index.checked_sub(1).and_then(|before| self.ends.get(before)).copied().unwrap_or(0);
         self.bytes.drain(start..start + word.len());
         self.ends.remove(index);
@@ -218,7 +230,7 @@ mod tests {
 
     /// `true` if the written line keeps the bytes of the source.
     fn keeps(source: &str, written: &str, has_parentheses: bool, has_points: bool) -> bool {
-        let mut kept = KeptLines::new(has_parentheses, has_points);
+        let mut kept = KeptLines::new(&[], has_parentheses, has_points);
         kept.of(Source::new(FileId(0), "a", format!("%\n{source}\nM30\n").into_bytes()).unwrap());
         kept.begin(&Origin { span: Span::new(2, 2 + source.len()), ..Origin::default() });
         let at = written.find(if has_parentheses { '(' } else { ';' }).unwrap_or(written.len());
@@ -261,7 +273,7 @@ mod tests {
 
     #[test]
     fn a_word_in_force_may_be_absent() {
-        let mut kept = KeptLines::new(false, false);
+        let mut kept = KeptLines::new(&["G90"], false, false);
         kept.of(Source::new(FileId(0), "a", b"N5 Y+20. Z1\n".to_vec()).unwrap());
         let origin = Origin { span: Span::new(0, 11), ..Origin::default() };
         kept.begin(&origin);
@@ -272,6 +284,13 @@ mod tests {
         kept.begin(&origin);
         kept.in_force = Some("G1");
         assert_eq!(kept.line(None, b"N5 G1 Y20 Z2", b""), None);
+        // The whole output is absolute.
+        kept.of(Source::new(FileId(0), "a", b"N5 G90 Y+20. Z1\n".to_vec()).unwrap());
+        kept.begin(&origin);
+        assert_eq!(kept.line(None, b"N5 Y20 Z1", b""), Some(&b"N5 G90 Y+20. Z1"[..]));
+        kept.of(Source::new(FileId(0), "a", b"N5 G91 Y+20. Z1\n".to_vec()).unwrap());
+        kept.begin(&origin);
+        assert_eq!(kept.line(None, b"N5 Y20 Z1", b""), None);
     }
 
     #[test]
@@ -285,7 +304,7 @@ mod tests {
 
     #[test]
     fn only_the_first_line_of_a_block_of_the_main_program_is_kept() {
-        let mut kept = KeptLines::new(false, false);
+        let mut kept = KeptLines::new(&["G90"], false, false);
         kept.of(Source::new(FileId(0), "a", b"X1\n".to_vec()).unwrap());
         kept.begin(&Origin { file: FileId(1), span: Span::new(0, 2), ..Origin::default() });
         assert_eq!(kept.line(None, b"X1", b""), None);

@@ -44,7 +44,7 @@ fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {
         stamp: options.stamp.text(),
         is_stamped: false,
         has_assumed: false,
-        line: LineBuilder::new(options.crlf, KeptLines::new(false, false)),
+        line: LineBuilder::new(options.crlf, KeptLines::new(&["G90"], false, false)),
         stops: Stops::new(ncfix_dialect::sinumerik().block_ends),
         block_numbers: BlockNumbers::default(),
         labels: HashSet::new(),

@@ -86,7 +86,15 @@ fn create(flavour: &'static Flavour, options: &WriterOptions) -> Option<Box<dyn 
         numbers.linear = numbers.linear.pointed();
         numbers.rotary = numbers.rotary.pointed();
     }
-    let line = LineBuilder::new(options.crlf, KeptLines::new(true, flavour.is_pointed)).no_longer_than(flavour.longest);
+    // The output is absolute, in one unit.
+    let in_force: &[&str] = match (flavour.assumed.starts_with("G21"), options.increments.unit_mm == 1.0) {
+        (true, true) => &["G90", "G21"],
+        (true, false) => &["G90", "G20"],
+        (false, true) => &["G90", "G71"],
+        (false, false) => &["G90", "G70"],
+    };
+    let line = LineBuilder::new(options.crlf, KeptLines::new(in_force, true, flavour.is_pointed))
+        .no_longer_than(flavour.longest);
     let block_ends = ncfix_dialect::find(flavour.dialect)?.block_ends;
     let stamp = &options.stamp;
     Some(Box::new(Words {
