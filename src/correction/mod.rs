@@ -275,7 +275,7 @@ impl<'a> Prepared<'a> {
     fn start(self) -> Result<(Running<'a>, Writing, NumberSet), Error> {
         let Prepared { correction, opened, hash, .. } = self;
         let (program, options) = (correction.program, &correction.options);
-        let bytes = (program.source().bytes(), hash);
+        let bytes = (program.source(), hash);
         let start = program.reading().start;
         let mut writing = Writing::new(options, start, opened.dialect.name, &correction.machine, bytes)?;
         let keeps_wear = options.compensation != Compensation::Center;
@@ -342,7 +342,6 @@ impl<'a> Prepared<'a> {
         };
         let mut writer = writing.writer()?;
         writer.keep_free(numbers);
-        writer.keep_lines(program.source().clone());
         let feed_limit = options.feed_limit_mm.zip(machine.machine.servo.as_ref());
         let pipeline = Pipeline { machine: &machine.machine, model, options: &writing.options, feed_limit };
         let passed = pipeline.pass(&mut running, writer.as_mut(), sink, threads);

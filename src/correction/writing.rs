@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::machine::Machine;
 use crate::options::Options;
 use ncfix_base::geometry::AxisVector;
+use ncfix_base::source::Source;
 use ncfix_path::emit;
 use ncfix_path::path::{self, Increments};
 
@@ -15,10 +16,11 @@ pub(crate) struct Writing {
     dialect: &'static str,
     entry: &'static emit::WriterEntry,
     writer: emit::WriterOptions,
+    program: Source,
 }
 
 impl Writing {
-    /// Options for a program in a dialect, from its bytes and their hash, with the position before its first block.
+    /// Options for a program in a dialect, from its text and its hash, with the position before its first block.
     ///
     /// # Errors
     /// If it cannot be written like that.
@@ -27,7 +29,7 @@ impl Writing {
         start: Option<AxisVector>,
         dialect: &'static str,
         chosen: &Machine,
-        (source, hash): (&[u8], String),
+        (program, hash): (&Source, String),
     ) -> Result<Writing, Error> {
         let entry = emit::entry(dialect).ok_or_else(|| unwritable(dialect))?;
         let options = path::CorrectionOptions {
@@ -53,7 +55,7 @@ impl Writing {
             names: machine.written_names(),
             increments: Increments::new(&machine.control),
             frame: options.frame,
-            crlf: has_crlf(source),
+            crlf: has_crlf(program.bytes()),
             last_block_number: machine.control.last_block_number,
             stamp: emit::Stamp {
                 machine: machine.name.clone(),
@@ -69,7 +71,7 @@ impl Writing {
                 is_demo: chosen.is_demo,
             },
         };
-        Ok(Writing { options, dialect, entry, writer })
+        Ok(Writing { options, dialect, entry, writer, program: program.clone() })
     }
 
     /// Notes in the stamp that the control has the wear of tools.
@@ -82,7 +84,9 @@ impl Writing {
     /// # Errors
     /// If the increments of the machine cannot be written.
     pub(crate) fn writer(&self) -> Result<Box<dyn emit::Writer>, Error> {
-        (self.entry.create)(&self.writer).ok_or_else(|| unwritable(self.dialect))
+        let mut writer = (self.entry.create)(&self.writer).ok_or_else(|| unwritable(self.dialect))?;
+        writer.keep_lines(self.program.clone());
+        Ok(writer)
     }
 }
 

@@ -63,7 +63,7 @@ impl Transfer {
         let Some(opened) = program.open(Some(&machine), found)? else { return Ok(None) };
         let source = program.source();
         run::keep_unit(source, opened.dialect, true, &mut machine.machine);
-        let bytes = (source.bytes(), short_hash([source.bytes()]));
+        let bytes = (source, short_hash([source.bytes()]));
         let writing = Writing::new(correction, program.reading().start, opened.dialect.name, &machine, bytes)?;
         let limits = DosingLimits {
             per_block: options.dose_per_block_mm,
