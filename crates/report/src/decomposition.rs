@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::inputs::InputFile;
 use super::json::Finding;
 use super::number::{grouped, significant};
+use ncfix_metrology::decompose::DETERMINED_EXPONENT;
 use ncfix_metrology::results::decomposition::{
     ComplianceReport, DecompositionResult, Delay, Law, LinkReport, Loop, RunReport,
 };
@@ -66,12 +67,7 @@ impl DecompositionReport {
 
     fn write_delays(&self, out: &mut String) {
         let line = |out: &mut String, what: &str, delay: &Delay| {
-            let by = if delay.uncertainty_95_ms > 0.0 {
-                format!(" ± {:.3}", delay.uncertainty_95_ms)
-            } else {
-                " (given)".into()
-            };
-            let _ = writeln!(out, "{what:<40} {:>9.3}{by} ms", delay.ms);
+            let _ = writeln!(out, "{what:<40} {}", delay_cell(delay));
         };
         let _ = writeln!(out, "± is half of the 95 % interval");
         line(out, "encoder delay after set-points (record)", &self.found.record_delay);
@@ -88,6 +84,15 @@ impl DecompositionReport {
             let (rms, by) = (significant(one.rms), significant(one.rms_95));
             let sign = one.unit.unit().sign();
             let _ = writeln!(out, "{:<4}  {gain:>20}  {forward:>18}  {lag:>16}  {rms} ± {by} {sign}", one.axis);
+        }
+        for one in &self.found.servo {
+            if let Some(not) = &one.not_determined {
+                let _ = writeln!(
+                    out,
+                    "velocity gain of {} is {NO_NUMBER}: {}; measure {}",
+                    one.axis, not.reason, not.measure
+                );
+            }
         }
     }
 
@@ -151,7 +156,11 @@ impl DecompositionReport {
         }
         let _ = writeln!(out, "\nlink error  beyond the machine file");
         for one in &self.found.links {
-            let _ = writeln!(out, "{:<10}  {}", one.parameter, link_cell(one));
+            let reason = one.not_determined.as_ref().map_or_else(String::new, |not| format!(": {}", not.reason));
+            let _ = writeln!(out, "{:<10}  {}{reason}", one.parameter, link_cell(one));
+        }
+        if let Some(not) = self.found.links.iter().find_map(|one| one.not_determined.as_ref()) {
+            let _ = writeln!(out, "to determine the others, measure {}", not.measure);
         }
     }
 
@@ -194,45 +203,73 @@ impl DecompositionReport {
                 law.source.words(),
                 law.direction,
                 factor_cell(law),
-                bounded(law.exponent, law.exponent_95),
+                exponent_cell(law),
                 law.explained,
-                law.without_slowest.map_or("–".into(), |exponent| bounded(exponent, law.without_slowest_95))
+                slowest_cell(law)
             );
         }
+        if let Some(not) = self.found.power_laws.iter().find_map(|law| law.not_determined.as_ref()) {
+            let _ = writeln!(out, "to determine the others, measure {}", not.measure);
+        }
+    }
+}
+
+/// The words in place of a value that the data do not determine.
+const NO_NUMBER: &str = "not determined";
+
+/// A delay with its interval.
+pub(super) fn delay_cell(delay: &Delay) -> String {
+    match &delay.not_determined {
+        Some(not) => format!("{NO_NUMBER:>9}: {}; measure {}", not.reason, not.measure),
+        None if delay.uncertainty_95_ms > 0.0 => format!("{:>9.3} ± {:.3} ms", delay.ms, delay.uncertainty_95_ms),
+        None => format!("{:>9.3} (given) ms", delay.ms),
+    }
+}
+
+/// The exponent of a power law with its interval.
+pub(super) fn exponent_cell(law: &Law) -> String {
+    if law.is_determined { bounded(law.exponent, law.exponent_95) } else { NO_NUMBER.into() }
+}
+
+/// The exponent without the slowest run, with its interval; no number if the interval is wide.
+pub(super) fn slowest_cell(law: &Law) -> String {
+    match (law.without_slowest, law.without_slowest_95) {
+        (Some(exponent), Some(by)) if by < DETERMINED_EXPONENT => bounded(exponent, Some(by)),
+        (Some(_), _) => NO_NUMBER.into(),
+        (None, _) => "–".into(),
     }
 }
 
 /// A link error with its interval; a value that is not determined has no number.
 pub(super) fn link_cell(one: &LinkReport) -> String {
     let sign = one.unit.unit().sign();
-    if one.is_determined {
-        format!("{:.2} ± {:.2} {sign}", one.value, one.uncertainty_95)
-    } else {
-        "not identifiable".into()
-    }
+    if one.is_determined { format!("{:.2} ± {:.2} {sign}", one.value, one.uncertainty_95) } else { NO_NUMBER.into() }
 }
 
 /// Velocity gain, feed-forward and lag of a loop with their intervals.
 pub(super) fn loop_cells(one: &Loop) -> [String; 3] {
     let gain = match (one.velocity_gain_per_s, one.velocity_gain_95_per_s) {
         (Some(gain), Some(by)) if one.is_determined => format!("{gain:.1} ± {by:.1}"),
-        (Some(_), _) => "not identifiable".into(),
+        (Some(_), _) => NO_NUMBER.into(),
         (None, _) => "no lag seen".into(),
     };
     let with = |value: f64, by: Option<f64>, digits: usize| {
-        by.map_or("not identifiable".into(), |by| format!("{value:.digits$} ± {by:.digits$}"))
+        by.map_or(NO_NUMBER.into(), |by| format!("{value:.digits$} ± {by:.digits$}"))
     };
     [gain, with(one.feed_forward, one.feed_forward_95, 4), with(one.lag_ms, one.lag_95_ms, 3)]
 }
 
 /// The factor of a power law with its interval.
 pub(super) fn factor_cell(law: &Law) -> String {
+    if !law.is_determined {
+        return NO_NUMBER.into();
+    }
     let factor = format!("{:.3e}", law.factor_um);
     law.factor_95_um.map_or(factor.clone(), |[low, high]| format!("{factor} ({low:.1e} … {high:.1e})"))
 }
 
 /// An exponent with its interval.
-pub(super) fn bounded(exponent: f64, by: Option<f64>) -> String {
+fn bounded(exponent: f64, by: Option<f64>) -> String {
     by.map_or_else(|| format!("{exponent:.2}"), |by| format!("{exponent:.2} ± {by:.2}"))
 }
 

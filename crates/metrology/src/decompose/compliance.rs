@@ -21,6 +21,8 @@ const LEAST_GAIN: f64 = 0.02;
 const FARFETCHED_GAIN: f64 = 0.05;
 /// Minimum amount in standard uncertainties.
 const LEAST_SIGMAS: f64 = 5.0;
+/// Smallest largest deflection over all runs, mm: half of 0.1 µm, the finest increment of a control (IS-C). No program can use less.
+const LEAST_MM: f64 = 5e-5;
 /// Maximum number of selected candidates.
 const MOST: usize = 12;
 
@@ -114,6 +116,17 @@ pub fn compliances(model: &Model, axes: &[Axis], tool_mm: &Vector, runs: &[Remai
             .filter(|(_, sigmas)| *sigmas < LEAST_SIGMAS)
             .min_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((place, _)) = weakest {
+            chosen.remove(place);
+            gains.remove(place);
+            continue;
+        }
+        let largest = |k: usize| {
+            let one =
+                |run: &Remainder<'_>, number| effect(model, candidates[chosen[k]], tool_mm, run.poses, number).norm();
+            let of_run = |run: &Remainder<'_>| (0..run.poses.count()).map(|at| one(run, at)).fold(0.0, f64::max);
+            values[k].abs() * runs.iter().map(of_run).fold(0.0, f64::max)
+        };
+        if let Some(place) = (0..chosen.len()).find(|&k| largest(k) < LEAST_MM) {
             chosen.remove(place);
             gains.remove(place);
             continue;

@@ -50,6 +50,6 @@ pub use joint::{DETERMINED_SHARE, LinkError};
 pub use link_names::{NoLinks, links};
 pub use measurement::{Of, measurement};
 pub use parts::{Decomposition, DecompositionError, DecompositionOptions, RunParts, decompose};
-pub use power::{PowerLaw, power_law};
+pub use power::{DETERMINED_EXPONENT, PowerLaw, power_law};
 pub use servo::{AxisServoErrors, LoopLimits, ServoErrors};
 pub use shares::{SOURCES, SourceShares};

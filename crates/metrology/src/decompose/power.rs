@@ -8,6 +8,8 @@ use ncfix_base::numeric::student;
 
 /// Probability that the true exponent is outside the interval.
 const CHANCE: f64 = 0.05;
+/// Half width of the interval of a determined exponent: whole exponents (constant, speed, acceleration along a path) are 1 apart.
+pub const DETERMINED_EXPONENT: f64 = 0.5;
 
 /// A power law.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +28,14 @@ pub struct PowerLaw {
     pub without_first: Option<f64>,
     /// Half width of its 95 % interval.
     pub without_first_limit: Option<f64>,
+}
+
+impl PowerLaw {
+    /// `true` if the interval of the exponent separates whole exponents.
+    #[must_use]
+    pub fn is_determined(&self) -> bool {
+        self.exponent_limit < DETERMINED_EXPONENT
+    }
 }
 
 /// The law through pairs of feed (mm/min) and error; `None` with fewer than two positive ones.

@@ -60,6 +60,20 @@ pub struct Delay {
     pub by_run_ms: Vec<f64>,
     /// Half widths of their 95 % intervals; `null` if a run does not determine it.
     pub by_run_95_ms: Vec<Option<f64>>,
+    /// True if it was given, or if the half width of its interval is less than a cycle of the control.
+    pub is_determined: bool,
+    /// Reason why it is not determined, and the remedy.
+    pub not_determined: Option<NotDetermined>,
+}
+
+/// Reason why the data do not determine a value, and the measurement that would.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct NotDetermined {
+    /// The reason, without a full stop.
+    pub reason: String,
+    /// The measurement that determines it, without a full stop.
+    pub measure: String,
 }
 
 /// A servo loop.
@@ -92,6 +106,8 @@ pub struct Loop {
     pub shift_95_ms: Vec<Option<f64>>,
     /// True if the interval of the velocity gain is narrow enough for the machine file.
     pub is_determined: bool,
+    /// Reason why the velocity gain is not determined, and the remedy.
+    pub not_determined: Option<NotDetermined>,
 }
 
 /// A link error.
@@ -114,6 +130,8 @@ pub struct LinkReport {
     pub interval_95: [f64; 2],
     /// Usual size of such an error, as a standard deviation.
     pub usual_size: f64,
+    /// Reason why it is not determined, and the remedy.
+    pub not_determined: Option<NotDetermined>,
 }
 
 /// A number for each source.
@@ -218,6 +236,8 @@ pub struct ComplianceReport {
     pub unit: String,
     /// Relative reduction of the RMS of feeds to which it was not fitted, when it was added.
     pub gain: f64,
+    /// True if its 95 % interval excludes zero. Other compliances are not named.
+    pub is_determined: bool,
 }
 
 /// Cause of a deflection.
@@ -288,6 +308,10 @@ pub struct Law {
     pub factor_95_um: Option<[f64; 2]>,
     /// Half width of the 95 % interval of N without the slowest run.
     pub without_slowest_95: Option<f64>,
+    /// True if the interval of N separates whole exponents.
+    pub is_determined: bool,
+    /// Reason why N is not determined, and the remedy.
+    pub not_determined: Option<NotDetermined>,
 }
 
 /// Names of the directions.
@@ -328,7 +352,7 @@ pub fn told(fault: &DecompositionError) -> Diagnostic {
 pub fn fill(found: &decompose::Decomposition, trace: &Trace, report: &mut DecompositionResult) {
     report.cycle_ms = ms(found.cycle_s);
     if let Some(servo) = &found.servo {
-        report.record_delay = delay(servo.delay_s, servo.uncertainty_s, &[]);
+        report.record_delay = delay(servo.delay_s, servo.uncertainty_s, &[], found.cycle_s);
         for axis in &servo.axes {
             let is_rotary = axis.axis.is_rotary();
             report.servo.push(Loop {
@@ -345,10 +369,12 @@ pub fn fill(found: &decompose::Decomposition, trace: &Trace, report: &mut Decomp
                 rms_95: UnitKey::of(is_rotary).unit().shown(axis.limits.rms),
                 shift_95_ms: axis.shift_s.iter().map(|(_, error)| finite(SIGMAS_95 * ms(*error))).collect(),
                 is_determined: axis.is_determined(),
+                not_determined: (!axis.is_determined()).then(|| no_gain(axis)),
             });
         }
     }
-    report.reading_delay = found.clock.as_ref().map(|clock| delay(clock.delay_s, clock.uncertainty_s, &clock.by_run));
+    let of_clock = |clock: &decompose::Clock| delay(clock.delay_s, clock.uncertainty_s, &clock.by_run, found.cycle_s);
+    report.reading_delay = found.clock.as_ref().map(of_clock);
     report.links = found.links.iter().map(link).collect();
     report.motion = match found.smooth {
         Smooth::Pose(degree) => format!("pose:{degree}"),
@@ -370,6 +396,8 @@ pub fn fill(found: &decompose::Decomposition, trace: &Trace, report: &mut Decomp
                 without_slowest: law.without_first,
                 factor_95_um: law.exponent_limit.is_finite().then_some(law.factor_interval.map(um_from_mm)),
                 without_slowest_95: law.without_first_limit.and_then(finite),
+                is_determined: law.is_determined(),
+                not_determined: (!law.is_determined()).then(|| no_law(&law)),
             }));
         }
     }
@@ -383,9 +411,20 @@ fn ms(s: f64) -> f64 {
     1e3 * s
 }
 
-/// A delay with its standard uncertainty, and those of the runs, s.
-fn delay(delay_s: f64, uncertainty_s: f64, by_run: &[(f64, f64)]) -> Delay {
+/// A delay with its standard uncertainty, those of the runs, and the cycle of the control, s.
+fn delay(delay_s: f64, uncertainty_s: f64, by_run: &[(f64, f64)], cycle_s: f64) -> Delay {
+    // The encoders and set-points of one cycle belong together only if the delay is known to a cycle.
+    let is_determined = SIGMAS_95 * uncertainty_s < cycle_s;
     Delay {
+        is_determined,
+        not_determined: (!is_determined).then(|| NotDetermined {
+            reason: format!(
+                "its interval of ± {:.1} ms is wider than a cycle of {:.1} ms",
+                SIGMAS_95 * ms(uncertainty_s),
+                ms(cycle_s)
+            ),
+            measure: "a path with corners and reversals of several axes, at a higher feed".into(),
+        }),
         ms: ms(delay_s),
         uncertainty_ms: ms(uncertainty_s),
         uncertainty_95_ms: SIGMAS_95 * ms(uncertainty_s),
@@ -406,7 +445,41 @@ fn link(link: &decompose::LinkError) -> LinkReport {
         uncertainty_95: shown(link.uncertainty_95),
         interval_95: [link.value - link.uncertainty_95, link.value + link.uncertainty_95].map(shown),
         usual_size: shown(link.usual_size),
+        not_determined: (!link.is_determined).then(|| NotDetermined {
+            reason: if link.is_told {
+                let sign = UnitKey::of(is_rotation).unit().sign();
+                let [by, usual] = [link.uncertainty_95, link.usual_size].map(shown);
+                format!("its interval of ± {by:.1} {sign} is wider than the usual size of {usual:.1} {sign}")
+            } else {
+                "other links have the same effect on this path".into()
+            },
+            measure:
+                "a path over a larger part of the travel, or ncfix calibrate with measurements over the whole volume"
+                    .into(),
+        }),
     }
+}
+
+/// Reason why the velocity gain of a loop is not determined.
+fn no_gain(axis: &AxisServoErrors) -> NotDetermined {
+    let reason = match axis.velocity_gain {
+        None => "no lag is visible".into(),
+        Some(_) if axis.limits.velocity_gain.is_finite() => {
+            format!("its interval of ± {:.1} 1/s is wider than an eighth of it", axis.limits.velocity_gain)
+        }
+        Some(_) => "this motion does not separate it from the feed-forward".into(),
+    };
+    NotDetermined { reason, measure: format!("reversals of {} at a higher feed, without feed-forward", axis.axis) }
+}
+
+/// Reason why an exponent is not determined.
+fn no_law(law: &decompose::PowerLaw) -> NotDetermined {
+    let reason = if law.exponent_limit.is_finite() {
+        format!("its interval of ± {:.2} does not separate whole exponents", law.exponent_limit)
+    } else {
+        "a line through two feeds has no interval".into()
+    };
+    NotDetermined { reason, measure: "the same path at more feeds, over a wider range".into() }
 }
 
 fn compliance(one: &decompose::Compliance) -> ComplianceReport {
@@ -420,6 +493,7 @@ fn compliance(one: &decompose::Compliance) -> ComplianceReport {
         uncertainty_95: SIGMAS_95 * one.uncertainty / factor,
         unit: dynamic::key(one.name, one.order),
         gain: one.gain,
+        is_determined: SIGMAS_95 * one.uncertainty < one.value.abs(),
     }
 }
 

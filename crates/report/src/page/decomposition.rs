@@ -3,7 +3,9 @@
 use super::parts::{MOST_ROWS, diagnostics, origin};
 use super::{PageRow, columns, figure, page, pictures, strip, table};
 use crate::component::spelled_out;
-use crate::decomposition::{DecompositionReport, bounded, compliance_unit, factor_cell, link_cell, loop_cells};
+use crate::decomposition::{
+    DecompositionReport, compliance_unit, delay_cell, exponent_cell, factor_cell, link_cell, loop_cells, slowest_cell,
+};
 use crate::markup::Markup;
 use crate::number::{grouped, significant};
 use crate::plot::{Chart, PlotSeries, Shape};
@@ -39,14 +41,13 @@ pub fn decomposition(report: &DecompositionReport) -> String {
 }
 
 fn summary(out: &mut Markup, found: &DecompositionResult) {
-    let delay = |ms: f64, by: f64| format!("{ms:.3} ± {by:.3} ms");
     let mut entries = vec![
         ("runs", found.runs.len().to_string()),
         ("cycle of the control", format!("{} ms", significant(found.cycle_ms))),
-        ("encoder delay after set-points", delay(found.record_delay.ms, found.record_delay.uncertainty_95_ms)),
+        ("encoder delay after set-points", delay_cell(&found.record_delay).trim().to_owned()),
     ];
     if let Some(one) = &found.reading_delay {
-        entries.push(("reading delay after encoders", delay(one.ms, one.uncertainty_95_ms)));
+        entries.push(("reading delay after encoders", delay_cell(one).trim().to_owned()));
         entries.push(("compliances", found.compliances.len().to_string()));
     }
     strip(out, &entries);
@@ -162,9 +163,9 @@ fn laws(out: &mut Markup, found: &DecompositionResult) {
             cells: vec![
                 format!("{} {}", law.source.words(), law.direction),
                 factor_cell(law),
-                bounded(law.exponent, law.exponent_95),
+                exponent_cell(law),
                 format!("{:.3}", law.explained),
-                law.without_slowest.map_or("–".into(), |exponent| bounded(exponent, law.without_slowest_95)),
+                slowest_cell(law),
             ],
         })
         .collect();
@@ -278,7 +279,7 @@ fn links(out: &mut Markup, found: &DecompositionResult) {
         let words = spelled_out(&one.parameter).unwrap_or_else(|| "–".into());
         PageRow { class: "", cells: vec![one.parameter.clone(), words, link_cell(one)] }
     };
-    let note = "Fitted to the slowest run together with smooth motion errors, beyond those of the machine file. The interval includes the possible contribution of motion errors. A link with a wider interval than the usual size of such an error is not identifiable on this path.";
+    let note = "Fitted to the slowest run together with smooth motion errors, beyond those of the machine file. The interval includes the possible contribution of motion errors. A link with a wider interval than the usual size of such an error is not determined by this path.";
     table(
         out,
         &columns(["parameter", "description", "#value"]),
