@@ -128,6 +128,7 @@ fn over_rows(sensors: &[Sensor], clock: &TableClock) -> Option<Swap> {
             let is_exchanged = score > OVER_ROWS
                 && before * behind < 0.0
                 && (before + behind).abs() < 0.3 * own.abs()
+                && own.abs() > 2.0 * step(a).max(step(b))
                 && jump(&together, row).abs() < NONE * unit_together.max(unit / 2.0)
                 && jump(&together, row).abs() < 0.25 * own.abs()
                 && is_sudden(&apart, row, own);
@@ -150,9 +151,13 @@ fn is_sudden(sums: &[f64], row: usize, jump: f64) -> bool {
 
 /// Noise of a sensor by second differences, and at least one step of its display, even if the display rarely changes.
 fn noise(values: &[f64]) -> f64 {
+    spread(values.windows(3).map(|three| (three[2] - 2.0 * three[1] + three[0]) / 6.0_f64.sqrt())).max(step(values))
+}
+
+/// Step of the display of a sensor, K: displays of two sensors that are alike may change by a step in one row, in opposite directions.
+fn step(values: &[f64]) -> f64 {
     let changes = values.windows(2).map(|two| (two[1] - two[0]).abs()).filter(|change| *change > 0.0);
-    let step = changes.reduce(f64::min).unwrap_or(0.0);
-    spread(values.windows(3).map(|three| (three[2] - 2.0 * three[1] + three[0]) / 6.0_f64.sqrt())).max(step)
+    changes.reduce(f64::min).unwrap_or(0.0)
 }
 
 #[cfg(test)]

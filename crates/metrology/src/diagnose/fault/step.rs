@@ -179,8 +179,9 @@ pub(super) fn judged(
     (row, gain): (usize, f64),
     (at_once, most, sharp): (f64, usize, f64),
 ) -> Option<(ChangePoint, Trail)> {
-    let goes_on = TableClock::new(data).goes_on(row.saturating_sub(PAUSE), (row + PAUSE).min(block[1]));
-    if gain < LEAST || !goes_on {
+    let clock = TableClock::new(data);
+    let goes_on = clock.goes_on(row.saturating_sub(PAUSE), (row + PAUSE).min(block[1]));
+    if gain < LEAST || !goes_on || follows_a_gap(trail, &clock, row) {
         return None;
     }
     // If the instrument is set to zero for every run, a step ends with its run.
@@ -196,6 +197,9 @@ pub(super) fn judged(
     let change = beside(&around, [block[0], end], row, gain)?;
     let change = ChangePoint { row: sharpest(&around, &change), ..change };
     let row = change.row;
+    if follows_a_gap(trail, &clock, row) {
+        return None;
+    }
     let is_sharp = || sharpness(&around, row, most).is_some_and(|sharpness| sharpness > at_once);
     let is_one = change.size > SIZE
         && is_sharp()
@@ -203,6 +207,15 @@ pub(super) fn judged(
         && !switched::is_driven(&around, &change, data);
     let until = if end < block[1] { end } else { trail.rows.saturating_sub(1) };
     is_one.then_some((ChangePoint { until, ..change }, around))
+}
+
+/// True if the readings before a row are excluded for longer than a pause: a drift during the gap looks like a step.
+fn follows_a_gap(trail: &Trail, clock: &TableClock, row: usize) -> bool {
+    let is_known = |row: &usize| {
+        trail.channels.iter().any(|channel| channel.range(*row, *row).any(|k| channel.left[k].is_finite()))
+    };
+    let before = (0..row).rev().find(is_known);
+    before.is_some_and(|before| clock.step(before, row).is_none())
 }
 
 /// Squares explained by a shift of some rows, in squares of the noise; the readings are relative to the visits without the shift.

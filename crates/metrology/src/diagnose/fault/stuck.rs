@@ -5,11 +5,13 @@
 //! fault.
 //!
 //! Equal numbers alone prove nothing. A display with few digits is constant at night, and a chiller holds its temperature. The rows beside a range
-//! show the usual share of equal neighbors. If it is large, other sensors must have moved, or the sensor must jump when it continues.
+//! show the usual share of equal neighbors. If it is large, other sensors must have moved, or the sensor must jump when it continues. Otherwise flicker of
+//! the display and a regression on the other sensors decide ([`display`]).
 
 use std::collections::BTreeMap;
 
 use super::cells::Sensor;
+use super::display;
 use super::missing::{self, Extent};
 use super::{DataDefect, DefectCheck, DefectKind, Then, View, median};
 use crate::measure::data::DataSet;
@@ -26,6 +28,10 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
 const ROWS: usize = 8;
 /// If neighbors are often equal, a range is this many times as long as any other.
 const TIMES: usize = 5;
+/// This ratio for a range without flicker: rest makes ranges of twice the usual length.
+const FLICKER_TIMES: f64 = 3.0;
+/// This ratio for a range in which a regression on other sensors predicts a change: the longest range of a log by more than chance.
+const PREDICTED_TIMES: f64 = 1.5;
 /// Ratio of the length of a range in which all sensors are constant to that of any other such range.
 const ALONE: usize = 8;
 /// Number of pairs of neighbors on each side of a range that are examined.
@@ -72,7 +78,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
             rest.iter_mut().for_each(|sensor| sensor.forget(piece));
         }
         for sensor in &rest {
-            let own = held(sensor, &rest).into_iter().map(|piece| (piece, Silence::Held));
+            let own = held(data, sensor, &rest).into_iter().map(|piece| (piece, Silence::Held));
             let empty = empty(data, sensor).into_iter().map(|piece| (piece, Silence::Empty));
             for key in own.chain(empty) {
                 groups.entry(key).or_default().push(sensor.name.clone());
@@ -206,7 +212,7 @@ fn together(sensors: &[&Sensor]) -> Vec<[usize; 2]> {
 }
 
 /// Ranges of rows in which a sensor holds its value.
-fn held(sensor: &Sensor, sensors: &[Sensor]) -> Vec<[usize; 2]> {
+fn held(data: &DataSet, sensor: &Sensor, sensors: &[Sensor]) -> Vec<[usize; 2]> {
     let pieces = own_pieces(sensor);
     let step = step(sensor, &pieces);
     let is_held = |piece: &[usize; 2]| {
@@ -217,9 +223,17 @@ fn held(sensor: &Sensor, sensors: &[Sensor]) -> Vec<[usize; 2]> {
         if is_no_chance && is_sudden(&[sensor], &[step], *piece) {
             return true;
         }
-        let is_long = length(*piece) >= TIMES * longest_other(&pieces, *piece);
-        is_long
-            && (jumps_after(sensor, &pieces, *piece, step) || should_have_moved(sensor, sensors, *piece) > STEPS * step)
+        let other = longest_other(&pieces, *piece) as f64;
+        let is_longer = |times: f64| length(*piece) as f64 >= times * other;
+        let is_seen_later =
+            || jumps_after(sensor, &pieces, *piece, step) || should_have_moved(sensor, sensors, *piece) > STEPS * step;
+        // A body may be at rest when the log begins.
+        let is_inside = piece[0] > 0;
+        is_longer(TIMES as f64) && is_seen_later()
+            || is_inside && is_longer(FLICKER_TIMES) && display::stops_flickering(sensor, sensors, *piece)
+            || is_inside
+                && is_longer(PREDICTED_TIMES)
+                && display::leaves_the_others(data, sensor, sensors, *piece, step)
     };
     pieces.iter().copied().filter(is_held).collect()
 }
