@@ -47,7 +47,9 @@ pub mod preset {
 pub mod instrument {
     pub use ncfix_base::csv::{DecimalSign, Row, Table};
     pub use ncfix_base::diagnostic::Diagnostic;
-    pub use ncfix_metrology::diagnose::fault::{DataDefect, DefectCheck, DefectKind, MissingTemperatures, Then, View};
+    pub use ncfix_metrology::diagnose::fault::{
+        DataDefect, DefectCheck, DefectKind, MissingTemperatures, ShiftedLog, Then, View,
+    };
     pub use ncfix_metrology::measure::data::{DataSet, Free, Observation};
     pub use ncfix_metrology::measure::kind::{
         Equation, Instrument, Measurand, Seen, Unknown, at, needed, no_ties, optional, three, vector_at, zeros,

@@ -70,6 +70,7 @@ mod diagnose_drivers;
 mod diagnose_extend;
 mod diagnose_faults;
 mod diagnose_hypothesis;
+mod diagnose_logs;
 mod diagnose_mixes;
 mod diagnose_plays;
 mod diagnose_rates;

@@ -53,7 +53,8 @@ pub(super) fn look(
     let mut faults = look_in(of, (own, false), findings, report);
     let of_held_out = look_in(of, (held_out, true), findings, report);
     // Rows without temperatures test no cause that needs them. Their readings were not used to find these rows, so this is not a selection.
-    let missing = of_held_out.into_iter().filter(|fault| matches!(fault.then, Then::WithoutTemperatures(_)));
+    let missing =
+        of_held_out.into_iter().filter(|fault| matches!(fault.then, Then::WithoutTemperatures(_) | Then::ShiftLog(_)));
     faults.extend(missing.map(|fault| DataDefect { set: used + fault.set, ..fault }));
     faults
 }
@@ -101,6 +102,8 @@ fn excluded(fault: &DataDefect, is_held_out: bool) -> String {
             "these values of the sensor, which its neighbors bridge".into()
         }
         Then::WithoutTemperatures(_) => "these rows".into(),
+        Then::ShiftLog(log) if log.uncounted.is_empty() => "nothing; the log is shifted".into(),
+        Then::ShiftLog(_) => "the rows outside the shifted log".into(),
         _ if is_held_out => "nothing: the file is held out and used unchanged".into(),
         Then::Refuse => "the whole file".into(),
         Then::WithoutRows => "these rows".into(),

@@ -82,6 +82,15 @@ type SharedLogs = Arc<BTreeMap<String, ConditionLog>>;
 
 /// Changes the readings of a sensor in all of the conditions. Conditions that share their readings still share them afterwards.
 pub fn change_readings(conditions: &mut [Condition], sensor: &str, of: &dyn Fn(f64) -> f64) {
+    change_points(conditions, sensor, &|time_s, value| (time_s, of(value)));
+}
+
+/// Shifts the readings of a sensor in all of the conditions to later times, s. Conditions that share their readings still share them afterwards.
+pub fn shift_readings(conditions: &mut [Condition], sensor: &str, by_s: f64) {
+    change_points(conditions, sensor, &|time_s, value| (time_s + by_s, value));
+}
+
+fn change_points(conditions: &mut [Condition], sensor: &str, of: &dyn Fn(f64, f64) -> (f64, f64)) {
     // Kept alive, so that no other readings get the same address meanwhile.
     let mut done: Vec<[SharedLogs; 2]> = Vec::new();
     let mut change = |condition: &mut Condition| {
@@ -90,7 +99,10 @@ pub fn change_readings(conditions: &mut [Condition], sensor: &str, of: &dyn Fn(f
             let mut sensors = BTreeMap::clone(&condition.sensors);
             if let Some(own) = sensors.get_mut(sensor) {
                 let mut trace = ConditionLog::default();
-                own.points().iter().for_each(|&(time_s, value)| trace.add(time_s, of(value)));
+                for &(time_s, value) in own.points() {
+                    let (time_s, value) = of(time_s, value);
+                    trace.add(time_s, value);
+                }
                 *own = trace;
             }
             let new = Arc::new(sensors);
@@ -354,6 +366,20 @@ mod tests {
         for wrong in ["-5", "5@1", "x"] {
             assert!(wrong.parse::<Load>().is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn a_shifted_log_has_its_readings_at_other_times() {
+        let mut all = [Condition::default(), Condition::default()];
+        all[0].add_reading("T", 0.0, 20.0);
+        all[0].add_reading("T", 10.0, 22.0);
+        all[1] = all[0].clone();
+        shift_readings(&mut all, "T", 5.0);
+        for (time_s, expected) in [(0.0, 20.0), (10.0, 21.0), (15.0, 22.0)] {
+            all.iter_mut().for_each(|one| one.set_time(time_s));
+            assert!(all.iter().all(|one| one.temperature_c("T", 0.0) == Some(expected)));
+        }
+        assert!(Arc::ptr_eq(&all[0].sensors, &all[1].sensors));
     }
 
     #[test]

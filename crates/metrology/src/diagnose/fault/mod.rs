@@ -7,6 +7,7 @@
 mod axes;
 mod cells;
 mod chain;
+mod clock;
 mod compensated;
 mod constant;
 mod dead;
@@ -87,6 +88,7 @@ pub const FAULTS: &[&DefectCheck] = &[
     &exchanged::CHECK,
     &reversed_run::CHECK,
     &offset::CHECK,
+    &clock::CHECK,
     &constant::CHECK,
     &unit::CHECK,
     &chain::CHECK,
@@ -115,6 +117,8 @@ pub enum Then {
     WithoutTemperatures(MissingTemperatures),
     /// The readings of a sensor are converted to °C.
     InFahrenheit(String),
+    /// A log with another clock is shifted in time.
+    ShiftLog(ShiftedLog),
     /// Readings from the first row on get a zero of their own.
     OwnZero,
     /// The fault is only reported.
@@ -134,6 +138,17 @@ pub struct MissingTemperatures {
     pub uncounted: Vec<[usize; 2]>,
 }
 
+/// A log whose clock differs from that of the readings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShiftedLog {
+    /// Its columns.
+    pub columns: Vec<String>,
+    /// Its times minus those of the readings, s: positive if its clock is ahead.
+    pub by_s: f64,
+    /// Ranges of rows that the shifted log does not contain: first and last. They are excluded.
+    pub uncounted: Vec<[usize; 2]>,
+}
+
 /// Kind of a fault. Results contain its word ([`DefectKind::word`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
@@ -142,6 +157,8 @@ pub enum DefectKind {
     Axes,
     /// Readings belong to other positions than the file states.
     Positions,
+    /// A log has another clock than the readings.
+    Clock,
     /// A table of the control was active.
     Compensated,
     /// The first cycle differs from the others.
@@ -175,6 +192,7 @@ impl DefectKind {
     pub fn word(self) -> &'static str {
         match self {
             DefectKind::Axes | DefectKind::Positions => "axes",
+            DefectKind::Clock => "clock",
             DefectKind::Compensated => "compensated",
             DefectKind::FirstCycle => "first-cycle",
             DefectKind::Order => "order",
@@ -300,6 +318,11 @@ pub fn find_with(checks: &Checks, scene: &Scene<'_>) -> Vec<DataDefect> {
                     let values = own.filter(|sensor| sensor.name == *name).flat_map(|sensor| &mut sensor.values);
                     values.for_each(|value| *value = fahrenheit::celsius(*value));
                 }
+                Then::ShiftLog(log) => {
+                    view.gone.extend(log.uncounted.iter().map(|rows| (fault.set, *rows)));
+                    let trail = view.trails.get_mut(fault.set);
+                    trail.into_iter().for_each(|trail| log.uncounted.iter().for_each(|rows| trail.forget(*rows)));
+                }
                 Then::WithoutRows => {
                     let own = view.sensors.get_mut(fault.set).into_iter().flatten();
                     own.filter(|sensor| sensor.name == fault.name).for_each(|sensor| sensor.forget(fault.rows));
@@ -316,13 +339,14 @@ pub fn find_with(checks: &Checks, scene: &Scene<'_>) -> Vec<DataDefect> {
     all
 }
 
-/// Removes faulty sensors from measurements or from some of their rows, and converts those in °F.
+/// Removes faulty sensors from measurements or from some of their rows, converts those in °F, and shifts logs with another clock.
 pub fn mend_sensors(sets: &mut [DataSet], faults: &[DataDefect]) {
     for fault in faults {
         let Some(set) = sets.get_mut(fault.set) else { continue };
         match &fault.then {
             Then::WithoutSensors(names) => set.drivers.retain(|driver| !names.contains(&driver.name)),
             Then::WithoutTemperatures(missing) => missing::forget(set, missing),
+            Then::ShiftLog(log) => clock::shift(set, log),
             Then::InFahrenheit(name) => {
                 let own = set.drivers.iter_mut().filter(|driver| driver.name == *name);
                 let values = own.flat_map(|driver| &mut driver.values);
@@ -348,8 +372,9 @@ pub fn exclude(scene: &mut Scene<'_>, faults: &[DataDefect]) {
                 let inside = scene.items.iter_mut().filter(|item| (first..=last).contains(&at(item)));
                 inside.for_each(|item| item.sigma = f64::INFINITY);
             }
-            Then::WithoutTemperatures(missing) => {
-                let is_in = |row: usize| missing.uncounted.iter().any(|[first, last]| (*first..=*last).contains(&row));
+            Then::WithoutTemperatures(MissingTemperatures { uncounted, .. })
+            | Then::ShiftLog(ShiftedLog { uncounted, .. }) => {
+                let is_in = |row: usize| uncounted.iter().any(|[first, last]| (*first..=*last).contains(&row));
                 let inside = scene.items.iter_mut().filter(|item| is_in(at(item)));
                 inside.for_each(|item| item.sigma = f64::INFINITY);
             }
