@@ -9,6 +9,7 @@ use crate::error::Error;
 use crate::machine::Machine;
 use crate::moves::Elements;
 use crate::options::{DialectChoice, Options, ProgramReading};
+use crate::registry::Registry;
 use crate::run::{self, Opened, Running, Subprograms};
 use ncfix_base::geometry::AxisVector;
 use ncfix_base::source::{FileId, Source};
@@ -71,6 +72,56 @@ impl Program {
     pub fn from_file(path: impl AsRef<Path>, dialect: DialectChoice) -> Result<Program, Error> {
         let path = path.as_ref();
         Program::new(run::read(path)?, path, ProgramReading::default()).parsed(dialect)
+    }
+
+    /// As [`Program::parse`], with the detectors of a registry. If a detector that was added decides, its dialect is that of the program on any machine.
+    ///
+    /// ```
+    /// use ncfix::extend::dialect::{Detector, find};
+    /// use ncfix::prelude::*;
+    ///
+    /// let own = Detector::new("our post", find("rs274").unwrap(), &["tap"], r"^\(OUR POST \d+\)$")?;
+    /// let registry = Registry::default().with_detector(own);
+    /// let program = Program::parse_with("part.tap", "O1 sub\nO1 endsub\nM2\n", DialectChoice::Guess, &registry)?;
+    /// assert!(!program.check(&Machine::demo()).has_errors());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If the text cannot be parsed; all diagnostics are in the error.
+    pub fn parse_with(
+        name: &str,
+        text: impl Into<Vec<u8>>,
+        dialect: DialectChoice,
+        registry: &Registry,
+    ) -> Result<Program, Error> {
+        let text = text.into();
+        let dialect = detected(name, &text, dialect, registry);
+        Program::parse(name, text, dialect)
+    }
+
+    /// As [`Program::from_file`], with the detectors of a registry, like [`Program::parse_with`].
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let cover = "samples/programs/sinumerik/cover.mpf";
+    /// let program = Program::from_file_with(cover, DialectChoice::Guess, &Registry::default())?;
+    /// assert!(program.moves(&Machine::demo())?.count() > 1);
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If the file cannot be read or its text cannot be parsed.
+    pub fn from_file_with(
+        path: impl AsRef<Path>,
+        dialect: DialectChoice,
+        registry: &Registry,
+    ) -> Result<Program, Error> {
+        let path = path.as_ref();
+        let source = run::read(path)?;
+        let dialect = detected(source.name(), source.bytes(), dialect, registry);
+        Program::new(source, path, ProgramReading::default()).parsed(dialect)
     }
 
     /// A program that was read from a file.
@@ -261,4 +312,14 @@ impl Program {
     ) -> Running<'m> {
         Running::start(opened, &self.subprograms, &self.reading, machine, options)
     }
+}
+
+/// The dialect if the detectors of a registry recognize another one than the built-in detectors; otherwise the given choice.
+fn detected(name: &str, text: &[u8], choice: DialectChoice, registry: &Registry) -> DialectChoice {
+    if choice.name().is_some() {
+        return choice;
+    }
+    let found = ncfix_dialect::guess_with(&registry.detectors, name, text).map(|dialect| dialect.name);
+    let is_added = found != ncfix_dialect::guess(name, text).map(|dialect| dialect.name);
+    found.filter(|_| is_added).and_then(|dialect| dialect.parse().ok()).unwrap_or(choice)
 }

@@ -213,6 +213,8 @@ impl Registry {
     }
 
     /// Adds a dialect detector. The file extension decides before the lines of the file; of several detectors that match, the one added first decides.
+    /// [`Program::parse_with`](crate::Program::parse_with) and [`Program::from_file_with`](crate::Program::from_file_with) use it;
+    /// `examples/own_detector.rs` is a complete program.
     ///
     /// ```
     /// use ncfix::extend::dialect::{Detector, find};

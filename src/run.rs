@@ -154,12 +154,8 @@ pub(crate) fn resolve(
         Some((ncfix_dialect::find(&chosen.machine.controller)?, "the controller of the machine file".to_owned()))
     });
     let of_file = || {
-        let (name, bytes) = (source.name(), source.bytes());
-        let found = match chosen {
-            Some(chosen) => ncfix_dialect::guess_with(&chosen.registry.detectors, name, bytes),
-            None => ncfix_dialect::guess(name, bytes),
-        };
-        Some((found?, "by its name or first lines".to_owned()))
+        let found = ncfix_dialect::guess(source.name(), source.bytes())?;
+        Some((found, "by its name or first lines".to_owned()))
     };
     let of_words = || {
         let found = ncfix_dialect::likeness(source.bytes())?;

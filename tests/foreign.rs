@@ -32,6 +32,8 @@ use crate::model::Random;
 
 #[path = "../examples/own_cause.rs"]
 mod own_cause;
+#[path = "../examples/own_detector.rs"]
+mod own_detector;
 #[path = "../examples/own_error_source.rs"]
 mod own_error_source;
 
@@ -39,6 +41,7 @@ mod own_error_source;
 fn the_examples_run() {
     own_error_source::main().unwrap();
     own_cause::main().unwrap();
+    own_detector::main().unwrap();
 }
 
 static BEAM: SourceInfo = SourceInfo {
