@@ -23,9 +23,10 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
 
 /// Time constants of the bodies that may follow a sensor, s.
 const LAGS_S: [f64; 4] = [0.0, 300.0, 1800.0, 7200.0];
-/// Time constants of the only body in the alternative to a shift, s.
-const ONE_LAG_S: [f64; 14] =
-    [60.0, 90.0, 130.0, 180.0, 270.0, 400.0, 600.0, 900.0, 1300.0, 1800.0, 2700.0, 3600.0, 5400.0, 7200.0];
+/// Shortest time constant of the only body in the alternative to a shift, s, ratio of one to the next, and their number: up to 2 h.
+const ONE_LAG_S: f64 = 60.0;
+const ONE_LAG_RATIO: f64 = 1.2;
+const ONE_LAGS: i32 = 28;
 /// Time constants without a shift, s, each alone and twice in series: a body far from its sensor follows with a delay that one time constant lacks.
 const RICH_LAGS_S: [f64; 8] = [0.0, 60.0, 150.0, 400.0, 1000.0, 2000.0, 4000.0, 8000.0];
 /// Largest offset to search, s: two time zones, or summer time and one.
@@ -42,6 +43,10 @@ const ROWS: [usize; 2] = [60, 800];
 const DRIFT: f64 = 3.0;
 /// Smallest share of the variance of the readings that a shifted log explains.
 const SHARE: f64 = 0.8;
+/// One of these two is required in addition. The first is the share that leaves no room for another cause. The second is the ratio of the residual without a
+/// shift to that with it. A drift of a few times the noise that no sensor shows may follow a shifted one by chance, and about a tenth better than the others.
+const SURE_SHARE: f64 = 0.98;
+const SURE_RATIO: f64 = 1.3;
 /// Smallest gain in −2 ln of the likelihood: p < 10⁻⁵ for each of about a hundred offsets.
 const GAIN: f64 = 30.0;
 /// Half of the 95 % interval of an offset is where −2 ln of the likelihood is this much larger (χ² with one degree of freedom).
@@ -312,8 +317,12 @@ fn offset(drift: &DriftSeries, own: &[&LogColumn], all: &[&LogColumn]) -> Option
     let unshifted = |courses: &[&LogColumn]| drift.fitted(&found.rows, courses, &FollowerSet::Rich, 0.0);
     let is_explained = found.fitted.share() > SHARE && found.by_s.abs() - found.by_95_s > limit_s;
     let before = if is_explained { unshifted(own) } else { None };
-    if let Some(before) = before.filter(|before| found.fitted.gain_over(before) > GAIN) {
-        let rms = |fitted: &LogFit| fitted.variance().sqrt();
+    let rms = |fitted: &LogFit| fitted.variance().sqrt();
+    let is_better = |before: &LogFit| {
+        found.fitted.gain_over(before) > GAIN
+            && (found.fitted.share() > SURE_SHARE || rms(before) > SURE_RATIO * rms(&found.fitted))
+    };
+    if let Some(before) = before.filter(is_better) {
         let shown = format!(
             "with the log shifted by {}, {} explains {:.0} % of the drift, and {:.1} times the noise remains; without a shift all its columns with any time constants leave {:.1} times",
             minutes(found.by_s, found.by_95_s),
@@ -339,16 +348,20 @@ fn offset(drift: &DriftSeries, own: &[&LogColumn], all: &[&LogColumn]) -> Option
     let late = best(drift, own, &FollowerSet::One(0.0), &|by_s| by_s < 0.0)?;
     let with = |lag_s: f64| drift.fitted(&late.rows, &[late.course], &FollowerSet::One(lag_s), 0.0);
     let at_once = with(0.0)?;
-    let (lag_s, lagged) = ONE_LAG_S
-        .iter()
-        .filter_map(|&lag_s| Some((lag_s, with(lag_s)?)))
-        .min_by(|a, b| a.1.squares.total_cmp(&b.1.squares))?;
-    let is_doubtful = late.fitted.share() > SHARE
+    let is_late = late.fitted.share() > SHARE
         && -late.by_s - late.by_95_s > DOUBTFUL_S.max(LEAST_ROWS * interval(&drift.times))
-        && late.fitted.gain_over(&at_once) > GAIN
-        && late.fitted.squares <= lagged.squares;
+        && late.fitted.gain_over(&at_once) > GAIN;
+    if !is_late {
+        return None;
+    }
+    let (lag_s, lagged) = (0..ONE_LAGS)
+        .map(|number| ONE_LAG_S * ONE_LAG_RATIO.powi(number))
+        .filter_map(|lag_s| Some((lag_s, with(lag_s)?)))
+        .min_by(|a, b| a.1.squares.total_cmp(&b.1.squares))?;
+    // One time constant that explains as much is the usual case: a body that follows its sensor.
+    let is_doubtful = late.fitted.gain_over(&lagged) > GAIN / 2.0;
     let evidence = format!(
-        "the readings follow {} late: the clock of the log is late by {}, or a body follows with a time constant of about {:.0} min; compare the clocks, or record a faster change of temperature",
+        "the readings follow {} late: the clock of the log is late by {}, or several bodies follow in series, with a time constant of about {:.0} min; compare the clocks, or record a faster change of temperature",
         late.course.name,
         minutes(late.by_s, late.by_95_s),
         lag_s / 60.0
