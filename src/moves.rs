@@ -13,6 +13,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::{AxisVector, Vector};
 use ncfix_base::source::Span;
 use ncfix_language::exec::{Options, RapidOrder};
+use ncfix_machine::machine::Kinematics;
 use ncfix_machine::snc::{Element, TextReader, TextWriter};
 
 /// The first line of a flat stream.
@@ -162,7 +163,9 @@ impl<'a> FlatText<'a> {
     pub(crate) fn write(self, out: impl Write, found: &mut Diagnostics) -> io::Result<Vec<PathBuf>> {
         let FlatText { program, machine: Machine { machine, .. }, mut running } = self;
         let turned = |command: &AxisVector, tool_mm: &Vector| machine.turned_tool_mm(command, tool_mm);
-        let mut writer = TextWriter::new(out, &machine.name, machine.axis_set(), turned)?;
+        let kinematics = Kinematics::new(machine);
+        let mut writer = TextWriter::new(out, &machine.name, machine.axis_set(), turned)?
+            .with_workpiece(|command, tool_mm| kinematics.on_workpiece(command, tool_mm));
         if let Some(start) = program.reading().start {
             writer.start_at(start);
         }

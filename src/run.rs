@@ -20,8 +20,9 @@ use ncfix_language::exec::{Execution, Library, NoLibrary, Options, Radius, Rapid
 use ncfix_language::syntax::sinumerik::Macros;
 use ncfix_language::syntax::{self, Program};
 use ncfix_machine::machine::file::nearest;
+use ncfix_machine::machine::{Kinematics, TipPath};
 use ncfix_machine::snc::extent::PathExtent;
-use ncfix_machine::snc::{Element, Kind};
+use ncfix_machine::snc::{Element, Kind, Turning};
 use ncfix_path::emit;
 
 /// Blocks executed in search of further findings in a program with syntax errors.
@@ -235,6 +236,9 @@ pub(crate) trait Watch {
     fn end(&mut self);
 }
 
+/// Largest distance of the tip from its path between positions whose range is taken, mm: measured ranges have no finer ends.
+const EXTENT_MM: f64 = 0.01;
+
 /// A running program: its elements and findings.
 pub(crate) struct Running<'a> {
     execution: Execution<'a>,
@@ -244,6 +248,8 @@ pub(crate) struct Running<'a> {
     moves: bool,
     elements: u64,
     extent: PathExtent,
+    /// Of machines with rotary axes: the axes move along curves while a control keeps the tip on its path.
+    kinematics: Option<Kinematics>,
 }
 
 impl<'a> Running<'a> {
@@ -266,7 +272,9 @@ impl<'a> Running<'a> {
         };
         let length = opened.source.bytes().len();
         let execution = Execution::new(opened.program, machine, library, options);
-        Running { execution, watch: None, loaded, length, moves: false, elements: 0, extent: PathExtent::default() }
+        let turns = machine.axis_set().iter().any(|axis| axis.is_rotary());
+        let (extent, kinematics) = (PathExtent::default(), turns.then(|| Kinematics::new(machine)));
+        Running { execution, watch: None, loaded, length, moves: false, elements: 0, extent, kinematics }
     }
 
     /// The run with an observer of its progress.
@@ -304,6 +312,22 @@ impl<'a> Running<'a> {
         &self.extent
     }
 
+    fn note_extent(&mut self, element: &Element) {
+        if let (Kind::Move(motion), Some(kinematics)) = (&element.kind, &self.kinematics)
+            && let Some(turning) = motion.tip
+        {
+            let ends = [self.extent.last(), &motion.target];
+            let path = TipPath::new(kinematics, turning == Turning::Vector, ends, self.extent.tool_mm());
+            let extent = &mut self.extent;
+            path.divide(
+                motion.arc.as_ref().map(|arc| (arc, motion.arc_basis.as_ref())),
+                EXTENT_MM,
+                |position, _, _| extent.pass(motion, &position),
+            );
+        }
+        self.extent.see(element);
+    }
+
     /// The files of the subprograms that were read.
     pub(crate) fn files(&self) -> Vec<PathBuf> {
         self.loaded.borrow().clone()
@@ -318,7 +342,7 @@ impl Iterator for Running<'_> {
         self.moves |= matches!(&item, Some(Ok(Element { kind: Kind::Move(_), .. })));
         if let Some(Ok(element)) = &item {
             self.elements += u64::from(element.kind.is_in_text());
-            self.extent.see(element);
+            self.note_extent(element);
         }
         match &item {
             Some(Ok(element)) if element.starts_block => {

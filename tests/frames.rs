@@ -160,7 +160,7 @@ fn frames_that_make_no_sense_are_refused() {
 
 /// Positions of an arc in a tilted plane against the circle by its definition.
 #[test]
-fn arcs_in_tilted_and_stretched_planes_are_chords_on_the_curve() {
+fn arcs_in_tilted_planes_are_arcs_and_in_stretched_ones_chords_on_the_curve() {
     let machine = xyz_machine();
     let rpy = RotationOrder::Rpy.matrix([25_f64.to_radians(), -40_f64.to_radians(), 10_f64.to_radians()]);
     for (statement, linear) in [
@@ -172,26 +172,43 @@ fn arcs_in_tilted_and_stretched_planes_are_chords_on_the_curve() {
         let (elements, codes) = execute(&program, &machine, Options::default());
         assert!(codes.is_empty());
         let moves = moves(&elements, AxisVector::ZERO);
-        assert!(moves.len() > 50, "{statement}");
+        let is_circle = !statement.contains("SCALE");
+        assert_eq!(moves.len() == 2, is_circle, "{statement}");
+        let mut points = Vec::new();
+        for (start, motion) in &moves[1..] {
+            match (&motion.arc, &motion.arc_basis) {
+                (Some(arc), Some(basis)) => {
+                    let [from, to] = [start, &motion.target].map(|end| {
+                        let mut flat = *end;
+                        flat.set_xyz(basis.transpose() * end.xyz());
+                        flat
+                    });
+                    // So near to each other that their chords are as fine as those of the others.
+                    points.extend((1..=1000).map(|k| basis * arc.at(&from, &to, f64::from(k) / 1000.0).xyz()));
+                }
+                _ => points.push(motion.target.xyz()),
+            }
+        }
         let back = linear.try_inverse().unwrap();
         let (mut last_angle, mut widest) = (0.0_f64, 0.0_f64);
-        for (start, motion) in &moves[1..] {
-            assert!(motion.arc.is_none());
+        let mut start = moves[1].0.xyz();
+        for point in points {
             let on_curve = |angle: f64| {
                 linear * Vector::new(20.0 * angle.cos(), 20.0 * angle.sin(), 8.0 * angle / std::f64::consts::PI)
             };
-            let programmed = back * motion.target.xyz();
+            let programmed = back * point;
             let angle = programmed[1].atan2(programmed[0]).rem_euclid(std::f64::consts::TAU);
-            assert!((motion.target.xyz() - on_curve(angle)).norm() < 1e-9, "{statement}");
+            assert!((point - on_curve(angle)).norm() < 1e-9, "{statement}");
             assert!(angle > last_angle);
             // Largest distance of the chord from the curve between its ends, sampled.
             for k in 1..8 {
                 let at = last_angle + (angle - last_angle) * f64::from(k) / 8.0;
-                let way = motion.target.xyz() - start.xyz();
-                let from = on_curve(at) - start.xyz();
+                let way = point - start;
+                let from = on_curve(at) - start;
                 widest = widest.max((from - way * (from.dot(&way) / way.norm_squared())).norm());
             }
             last_angle = angle;
+            start = point;
         }
         assert!((last_angle - std::f64::consts::PI).abs() < 1e-9);
         assert!(widest <= machine.control.chord_tolerance_mm, "{statement}: {widest}");

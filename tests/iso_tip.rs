@@ -164,12 +164,8 @@ fn the_tip_stays_on_its_line_while_the_direction_changes() {
     let text = "G17 G90 G21 G54\nG0 X0 Y0 Z300. B0 C0\nG43.5 H1 Z100.\nG1 X50. I1. J1. K2. F500.\nM30";
     let (elements, codes) = elements("fanuc", text, &machine("wFXYZCBSt"), Box::new(NoLibrary), strict());
     assert!(codes.is_empty(), "{codes:?}");
-    let on_line =
-        elements.iter().filter(|element| element.origin.line == 4).filter_map(|element| match &element.kind {
-            Kind::Move(step) => Some(tip_of_head(&step.target) - G54),
-            _ => None,
-        });
-    let points: Vec<Vector> = on_line.collect();
+    let on_line = crate::five_axis::chords(&elements, &machine("wFXYZCBSt"), 4);
+    let points: Vec<Vector> = on_line.iter().map(|command| tip_of_head(command) - G54).collect();
     assert!(points.len() > 10, "{}", points.len());
     assert!(points.iter().all(|tip| tip.y.abs() < 1e-9 && (tip.z - 100.0).abs() < 1e-9), "{points:?}");
 }

@@ -197,6 +197,7 @@ mod thermal_bench;
 mod thermal_plant;
 mod threads;
 mod tolerance;
+mod tool_tip;
 mod undefined;
 mod unknown_sense;
 mod unreadable;

@@ -52,7 +52,7 @@ fn moments((machine, errors): &(Machine, ErrorModel), program: &[ServoMove]) -> 
 fn circle(radius: f64, mm_min: f64) -> [ServoMove; 2] {
     let start = at(radius, 0.0);
     let arc = Arc { plane: Plane::XY, clockwise: false, center_mm: [0.0, 0.0], extra_turns: 3 };
-    let turn = ServoMove { circle: Some(SpaceCircle::of_arc(&arc, &start)), ..line(radius, 0.0, mm_min) };
+    let turn = ServoMove { circle: Some(SpaceCircle::of_arc(&arc, None, &start)), ..line(radius, 0.0, mm_min) };
     [line(radius, 0.0, mm_min), turn]
 }
 
@@ -180,6 +180,8 @@ fn time_of_halves(controller: &str, words: &[&'static str]) -> f64 {
             in_machine_frame: false,
             motion_mode: MotionMode::Path,
             off_curve_mm: 0.0,
+            tip: None,
+            arc_basis: None,
         })
     };
     for kind in words.iter().map(|word| Kind::Keep(word)).chain([half(50.0), half(100.0)]) {

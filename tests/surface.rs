@@ -8,7 +8,7 @@ use ncfix_model::{ErrorModel, Model, file};
 use ncfix_path::path::CorrectionOptions;
 
 use crate::bench_machine::load_machine;
-use crate::five_axis::{corrected, elements, execute, machine, targets, tip_in_program, topologies, with_tool};
+use crate::five_axis::{chords, corrected, elements, execute, machine, targets, tip_in_program, topologies, with_tool};
 
 const HEAD: &str = "N1 G17 G90 G54 T1 M6\nN2 TRAORI\nN3 ORIWKS ORIVECT\nN4 G0 X-20 Y10 Z5 A3=0.1 B3=0.2 C3=1\n";
 
@@ -70,7 +70,7 @@ fn the_tool_turns_along_a_great_circle_and_the_tip_follows_its_line() {
         let plane = first.cross(&last).normalize();
         let whole = first.cross(&last).norm().atan2(first.dot(&last));
         let (from, way) = (Vector::new(-20.0, 10.0, 5.0), Vector::new(60.0, 20.0, 10.0));
-        let pieces = targets(&elements, 5);
+        let pieces = chords(&elements, &machine, 5);
         assert!(pieces.len() > 3, "{}: {}", machine.topology, pieces.len());
         for piece in &pieces {
             let tip = tip_in_program(&model, &machine, piece);

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use ncfix_base::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector, Matrix, ROTARY_AXES, Vector};
-use ncfix_machine::machine::{ActiveCompensation, AxisData, Condition, Machine, State, ZeroPose};
+use ncfix_machine::machine::{ActiveCompensation, AxisData, Condition, Kinematics, Machine, State, ZeroPose};
 
 use super::body::{BodyPlace, Pointer, Ray, RigidBody, Witness};
 use super::linear::{LinearAxes, LinearStep, Singular};
@@ -39,6 +39,8 @@ pub struct Model {
     is_empty: bool,
     /// Constants of a machine without rotary axes.
     straight: Option<Straight>,
+    /// The machine without errors, as its control knows it.
+    kinematics: Kinematics,
     /// Displacement of the tip, in the workpiece frame, that the zero offset contains, mm.
     zero_mm: Vector,
     /// The same machine by the index of the zero offset, for those that contain a displacement.
@@ -110,10 +112,17 @@ impl Model {
             modulo: machine.axes.iter().flatten().filter(|data| data.modulo).map(|data| data.axis).collect(),
             active,
             is_empty,
+            kinematics: Kinematics::new(machine),
             zero_mm: Vector::zeros(),
             zeros: Arc::new([]),
             touches_mm: Arc::new([]),
         }
+    }
+
+    /// Returns the kinematics of the machine without errors.
+    #[must_use]
+    pub fn kinematics(&self) -> &Kinematics {
+        &self.kinematics
     }
 
     /// Returns the model with the displacements of the tip that touched zero offsets contain, by their index: in the workpiece frame, mm. Errors count

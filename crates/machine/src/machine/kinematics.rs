@@ -26,6 +26,8 @@ pub struct Kinematics {
     tool_axis: Vector,
     /// Linear axis of each direction: X, else U, and so on.
     linear: [Option<Axis>; 3],
+    /// Angle from a pole below which the control moves the rotary axes in proportion, rad.
+    pole_limit_rad: f64,
 }
 
 /// Axis as seen from the tool: positive on the tool side, reversed on the workpiece side.
@@ -59,7 +61,13 @@ impl Kinematics {
                 place.get_or_insert(axis);
             }
         }
-        Kinematics { joints, origin_mm: machine.spindle.origin_mm, tool_axis: machine.spindle.axis, linear }
+        Kinematics {
+            joints,
+            origin_mm: machine.spindle.origin_mm,
+            tool_axis: machine.spindle.axis,
+            linear,
+            pole_limit_rad: machine.control.pole_limit_rad,
+        }
     }
 
     /// Returns the tool tip in the workpiece, mm, relative to the machine origin at the zero pose. `tool_mm` runs from the spindle gauge point to the tip, in
@@ -165,6 +173,12 @@ impl Kinematics {
     pub fn pole(&self) -> Option<Vector> {
         let outer = self.rotary().last()?;
         (self.rotary().count() >= 2).then_some(outer.direction)
+    }
+
+    /// Returns the angle from a pole below which the control moves the rotary axes in proportion instead of along a great circle, rad.
+    #[must_use]
+    pub fn pole_limit_rad(&self) -> f64 {
+        self.pole_limit_rad
     }
 
     /// Returns the rotary angles that give the tool a direction in the workpiece: up to two solutions, the shorter path first. Each uses the turns nearest to

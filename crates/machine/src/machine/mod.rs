@@ -28,6 +28,7 @@ mod servo;
 mod setting;
 mod state;
 mod strain;
+mod tip_path;
 mod tool;
 mod travel;
 pub mod uncertainty;
@@ -50,6 +51,7 @@ pub use servo::{AxisServo, Servo};
 pub use setting::Setting;
 pub use state::State;
 pub use strain::StrainGauge;
+pub use tip_path::{GreatCircle, TipArc, TipPath};
 pub use tool::Tool;
 pub use uncertainty::{Uncertainty, UncertaintyRow};
 

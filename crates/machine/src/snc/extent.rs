@@ -8,7 +8,10 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::motion_mode::MotionMode;
 use super::{Element, Kind, Move, Origin};
-use ncfix_base::geometry::{AXES, Arc, Axis, AxisSet, AxisVector, Vector};
+use ncfix_base::geometry::{AXES, Arc, Axis, AxisSet, AxisVector, Matrix, Vector};
+
+/// Angle between points of an arc in a tilted plane, rad: the path exceeds them by a thousandth of the radius.
+const POINT_RAD: f64 = TAU / 72.0;
 
 /// Ranges of the positions and tools of a stream, collected element by element.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,6 +77,24 @@ impl Reach {
         }
     }
 
+    /// Adds points of an arc in a tilted plane.
+    fn tilted_arc(&mut self, arc: &Arc, basis: &Matrix, ends: [&AxisVector; 2]) {
+        let [start, end] = ends.map(|end| {
+            let mut flat = *end;
+            flat.set_xyz(basis.tr_mul(&end.xyz()));
+            flat
+        });
+        // A turn passes all directions: 1 to 72 points.
+        let count = (arc.sweep_rad(&start, &end).abs().min(TAU) / POINT_RAD).ceil().max(1.0) as u32;
+        for k in 0..=count {
+            let mut point = arc.at(&start, &end, f64::from(k) / f64::from(count));
+            point.set_xyz(basis * point.xyz());
+            for axis in AxisSet::XYZ.iter() {
+                self.coordinate(axis, point[axis]);
+            }
+        }
+    }
+
     /// Adds the points of an arc at which one of its two axes turns back.
     fn arc(&mut self, arc: &Arc, start: &AxisVector, end: &AxisVector) {
         let [abscissa, ordinate, _] = arc.plane.axes();
@@ -119,12 +140,37 @@ impl PathExtent {
         }
     }
 
+    /// Returns the last position, mm and rad; that of unknown axes has no meaning.
+    #[must_use]
+    pub fn last(&self) -> &AxisVector {
+        &self.last
+    }
+
+    /// Returns the tool in use, from the gauge point of the spindle to the tip, in F at the zero pose, mm.
+    #[must_use]
+    pub fn tool_mm(&self) -> &Vector {
+        &self.tool_mm
+    }
+
+    /// Adds a position on the way of a move whose axes move along curves, mm and rad.
+    pub fn pass(&mut self, motion: &Move, position: &AxisVector) {
+        let known = self.known.intersection(motion.known);
+        self.reach_of(motion).position(position, known);
+    }
+
+    fn reach_of(&mut self, motion: &Move) -> &mut Reach {
+        let is_feed = !motion.rapid && motion.motion_mode != MotionMode::Reference;
+        if is_feed { &mut self.feed } else { &mut self.rapid }
+    }
+
     fn motion(&mut self, motion: &Move, origin: Origin) {
         let is_feed = !motion.rapid && motion.motion_mode != MotionMode::Reference;
         let reach = if is_feed { &mut self.feed } else { &mut self.rapid };
         reach.position(&self.last, self.known.intersection(motion.known));
         reach.position(&motion.target, motion.known);
-        if let Some(arc) = &motion.arc {
+        if let (Some(arc), Some(basis), None) = (&motion.arc, &motion.arc_basis, motion.tip) {
+            reach.tilted_arc(arc, basis, [&self.last, &motion.target]);
+        } else if let Some(arc) = motion.arc.as_ref().filter(|_| motion.tip.is_none()) {
             reach.arc(arc, &self.last, &motion.target);
         }
         reach.tool(self.tool_mm);

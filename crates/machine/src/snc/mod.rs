@@ -19,7 +19,7 @@ pub use written_zero::{WrittenZero, WrittenZeros};
 
 use std::sync;
 
-use ncfix_base::geometry::{Arc, AxisSet, AxisVector, Frame, Plane, Vector};
+use ncfix_base::geometry::{Arc, AxisSet, AxisVector, Frame, Matrix, Plane, Vector};
 use ncfix_base::source::{FileId, Span};
 
 /// Origin of an element.
@@ -100,8 +100,13 @@ pub enum Kind {
 pub struct Move {
     /// True for rapid (G0), false for feed.
     pub rapid: bool,
-    /// Arc with its center as axis commands; `None` for a straight move.
+    /// Arc with its center as axis commands, or, with [`Self::tip`], as positions on the workpiece; `None` for a straight move.
     pub arc: Option<Arc>,
+    /// Some if the plane of [`Self::arc`] is tilted: orthonormal columns, along which the coordinates of the arc count, X, Y and Z in this order.
+    pub arc_basis: Option<Matrix>,
+    /// Some if the control interpolates the tip in the workpiece (TRAORI, G43.4): positions fixed to the workpiece follow the line or the arc, and the tool turns
+    /// in this manner. The axes then move along curves. `None` if the axes themselves are interpolated.
+    pub tip: Option<Turning>,
     /// Axis commands at the end, without tool vector: mm, rad.
     pub target: AxisVector,
     /// Axes that the block names.

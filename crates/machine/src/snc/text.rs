@@ -8,12 +8,13 @@
 //!
 //! Positions are at the tool center point, mm and degrees, up to 6 decimals. `;@14<3` is line 14 called from line 3.
 //! A feed is per minute, unless `G95` (mm per spindle revolution) or `G93` (blocks per minute, the reciprocal of the time) follows it.
-//! `I J K` is the center minus the start, `P` the plane, `L` the number of extra full turns. Threads and positioning axes appear only as moves: G1 without a
+//! `I J K` is the center minus the start, `P` the plane, `L` the number of extra full turns. A tilted plane has its normal, `D E H`, instead of `P`. `G1.W` is straight in the workpiece while the rotary axes move in
+//! proportion, `G1.V` while the tool follows a great circle; so are `G0`, `G2` and `G3`, with `I J K` along the directions of the workpiece. Threads and positioning axes appear only as moves: G1 without a
 //! feed for spindle-driven axes, G0 for positioning axes.
 
 use std::io::{self, Write};
 
-use super::{Dwell, Element, FeedUnit, Kind, Move, WordValue};
+use super::{Dwell, Element, FeedUnit, Kind, Move, Turning, WordValue};
 use ncfix_base::geometry::{AXES, AxisSet, AxisVector, Vector};
 use ncfix_base::source::is_deceptive;
 use ncfix_base::units::push_integer;
@@ -23,12 +24,15 @@ const LEAST_FEED: f64 = 5e-7;
 
 /// Rotates a tool vector by the rotary axes of the tool side at an axis command.
 type TurnTool<'a> = Box<dyn Fn(&AxisVector, &Vector) -> Vector + 'a>;
+/// Converts an axis command with a tool to the position fixed to the workpiece.
+type OnWorkpiece<'a> = Box<dyn Fn(&AxisVector, &Vector) -> AxisVector + 'a>;
 
 /// Writes elements as text.
 pub struct TextWriter<'a, W: Write> {
     out: W,
     axes: AxisSet,
     turned_tool_mm: TurnTool<'a>,
+    on_workpiece: OnWorkpiece<'a>,
     position: AxisVector,
     tool_mm: Vector,
     line: Vec<u8>,
@@ -64,11 +68,18 @@ impl<'a, W: Write> TextWriter<'a, W> {
             out,
             axes,
             turned_tool_mm: Box::new(turned_tool_mm),
+            on_workpiece: Box::new(|command, _| *command),
             position: AxisVector::ZERO,
             tool_mm: Vector::zeros(),
             line: Vec::with_capacity(160),
             count: 0,
         })
+    }
+
+    /// Sets the conversion of an axis command with a tool to the position fixed to the workpiece, mm and rad, for the centers of arcs in the workpiece.
+    #[must_use]
+    pub fn with_workpiece(self, on_workpiece: impl Fn(&AxisVector, &Vector) -> AxisVector + 'a) -> Self {
+        TextWriter { on_workpiece: Box::new(on_workpiece), ..self }
     }
 
     /// Returns the number of lines written, without the head.
@@ -138,6 +149,11 @@ impl<'a, W: Write> TextWriter<'a, W> {
             (false, Some(_)) => b"G3",
         };
         self.line.extend_from_slice(code);
+        match motion.tip {
+            None => {}
+            Some(Turning::Axes) => self.line.extend_from_slice(b".W"),
+            Some(Turning::Vector) => self.line.extend_from_slice(b".V"),
+        }
         let mut tip = motion.target;
         tip.set_xyz(tip.xyz() + (self.turned_tool_mm)(&motion.target, &self.tool_mm));
         for axis in AXES {
@@ -147,12 +163,34 @@ impl<'a, W: Write> TextWriter<'a, W> {
             }
         }
         if let Some(arc) = &motion.arc {
-            let ijk = arc.center_from_start_mm(&self.position);
+            let start = match motion.tip {
+                None => self.position,
+                Some(_) => (self.on_workpiece)(&self.position, &self.tool_mm),
+            };
+            let (ijk, normal) = match &motion.arc_basis {
+                None => (arc.center_from_start_mm(&start), None),
+                Some(basis) => {
+                    let mut flat = start;
+                    flat.set_xyz(basis.tr_mul(&start.xyz()));
+                    let across = arc.plane.axes()[2].slot();
+                    let normal = basis.column(across).into_owned();
+                    (basis * arc.center_from_start_mm(&flat), Some(normal))
+                }
+            };
             for (letter, value) in [b" I", b" J", b" K"].into_iter().zip(ijk.iter()) {
                 push_value(&mut self.line, letter, *value);
             }
-            self.line.extend_from_slice(b" P");
-            push_integer(&mut self.line, u64::from(arc.plane.number()));
+            match normal {
+                None => {
+                    self.line.extend_from_slice(b" P");
+                    push_integer(&mut self.line, u64::from(arc.plane.number()));
+                }
+                Some(normal) => {
+                    for (letter, value) in [b" D", b" E", b" H"].into_iter().zip(normal.iter()) {
+                        push_value(&mut self.line, letter, *value);
+                    }
+                }
+            }
             if arc.extra_turns > 0 {
                 self.line.extend_from_slice(b" L");
                 push_integer(&mut self.line, u64::from(arc.extra_turns));
@@ -249,6 +287,9 @@ G0 X10 Y0 Z100 ;@12
 G1 X20.5 Y0 Z-1 F500 ;@13
 G2 X30.5 Y10 Z-1 I0 J10 K0 P17 L2 F500 ;@14
 G1 X31 Y10 Z-1 F0.1 G95 ;@14
+G1.W X31 Y10 Z-2 F100 ;@14
+G0.V X31 Y10 Z-1 ;@14
+G3.W X31 Y10 Z-1 I5 J0 K0 P17 F100 ;@14
 G1 X32 Y10 Z-1 F12.5 G93 ;@14
 G1 X33 Y10 Z-1 F100 ;@14
 G4 S1.5 ;@15<9<3
@@ -264,7 +305,7 @@ M3 S1200 S2=500 ;@16
         while let Some(element) = reader.next() {
             out.write(&element.unwrap(), reader.call_lines()).unwrap();
         }
-        assert_eq!(out.count(), 10);
+        assert_eq!(out.count(), 13);
         assert_eq!(String::from_utf8(out.finish().unwrap()).unwrap(), TEXT);
     }
 

@@ -1,8 +1,11 @@
 //! Reads the text form of the stream.
 
-use super::{Dwell, Element, FeedUnit, Kind, Move, Origin, Word, WordValue};
-use ncfix_base::geometry::{Arc, Axis, AxisSet, AxisVector, Plane};
+use super::{Dwell, Element, FeedUnit, Kind, Move, Origin, Turning, Word, WordValue};
+use ncfix_base::geometry::{Arc, Axis, AxisSet, AxisVector, Matrix, Plane, Vector};
 use ncfix_base::source::Span;
+
+/// A normal shorter than this has no direction.
+const SHORTEST_NORMAL: f64 = 1e-6;
 
 /// Reason why a line of SNC text cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -13,9 +16,13 @@ pub struct TextError {
     pub message: String,
 }
 
+/// Converts an axis command to the position fixed to the workpiece.
+type OnWorkpiece<'a> = Box<dyn Fn(&AxisVector) -> AxisVector + 'a>;
+
 /// Reads SNC text. Positions are taken as axis commands, that is, for a tool of length zero.
 pub struct TextReader<'a> {
     lines: std::iter::Enumerate<std::str::Lines<'a>>,
+    on_workpiece: OnWorkpiece<'a>,
     position: AxisVector,
     known: AxisSet,
     call_lines: Vec<u32>,
@@ -27,10 +34,17 @@ impl<'a> TextReader<'a> {
     pub fn new(text: &'a str) -> Self {
         TextReader {
             lines: text.lines().enumerate(),
+            on_workpiece: Box::new(|command| *command),
             position: AxisVector::ZERO,
             known: AxisSet::EMPTY,
             call_lines: Vec::new(),
         }
+    }
+
+    /// Sets the conversion of an axis command to the position fixed to the workpiece, mm and rad, for the centers of arcs in the workpiece.
+    #[must_use]
+    pub fn with_workpiece(self, on_workpiece: impl Fn(&AxisVector) -> AxisVector + 'a) -> Self {
+        TextReader { on_workpiece: Box::new(on_workpiece), ..self }
     }
 
     /// Returns the lines of the calls that led to the last element, innermost first.
@@ -62,8 +76,10 @@ impl<'a> TextReader<'a> {
         let origin = Origin { line, span: Span::default(), ..Origin::default() };
         let kind = match (first, code) {
             (b'G', "4") => self.dwell(&values[1..])?,
-            (b'G', "0" | "1" | "2" | "3") => Kind::Move(self.motion(code, &values[1..])?),
-            (b'G', _) => return Err(format!("G{code} does not occur in SNC")),
+            (b'G', _) => {
+                let (plain, tip) = motion_code(code).ok_or_else(|| format!("G{code} does not occur in SNC"))?;
+                Kind::Move(Move { tip, ..self.motion(plain, tip.is_some(), &values[1..])? })
+            }
             (b'T', _) => Kind::Tool(value_of(code)?),
             _ => Kind::Before(values.iter().map(|&(letter, rest)| auxiliary(letter, rest)).collect::<Result<_, _>>()?),
         };
@@ -78,11 +94,12 @@ impl<'a> TextReader<'a> {
         }
     }
 
-    fn motion(&mut self, code: &str, values: &[(u8, &str)]) -> Result<Move, String> {
+    fn motion(&mut self, code: &str, is_in_workpiece: bool, values: &[(u8, &str)]) -> Result<Move, String> {
         let mut target = self.position;
         let mut named = AxisSet::EMPTY;
         let (mut ijk, mut plane, mut extra_turns, mut feed) = ([0.0; 3], Plane::XY, 0, None);
         let mut unit = FeedUnit::PerMinute;
+        let mut normal: Option<Vector> = None;
         for &(letter, text) in values {
             let value: f64 = parse(text)?;
             match (Axis::from_letter(letter), letter) {
@@ -91,6 +108,9 @@ impl<'a> TextReader<'a> {
                     named.insert(axis);
                 }
                 (None, b'I' | b'J' | b'K') => ijk[usize::from(letter - b'I')] = value,
+                (None, b'D') => normal.get_or_insert_default().x = value,
+                (None, b'E') => normal.get_or_insert_default().y = value,
+                (None, b'H') => normal.get_or_insert_default().z = value,
                 (None, b'P') => {
                     let number = text.parse().map_err(|_| "P must be 17, 18 or 19")?;
                     plane = Plane::from_number(number).ok_or("P must be 17, 18 or 19")?;
@@ -102,15 +122,25 @@ impl<'a> TextReader<'a> {
                 _ => return Err(format!("'{}' is not a word of a motion block", char::from(letter))),
             }
         }
+        let start = if is_in_workpiece { (self.on_workpiece)(&self.position) } else { self.position };
+        let arc_basis = match normal {
+            None => None,
+            Some(normal) => Some(basis_of(&normal).ok_or("D E H must be the direction of a normal")?),
+        };
+        let (start, ijk) = match &arc_basis {
+            None => (start, ijk),
+            Some(basis) => {
+                let mut flat = start;
+                flat.set_xyz(basis.tr_mul(&start.xyz()));
+                (flat, basis.tr_mul(&Vector::from(ijk)).into())
+            }
+        };
         let arc = matches!(code, "2" | "3").then(|| {
             let [abscissa, ordinate, _] = plane.axes();
             Arc {
                 plane,
                 clockwise: code == "2",
-                center_mm: [
-                    self.position[abscissa] + ijk[abscissa.slot()],
-                    self.position[ordinate] + ijk[ordinate.slot()],
-                ],
+                center_mm: [start[abscissa] + ijk[abscissa.slot()], start[ordinate] + ijk[ordinate.slot()]],
                 extra_turns,
             }
         });
@@ -129,6 +159,8 @@ impl<'a> TextReader<'a> {
             in_machine_frame: false,
             motion_mode: Default::default(),
             off_curve_mm: 0.0,
+            tip: None,
+            arc_basis,
         })
     }
 }
@@ -146,6 +178,28 @@ impl Iterator for TextReader<'_> {
             }
         }
     }
+}
+
+/// Orthonormal columns, the third along a normal; `None` for a vector without a direction.
+fn basis_of(normal: &Vector) -> Option<Matrix> {
+    let third = normal.try_normalize(SHORTEST_NORMAL)?;
+    // The direction that is farthest from the normal.
+    let aside = [Vector::x(), Vector::y(), Vector::z()]
+        .into_iter()
+        .min_by(|one, other| one.dot(&third).abs().total_cmp(&other.dot(&third).abs()))?;
+    let first = aside.cross(&third).try_normalize(SHORTEST_NORMAL)?;
+    Some(Matrix::from_columns(&[first, third.cross(&first), third]))
+}
+
+/// The code of a motion without its suffix, and the turning of the tool that the suffix names; `None` for another code.
+fn motion_code(code: &str) -> Option<(&str, Option<Turning>)> {
+    let (plain, tip) = match code.split_once('.') {
+        None => (code, None),
+        Some((plain, "W")) => (plain, Some(Turning::Axes)),
+        Some((plain, "V")) => (plain, Some(Turning::Vector)),
+        Some(_) => return None,
+    };
+    matches!(plain, "0" | "1" | "2" | "3").then_some((plain, tip))
 }
 
 /// Splits a line into its words and the text after its semicolon. Tool names are in quotation marks and may contain blanks and semicolons.

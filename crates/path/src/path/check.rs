@@ -21,6 +21,8 @@ const BESIDE_ROUNDING: u32 = 5;
 /// Rounding above this share of the tolerance counts as much. Below it, the largest deviation outside the middle is at most 1.3 % of the tolerance
 /// larger than in the middle.
 const MUCH_ROUNDING: f64 = 0.2;
+/// Turn of the tool between samples of a path of the tip, rad: a harmonic of four periods per turn has eight of them.
+const SAMPLED_TURN_RAD: f64 = std::f64::consts::PI / 16.0;
 /// Maximum samples of one piece, which bounds its check time. A helix of 999 turns, the most that can be programmed, needs a quarter of it.
 const MOST_SAMPLES: f64 = 65_536.0;
 
@@ -60,8 +62,8 @@ impl Sampler {
     }
 
     /// The number of samples of the whole route; pieces need their share.
-    pub(super) fn whole(&self, route: &Route) -> f64 {
-        AXES.into_iter().map(|axis| route.travel(axis) * self.density[axis.slot()]).sum()
+    pub(super) fn whole(&self, route: &Route<'_>) -> f64 {
+        route.travels().iter().zip(&self.density).map(|(travel, density)| travel * density).sum()
     }
 
     /// The largest share of a route that one check can cover.
@@ -74,15 +76,16 @@ impl Sampler {
     /// take.
     pub(super) fn fractions(
         &self,
-        (route, whole): (&Route, f64),
+        (route, whole): (&Route<'_>, f64),
         between: [f64; 2],
-        emitted: &Route,
+        emitted: &Route<'_>,
         fractions: &mut Vec<f64>,
     ) {
         fractions.clear();
         let share = between[1] - between[0];
         let needed = whole * share;
-        let turned = (route.sweep_rad() * share).abs() / FRAC_PI_8;
+        // Along a path of the tip the errors change with the turn of the tool too.
+        let turned = (route.sweep_rad().abs() * share / FRAC_PI_8).max(route.turn_rad() * share / SAMPLED_TURN_RAD);
         // Odd, so that the middle, where a bend deviates most, is included. The conversion is exact: at most 65536.
         let count = (needed.max(turned).ceil().min(MOST_SAMPLES) as u32).max(self.least) | 1;
         fractions.extend((1..=count).map(|k| f64::from(k) / f64::from(count + 1)));

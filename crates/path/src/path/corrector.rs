@@ -46,9 +46,9 @@ pub struct Corrector<'a, I> {
     clamps: Clamps,
     standing: PathState,
     ever_named: AxisSet,
-    active: Option<Box<Active>>,
+    active: Option<Box<Active<'a>>>,
     /// Reused storage for the next move.
-    idle: Option<Box<Active>>,
+    idle: Option<Box<Active<'a>>>,
     pending: VecDeque<Result<Output, Diagnostic>>,
     findings: DiagnosticCollector<'a>,
     prediction: Prediction,
@@ -59,7 +59,7 @@ pub struct Corrector<'a, I> {
 
 /// The move in progress.
 #[derive(Debug)]
-struct Active {
+struct Active<'a> {
     origin: Origin,
     starts_block: bool,
     number: Option<BlockNumber>,
@@ -67,7 +67,7 @@ struct Active {
     /// Axes of the output that the program moves.
     moving: AxisSet,
     treatment: MoveTreatment,
-    route: Route,
+    route: Route<'a>,
     /// Number of samples of the whole route.
     samples: f64,
     /// Its time, if the correction may change the path to which its feed refers.
@@ -174,7 +174,7 @@ where
         self.fix(motion, moving);
         self.note_cut(motion);
         let settled = self.settling(motion, treatment, moving);
-        let route = Route::new(self.standing.nominal, motion.target, motion.arc);
+        let route = self.placer.nominal(self.standing.nominal, motion);
         let feed = self.placer.feed(&self.standing.nominal, motion);
         self.prediction.moves += 1;
         let samples = self.sampler.whole(&route);
@@ -207,7 +207,7 @@ where
     }
 
     /// Makes the next piece of the move.
-    fn advance(&mut self, mut active: Box<Active>) -> Option<Piece> {
+    fn advance(&mut self, mut active: Box<Active<'a>>) -> Option<Piece> {
         let mut trial = self.next_piece(&mut active);
         self.overshoot(&active, &mut trial);
         let piece = self.accept(&mut active, &trial);
@@ -221,7 +221,7 @@ where
         piece
     }
 
-    fn next_piece(&mut self, active: &mut Active) -> SegmentCandidate {
+    fn next_piece(&mut self, active: &mut Active<'a>) -> SegmentCandidate<'a> {
         let route = &active.route;
         let bench = SegmentFitter {
             placer: &self.placer,
@@ -299,7 +299,7 @@ where
     }
 
     /// Commits a piece candidate. A step on the spot before it is already in the queue.
-    fn accept(&mut self, active: &mut Active, trial: &SegmentCandidate) -> Option<Piece> {
+    fn accept(&mut self, active: &mut Active<'a>, trial: &SegmentCandidate<'a>) -> Option<Piece> {
         let [from, to] = trial.between;
         let is_last = to >= 1.0;
         let frame = &self.placer.setup.frame;
@@ -313,7 +313,7 @@ where
             self.pending.extend(step.map(|piece| Ok(Output::Piece(Piece { take_up: false, ..piece }))));
         }
         for start in [&trial.ready, &trial.take_up].into_iter().flatten() {
-            let way = Route::new(self.standing.command, start.command, None);
+            let way = self.placer.emitted(self.standing.command, start.command);
             let piece = (&active.route, from);
             self.findings.check(&active.origin, stated, piece, &way, &self.placer.setup.tool_mm);
             // Such a step takes the time that its length takes on the path.

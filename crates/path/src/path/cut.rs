@@ -20,13 +20,13 @@ const SAME_PARAMETER: f64 = 1e-9;
 
 /// The longest useful arc between two parameters of the move, beginning at the first; `None` if chords serve equally well. `guess` is the initial
 /// length of the search.
-pub(super) fn fit_arc(
-    bench: &SegmentFitter<'_, '_>,
+pub(super) fn fit_arc<'m>(
+    bench: &SegmentFitter<'_, 'm>,
     standing: &PathState,
     within: [f64; 2],
     guess: f64,
     scratch: &mut Vec<f64>,
-) -> Option<SegmentCandidate> {
+) -> Option<SegmentCandidate<'m>> {
     let [from, limit] = within;
     let swept = bench.route.sweep_rad().abs();
     if from == 0.0 && limit >= 1.0 {
@@ -58,13 +58,13 @@ pub(super) fn fit_arc(
 
 /// The longest straight piece that fits. `first` is the candidate over the whole range, if available. If a piece turns rotary corrections too far for
 /// one block, it is shortened. If no shorter one helps, as after a step of the errors, length is not the reason.
-pub(super) fn fit_line(
-    bench: &SegmentFitter<'_, '_>,
+pub(super) fn fit_line<'m>(
+    bench: &SegmentFitter<'_, 'm>,
     standing: &PathState,
     reach: SearchBounds,
-    mut first: Option<SegmentCandidate>,
+    mut first: Option<SegmentCandidate<'m>>,
     scratch: &mut Vec<f64>,
-) -> Option<SegmentCandidate> {
+) -> Option<SegmentCandidate<'m>> {
     let mut found =
         longest(reach, |between| first.take().or_else(|| Some(bench.straight(standing, between, scratch))))?;
     if !found.fits() {
@@ -88,7 +88,7 @@ pub(super) fn fit_line(
 }
 
 /// The end of a piece of fixed length along the axis that moves farthest.
-pub(super) fn next_step(route: &Route, from: f64, step_mm: f64) -> f64 {
+pub(super) fn next_step(route: &Route<'_>, from: f64, step_mm: f64) -> f64 {
     let leading = route.leading_mm();
     let steps = (from * leading / step_mm + SAME_PARAMETER).floor() + 1.0;
     let to = steps * step_mm / leading;

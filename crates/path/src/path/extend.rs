@@ -36,10 +36,10 @@ pub(super) struct SearchBounds {
 
 /// The longest piece that fits, or the one at the floor if none fits. If little would remain after it, the rest is halved: the number of pieces is
 /// unchanged, and none is a splinter.
-pub(super) fn longest(
+pub(super) fn longest<'m>(
     reach: SearchBounds,
-    mut attempt: impl FnMut([f64; 2]) -> Option<SegmentCandidate>,
-) -> Option<SegmentCandidate> {
+    mut attempt: impl FnMut([f64; 2]) -> Option<SegmentCandidate<'m>>,
+) -> Option<SegmentCandidate<'m>> {
     let found = search(reach, &mut attempt)?;
     let [from, to] = found.between;
     let (length, rest) = (to - from, reach.limit - to);
@@ -51,13 +51,13 @@ pub(super) fn longest(
 }
 
 /// Searches without regard to the remainder.
-fn search(
+fn search<'m>(
     reach: SearchBounds,
-    attempt: &mut impl FnMut([f64; 2]) -> Option<SegmentCandidate>,
-) -> Option<SegmentCandidate> {
+    attempt: &mut impl FnMut([f64; 2]) -> Option<SegmentCandidate<'m>>,
+) -> Option<SegmentCandidate<'m>> {
     let most = reach.limit - reach.from;
     let floor = reach.floor.min(most);
-    let mut best: Option<SegmentCandidate> = None;
+    let mut best: Option<SegmentCandidate<'m>> = None;
     let mut too_long = f64::INFINITY;
     let mut length = reach.guess.clamp(floor, most);
     for _ in 0..MOST_TRIALS {

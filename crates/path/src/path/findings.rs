@@ -59,16 +59,21 @@ impl<'a> DiagnosticCollector<'a> {
         &mut self,
         origin: &Origin,
         known: AxisSet,
-        (whole, parameter): (&Route, f64),
-        emitted: &Route,
+        (whole, parameter): (&Route<'_>, f64),
+        emitted: &Route<'_>,
         tool_mm: &Vector,
     ) {
         let machine = self.machine;
         let nominal = &whole.at(parameter);
         let mut is_outside = false;
+        let excess_mm = emitted.excess_mm();
         for data in machine.axes.iter().flatten().filter(|data| known.contains(data.axis)) {
             let end = emitted.end[data.axis];
-            if let Some([low, high]) = data.travel {
+            let is_far_inside = |[low, high]: &[f64; 2]| {
+                let (least, most) = (end.min(emitted.start[data.axis]), end.max(emitted.start[data.axis]));
+                emitted.is_of_tip() && !data.axis.is_rotary() && least - excess_mm >= *low && most + excess_mm <= *high
+            };
+            if let Some([low, high]) = data.travel.filter(|travel| !is_far_inside(travel)) {
                 let [least, most] = span_of(emitted, data.axis);
                 // The end of the whole move, corrected if this is its last piece.
                 let whole_end = if parameter >= 1.0 { end } else { whole.end[data.axis] };
@@ -201,10 +206,10 @@ impl<'a> DiagnosticCollector<'a> {
 }
 
 /// Smallest and largest position of an axis at the end of a path and at its turning points.
-fn span_of(way: &Route, axis: Axis) -> [f64; 2] {
+fn span_of(way: &Route<'_>, axis: Axis) -> [f64; 2] {
     let end = way.end[axis];
     let (mut least, mut most) = (end, end);
-    if way.arc().is_some() {
+    if way.arc().is_some() || way.is_of_tip() && !(axis.is_rotary() && way.turns_in_proportion()) {
         let mut at = 0.0;
         loop {
             at = way.next_turning([axis].into_iter().collect(), at);

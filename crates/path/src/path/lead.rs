@@ -35,7 +35,7 @@ impl<'a> Lead<'a> {
 
     /// Follows a path between two parameters; axes reverse on it at the turning points of an arc. An axis without a dead band, or with one of about
     /// an increment, is immediately on the side of its next motion.
-    pub(super) fn along(&self, band: &mut DeadBand, route: &Route, stated: AxisSet, [from, to]: [f64; 2]) {
+    pub(super) fn along(&self, band: &mut DeadBand, route: &Route<'_>, stated: AxisSet, [from, to]: [f64; 2]) {
         if self.axes.is_empty() {
             return;
         }
@@ -88,7 +88,7 @@ impl<'a> Lead<'a> {
     }
 
     /// Adds the parameters of a path at which bodies certainly begin to follow.
-    pub(super) fn edges(&self, band: &DeadBand, way: &Route, parameters: &mut Vec<f64>) {
+    pub(super) fn edges(&self, band: &DeadBand, way: &Route<'_>, parameters: &mut Vec<f64>) {
         for axis in self.axes.iter() {
             let from = way.start[axis];
             let [ahead, back] = band.ways(self.model, axis, &way.start);
@@ -123,7 +123,7 @@ impl<'a> Lead<'a> {
         band: &DeadBand,
         places: (&AxisVector, &AxisVector),
         tool_mm: &Vector,
-        way: Option<(&Route, f64)>,
+        way: Option<(&Route<'_>, f64)>,
     ) -> Off {
         let along = || way.and_then(|(route, at)| self.direction(route, at, tool_mm));
         band.error_mm(self.model, self.axes, places, tool_mm, along)
@@ -136,14 +136,14 @@ impl<'a> Lead<'a> {
         axis: Axis,
         places: (&AxisVector, &AxisVector),
         tool_mm: &Vector,
-        way: Option<(&Route, f64)>,
+        way: Option<(&Route<'_>, f64)>,
     ) -> f64 {
         let along = || way.and_then(|(route, at)| self.direction(route, at, tool_mm));
         band.unknown_mm(self.model, (self.axes, axis), places, tool_mm, along)
     }
 
     /// The direction of the tip along a route; `None` if it does not move.
-    fn direction(&self, route: &Route, at: f64, tool_mm: &Vector) -> Option<Vector> {
+    fn direction(&self, route: &Route<'_>, at: f64, tool_mm: &Vector) -> Option<Vector> {
         let places = [at - DIRECTION_STEP, at + DIRECTION_STEP].map(|share| route.at(share.clamp(0.0, 1.0)));
         let [from, to] = places.map(|command| self.model.nominal(&command, tool_mm).translation);
         (to - from).try_normalize(SHORTEST_MM)

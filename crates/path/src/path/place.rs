@@ -6,14 +6,15 @@
 mod partly;
 
 use std::cell::RefCell;
-use std::sync::Arc;
+use std::sync;
 
 use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES};
-use ncfix_machine::machine::{Kinematics, Machine, State};
-use ncfix_machine::snc::{Move, Setup};
+use ncfix_machine::machine::{Kinematics, Machine, State, TipPath};
+use ncfix_machine::snc::{Move, Setup, Turning};
 use ncfix_model::{Model, NotConverged, Solve};
 
 use super::cut::MOST_FEED;
+use super::route::{Route, RouteArc};
 use super::slope::Slope;
 use super::way::turned_deg;
 use super::{Centers, CorrectionOptions, FiveAxis, Increments, OutputFrame, Rotary, Turns};
@@ -43,11 +44,11 @@ pub(super) struct CommandSolver<'a> {
     pub(super) model: &'a Model,
     /// The model with all zero offsets.
     pub(super) base: &'a Model,
-    pub(super) setup: Arc<Setup>,
+    pub(super) setup: sync::Arc<Setup>,
     pub(super) increments: Increments,
     pub(super) turns: Turns,
     pub(super) centers: Centers,
-    kinematics: Kinematics,
+    kinematics: &'a Kinematics,
     frame: OutputFrame,
     keeps_transform: bool,
     /// The axes of the machine.
@@ -71,11 +72,11 @@ impl<'a> CommandSolver<'a> {
             model,
             base: model,
             axes,
-            setup: Arc::default(),
+            setup: sync::Arc::default(),
             increments: Increments::new(&machine.control),
             turns: options.turns,
             centers: options.centers,
-            kinematics: Kinematics::new(machine),
+            kinematics: model.kinematics(),
             frame: options.frame,
             keeps_transform: options.five_axis == FiveAxis::Tcp,
             has_rotary,
@@ -94,7 +95,7 @@ impl<'a> CommandSolver<'a> {
     /// leave `written`.
     pub(super) fn set_up(
         &mut self,
-        setup: Arc<Setup>,
+        setup: sync::Arc<Setup>,
         command: &AxisVector,
         counts: &mut [i64; AXIS_COUNT],
         written: &mut AxisSet,
@@ -192,6 +193,49 @@ impl<'a> CommandSolver<'a> {
         let [way, of_tip] = [linear_mm, tip_mm].map(|way| if way > SHORT_MM { way } else { turned_deg });
         let ratio = if way > 0.0 && of_tip > 0.0 { way / of_tip } else { 1.0 };
         ((motion.feed * ratio * FEED_PARTS).round() / FEED_PARTS).min(motion.feed.max(MOST_FEED))
+    }
+
+    /// The path of the output between two axis commands: under a transformation that of the tip if the tool turns, otherwise straight in the axes.
+    pub(super) fn emitted(&self, start: AxisVector, end: AxisVector) -> Route<'a> {
+        self.emitted_arc(start, end, None)
+    }
+
+    /// The path of the output as an arc in the coordinates of [`Self::position`], or as a line.
+    pub(super) fn emitted_arc(&self, start: AxisVector, end: AxisVector, arc: RouteArc) -> Route<'a> {
+        let turns = |axis: &Axis| start[*axis] != end[*axis];
+        match self.setup.transform {
+            Some(turning) if self.is_transformed() && (arc.is_some() || ROTARY_AXES.iter().any(turns)) => {
+                self.of_tip(turning, [start, end], arc)
+            }
+            _ => Route::new(start, end, arc),
+        }
+    }
+
+    /// The path of a move of the program that begins at an axis command.
+    pub(super) fn nominal(&self, start: AxisVector, motion: &Move) -> Route<'a> {
+        let arc = motion.arc.map(|arc| (arc, motion.arc_basis));
+        match motion.tip {
+            Some(turning) => self.of_tip(turning, [start, motion.target], arc),
+            None => Route::new(start, motion.target, arc),
+        }
+    }
+
+    fn of_tip(&self, turning: Turning, ends: [AxisVector; 2], arc: RouteArc) -> Route<'a> {
+        let follows_circle = turning == Turning::Vector;
+        let tip = TipPath::new(self.kinematics, follows_circle, ends.each_ref(), &self.setup.tool_mm);
+        Route::of_tip(ends[0], ends[1], arc, tip)
+    }
+
+    /// The position that the output interpolates: fixed to the workpiece under a transformation, otherwise the axis command.
+    pub(super) fn position(&self, command: &AxisVector) -> AxisVector {
+        if self.is_transformed() { self.kinematics.on_workpiece(command, &self.setup.tool_mm) } else { *command }
+    }
+
+    /// Length of the tip path of a move, mm, or, if the tip stays, its turn in degrees.
+    pub(super) fn tip_way(&self, route: &Route<'_>) -> f64 {
+        let [start, end] = [&route.start, &route.end].map(|end| self.kinematics.on_workpiece(end, &self.setup.tool_mm));
+        let way_mm = if route.is_of_tip() { route.length_mm() } else { (end.xyz() - start.xyz()).norm() };
+        if way_mm > SHORT_MM { way_mm } else { turned_deg(&route.start, &route.end) }
     }
 
     /// `true` if a word belongs to the transformation and the output has none.

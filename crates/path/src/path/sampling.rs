@@ -53,7 +53,7 @@ impl Offset {
 /// A path of axis commands, with the bodies of the axes at its beginning.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LedPath<'a> {
-    pub(super) route: &'a Route,
+    pub(super) route: &'a Route<'a>,
     pub(super) band: &'a DeadBand,
     /// Axes whose position was known at its beginning.
     pub(super) stated: AxisSet,
@@ -183,7 +183,7 @@ impl SampledPiece<'_> {
         // Rounding has its largest effect at the turning point of an axis on an arc.
         let mut place = 0.0;
         for _ in 0..MOST_TURNINGS {
-            place = self.emitted.route.next_turning(AxisSet::XYZ, place);
+            place = self.emitted.route.next_quadrant(AxisSet::XYZ, place);
             if place >= 1.0 {
                 break;
             }

@@ -29,7 +29,7 @@ pub(super) struct SegmentFitter<'a, 'm> {
     pub(super) sampler: &'a Sampler,
     pub(super) lead: &'a Lead<'m>,
     pub(super) control: &'a Control,
-    pub(super) route: &'a Route,
+    pub(super) route: &'a Route<'m>,
     /// Number of samples of the whole route.
     pub(super) samples: f64,
     pub(super) known: AxisSet,
@@ -44,7 +44,7 @@ pub(super) struct SegmentFitter<'a, 'm> {
 
 /// A candidate piece.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SegmentCandidate {
+pub(super) struct SegmentCandidate<'m> {
     /// Parameters of the move at its ends.
     pub(super) between: [f64; 2],
     /// Position to go to before the take-up, so that bodies approach it from the right side.
@@ -61,7 +61,7 @@ pub(super) struct SegmentCandidate {
     pub(super) begins_off: bool,
     pub(super) circle: Option<PieceArc>,
     /// The path of the machine.
-    pub(super) emitted: Route,
+    pub(super) emitted: Route<'m>,
     /// Largest measured deviation, mm; 0 if not measured.
     pub(super) deviation_mm: f64,
     /// Largest deviation allowed, mm.
@@ -86,7 +86,7 @@ pub(super) struct PieceEnds {
     pub(super) begins_off: bool,
 }
 
-impl SegmentCandidate {
+impl SegmentCandidate<'_> {
     pub(super) fn fits(&self) -> bool {
         self.deviation_mm <= self.allowed_mm
     }
@@ -117,14 +117,14 @@ pub(super) fn state_of(sense: [i8; AXIS_COUNT]) -> State {
     State { direction: sense, ..State::default() }
 }
 
-impl SegmentFitter<'_, '_> {
+impl<'m> SegmentFitter<'_, 'm> {
     /// The whole move of these output axes as programmed; the others stay.
-    pub(super) fn as_programmed(&self, standing: &PathState, moving: AxisSet) -> SegmentCandidate {
+    pub(super) fn as_programmed(&self, standing: &PathState, moving: AxisSet) -> SegmentCandidate<'m> {
         self.unplaced(standing, self.placer.partly(&self.route.end, standing, moving, self.known))
     }
 
     /// The whole move of these output axes to their corrected positions; the others stay. An axis that the program does not move stays too.
-    pub(super) fn of_named(&self, standing: &PathState, moving: AxisSet) -> SegmentCandidate {
+    pub(super) fn of_named(&self, standing: &PathState, moving: AxisSet) -> SegmentCandidate<'m> {
         let [start, end] = [&self.route.start, &self.route.end].map(|command| self.placer.programmed(command));
         let stands = standing.known.intersection(standing.written);
         let rests = |axis: &Axis| stands.contains(*axis) && (end[*axis] - start[*axis]).abs() < SHORT_MM;
@@ -134,9 +134,9 @@ impl SegmentFitter<'_, '_> {
     }
 
     /// The whole move straight to an end that is not placed for the full pose.
-    fn unplaced(&self, standing: &PathState, end: Placed) -> SegmentCandidate {
+    fn unplaced(&self, standing: &PathState, end: Placed) -> SegmentCandidate<'m> {
         let state = self.led(standing, &[standing.command, end.command]);
-        let emitted = Route::new(standing.command, end.command, None);
+        let emitted = self.placer.emitted(standing.command, end.command);
         let ends = PieceEnds {
             ready: None,
             take_up: None,
@@ -150,14 +150,19 @@ impl SegmentFitter<'_, '_> {
     }
 
     /// The piece as a straight line, without measured deviation.
-    pub(super) fn unmeasured(&self, standing: &PathState, between: [f64; 2]) -> SegmentCandidate {
+    pub(super) fn unmeasured(&self, standing: &PathState, between: [f64; 2]) -> SegmentCandidate<'m> {
         let ends = self.ends(standing, between);
-        let emitted = Route::new(ends.start, ends.end.command, None);
+        let emitted = self.placer.emitted(ends.start, ends.end.command);
         self.trial(between, ends, emitted, None)
     }
 
     /// The piece as a straight line.
-    pub(super) fn straight(&self, standing: &PathState, between: [f64; 2], scratch: &mut Vec<f64>) -> SegmentCandidate {
+    pub(super) fn straight(
+        &self,
+        standing: &PathState,
+        between: [f64; 2],
+        scratch: &mut Vec<f64>,
+    ) -> SegmentCandidate<'m> {
         let mut trial = self.unmeasured(standing, between);
         self.measure(standing, &mut trial, scratch);
         trial
@@ -169,7 +174,7 @@ impl SegmentFitter<'_, '_> {
         standing: &PathState,
         between: [f64; 2],
         scratch: &mut Vec<f64>,
-    ) -> Option<SegmentCandidate> {
+    ) -> Option<SegmentCandidate<'m>> {
         let mut trial = self.unmeasured_arc(standing, between)?;
         self.measure(standing, &mut trial, scratch);
         Some(trial)
@@ -179,9 +184,9 @@ impl SegmentFitter<'_, '_> {
         &self,
         between: [f64; 2],
         ends: PieceEnds,
-        emitted: Route,
+        emitted: Route<'m>,
         circle: Option<PieceArc>,
-    ) -> SegmentCandidate {
+    ) -> SegmentCandidate<'m> {
         SegmentCandidate {
             between,
             ready: ends.ready,
@@ -286,7 +291,7 @@ impl SegmentFitter<'_, '_> {
     }
 
     /// Measures the deviation at all relevant places.
-    fn measure(&self, standing: &PathState, trial: &mut SegmentCandidate, scratch: &mut Vec<f64>) {
+    fn measure(&self, standing: &PathState, trial: &mut SegmentCandidate<'_>, scratch: &mut Vec<f64>) {
         let [from, to] = trial.between;
         let state = trial.state();
         self.sampler.fractions((self.route, self.samples), trial.between, &trial.emitted, scratch);
@@ -301,13 +306,13 @@ impl SegmentFitter<'_, '_> {
         if lags {
             let mut last = standing.command;
             for step in [trial.ready, trial.take_up].into_iter().flatten() {
-                let way = Route::new(last, step.command, None);
+                let way = self.placer.emitted(last, step.command);
                 self.lead.along(&mut first, &way, standing.sensed, [0.0, 1.0]);
                 last = step.command;
             }
             self.lead.edges(&first, &trial.emitted, scratch);
         }
-        let of_bodies = |trial: &SegmentCandidate, fraction: f64| {
+        let of_bodies = |trial: &SegmentCandidate<'_>, fraction: f64| {
             let mut band = first;
             self.lead.along(&mut band, &trial.emitted, standing.sensed, [0.0, fraction]);
             let at = trial.parameter(fraction);

@@ -4,7 +4,6 @@ use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
 use ncfix_machine::machine::State;
 
 use super::place::Placed;
-use super::route::Route;
 use super::segment_candidate::SegmentFitter;
 use super::standing::PathState;
 
@@ -55,7 +54,7 @@ impl SegmentFitter<'_, '_> {
         }
         let mut band = standing.band;
         for way in commands.windows(2) {
-            self.lead.along(&mut band, &Route::new(way[0], way[1], None), standing.sensed, [0.0, 1.0]);
+            self.lead.along(&mut band, &self.placer.emitted(way[0], way[1]), standing.sensed, [0.0, 1.0]);
         }
         band.state()
     }

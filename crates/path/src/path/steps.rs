@@ -27,14 +27,14 @@ const MOST_PIECES: u32 = 2048;
 /// A straight path of the axes whose residual is examined.
 #[derive(Clone, Debug)]
 pub struct StraightLine {
-    route: Route,
+    route: Route<'static>,
     tool_mm: Vector,
     /// The block of the program that it comes from, if any.
     pub origin: Option<Origin>,
 }
 
 impl StraightLine {
-    pub(super) fn new(route: Route, tool_mm: Vector, origin: Option<Origin>) -> StraightLine {
+    pub(super) fn new(route: Route<'static>, tool_mm: Vector, origin: Option<Origin>) -> StraightLine {
         StraightLine { route, tool_mm, origin }
     }
 

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 use ncfix_base::geometry::{AXES, Arc, Axis, AxisVector, Matrix, Plane, Vector};
 use ncfix_machine::machine::ArcCenter;
 
-use super::route::Route;
+use super::route::flat_in;
 use super::segment_candidate::{PieceEnds, SAME_PLACE_MM, SegmentCandidate, SegmentFitter, state_of};
 use super::standing::PathState;
 use super::{Centers, PieceArc, Turns, arc_fit};
@@ -15,17 +15,24 @@ const CENTER_SHARE: f64 = 0.5;
 /// Tolerance within which a sweep is full turns, rad.
 const SAME_ANGLE: f64 = 1e-7;
 
-impl SegmentFitter<'_, '_> {
+impl<'m> SegmentFitter<'_, 'm> {
     /// The piece as an arc, without measured deviation; `None` if the rounded ends allow none.
-    pub(super) fn unmeasured_arc(&self, standing: &PathState, between: [f64; 2]) -> Option<SegmentCandidate> {
+    pub(super) fn unmeasured_arc(&self, standing: &PathState, between: [f64; 2]) -> Option<SegmentCandidate<'m>> {
         let arc = *self.route.arc()?;
-        let (plane, clockwise) = self.emitted_plane(arc.plane, arc.clockwise)?;
+        if self.route.is_of_tip() != self.placer.is_transformed() {
+            return None;
+        }
+        let basis = self.route.basis().copied();
+        let (plane, clockwise) = self.emitted_plane(arc.plane, basis.as_ref(), arc.clockwise)?;
         let ends = self.ends(standing, between);
         if ends.end.is_held_back {
             return None;
         }
         let [abscissa, ordinate, _] = arc.plane.axes();
-        let flat = |position: &AxisVector| [position[abscissa], position[ordinate]];
+        let flat = |command: &AxisVector| {
+            let position = flat_in(basis.as_ref(), &self.placer.position(command));
+            [position[abscissa], position[ordinate]]
+        };
         let (start, end) = (flat(&ends.start), flat(&ends.end.command));
         let swept = self.route.sweep_rad().abs() * (between[1] - between[0]);
         let turns = (swept / TAU).round();
@@ -38,8 +45,10 @@ impl SegmentFitter<'_, '_> {
         // At most the TURN of the program: a small whole number.
         let extra_turns = extra_turns as u32;
         let leads_aside = || {
-            let way = ends.end.command - ends.start;
-            AXES.into_iter().any(|axis| axis != abscissa && axis != ordinate && way[axis] != 0.0)
+            let [from, to] =
+                [&ends.start, &ends.end.command].map(|end| flat_in(basis.as_ref(), &self.placer.position(end)));
+            let way = to - from;
+            AXES.into_iter().any(|axis| axis != abscissa && axis != ordinate && way[axis].abs() > SAME_PLACE_MM)
         };
         let is_too_far = match self.placer.turns {
             Turns::Several => false,
@@ -53,12 +62,15 @@ impl SegmentFitter<'_, '_> {
         let mut from_start = Vector::zeros();
         from_start[abscissa.slot()] = center[0] - start[0];
         from_start[ordinate.slot()] = center[1] - start[1];
-        let (center_counts, rounded) = self.round_direction(from_start);
+        let turned = basis.map_or(from_start, |basis| basis * from_start);
+        let (center_counts, rounded) = self.round_direction(turned);
+        let rounded = basis.map_or(rounded, |basis| basis.tr_mul(&rounded));
         let center = [start[0] + rounded[abscissa.slot()], start[1] + rounded[ordinate.slot()]];
         let tolerance = |radius_mm: f64| {
             CENTER_SHARE * self.control.arc_tolerance_mm.max(self.control.arc_tolerance_ratio * radius_mm)
         };
-        let (from, to) = (&ends.start, &ends.end.command);
+        let [from, to] =
+            &[&ends.start, &ends.end.command].map(|end| flat_in(basis.as_ref(), &self.placer.position(end)));
         let centers = match self.control.arc_center {
             Some(ArcCenter::Moved) => Centers::OnBisector,
             Some(ArcCenter::Kept) => Centers::AsWritten,
@@ -69,8 +81,8 @@ impl SegmentFitter<'_, '_> {
             Centers::AsWritten => Arc::spiral(arc.plane, arc.clockwise, from, to, center, extra_turns, tolerance),
         };
         let done = done.ok()?;
-        let emitted = Route::new(ends.start, ends.end.command, Some(done));
-        let standing = self.placer.programmed(from);
+        let emitted = self.placer.emitted_arc(ends.start, ends.end.command, Some((done, basis)));
+        let standing = self.placer.programmed(&ends.start);
         let start_counts = [Axis::X, Axis::Y, Axis::Z].map(|axis| self.placer.increments.count(axis, standing[axis]));
         let circle = PieceArc { plane, clockwise, center_counts, start_counts, extra_turns };
         Some(self.trial(between, ends, emitted, Some(circle)))
@@ -111,10 +123,10 @@ impl SegmentFitter<'_, '_> {
     /// Plane and direction of an arc in the emitted frame; `None` if the plane is not a principal plane there, or not the selected one.
     ///
     /// An arc that is counter-clockwise about n is counter-clockwise about sign(det L) · L · n in the frame L.
-    fn emitted_plane(&self, plane: Plane, clockwise: bool) -> Option<(Plane, bool)> {
+    fn emitted_plane(&self, plane: Plane, basis: Option<&Matrix>, clockwise: bool) -> Option<(Plane, bool)> {
         let setup = &self.placer.setup;
         if self.placer.is_parallel() {
-            return (plane == setup.plane).then_some((plane, clockwise));
+            return (plane == setup.plane && basis.is_none()).then_some((plane, clockwise));
         }
         let linear = setup.frame.linear();
         let square = linear * linear.transpose();
@@ -122,6 +134,7 @@ impl SegmentFitter<'_, '_> {
         let off_scale = (square - Matrix::identity() * scale).norm() / scale;
         let mut normal = Vector::zeros();
         normal[plane.axes()[2].slot()] = linear.determinant().signum();
+        let normal = basis.map_or(normal, |basis| basis * normal);
         let normal = setup.frame.unapply_direction(normal).normalize();
         let across = normal[setup.plane.axes()[2].slot()];
         let is_principal = off_scale < SAME_PLACE_MM && (across.abs() - 1.0).abs() < SAME_PLACE_MM;

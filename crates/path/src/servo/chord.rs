@@ -5,7 +5,7 @@
 
 use std::f64::consts::TAU;
 
-use ncfix_base::geometry::{AXES, AXIS_COUNT, Arc, AxisVector, Vector};
+use ncfix_base::geometry::{AXES, AXIS_COUNT, Arc, AxisVector, Matrix, Vector};
 use ncfix_machine::machine::{Kinematics, Servo};
 
 /// Radians of a rotary axis count as mm at this arm.
@@ -94,9 +94,15 @@ impl Chord {
 }
 
 impl SpaceCircle {
-    /// The circle of an arc in the flat stream.
+    /// The circle of an arc in the flat stream; `basis` are the columns along which its coordinates count, if its plane is tilted.
     #[must_use]
-    pub fn of_arc(arc: &Arc, start: &AxisVector) -> SpaceCircle {
+    pub fn of_arc(arc: &Arc, basis: Option<&Matrix>, start: &AxisVector) -> SpaceCircle {
+        if let Some(basis) = basis {
+            let mut flat = *start;
+            flat.set_xyz(basis.tr_mul(&start.xyz()));
+            let flat = SpaceCircle::of_arc(arc, None, &flat);
+            return SpaceCircle { center: basis * flat.center, normal: basis * flat.normal, ..flat };
+        }
         let [abscissa, ordinate, across] = arc.plane.axes();
         let mut center = start.xyz();
         center[abscissa.slot()] = arc.center_mm[0];
@@ -293,7 +299,7 @@ mod tests {
                 let mut target = AxisVector::ZERO;
                 (target[abscissa], target[ordinate], target[across]) = (end[0], end[1], 3.0);
                 let arc = Arc { plane, clockwise, center_mm: [0.0, 0.0], extra_turns };
-                let turn = Turn::new(SpaceCircle::of_arc(&arc, &start), &start.xyz(), &target.xyz()).unwrap();
+                let turn = Turn::new(SpaceCircle::of_arc(&arc, None, &start), &start.xyz(), &target.xyz()).unwrap();
                 for share in [0.25, 0.5, 0.9] {
                     let expected = arc.at(&start, &target, share).xyz();
                     assert!((turn.at(share) - expected).norm() < 1e-9, "{plane:?} {clockwise} {share}");

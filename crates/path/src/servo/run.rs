@@ -9,16 +9,19 @@ use super::chord::{MoveSpeed, ServoMove, SpaceCircle};
 use super::drive::Drive;
 use super::follow::CycleState;
 use crate::path::{CorrectionOptions, Increments, Output, OutputFrame, Piece, PieceArc};
-use ncfix_base::geometry::{AxisSet, AxisVector, Vector};
+use ncfix_base::geometry::{Arc as PlaneArc, AxisSet, AxisVector, Matrix, Plane, ROTARY_AXES, Vector};
 use ncfix_dialect::{BlockEnd, BlockEnds};
-use ncfix_machine::machine::{Machine, Servo};
-use ncfix_machine::snc::{Dwell, Element, FeedUnit, Kind, MotionMode, Setup, Word, WordValue};
+use ncfix_machine::machine::{Kinematics, Machine, Servo, TipPath};
+use ncfix_machine::snc::{Dwell, Element, FeedUnit, Kind, MotionMode, Setup, Turning, Word, WordValue};
 use ncfix_model::Model;
 
 /// A program on a machine.
 #[derive(Clone, Debug)]
 pub struct Run<'a> {
     drive: Drive<'a>,
+    kinematics: Kinematics,
+    /// Largest distance of the tip from its path in the workpiece for a straight motion of the axes, mm.
+    chord_tolerance_mm: f64,
     increments: Increments,
     is_work_frame: bool,
     keeps_transform: bool,
@@ -41,6 +44,9 @@ pub struct Run<'a> {
 struct Order {
     target: AxisVector,
     circle: Option<SpaceCircle>,
+    /// Some if the tip follows the line, or the arc `tip_arc`, in the workpiece.
+    tip: Option<Turning>,
+    tip_arc: Option<(PlaneArc, Option<Matrix>)>,
     rapid: bool,
     feed: f64,
     motion_mode: MotionMode,
@@ -61,6 +67,8 @@ impl<'a> Run<'a> {
         }
         Run {
             drive,
+            kinematics: Kinematics::new(machine),
+            chord_tolerance_mm: machine.control.chord_tolerance_mm,
             increments: Increments::new(&machine.control),
             is_work_frame: options.frame == OutputFrame::Work,
             keeps_transform: options.five_axis == crate::path::FiveAxis::Tcp,
@@ -91,7 +99,12 @@ impl<'a> Run<'a> {
         let start = self.drive.standing().copied().unwrap_or(motion.target);
         let order = Order {
             target: motion.target,
-            circle: motion.arc.map(|arc| SpaceCircle::of_arc(&arc, &start)),
+            circle: motion
+                .arc
+                .filter(|_| motion.tip.is_none())
+                .map(|arc| SpaceCircle::of_arc(&arc, motion.arc_basis.as_ref(), &start)),
+            tip: motion.tip,
+            tip_arc: motion.arc.filter(|_| motion.tip.is_some()).map(|arc| (arc, motion.arc_basis)),
             rapid: motion.rapid,
             feed: motion.feed,
             motion_mode: motion.motion_mode,
@@ -142,9 +155,14 @@ impl<'a> Run<'a> {
 
     fn order_of(&self, piece: &Piece) -> Order {
         let start = self.drive.standing().copied().unwrap_or(piece.command);
+        let turns = ROTARY_AXES.iter().any(|&axis| start[axis] != piece.command[axis]);
+        let transform = self.setup.transform.filter(|_| self.keeps_transform);
+        let tip = transform.filter(|_| turns || piece.arc.is_some());
         Order {
             target: piece.command,
-            circle: piece.arc.map(|arc| self.circle_of(&arc, &start)),
+            circle: piece.arc.filter(|_| tip.is_none()).map(|arc| self.circle_of(&arc, &start)),
+            tip,
+            tip_arc: piece.arc.filter(|_| tip.is_some()).map(|arc| self.tip_arc_of(&arc, &start)),
             rapid: piece.rapid,
             feed: piece.feed,
             motion_mode: piece.motion_mode,
@@ -173,6 +191,43 @@ impl<'a> Run<'a> {
         SpaceCircle { center: start.xyz() + center, normal, extra_turns: arc.extra_turns }
     }
 
+    /// The circle of a piece under a transformation, in positions fixed to the workpiece, with its basis.
+    fn tip_arc_of(&self, arc: &PieceArc, start: &AxisVector) -> (PlaneArc, Option<Matrix>) {
+        let position = self.kinematics.on_workpiece(start, &self.setup.tool_mm);
+        let SpaceCircle { center, normal, extra_turns } = self.circle_of(arc, &position);
+        // Any direction of the plane, such as that of the start.
+        let out = position.xyz() - center;
+        let first = (out - normal * out.dot(&normal)).try_normalize(0.0).unwrap_or_else(Vector::x);
+        let basis = Matrix::from_columns(&[first, normal.cross(&first), normal]);
+        let center = basis.tr_mul(&center);
+        let arc = PlaneArc { plane: Plane::XY, clockwise: false, center_mm: [center.x, center.y], extra_turns };
+        (arc, Some(basis))
+    }
+
+    /// Executes a move whose tip follows a path in the workpiece as chords that are straight in the axes.
+    fn follow_tip(&mut self, order: &Order, turning: Turning, block: u64, see: &mut dyn FnMut(&CycleState)) {
+        let Some(start) = self.drive.standing().copied() else {
+            self.drive.jump(&order.target, see);
+            return;
+        };
+        let tool_mm = self.setup.tool_mm;
+        let follows_circle = turning == Turning::Vector;
+        let whole = self.pace(order);
+        let Run { drive, kinematics, .. } = self;
+        let path = TipPath::new(kinematics, follows_circle, [&start, &order.target], &tool_mm);
+        path.divide(
+            order.tip_arc.as_ref().map(|(arc, basis)| (arc, basis.as_ref())),
+            self.chord_tolerance_mm,
+            |target, share, _| {
+                let pace = match whole {
+                    MoveSpeed::Time(time_s) => MoveSpeed::Time(time_s * share),
+                    other => other,
+                };
+                drive.go(&ServoMove { target, circle: None, pace, is_tip_feed: true, block }, see);
+            },
+        );
+    }
+
     fn order(&mut self, order: &Order, block: u64, see: &mut dyn FnMut(&CycleState)) {
         let starts_at_known = order.named.difference(self.known).is_empty();
         self.known = self.known.union(order.known);
@@ -187,6 +242,18 @@ impl<'a> Run<'a> {
             self.drive.stop(see);
         }
         self.is_rapid = order.rapid;
+        if let Some(turning) = order.tip {
+            self.follow_tip(order, turning, block, see);
+        } else {
+            self.go(order, block, see);
+        }
+        if is_alone || self.stops || self.stops_once {
+            self.drive.stop(see);
+        }
+        self.stops_once = false;
+    }
+
+    fn go(&mut self, order: &Order, block: u64, see: &mut dyn FnMut(&CycleState)) {
         let motion = ServoMove {
             target: order.target,
             circle: order.circle,
@@ -195,10 +262,6 @@ impl<'a> Run<'a> {
             block,
         };
         self.drive.go(&motion, see);
-        if is_alone || self.stops || self.stops_once {
-            self.drive.stop(see);
-        }
-        self.stops_once = false;
     }
 
     fn pace(&self, order: &Order) -> MoveSpeed {

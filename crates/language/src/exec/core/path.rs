@@ -5,7 +5,7 @@
 
 use std::sync::Arc as Shared;
 
-use ncfix_base::geometry::{AxisSet, AxisVector, PlaneBasis};
+use ncfix_base::geometry::{Arc, AxisSet, AxisVector, Matrix, Plane, PlaneBasis};
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{Move, Setup};
 
@@ -45,4 +45,20 @@ pub(in crate::exec) enum Shape {
     /// Straight pieces along a curve, by their ends; the last is the target. Their distance from the curve is within
     /// [`ncfix_machine::machine::Control::chord_tolerance_mm`].
     Chords(Vec<AxisVector>),
+}
+
+/// An arc of the working plane with the basis of its coordinates.
+pub(in crate::exec) fn tilted_arc(
+    basis: &PlaneBasis,
+    clockwise: bool,
+    center_mm: [f64; 2],
+    extra_turns: u32,
+) -> (Arc, Option<Matrix>) {
+    match basis {
+        PlaneBasis::Principal(plane) => (Arc { plane: *plane, clockwise, center_mm, extra_turns }, None),
+        PlaneBasis::Tilted(columns) => {
+            // In plane coordinates the working plane is XY.
+            (Arc { plane: Plane::XY, clockwise, center_mm, extra_turns }, Some(*columns))
+        }
+    }
 }

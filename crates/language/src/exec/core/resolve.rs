@@ -2,9 +2,9 @@
 
 use super::five_axis;
 use super::motion_sink::MotionSink;
-use super::path::{Path, Shape};
-use super::sagitta::{self, chord_count};
-use ncfix_base::geometry::{Arc, AxisVector};
+use super::path::{Path, Shape, tilted_arc};
+use super::sagitta;
+use ncfix_base::geometry::AxisVector;
 use ncfix_machine::snc::{Element, Kind, Move};
 
 impl MotionSink<'_> {
@@ -41,11 +41,8 @@ fn moves(path: &Path, chord_tolerance_mm: f64, mut out: impl FnMut(Move)) {
             match path.basis.principal_arc(*clockwise, *center, *extra_turns) {
                 Some(arc) => out(Move { arc: Some(arc), ..path.motion }),
                 None => {
-                    let (chords, off_curve_mm) =
-                        arc_chords(path, *clockwise, *center, *extra_turns, chord_tolerance_mm);
-                    for target in chords {
-                        out(Move { target, off_curve_mm, ..path.motion });
-                    }
+                    let (arc, arc_basis) = tilted_arc(&path.basis, *clockwise, *center, *extra_turns);
+                    out(Move { arc: Some(arc), arc_basis, ..path.motion });
                 }
             }
         }
@@ -75,36 +72,4 @@ fn share_time<'a>(start: &AxisVector, elements: impl Iterator<Item = &'a mut Ele
             step.feed *= whole / way;
         }
     }
-}
-
-/// Ends of the chords of an arc in a tilted plane, and their distance from the arc, mm.
-fn arc_chords(
-    path: &Path,
-    clockwise: bool,
-    center: [f64; 2],
-    extra_turns: u32,
-    tolerance_mm: f64,
-) -> (impl Iterator<Item = AxisVector>, f64) {
-    // An arc of the XY plane represents it in plane coordinates.
-    let arc = Arc { plane: ncfix_base::geometry::Plane::XY, clockwise, center_mm: center, extra_turns };
-    let place = |position: &AxisVector| {
-        let flat = path.basis.flat(position);
-        AxisVector([flat[0], flat[1], path.basis.height(position), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-    };
-    let (start, end) = (place(&path.start), place(&path.motion.target));
-    let (radius_mm, sweep_rad) = (arc.radius_mm(&start), arc.sweep_rad(&start, &end));
-    let count = chord_count(radius_mm, sweep_rad, tolerance_mm);
-    let off_mm = radius_mm * (1.0 - (0.5 * sweep_rad / f64::from(count)).cos());
-    let (first, last, basis) = (path.start, path.motion.target, path.basis);
-    let chords = (1..=count).map(move |k| {
-        if k == count {
-            return last;
-        }
-        let share = f64::from(k) / f64::from(count);
-        let local = arc.at(&start, &end, share);
-        let mut out = first.lerp(&last, share);
-        out.set_xyz(basis.lift([local.0[0], local.0[1]], local.0[2]));
-        out
-    });
-    (chords, off_mm)
 }

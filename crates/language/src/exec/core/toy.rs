@@ -125,6 +125,8 @@ fn line(channel: &mut Channel<'_>, place: AxisVector, rapid: bool, span: Span) {
         in_machine_frame: false,
         motion_mode: MotionMode::Path,
         off_curve_mm: 0.0,
+        tip: None,
+        arc_basis: None,
     };
     let basis = PlaneBasis::Principal(Plane::XY);
     let path = Path { motion, start, start_known: AxisSet::XYZ, basis, shape: Shape::Line, setup, span };

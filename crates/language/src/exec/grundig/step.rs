@@ -131,6 +131,8 @@ pub(super) fn elementary(
         in_machine_frame: false,
         motion_mode: MotionMode::Path,
         off_curve_mm: 0.0,
+        tip: None,
+        arc_basis: None,
     };
     let path = Path { motion, start, start_known, basis, shape, setup: Shared::clone(&channel.standing.setup), span };
     put(channel, path);

@@ -193,6 +193,8 @@ pub(super) fn send(
         in_machine_frame,
         motion_mode: step.motion_mode,
         off_curve_mm: 0.0,
+        tip: None,
+        arc_basis: None,
     };
     let mut path = Path { motion, start, start_known: begun, basis, shape, setup, span: step.span };
     if let Some((direction, span)) = channel.block.direction {

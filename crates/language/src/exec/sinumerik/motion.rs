@@ -106,6 +106,8 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
             None => MotionMode::Path,
         },
         off_curve_mm: 0.0,
+        tip: None,
+        arc_basis: None,
     };
     Ok(Path { motion, start, start_known, basis, shape, setup: Shared::clone(context.setup), span: context.span })
 }

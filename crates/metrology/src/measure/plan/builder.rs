@@ -235,6 +235,8 @@ impl Builder {
             in_machine_frame: true,
             motion_mode: MotionMode::Path,
             off_curve_mm: 0.0,
+            tip: None,
+            arc_basis: None,
         }));
         Ok(())
     }

@@ -8,18 +8,18 @@ use super::step::ComparedMove;
 const LOOK: usize = 500;
 
 /// Moves that can be inspected before they are taken.
-pub(super) struct MovesAhead<I> {
+pub(super) struct MovesAhead<'m, I> {
     moves: I,
-    queue: VecDeque<ComparedMove>,
+    queue: VecDeque<ComparedMove<'m>>,
 }
 
-impl<I: Iterator<Item = ComparedMove>> MovesAhead<I> {
-    pub(super) fn new(moves: I) -> MovesAhead<I> {
+impl<'m, I: Iterator<Item = ComparedMove<'m>>> MovesAhead<'m, I> {
+    pub(super) fn new(moves: I) -> MovesAhead<'m, I> {
         MovesAhead { moves, queue: VecDeque::new() }
     }
 
     /// The next move, which is not taken.
-    pub(super) fn peek(&mut self) -> Option<&ComparedMove> {
+    pub(super) fn peek(&mut self) -> Option<&ComparedMove<'m>> {
         if self.queue.is_empty() {
             self.queue.push_back(self.moves.next()?);
         }
@@ -27,12 +27,12 @@ impl<I: Iterator<Item = ComparedMove>> MovesAhead<I> {
     }
 
     /// Puts a taken move back.
-    pub(super) fn put_back(&mut self, step: ComparedMove) {
+    pub(super) fn put_back(&mut self, step: ComparedMove<'m>) {
         self.queue.push_front(step);
     }
 
     /// Takes up to `count` moves.
-    fn take(&mut self, count: usize) -> Vec<ComparedMove> {
+    fn take(&mut self, count: usize) -> Vec<ComparedMove<'m>> {
         let count = count.min(self.queue.len());
         self.queue.drain(..count).collect()
     }
@@ -46,24 +46,24 @@ impl<I: Iterator<Item = ComparedMove>> MovesAhead<I> {
     }
 }
 
-impl<I: Iterator<Item = ComparedMove>> Iterator for MovesAhead<I> {
-    type Item = ComparedMove;
+impl<'m, I: Iterator<Item = ComparedMove<'m>>> Iterator for MovesAhead<'m, I> {
+    type Item = ComparedMove<'m>;
 
-    fn next(&mut self) -> Option<ComparedMove> {
+    fn next(&mut self) -> Option<ComparedMove<'m>> {
         self.queue.pop_front().or_else(|| self.moves.next())
     }
 }
 
 /// Continues in both after the next move with the same block number in both and the same end, as `meets` determines. Returns the skipped moves;
 /// `None` if there is no such move.
-pub(super) fn rejoin<I, J>(
-    original: &mut MovesAhead<I>,
-    corrected: &mut MovesAhead<J>,
-    meets: impl Fn(&ComparedMove, &ComparedMove) -> bool,
-) -> Option<[Vec<ComparedMove>; 2]>
+pub(super) fn rejoin<'m, I, J>(
+    original: &mut MovesAhead<'m, I>,
+    corrected: &mut MovesAhead<'m, J>,
+    meets: impl Fn(&ComparedMove<'m>, &ComparedMove<'m>) -> bool,
+) -> Option<[Vec<ComparedMove<'m>>; 2]>
 where
-    I: Iterator<Item = ComparedMove>,
-    J: Iterator<Item = ComparedMove>,
+    I: Iterator<Item = ComparedMove<'m>>,
+    J: Iterator<Item = ComparedMove<'m>>,
 {
     original.look();
     corrected.look();

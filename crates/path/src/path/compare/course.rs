@@ -7,8 +7,8 @@ use ncfix_machine::machine::Kinematics;
 /// The part of a move that a piece covers.
 #[derive(Clone, Copy, Debug)]
 pub struct Course<'a> {
-    pub(super) step: &'a ComparedMove,
-    pub(super) piece: &'a ComparedMove,
+    pub(super) step: &'a ComparedMove<'a>,
+    pub(super) piece: &'a ComparedMove<'a>,
     pub(super) kinematics: &'a Kinematics,
     pub(super) from: f64,
     pub(super) to: f64,

@@ -13,7 +13,7 @@ use ncfix_machine::snc::FeedUnit;
 /// Relative difference below which durations are equal: corrections change path lengths.
 const SAME_TIME: f64 = 0.05;
 
-impl ComparedMove {
+impl ComparedMove<'_> {
     /// Minutes (turns under G95) that a control takes for a part of it; `None` without feed, or for a curve that turns an axis.
     fn minutes(&self, [from, to]: [f64; 2], kinematics: &Kinematics) -> Option<f64> {
         if self.rapid || self.feed <= 0.0 {
@@ -43,7 +43,7 @@ impl ComparedMove {
     }
 
     /// `true` if one feed is per minute and the other per turn of the spindle.
-    pub(super) fn is_of_another_unit(&self, other: &ComparedMove) -> bool {
+    pub(super) fn is_of_another_unit(&self, other: &ComparedMove<'_>) -> bool {
         let has_feeds = self.feed > 0.0 && other.feed > 0.0;
         has_feeds && self.unit != other.unit && ![self.unit, other.unit].contains(&FeedUnit::InverseTime)
     }

@@ -1,7 +1,7 @@
 //! The corrected moves of one original move: their selection, and their residual error.
 
 use ncfix_base::geometry::{AXES, AxisVector, Vector};
-use ncfix_machine::machine::Kinematics;
+use ncfix_machine::machine::{Kinematics, TipPath};
 use ncfix_model::Model;
 
 use super::ahead::MovesAhead;
@@ -11,6 +11,7 @@ use super::step::ComparedMove;
 use super::{Course, Follow, Grouping, SAME_END_MM};
 use crate::path::Prediction;
 use crate::path::lead::Lead;
+use crate::path::route::Route;
 use crate::path::sampling::{ON_THE_SPOT_MM, Offset, SampledPiece};
 
 /// End tolerance as a share of the move length: the error of an uncorrected program changes along it.
@@ -35,7 +36,7 @@ pub(super) struct MoveGroup<'a> {
     base: &'a Model,
     grouping: Grouping,
     pub(super) kinematics: &'a Kinematics,
-    pub(super) step: &'a ComparedMove,
+    pub(super) step: &'a ComparedMove<'a>,
     pub(super) lead: Lead<'a>,
     /// Offset at the start of the group: an uncorrected program carries its errors along.
     carried: Offset,
@@ -54,7 +55,7 @@ impl<'a> MoveGroup<'a> {
         model: &'a Model,
         grouping: Grouping,
         (kinematics, lead): (&'a Kinematics, Lead<'a>),
-        step: &'a ComparedMove,
+        step: &'a ComparedMove<'a>,
         carried: Offset,
     ) -> MoveGroup<'a> {
         let base = model;
@@ -68,9 +69,9 @@ impl<'a> MoveGroup<'a> {
 
 impl MoveGroup<'_> {
     /// Takes the moves of the group and adds their errors; returns the offset at its end.
-    pub(super) fn follow<I: Iterator<Item = ComparedMove>>(
+    pub(super) fn follow<'m, I: Iterator<Item = ComparedMove<'m>>>(
         &mut self,
-        corrected: &mut MovesAhead<I>,
+        corrected: &mut MovesAhead<'m, I>,
         prediction: &mut Prediction,
         see: &mut dyn FnMut(Follow<'_>),
         judge: &mut Judge<'_>,
@@ -97,7 +98,7 @@ impl MoveGroup<'_> {
                 corrected.put_back(piece);
                 return Err(parting);
             }
-            self.length_mm += piece.route.size_mm();
+            self.length_mm += self.size_mm(&piece);
             let offset = self.offset(&piece, 1.0);
             let is_complete = self.is_complete(&offset, corrected.peek());
             // Lateral backlash moves the tip across the path in such a step, so that proximity does not determine its place.
@@ -136,19 +137,19 @@ impl MoveGroup<'_> {
     }
 
     /// Describes the divergence at a piece; `next` is the following piece.
-    fn parting(&self, piece: &ComparedMove, why: &str, next: Option<&ComparedMove>) -> Parting {
+    fn parting(&self, piece: &ComparedMove<'_>, why: &str, next: Option<&ComparedMove<'_>>) -> Parting {
         let is_new = next.is_some_and(|next| next.rapid == self.step.rapid && self.ends_at(next));
         let words = [&self.step.route.end, &piece.route.end].map(|end| piece.programmed(end, self.kinematics));
         Parting::at(self.step, piece, why, words, is_new)
     }
 
     /// `true` if a piece ends at the end of the original move.
-    pub(super) fn ends_at(&self, piece: &ComparedMove) -> bool {
+    pub(super) fn ends_at(&self, piece: &ComparedMove<'_>) -> bool {
         self.off_mm(&self.offset(piece, 1.0)) <= MEANT_END_MM
     }
 
     /// A piece beside the original move.
-    fn beside<'p>(&'p self, piece: &'p ComparedMove) -> SampledPiece<'p> {
+    fn beside<'p>(&'p self, piece: &'p ComparedMove<'p>) -> SampledPiece<'p> {
         SampledPiece {
             lead: &self.lead,
             base: self.base,
@@ -194,7 +195,7 @@ impl MoveGroup<'_> {
     }
 
     /// `true` if the group ends with a piece whose end is off by `offset`.
-    fn is_complete(&self, offset: &Offset, next: Option<&ComparedMove>) -> bool {
+    fn is_complete(&self, offset: &Offset, next: Option<&ComparedMove<'_>>) -> bool {
         if self.grouping == Grouping::ByMarks {
             return next.is_none_or(|next| !next.continues);
         }
@@ -204,7 +205,7 @@ impl MoveGroup<'_> {
         }
         let off_mm = self.off_mm(offset);
         let next = next.filter(|next| next.rapid == self.step.rapid);
-        let with_next = next.map_or(f64::INFINITY, |next| self.length_mm + next.route.size_mm());
+        let with_next = next.map_or(f64::INFINITY, |next| self.length_mm + self.size_mm(next));
         let next_is_nearer = next.is_some_and(|next| {
             with_next <= whole_mm * (1.0 + SAME_END_SHARE) + SAME_END_MM
                 && self.off_mm(&self.offset(next, 1.0)) + NEARER_MM < off_mm
@@ -214,8 +215,18 @@ impl MoveGroup<'_> {
         !next_is_nearer && off_mm <= near_mm
     }
 
+    /// Length of a piece in the measure of the original move: the axes move farther than a tip that the original keeps on its path.
+    fn size_mm(&self, piece: &ComparedMove<'_>) -> f64 {
+        if !self.step.route.is_of_tip() || piece.route.is_of_tip() {
+            return piece.route.size_mm();
+        }
+        let (start, end) = (piece.route.start, piece.route.end);
+        let tip = TipPath::new(self.kinematics, false, [&start, &end], &piece.tool_mm);
+        Route::of_tip(start, end, None, tip).size_mm()
+    }
+
     /// Offset of the tool from the place of the original move at `parameter` at the end of a piece.
-    fn offset(&self, piece: &ComparedMove, parameter: f64) -> Offset {
+    fn offset(&self, piece: &ComparedMove<'_>, parameter: f64) -> Offset {
         self.beside(piece).end_offset(parameter)
     }
 
@@ -225,14 +236,14 @@ impl MoveGroup<'_> {
     }
 
     /// The parameter of the original move at which its nominal tip is nearest to the end of a piece.
-    fn nearest(&self, piece: &ComparedMove) -> f64 {
+    fn nearest(&self, piece: &ComparedMove<'_>) -> f64 {
         let share = (self.length_mm / self.step.route.size_mm().max(ON_THE_SPOT_MM)).min(1.0);
         self.beside(piece).nearest(share, self.parameter)
     }
 
     /// The offset at the end of a step on the spot or of a rapid move, reduced by the permitted backlash. A quick body may be on either side, for the
     /// side to which the next piece leads it. A body that a rapid move leaves within its dead band waits for a step that leads it out.
-    fn on_either_side(&self, piece: &ComparedMove, nominal: &AxisVector, end: Vector) -> Vector {
+    fn on_either_side(&self, piece: &ComparedMove<'_>, nominal: &AxisVector, end: Vector) -> Vector {
         let command = piece.route.end;
         let band = piece.path().band_at(1.0, &self.lead);
         let mut best = end;
@@ -264,7 +275,7 @@ impl MoveGroup<'_> {
 
     /// The part of the offset after a preparatory step that exceeds the permitted backlash. `next` leads bodies to the other side on the spot; until
     /// then the tip is displaced by their lateral backlash.
-    fn beyond_play(&self, piece: &ComparedMove, next: &ComparedMove, offset: Vector) -> Vector {
+    fn beyond_play(&self, piece: &ComparedMove<'_>, next: &ComparedMove<'_>, offset: Vector) -> Vector {
         let (from, to) = (piece.route.end, next.route.end);
         let aside = self.lead.axes.iter().map(|axis| {
             let (lost, way) = (self.model.lost_motion(axis, &to), to[axis] - from[axis]);

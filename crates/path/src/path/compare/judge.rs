@@ -120,7 +120,7 @@ impl<'d> Judge<'d> {
     }
 
     /// Handles a move of the original that has no end in the corrected program.
-    pub(super) fn part(&mut self, step: &ComparedMove) {
+    pub(super) fn part(&mut self, step: &ComparedMove<'_>) {
         (self.off, self.tilt, self.feed) = (None, None, None);
         if let Some((what, corrected)) = self.detour.broken() {
             (self.differ)(ProgramDifference { original: step.origin, corrected, what });
@@ -161,7 +161,7 @@ impl<'d> Judge<'d> {
     }
 
     /// Ends the move.
-    pub(super) fn end(&mut self, step: &ComparedMove) {
+    pub(super) fn end(&mut self, step: &ComparedMove<'_>) {
         let original = step.origin;
         if let Some((_, what, corrected)) = self.feed.take() {
             (self.differ)(ProgramDifference { original, corrected, what });
@@ -191,7 +191,7 @@ impl<'d> Judge<'d> {
     }
 
     /// Compares the lead of a thread, or the type of a probing motion.
-    fn motion_mode(&mut self, step: &ComparedMove, piece: &ComparedMove) {
+    fn motion_mode(&mut self, step: &ComparedMove<'_>, piece: &ComparedMove<'_>) {
         if let Some([before, after]) = motion_mode::difference(&step.motion_mode, &piece.motion_mode) {
             let what = What::Act { subject: ActSubject::Thread, before: Some(before), after: Some(after) };
             (self.differ)(ProgramDifference { original: step.origin, corrected: piece.origin, what });
@@ -221,7 +221,7 @@ impl<'d> Judge<'d> {
     }
 
     /// Reports the known differences of moves that do not correspond, where the comparison ends: missing or new acts may only be at another place.
-    pub(super) fn lose(&mut self, step: &ComparedMove, piece: &ComparedMove) {
+    pub(super) fn lose(&mut self, step: &ComparedMove<'_>, piece: &ComparedMove<'_>) {
         self.setups(step, piece);
         let pairs = differences(&step.acts, &piece.acts);
         self.differ(pairs.into_iter().filter(|(before, after)| before.is_some() && after.is_some()));
@@ -246,7 +246,7 @@ impl<'d> Judge<'d> {
     }
 
     /// Compares the stop at the end of a block. A modal difference is reported once.
-    fn passing(&mut self, step: &ComparedMove, piece: &ComparedMove, is_last: bool) {
+    fn passing(&mut self, step: &ComparedMove<'_>, piece: &ComparedMove<'_>, is_last: bool) {
         if step.passing.is_kept_by(&piece.passing, is_last) {
             if is_last {
                 self.passing = None;
@@ -260,15 +260,15 @@ impl<'d> Judge<'d> {
         self.passing = Some(both.clone());
         let [before, after] = both;
         let what = What::Act { subject: ActSubject::Passing, before, after };
-        let origin = |one: &ComparedMove| one.passing.mode.as_ref().map_or(one.origin, |mode| mode.origin);
+        let origin = |one: &ComparedMove<'_>| one.passing.mode.as_ref().map_or(one.origin, |mode| mode.origin);
         let corrected = if is_last { origin(piece) } else { piece.origin };
         (self.differ)(ProgramDifference { original: origin(step), corrected, what });
     }
 
     /// Compares the working plane and the transformation. A modal difference is reported once.
-    fn setups(&mut self, step: &ComparedMove, piece: &ComparedMove) {
+    fn setups(&mut self, step: &ComparedMove<'_>, piece: &ComparedMove<'_>) {
         let in_axes = self.promise.is_some_and(|promise| promise.in_axes) && piece.setup.transform.is_none();
-        let is_transformed = |one: &ComparedMove| one.setup.transform.is_some() && !in_axes;
+        let is_transformed = |one: &ComparedMove<'_>| one.setup.transform.is_some() && !in_axes;
         let is_same = !is_transformed(step)
             || in_axes
             || step.transformation == piece.transformation && step.setup.transform == piece.setup.transform;
@@ -276,7 +276,7 @@ impl<'d> Judge<'d> {
             self.setups = None;
             return;
         }
-        let shown = |one: &ComparedMove| {
+        let shown = |one: &ComparedMove<'_>| {
             let plane = one.setup.plane.number();
             let way = match one.setup.transform {
                 Some(Turning::Axes) => "rotary axes in proportion",
@@ -298,7 +298,7 @@ impl<'d> Judge<'d> {
         (self.differ)(ProgramDifference { original: step.origin, corrected: piece.origin, what });
     }
 
-    fn feed(&mut self, step: &ComparedMove, piece: &ComparedMove, share: Option<f64>) {
+    fn feed(&mut self, step: &ComparedMove<'_>, piece: &ComparedMove<'_>, share: Option<f64>) {
         // A feed per minute and a feed per turn have no ratio.
         let share = if step.is_of_another_unit(piece) { Some(f64::NAN) } else { share };
         let Some(share) = share else { return };
@@ -313,7 +313,7 @@ impl<'d> Judge<'d> {
         }
     }
 
-    fn limit_of(&self, piece: &ComparedMove) -> f64 {
+    fn limit_of(&self, piece: &ComparedMove<'_>) -> f64 {
         if piece.route.arc().is_some() { self.arc_limit_mm } else { self.limit_mm }
     }
 

@@ -187,7 +187,7 @@ pub fn compare_seeing(
             Err(mut parting) => {
                 let is_judged = group.is_judged;
                 judge.part(&step);
-                let ends = |step: &ComparedMove, piece: &ComparedMove| {
+                let ends = |step: &ComparedMove<'_>, piece: &ComparedMove<'_>| {
                     let of = (&kinematics, lead);
                     MoveGroup::new(model, grouping, of, step, Offset::default()).ends_at(piece)
                 };

@@ -22,14 +22,14 @@ pub struct Parting {
 
 impl Parting {
     /// A divergence without a line of the corrected program.
-    pub(super) fn alone(step: &ComparedMove, why: &str) -> Parting {
+    pub(super) fn alone(step: &ComparedMove<'_>, why: &str) -> Parting {
         Parting { original: step.origin, corrected: None, why: why.to_owned() }
     }
 
     /// A divergence at a piece; `words` are the ends of the move and of the piece as written. `is_new` if the next piece ends the move.
     pub(super) fn at(
-        step: &ComparedMove,
-        piece: &ComparedMove,
+        step: &ComparedMove<'_>,
+        piece: &ComparedMove<'_>,
         why: &str,
         words: [AxisVector; 2],
         is_new: bool,

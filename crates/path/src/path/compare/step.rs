@@ -12,8 +12,8 @@ use super::super::{Feeds, lost_axes};
 use super::acts::{Act, Acts, Passing};
 use super::{CONTINUES, CONTINUES_ON_THE_SPOT, ON_THE_SPOT};
 use ncfix_base::geometry::{AXES, AxisSet, AxisVector, Vector};
-use ncfix_machine::machine::{Kinematics, Machine};
-use ncfix_machine::snc::{BlockNumber, Element, FeedUnit, Kind, MotionMode, Origin, Setup, WordValue};
+use ncfix_machine::machine::{Kinematics, Machine, TipPath};
+use ncfix_machine::snc::{BlockNumber, Element, FeedUnit, Kind, MotionMode, Move, Origin, Setup, Turning, WordValue};
 use ncfix_model::DeadBand;
 
 /// Share of a move at its end that determines its final direction.
@@ -25,9 +25,9 @@ const SAME_WAY: f64 = 0.5;
 
 /// A move of one of the programs.
 #[derive(Clone, Debug)]
-pub(super) struct ComparedMove {
+pub(super) struct ComparedMove<'a> {
     pub(super) origin: Origin,
-    pub(super) route: Route,
+    pub(super) route: Route<'a>,
     pub(super) rapid: bool,
     pub(super) feed: f64,
     /// Unit of the feed.
@@ -64,7 +64,7 @@ pub(super) struct ComparedMove {
     pub(super) transformation: &'static str,
 }
 
-impl ComparedMove {
+impl ComparedMove<'_> {
     /// Its path with the bodies of the axes at its beginning.
     pub(super) fn path(&self) -> LedPath<'_> {
         LedPath { route: &self.route, band: &self.band, stated: self.stated, tool_mm: &self.tool_mm }
@@ -104,8 +104,8 @@ impl ComparedMove {
     }
 
     /// `true` if the control passes without exact stop into a move of the same block in the same direction, as between the pieces of a curve.
-    pub(super) fn runs_into(&self, next: &ComparedMove) -> bool {
-        let way = |route: &Route, [from, to]: [f64; 2]| {
+    pub(super) fn runs_into(&self, next: &ComparedMove<'_>) -> bool {
+        let way = |route: &Route<'_>, [from, to]: [f64; 2]| {
             let step = route.at(to) - route.at(from);
             AXES.map(|axis| if axis.is_rotary() { TURN_ARM_MM * step[axis] } else { step[axis] })
         };
@@ -170,16 +170,31 @@ impl<'a, I> Walk<'a, I> {
         }
     }
 
+    /// The path of a move from the current position.
+    fn route(&self, motion: &Move) -> Route<'a> {
+        let (start, end) = (self.position, motion.target);
+        let arc = motion.arc.map(|arc| (arc, motion.arc_basis));
+        match motion.tip {
+            Some(turning) => {
+                let follows_circle = turning == Turning::Vector;
+                let kinematics = self.lead.model.kinematics();
+                let tip = TipPath::new(kinematics, follows_circle, [&start, &end], &self.tool_mm);
+                Route::of_tip(start, end, arc, tip)
+            }
+            None => Route::new(start, end, arc),
+        }
+    }
+
     /// Acts after the last move; complete when the walk has ended.
     pub(super) fn tail(&self) -> Tail {
         Rc::clone(&self.tail)
     }
 }
 
-impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
-    type Item = ComparedMove;
+impl<'a, I: Iterator<Item = Element>> Iterator for Walk<'a, I> {
+    type Item = ComparedMove<'a>;
 
-    fn next(&mut self) -> Option<ComparedMove> {
+    fn next(&mut self) -> Option<ComparedMove<'a>> {
         loop {
             let Some(element) = self.elements.next() else {
                 self.tail.borrow_mut().append(&mut self.acts.0);
@@ -229,7 +244,7 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
             self.ever_named = self.ever_named.union(motion.named);
             let step = ComparedMove {
                 origin: element.origin,
-                route: Route::new(self.position, motion.target, motion.arc),
+                route: self.route(&motion),
                 rapid: motion.rapid,
                 setup: Arc::clone(&self.setup),
                 in_machine_frame: motion.in_machine_frame,

@@ -45,34 +45,34 @@ pub(super) struct Bands {
     pub(super) are_led: bool,
 }
 
-impl Active {
+impl Active<'_> {
     /// The path on which the tool may lag at a parameter; `None` at its end, where it must have arrived.
-    pub(super) fn way_at(&self, parameter: f64) -> Option<(&Route, f64)> {
+    pub(super) fn way_at(&self, parameter: f64) -> Option<(&Route<'_>, f64)> {
         (parameter < 1.0).then_some((&self.route, parameter))
     }
 }
 
 impl Bands {
     /// The state at a share of the piece.
-    pub(super) fn at(&self, lead: &Lead<'_>, trial: &SegmentCandidate, share: f64) -> DeadBand {
+    pub(super) fn at(&self, lead: &Lead<'_>, trial: &SegmentCandidate<'_>, share: f64) -> DeadBand {
         let mut band = self.start;
         lead.along(&mut band, &trial.emitted, self.sensed, [0.0, share]);
         band
     }
 }
 
-impl<I> Corrector<'_, I>
+impl<'a, I> Corrector<'a, I>
 where
     I: Iterator<Item = Result<Element, Diagnostic>>,
 {
     /// Dead-band state after a path on which no axis reverses.
     pub(super) fn led(&self, mut band: DeadBand, from: &AxisVector, to: &AxisVector) -> DeadBand {
-        self.lead.along(&mut band, &Route::new(*from, *to, None), self.standing.sensed, [0.0, 1.0]);
+        self.lead.along(&mut band, &self.placer.emitted(*from, *to), self.standing.sensed, [0.0, 1.0]);
         band
     }
 
     /// Effect of a piece on the dead bands; `stated` are the axes with known positions after a step before it.
-    pub(super) fn bands(&self, trial: &SegmentCandidate, stated: AxisSet) -> Bands {
+    pub(super) fn bands(&self, trial: &SegmentCandidate<'_>, stated: AxisSet) -> Bands {
         let mut start = self.standing.band;
         let mut sensed = self.standing.sensed;
         if self.sampler.backlash.is_empty() {
@@ -80,7 +80,7 @@ where
         }
         let mut from = self.standing.command;
         for step in [trial.ready, trial.take_up, trial.overshoot].into_iter().flatten() {
-            self.lead.along(&mut start, &Route::new(from, step.command, None), sensed, [0.0, 1.0]);
+            self.lead.along(&mut start, &self.placer.emitted(from, step.command), sensed, [0.0, 1.0]);
             from = step.command;
             sensed = sensed.union(stated);
         }
@@ -91,7 +91,7 @@ where
     }
 
     /// Reports cutting axes whose approach direction is unknown, if their backlash matters.
-    pub(super) fn check_sense(&mut self, active: &Active, bands: &Bands, trial: &SegmentCandidate) {
+    pub(super) fn check_sense(&mut self, active: &Active<'_>, bands: &Bands, trial: &SegmentCandidate<'_>) {
         if bands.are_led || active.motion.rapid {
             return;
         }
@@ -119,7 +119,7 @@ where
         if self.sampler.backlash.is_empty() || motion.rapid {
             return;
         }
-        let route = Route::new(self.standing.nominal, motion.target, motion.arc);
+        let route = self.placer.nominal(self.standing.nominal, motion);
         for command in [route.start, route.end] {
             let (direction, height_mm) = self.placer.height_at(&command);
             let reach_mm = height_mm + self.rise_mm(&route, &command);
@@ -133,9 +133,13 @@ where
     }
 
     /// Largest rise of an arc along the tool above its ends, mm: its diameter, times the inclination of its plane.
-    fn rise_mm(&self, route: &Route, command: &AxisVector) -> f64 {
+    fn rise_mm(&self, route: &Route<'_>, command: &AxisVector) -> f64 {
         let Some(arc) = route.arc() else { return 0.0 };
         let [abscissa, ordinate, _] = arc.plane.axes();
+        if route.is_of_tip() || route.basis().is_some() {
+            // A bound: along the tool the arc rises by no more than its diameter.
+            return 2.0 * route.radius_mm();
+        }
         let [one, other] = [abscissa, ordinate].map(|axis| self.rise_of(axis, command));
         2.0 * route.radius_mm() * one.hypot(other)
     }
@@ -218,7 +222,7 @@ where
     }
 
     /// Adds the overshoot position before the end, for axes that should reach it in a known direction.
-    pub(super) fn overshoot(&self, active: &Active, trial: &mut SegmentCandidate) {
+    pub(super) fn overshoot(&self, active: &Active<'_>, trial: &mut SegmentCandidate<'a>) {
         if active.settled == [0; AXIS_COUNT] || trial.between[1] < 1.0 || trial.end.failure.is_some() {
             return;
         }
@@ -234,7 +238,7 @@ where
             placed.counts[axis.slot()] = trial.end.counts[axis.slot()];
             placed.command[axis] = trial.end.command[axis];
         }
-        trial.emitted = Route::new(placed.command, trial.end.command, None);
+        trial.emitted = self.placer.emitted(placed.command, trial.end.command);
         trial.overshoot = Some(placed);
     }
 }

@@ -29,6 +29,8 @@ pub(super) struct Pacing {
     minutes: f64,
     /// `true` if only rotary axes move in the program.
     is_turn: bool,
+    /// `true` if each piece needs its own feed: the output has no transformation, and the ratio of the paths of the axes and of the tip changes.
+    is_of_axes: bool,
 }
 
 /// M functions that end a program, and that return to the caller.
@@ -68,16 +70,23 @@ impl CommandSolver<'_> {
     }
 
     /// The duration of a whole move at a feed, if the correction may change its feed path.
-    pub(super) fn pacing(&self, feeds: Feeds, route: &Route, motion: &Move, feed: f64) -> Option<Pacing> {
+    pub(super) fn pacing(&self, feeds: Feeds, route: &Route<'_>, motion: &Move, feed: f64) -> Option<Pacing> {
         let has_feed =
             !motion.rapid && feed > 0.0 && !motion.is_inverse_time() && motion.motion_mode == MotionMode::Path;
-        if !self.has_rotary || !has_feed || route.arc().is_some() {
+        if !self.has_rotary || !has_feed {
+            return None;
+        }
+        if route.is_of_tip() && self.leaves_transform() {
+            let minutes = self.tip_way(route) / motion.feed;
+            return (minutes > 0.0).then_some(Pacing { minutes, is_turn: false, is_of_axes: true });
+        }
+        if route.arc().is_some() {
             return None;
         }
         let turns = ROTARY_AXES.into_iter().any(|axis| route.start[axis] != route.end[axis]);
         let minutes = self.counted(feeds, &route.start, &route.end) / feed;
         let is_turn = !self.takes_feed(Feeds::OfLinear, &route.start, &route.end);
-        (turns && minutes > 0.0).then_some(Pacing { minutes, is_turn })
+        (turns && minutes > 0.0).then_some(Pacing { minutes, is_turn, is_of_axes: false })
     }
 }
 
@@ -89,7 +98,7 @@ where
     /// spot has no share of the path and keeps the feed.
     pub(super) fn feed_of(
         &mut self,
-        active: &mut Active,
+        active: &mut Active<'_>,
         [start, end]: [&AxisVector; 2],
         share: f64,
         is_on_the_spot: bool,
@@ -106,10 +115,10 @@ where
         self.pace.feed = feed;
         let is_begun = self.pace.by_time == Some(origin) && !is_fresh;
         let pacing = active.pacing.filter(|_| !self.pace.counts_turns);
-        if let Some(Pacing { minutes, is_turn }) = pacing {
+        if let Some(Pacing { minutes, is_turn, is_of_axes }) = pacing {
             let way = self.placer.counted(self.options.feeds, start, end);
             let (wanted, least) = (share * minutes * feed, SAME_INCREMENTS * self.placer.increments.linear_mm);
-            let is_off = (way - wanted).abs() > least.max(SAME_SHARE * wanted);
+            let is_off = is_of_axes || (way - wanted).abs() > least.max(SAME_SHARE * wanted);
             let has_times = self.pace.is_per_minute && self.options.feeds != Feeds::OfLinearOnly;
             if is_off && is_turn && !has_times {
                 self.findings.feed_of_another_way(&origin);
@@ -134,7 +143,7 @@ where
     }
 
     /// Returns to feed mode from this piece on. Only the first line of a block can do that; `false` for another line.
-    fn leave_pace(&mut self, active: &mut Active, is_fresh: bool) -> bool {
+    fn leave_pace(&mut self, active: &mut Active<'_>, is_fresh: bool) -> bool {
         if self.pace.by_time.is_none() {
             return true;
         }
@@ -147,7 +156,7 @@ where
     }
 
     /// Writes the change of the feed mode in the first line of a move's block.
-    fn change_pace(&mut self, active: &mut Active, is_by_time: bool) {
+    fn change_pace(&mut self, active: &mut Active<'_>, is_by_time: bool) {
         let (number, starts_block) = (active.number.take(), std::mem::take(&mut active.starts_block));
         self.say_pace(Element { origin: active.origin, starts_block, number, kind: Kind::Empty }, is_by_time);
     }

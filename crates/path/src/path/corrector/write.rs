@@ -23,9 +23,9 @@ where
     /// `None` if it is shorter than an increment.
     pub(super) fn write(
         &mut self,
-        active: &mut Active,
+        active: &mut Active<'_>,
         placed: &Placed,
-        trial: Option<&SegmentCandidate>,
+        trial: Option<&SegmentCandidate<'_>>,
         (share, nominal): (f64, &AxisVector),
         is_last: bool,
     ) -> Option<Piece> {
@@ -91,13 +91,13 @@ where
     /// Samples the error along a piece; `first` are the command and the bodies before it and its preparatory steps.
     pub(super) fn predict(
         &mut self,
-        active: &mut Active,
-        trial: &SegmentCandidate,
+        active: &mut Active<'_>,
+        trial: &SegmentCandidate<'_>,
         bands: &Bands,
         first: (&AxisVector, &DeadBand),
     ) {
         if let Some(beyond) = &trial.overshoot {
-            let route = Route::new(*first.0, beyond.command, None);
+            let route = self.placer.emitted(*first.0, beyond.command);
             self.sample(active, (&route, first.1, self.standing.sensed), (1.0, false), None);
         }
         let is_last = trial.between[1] >= 1.0;
@@ -117,8 +117,8 @@ where
     /// Samples a piece on a path of commands with its bodies and stated axes; `guess` is the parameter at its end.
     fn sample(
         &mut self,
-        active: &mut Active,
-        (route, band, stated): (&Route, &DeadBand, AxisSet),
+        active: &mut Active<'_>,
+        (route, band, stated): (&Route<'_>, &DeadBand, AxisSet),
         (guess, is_last): (f64, bool),
         middle_mm: Option<f64>,
     ) -> Option<PieceErrors> {

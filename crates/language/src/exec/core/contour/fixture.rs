@@ -89,6 +89,8 @@ impl Fixture {
                 in_machine_frame: false,
                 motion_mode: MotionMode::default(),
                 off_curve_mm: 0.0,
+                tip: None,
+                arc_basis: None,
             };
             let path = Path {
                 motion: made,
