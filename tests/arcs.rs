@@ -78,24 +78,26 @@ fn arcs_through_a_point_in_every_plane() {
 }
 
 #[test]
-fn arcs_through_a_point_in_space_are_chords_on_the_circle() {
+fn an_arc_through_a_point_in_space_is_an_arc_in_its_plane() {
     let machine = xyz_machine();
     let program = "G0 X10 Y0 Z0\nCIP X0 Y0 Z10 I1=0 J1=10 K1=0 F100";
     let (elements, codes) = execute(program, &machine, Options::default());
     assert!(codes.is_empty(), "{codes:?}");
-    // The circle about the axis (1, 1, 1) through the unit points: its center is (10/3, 10/3, 10/3), its radius 10 sqrt(2/3).
-    let center = Vector::repeat(10.0 / 3.0);
     let moves = moves(&elements, AxisVector::ZERO);
-    assert!(moves.len() > 100);
-    let mut passes = f64::INFINITY;
-    for (_, motion) in &moves[1..] {
-        let from_center = motion.target.xyz() - center;
-        assert!((from_center.norm() - 10.0 * (2.0_f64 / 3.0).sqrt()).abs() < 1e-9);
-        assert!(from_center.sum().abs() < 1e-9);
-        passes = passes.min((motion.target.xyz() - Vector::new(0.0, 10.0, 0.0)).norm());
-    }
-    assert!(passes < 0.2, "the way leads by the intermediate point");
-    assert_eq!(moves.last().unwrap().1.target.xyz(), Vector::new(0.0, 0.0, 10.0));
+    let [(_, start), (_, motion)] = moves[..] else { panic!("{moves:?}") };
+    assert_eq!(motion.target.xyz(), Vector::new(0.0, 0.0, 10.0));
+    let (arc, basis) = (motion.arc.unwrap(), motion.arc_basis.unwrap());
+    // The circle about the axis (1, 1, 1) through the unit points: its center is (10/3, 10/3, 10/3), its radius 10 sqrt(2/3).
+    let normal: Vector = basis.column(2).into();
+    assert!((normal.norm() - 1.0).abs() < 1e-12 && normal.cross(&Vector::repeat(1.0)).norm() < 1e-12, "{normal}");
+    let [abscissa, ordinate] = arc.center_mm;
+    let center: Vector =
+        basis.column(0) * abscissa + basis.column(1) * ordinate + normal * normal.dot(&start.target.xyz());
+    assert!((center - Vector::repeat(10.0 / 3.0)).norm() < 1e-9, "{center}");
+    assert!(((start.target.xyz() - center).norm() - 10.0 * (2.0_f64 / 3.0).sqrt()).abs() < 1e-9);
+    // About (1, 1, 1), the way from X to Z by Y is two thirds of a turn counterclockwise.
+    assert_eq!(arc.clockwise, normal.sum() < 0.0);
+    assert_eq!(arc.extra_turns, 0);
 }
 
 #[test]

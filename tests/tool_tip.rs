@@ -111,7 +111,7 @@ impl Rig {
                 |one| (one.1, one.2),
             );
             let is_rotary = letter < b'D';
-            let sign = if letter % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = if letter.is_multiple_of(2) { 1.0 } else { -1.0 };
             let motion = std::array::from_fn(|row| match (is_rotary, row) {
                 (true, 0..=2) => vec![1.8e-3 * sign, 1.2e-3 - 4e-4 * row as f64],
                 (true, _) => vec![1.2e-5 * sign],

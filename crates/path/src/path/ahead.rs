@@ -21,6 +21,7 @@ const SAME_POSITION: f64 = 1e-9;
 
 /// The successor of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "nearly all are the large one; a box would be an allocation for each")]
 pub(super) enum Upcoming {
     /// Another move, which begins where this one ends.
     Move(Move),

@@ -213,7 +213,6 @@ pub enum Rotary {
 
 /// Output of the corrector: elements without motion in their places, and pieces of moves.
 #[derive(Clone, Debug, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "nearly all are pieces; a box would be an allocation for each")]
 pub enum Output {
     /// An element without motion, unchanged.
     Element(Element),

@@ -21,6 +21,7 @@ pub(in crate::exec) struct Moving {
 
 /// An input or output item of the stage.
 #[derive(Debug)]
+#[expect(clippy::large_enum_variant, reason = "nearly all are the large one; a box would be an allocation for each")]
 pub(in crate::exec) enum Item {
     /// Anything without motion.
     Element(Element),

@@ -32,6 +32,7 @@ pub(super) struct Tracking {
 }
 
 #[derive(Debug)]
+#[expect(clippy::large_enum_variant, reason = "nearly all are the large one; a box would be an allocation for each")]
 pub(super) enum Held {
     Piece(Piece),
     Item(Item),
