@@ -192,7 +192,7 @@ fn a_rapid_move_that_dives_is_found_without_marks_and_stamp() {
     for (name, ending, program, edit) in [
         ("demo", "mpf", mill, ["N90 G0 Z50", "N90 G0 Z-40\nZ50"]),
         // Where the axis was is not known to the program, and so its way is its end alone.
-        ("demo", "mpf", mill, ["N50 G0 Z50", "N50 G0 Z-40\nZ50"]),
+        ("demo", "mpf", mill, ["N50 Z50", "N50 G0 Z-40\nZ50"]),
         ("vmc", "nc", iso, ["N80 G0 Z50.", "N80 G0 Z-40.\nG0 Z50."]),
         ("vmc", "nc", iso, ["N90 G53 G0 Z0.", "N90 G0 Z-40.\nG53 G0 Z0."]),
         ("knee_mill", "ngc", ngc, ["G0 Z20\n", "G0 Z-20\nG0 Z20\n"]),

@@ -154,8 +154,8 @@ fn tool_data_of_a_fanuc_program() {
         "[[tool]]\nnumber = 6\nlength_mm = 20\nradius_mm = 4",
         "G21 G90 G54\nG91 G10 L10 P6 R5.\nG90 G10 L13 P6 R0.02\nG10 L2 P0 Z1.5\nG0 X0 Y0 Z0\nM30\n",
     );
-    let data: Vec<&String> = lines.iter().filter(|line| line.starts_with("G10")).collect();
-    assert_eq!(data, ["G10 L10 P6 R25.", "G10 L13 P6 R0.02", "G10 L2 P0 Z1.5"]);
+    let data: Vec<&String> = lines.iter().filter(|line| line.contains("G10")).collect();
+    assert_eq!(data, ["G10 L10 P6 R25.", "G90 G10 L13 P6 R0.02", "G10 L2 P0 Z1.5"]);
     check_codes("fanuc", "G10 L10 P6\nG10 L14 P6 R1.\nM30", &["E0210:1", "E0201:2"]);
 }
 
@@ -361,7 +361,7 @@ fn reference_points_are_written_in_machine_coordinates() {
         [
             "G0 X1. Y2. Z3.",
             "G53 G0 Z450.",
-            "G0 Z5.",
+            "G90 G0 Z5.",
             "G0 X10. Z20.",
             "G53 G0 X-30. Z250.",
             "G0 X0. Z5.",

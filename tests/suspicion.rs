@@ -18,7 +18,7 @@ use ncfix_base::source::{FileId, Source};
 use ncfix_language::exec::{Execution, NoLibrary, Options as ExecOptions, RapidOrder};
 use ncfix_language::syntax;
 use ncfix_machine::machine::Machine;
-use ncfix_machine::snc::{Element, Kind, Move};
+use ncfix_machine::snc::{Element, Kind, Move, Turning};
 use ncfix_model::Model;
 use ncfix_path::emit::{self, Stamp, WriterOptions};
 use ncfix_path::path::{Corrector, FiveAxis, Increments, OutputFrame, Rapids, Subdivision};
@@ -44,10 +44,11 @@ const MOST_FEED_MIN: f64 = 1e-6;
 const SAME_PLACE_MM: f64 = 1e-9;
 
 /// What a program does, by the numbers of its blocks.
-type Groups = BTreeMap<u32, Vec<RotaryDirection>>;
+type Groups<'a> = BTreeMap<u32, Vec<RotaryDirection<'a>>>;
 
 /// A move from where the axes stood.
-struct RotaryDirection {
+struct RotaryDirection<'a> {
+    judge: &'a Judge<'a>,
     start: AxisVector,
     motion: Move,
     circle: Option<Circle>,
@@ -65,14 +66,15 @@ struct Circle {
     sweep_rad: f64,
 }
 
-impl RotaryDirection {
-    fn new(start: AxisVector, motion: Move, is_on_the_spot: bool) -> RotaryDirection {
+impl<'a> RotaryDirection<'a> {
+    fn new(judge: &'a Judge<'a>, start: AxisVector, motion: Move, is_on_the_spot: bool) -> RotaryDirection<'a> {
         let circle = motion.arc.map(|arc| {
             let [abscissa, ordinate, _] = arc.plane.axes();
             let from_center =
                 |position: &AxisVector| [position[abscissa] - arc.center_mm[0], position[ordinate] - arc.center_mm[1]];
-            let [x, y] = from_center(&start);
-            let [end_x, end_y] = from_center(&motion.target);
+            assert!(motion.arc_basis.is_none(), "no program here tilts a plane");
+            let [x, y] = from_center(&interpolated(judge, &motion, &start));
+            let [end_x, end_y] = from_center(&interpolated(judge, &motion, &motion.target));
             let (start_rad, sense) = (y.atan2(x), if arc.clockwise { -1.0 } else { 1.0 });
             // A turn where start and end are one place, and as many more as are asked for.
             let mut turned = (sense * (end_y.atan2(end_x) - start_rad)).rem_euclid(TAU);
@@ -83,11 +85,16 @@ impl RotaryDirection {
             let radius_mm = [x.hypot(y), end_x.hypot(end_y)];
             Circle { axes: [abscissa, ordinate], center_mm: arc.center_mm, radius_mm, start_rad, sweep_rad }
         });
-        RotaryDirection { start, motion, circle, is_on_the_spot }
+        RotaryDirection { judge, start, motion, circle, is_on_the_spot }
     }
 
     fn at(&self, fraction: f64) -> AxisVector {
-        let mut place = self.start.lerp(&self.motion.target, fraction);
+        if self.motion.tip.is_some() && fraction >= 1.0 {
+            return self.motion.target;
+        }
+        let [start, end] =
+            [&self.start, &self.motion.target].map(|command| interpolated(self.judge, &self.motion, command));
+        let mut place = start.lerp(&end, fraction);
         if let Some(circle) = &self.circle
             && fraction < 1.0
         {
@@ -96,11 +103,20 @@ impl RotaryDirection {
             place[circle.axes[0]] = circle.center_mm[0] + radius_mm * cosine;
             place[circle.axes[1]] = circle.center_mm[1] + radius_mm * sine;
         }
-        place
+        if self.motion.tip.is_some() { self.judge.command_of(&place) } else { place }
     }
 }
 
-impl RotaryDirection {
+/// Where a control interpolates: the axes, or the tip in the workpiece as the axes of the zero pose would place it, with the rotary axes as they are.
+fn interpolated(judge: &Judge, motion: &Move, command: &AxisVector) -> AxisVector {
+    match motion.tip {
+        None => *command,
+        Some(Turning::Axes) => judge.fixed(command),
+        Some(Turning::Vector) => unreachable!("no program here turns the tool along a great circle"),
+    }
+}
+
+impl RotaryDirection<'_> {
     /// Axes of a circle that turn at a place, to an increment: where a rounded circle turns nobody can say better.
     fn turning(&self, place: &AxisVector, increment_mm: f64) -> Vec<Axis> {
         let Some(circle) = &self.circle else { return Vec::new() };
@@ -164,7 +180,7 @@ fn corrected(pair: &Pair) -> (String, Vec<Diagnostic>) {
 }
 
 /// The moves of a stream by the block number in force; those of a Grundig, whose lines are numbered anew, by the blocks that they belong to.
-fn groups(elements: &[Element], is_renumbered: bool) -> Groups {
+fn groups<'a>(judge: &'a Judge<'a>, elements: &[Element], is_renumbered: bool) -> Groups<'a> {
     let mut groups = Groups::new();
     let (mut at, mut number, mut is_on_the_spot) = (AxisVector::ZERO, 0, false);
     let mut is_continued = false;
@@ -185,7 +201,7 @@ fn groups(elements: &[Element], is_renumbered: bool) -> Groups {
             is_continued = true;
         }
         if let Kind::Move(motion) = &element.kind {
-            groups.entry(number).or_default().push(RotaryDirection::new(at, *motion, is_on_the_spot));
+            groups.entry(number).or_default().push(RotaryDirection::new(judge, at, *motion, is_on_the_spot));
             at = motion.target;
         }
     }
@@ -195,7 +211,7 @@ fn groups(elements: &[Element], is_renumbered: bool) -> Groups {
 /// The ideal way of a block in the workpiece.
 struct Ideal<'a> {
     judge: &'a Judge<'a>,
-    ways: &'a [RotaryDirection],
+    ways: &'a [RotaryDirection<'a>],
     /// Points of it with their way and the parameter there, dense enough to find the nearest place from anywhere.
     points: OnceCell<Vec<(usize, f64, Vector)>>,
     /// The last place that was found: the next one is near.
@@ -203,7 +219,7 @@ struct Ideal<'a> {
 }
 
 impl<'a> Ideal<'a> {
-    fn new(judge: &'a Judge<'a>, ways: &'a [RotaryDirection]) -> Ideal<'a> {
+    fn new(judge: &'a Judge<'a>, ways: &'a [RotaryDirection<'a>]) -> Ideal<'a> {
         Ideal { judge, ways, points: OnceCell::new(), last: Cell::new((0, 0.0)) }
     }
 
@@ -306,7 +322,7 @@ fn judge(pair: &Pair, worst: &mut Worst, warned: &mut BTreeMap<String, u64>) -> 
     assert!(faults.is_empty(), "pair {seed}: the corrected program has {faults:?}\n{context}");
     let judge = Judge::new(pair);
     let is_renumbered = pair.dialect == "grundig";
-    let (original, emitted) = (groups(&original, is_renumbered), groups(&emitted, is_renumbered));
+    let (original, emitted) = (groups(&judge, &original, is_renumbered), groups(&judge, &emitted, is_renumbered));
     let increment_mm = pair.machine.control.increment_mm;
     let rounding_mm = 3.0_f64.sqrt() / 2.0 * increment_mm;
     // Rounding alone may exceed the tolerance; then a bend may add a tenth of it.
@@ -490,8 +506,9 @@ fn narrow(pair: &mut Pair) {
     if !random.one_in(5) {
         return;
     }
+    let judge = Judge::new(pair);
     let groups =
-        groups(&execute(&pair.program, pair.dialect, &pair.machine, RapidOrder::All).0, pair.dialect == "grundig");
+        groups(&judge, &execute(&pair.program, pair.dialect, &pair.machine, RapidOrder::All).0, pair.dialect == "grundig");
     let axes: Vec<Axis> = pair.machine.axis_set().iter().filter(|axis| !axis.is_rotary()).collect();
     let axis = random.of(&axes);
     let places = groups.iter().filter(|(number, _)| **number >= pair.first_move).flat_map(|(number, ways)| {

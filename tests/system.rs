@@ -154,7 +154,7 @@ M30",
         lines,
         [
             "N20 $P_UIFR[1]=CTRANS(X,100,Y,50):CROT(Z,90)",
-            "N30 G17 G90 G54 G0 X10 Y0 Z0",
+            "N30 G54 G17 G90 G0 X10 Y0 Z0",
             "N40 $P_UIFR[1]=CTRANS(X,100,Y,50):CFINE(X,0.25):CROT(Z,90) $AC_MARKER[3]=51",
             "N50 $TC_DP3[1,1]=125 $A_OUT[2]=TRUE",
             "N60 G0 X51 Y0 Z0",
@@ -229,7 +229,7 @@ fn save_brings_assigned_frames_back() {
         )
     };
     let lines = fixed(&program("TRANS X20\nX2 Y0 Z0"), IDEAL);
-    let places = ["$P_PFRAME=CTRANS(X,5)", "ATRANS Y1", "G0 X1 Y0 Z0", "M30"];
+    let places = ["$P_PFRAME=CTRANS(X,5)", "ATRANS Y1", "X1 Y0 Z0", "M30"];
     assert_eq!(lines[lines.len() - 4..], places, "{lines:?}");
     let shop = Shop::new().file("p.mpf", program("$P_UIFR[1]=CTRANS(X,3)\nG54 X2 Y0 Z0")).file("m.toml", IDEAL);
     let lines = shop.run(["p.mpf", "-o", "-", "--machine", "m.toml"]).exits(0).stdout;

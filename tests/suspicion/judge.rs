@@ -3,7 +3,7 @@
 //! With L the place of an axis, M its motion and D a small displacement (rotated by the exponential of EA EB EC, then shifted by EX EY EZ),
 //! an axis is L D(e0) M D(e) L⁻¹, or L D(e0) D(e) M L⁻¹ where the lever is fixed. The spindle is D(e0) at its gauge point.
 
-use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
+use ncfix_base::geometry::{AXES, Axis, AxisVector, Matrix, Vector};
 use ncfix_machine::machine::{AxisData, Lever, State};
 use ncfix_model::Model;
 use ncfix_path::path::Increments;
@@ -199,6 +199,37 @@ impl<'a> Judge<'a> {
             Some((zero, columns)) => columns.iter().fold(*zero, |tip, (axis, column)| tip + column * command[*axis]),
             None => self.tip(command, None),
         }
+    }
+
+    /// The place of the tip in the workpiece, as the linear axes of the pose with all rotary axes at 0; the rotary axes are as they are.
+    pub(super) fn fixed(&self, command: &AxisVector) -> AxisVector {
+        self.solved(self.ideal(command), &AxisVector::ZERO, command)
+    }
+
+    /// The command of such a place.
+    pub(super) fn command_of(&self, fixed: &AxisVector) -> AxisVector {
+        let mut upright = *fixed;
+        for axis in AXES.into_iter().filter(|axis| axis.is_rotary()) {
+            upright[axis] = 0.0;
+        }
+        self.solved(self.ideal(&upright), fixed, fixed)
+    }
+
+    /// X, Y and Z that bring the tip to a point, with the rotary axes of `turned`; the others are those of `others`.
+    fn solved(&self, tip: Vector, turned: &AxisVector, others: &AxisVector) -> AxisVector {
+        let mut pose = *turned;
+        let linear = [Axis::X, Axis::Y, Axis::Z];
+        linear.iter().for_each(|&axis| pose[axis] = 0.0);
+        let zero = self.tip(&pose, None);
+        let columns = linear.map(|axis| {
+            let mut moved = pose;
+            moved[axis] = 1.0;
+            self.tip(&moved, None) - zero
+        });
+        let found = Matrix::from_columns(&columns).try_inverse().unwrap() * (tip - zero);
+        let mut out = *others;
+        linear.iter().zip(found.iter()).for_each(|(&axis, &value)| out[axis] = value);
+        out
     }
 
     /// The same with errors.
