@@ -507,8 +507,11 @@ fn narrow(pair: &mut Pair) {
         return;
     }
     let judge = Judge::new(pair);
-    let groups =
-        groups(&judge, &execute(&pair.program, pair.dialect, &pair.machine, RapidOrder::All).0, pair.dialect == "grundig");
+    let groups = groups(
+        &judge,
+        &execute(&pair.program, pair.dialect, &pair.machine, RapidOrder::All).0,
+        pair.dialect == "grundig",
+    );
     let axes: Vec<Axis> = pair.machine.axis_set().iter().filter(|axis| !axis.is_rotary()).collect();
     let axis = random.of(&axes);
     let places = groups.iter().filter(|(number, _)| **number >= pair.first_move).flat_map(|(number, ways)| {

@@ -11,6 +11,7 @@ use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Element, Kind, Move};
 
 use super::lost_axes;
+use super::tip_divider::TipDivider;
 
 /// Maximum number of held elements.
 const MOST_HELD: usize = 2048;
@@ -43,6 +44,8 @@ impl Upcoming {
 pub(super) struct Ahead<'a, I> {
     elements: I,
     machine: &'a Machine,
+    /// Some if the output leaves the transformation: its moves are straight in the axes.
+    tips: Option<TipDivider>,
     held: VecDeque<Result<Element, Diagnostic>>,
     held_bytes: usize,
     /// The rotary axes to look for.
@@ -71,8 +74,8 @@ impl<'a, I> Ahead<'a, I>
 where
     I: Iterator<Item = Result<Element, Diagnostic>>,
 {
-    /// Creates a look-ahead for these rotary axes.
-    pub(super) fn new(elements: I, machine: &'a Machine, rotary: AxisSet) -> Self {
+    /// Creates a look-ahead for these rotary axes. With `tips`, paths of the tip are divided into chords that are straight in the axes.
+    pub(super) fn new(elements: I, machine: &'a Machine, rotary: AxisSet, tips: Option<TipDivider>) -> Self {
         let operation = Operation {
             turned: AxisSet::EMPTY,
             last: AxisVector::ZERO,
@@ -81,7 +84,16 @@ where
             is_transformed: false,
         };
         let held = VecDeque::new();
-        Ahead { elements, machine, held, held_bytes: 0, rotary, operation, seen: 0, is_closed: false }
+        Ahead { elements, machine, tips, held, held_bytes: 0, rotary, operation, seen: 0, is_closed: false }
+    }
+
+    /// Reads an element of the stream.
+    fn read(&mut self) -> Option<Result<Element, Diagnostic>> {
+        let Some(tips) = &mut self.tips else { return self.elements.next() };
+        if let Some(chord) = tips.chords.pop_front() {
+            return Some(Ok(chord));
+        }
+        Some(self.elements.next()?.map(|element| tips.take(element)))
     }
 
     /// The underlying stream.
@@ -99,7 +111,7 @@ where
         let Some(item) = self.held.pop_front() else {
             // Without axes to look for, nothing is held.
             if self.rotary.is_empty() {
-                return self.elements.next();
+                return self.read();
             }
             if !self.pull() {
                 return None;
@@ -160,7 +172,7 @@ where
 
     /// Holds one more element. Returns `false` at the end of the stream.
     fn pull(&mut self) -> bool {
-        let item = self.elements.next();
+        let item = self.read();
         self.held_bytes += item.as_ref().map_or(0, bytes);
         let is_there = item.is_some();
         self.held.extend(item);

@@ -25,8 +25,11 @@ use super::poses::PoseSampler;
 use super::route::Route;
 use super::segment_candidate::{SegmentCandidate, SegmentFitter};
 use super::standing::PathState;
+use super::tip_divider::TipDivider;
 use super::treatment::{MoveTreatment, is_pushed_out};
-use super::{Arcs, CorrectionOptions, Increments, Output, Piece, PoseSample, Prediction, Rotary, Subdivision};
+use super::{
+    Arcs, CorrectionOptions, FiveAxis, Increments, Output, Piece, PoseSample, Prediction, Rotary, Subdivision,
+};
 use clamps::{Clamps, rotary_axes};
 
 /// Minimum length of a piece, mm.
@@ -107,8 +110,10 @@ where
         }
         let is_looked_for = options.rotary == Rotary::Auto && !model.is_empty();
         let rotary = if is_looked_for { rotary_axes(machine) } else { AxisSet::EMPTY };
+        // Without the transformation, the control moves the axes straight: the path of the tip is then one of chords.
+        let tips = (options.five_axis == FiveAxis::Axes).then(|| TipDivider::new(machine, standing.nominal));
         Corrector {
-            elements: Ahead::new(elements, machine, rotary),
+            elements: Ahead::new(elements, machine, rotary, tips),
             clamps: Clamps::new(machine),
             machine,
             placer: CommandSolver::new(machine, model, &options),

@@ -36,6 +36,7 @@ mod singularity;
 mod slope;
 mod standing;
 mod steps;
+mod tip_divider;
 mod tips;
 mod treatment;
 mod turn;
