@@ -509,11 +509,22 @@ mod tests {
     }
 
     #[test]
+    fn a_text_that_is_repeated_is_drawn_once_with_the_lines() {
+        let source = Source::new(FileId(0), "a", b"N1\nN2\nN3\nN4\nN5\n".to_vec()).unwrap();
+        let mut findings = Diagnostics::default();
+        findings.extend([0, 6, 12].map(|start| at(Code::UNEXPECTED, start)), &[source]);
+        let drawing = findings.drawing(terminal::Colors::Plain, true);
+        assert_eq!(drawing.matches("error[E0101]").count(), 1, "{drawing}");
+        assert!(drawing.ends_with("  = also in lines 3 and 5\n\n"), "{drawing}");
+    }
+
+    #[test]
     fn the_drawing_is_bounded_and_errors_come_first() {
         let source = Source::new(FileId(0), "a", vec![b'X'; 5000]).unwrap();
         let mut findings = Diagnostics::default();
-        findings.add(Diagnostic::nowhere(Code::NO_MACHINE, "demo", "h"), &[]);
-        findings.extend((0..2000).map(|start| at(Code::UNEXPECTED, start)), &[source]);
+        findings.add(Diagnostic::nowhere(Code::SKIP_EXECUTED, "demo", "h"), &[]);
+        let other = |start| Diagnostic { message: format!("m{start}"), ..at(Code::UNEXPECTED, start) };
+        findings.extend((0..2000).map(other), &[source]);
         let drawing = findings.drawing(terminal::Colors::Plain, true);
         assert_eq!(drawing.matches("error[E0101]").count(), MOST_DRAWN);
         assert!(drawing.starts_with("error[E0101]"));
