@@ -11,7 +11,6 @@ use super::inputs::InputFile;
 use super::json::Finding;
 use super::number::significant;
 use super::selection;
-use ncfix_base::units::{Unit, mm_from_um};
 use ncfix_metrology::results::calibration::{CalibrationResult, EstimateReport};
 
 /// Maximum number of outlier rows that are listed.
@@ -38,21 +37,6 @@ pub struct CalibrationReport {
 
 /// Width of a name column; a longer name shifts its line.
 const WIDEST_NAME: usize = 60;
-
-/// Length from which an unknown of a set-up is printed in millimeters, µm: no deviation is as large.
-const LONG_UM: f64 = 1e4;
-
-/// An unknown of a set-up as people read it: places of balls are lengths, not deviations, and are in millimeters.
-#[must_use]
-pub fn unknown_in_mm(one: &EstimateReport) -> EstimateReport {
-    let mut shown = one.clone();
-    if one.unit == Unit::Um.sign() && one.value.abs() >= LONG_UM {
-        [shown.value, shown.sigma] = [one.value, one.sigma].map(mm_from_um);
-        shown.sigma_monte_carlo = one.sigma_monte_carlo.map(mm_from_um);
-        shown.unit = "mm".into();
-    }
-    shown
-}
 
 /// Returns value, uncertainty, effect and inflation of a number as text. The value has as many decimals as the uncertainty, as ball positions are large
 /// numbers.
@@ -95,7 +79,6 @@ impl CalibrationReport {
                 if is_model { "  meaning" } else { "" }
             );
             for one in list {
-                let one = &if is_model { one.clone() } else { unknown_in_mm(one) };
                 let [value, sigma, effect, inflation] = cells(one);
                 let (name, unit) = (&one.name, &one.unit);
                 let scatter = repeated(&one.sigma_monte_carlo.map_or("-".into(), significant));

@@ -106,7 +106,7 @@ impl UndeterminedCause {
                 )
             }
             UndeterminedCause::Scale => {
-                "give a calibrated length (remove length from free, or write [[length]] between two balls); \
+                "give a calibrated length (remove length from free, or with probed balls write [[length]] between two of them); \
                              without it, the scale of one axis cannot be fitted"
                     .into()
             }

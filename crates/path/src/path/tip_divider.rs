@@ -6,6 +6,21 @@ use ncfix_base::geometry::{AxisSet, AxisVector, Vector};
 use ncfix_machine::machine::{Kinematics, Machine, TipPath};
 use ncfix_machine::snc::{Element, Kind, Move, Turning};
 
+/// A stream whose paths of the tip are divided, if there is a divider.
+pub(super) struct DividedTips<I> {
+    pub(super) elements: I,
+    pub(super) tips: Option<TipDivider>,
+}
+
+impl<I: Iterator<Item = Element>> Iterator for DividedTips<I> {
+    type Item = Element;
+
+    fn next(&mut self) -> Option<Element> {
+        let Some(tips) = &mut self.tips else { return self.elements.next() };
+        tips.chords.pop_front().or_else(|| self.elements.next().map(|element| tips.take(element)))
+    }
+}
+
 /// Divides the moves of a stream whose tip follows a path in the workpiece.
 #[derive(Debug)]
 pub(super) struct TipDivider {

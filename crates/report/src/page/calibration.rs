@@ -4,7 +4,7 @@ mod pictures;
 
 use super::parts::{MOST_ROWS, diagnostics, origin};
 use super::{PageRow, columns, figure, page, pictures as side_by_side, strip, table};
-use crate::calibration::{CalibrationReport, cells, unknown_in_mm};
+use crate::calibration::{CalibrationReport, cells};
 use crate::component::spelled_out;
 use crate::markup::Markup;
 use crate::number::{grouped, significant};
@@ -190,7 +190,7 @@ fn estimates(out: &mut Markup, found: &CalibrationResult) {
             .unknowns
             .iter()
             .map(|one| {
-                let mut row = row(&unknown_in_mm(one));
+                let mut row = row(one);
                 row.cells.drain(4..6);
                 row
             })

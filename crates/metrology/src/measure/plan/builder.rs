@@ -176,7 +176,9 @@ impl Builder {
         let help = "move the center, or make the plan smaller";
         Err(PlanRefused(if (low..=high).contains(&position[axis]) {
             let margin = self.margin_mm;
-            format!("{place}, less than the margin of {margin} mm from an end of {travel}; {help}, or the --margin")
+            format!(
+                "{place}, less than the margin of {margin} mm from an end of {travel}; {help}, or give a smaller --margin"
+            )
         } else {
             format!("{place}, which is outside {travel}; {help}")
         }))

@@ -38,6 +38,7 @@ use step::{ComparedMove, Walk};
 use super::lead::Lead;
 use super::prediction::SpreadPair;
 use super::sampling::{ON_THE_SPOT_MM, Offset};
+use super::tip_divider::{DividedTips, TipDivider};
 use super::{ErrorPlace, Feeds, Prediction, Spread};
 
 /// Receives data along the moves.
@@ -170,7 +171,10 @@ pub fn compare_seeing(
     (see, differ): (See<'_>, Differ<'_>),
 ) -> Result<Comparison, Vec<Parting>> {
     let lead = Lead::new(model, machine);
-    let original = Walk::new(original, machine, feeds[0], lead);
+    // A correction without the transformation has divided the paths of the tip.
+    let in_axes = promise.is_some_and(|promise| promise.in_axes);
+    let tips = in_axes.then(|| TipDivider::new(machine, AxisVector::ZERO));
+    let original = Walk::new(DividedTips { elements: original, tips }, machine, feeds[0], lead);
     let corrected = Walk::new(corrected, machine, feeds[1], lead);
     let tails = [original.tail(), corrected.tail()];
     let (mut original, mut corrected) = (MovesAhead::new(original), MovesAhead::new(corrected));
