@@ -82,8 +82,8 @@ impl Program {
     ///
     /// let own = Detector::new("our post", find("rs274").unwrap(), &["tap"], r"^\(OUR POST \d+\)$")?;
     /// let registry = Registry::default().with_detector(own);
-    /// let program = Program::parse_with("part.tap", "O1 sub\nO1 endsub\nM2\n", DialectChoice::Guess, &registry)?;
-    /// assert!(!program.check(&Machine::demo()).has_errors());
+    /// let text = "O1 sub\nO1 endsub\nM2\n";
+    /// assert!(Program::parse_with("part.tap", text, DialectChoice::Guess, &registry).is_ok());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///

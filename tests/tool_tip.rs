@@ -432,3 +432,17 @@ fn short_blocks_of_a_surface_stay_one_block_each() {
         assert!(worst_mm < LIMIT_MM, "{}: {worst_mm}", rig.name);
     }
 }
+
+/// A block that only turns has its duration (G93); the feed mode that the source states in it is written where the output goes back to it.
+#[test]
+fn a_block_has_one_feed_mode() {
+    let program = "N10 G17 G90 G71 G94 G54\nN20 T1 M6\nN30 D1\nN35 G0 X10 Y10 Z250 A0 C0\nN40 TRAORI\nN45 ORIAXES\nN50 G1 X20 Y15 Z40 F2000\n\
+                   N60 G1 A20 G94 F2000\nN70 G1 X30\nN80 TRAFOOF\nN90 M30\n";
+    let machine = crate::support::machine("esmaeili_huron");
+    let shop = Shop::new().file("in.mpf", program);
+    shop.run(["in.mpf", "-o", "out.mpf", "--machine", &machine]);
+    for line in shop.text("out.mpf").lines().filter(|line| !line.starts_with(';')) {
+        let modes = line.split(' ').filter(|word| ["G93", "G94", "G95"].contains(word)).count();
+        assert!(modes <= 1, "{line}");
+    }
+}

@@ -5,6 +5,9 @@ use super::block_number::NumberSet;
 use super::kept::KeptLines;
 use ncfix_base::units::push_integer;
 
+/// Feed modes of a move: by its time, per minute, per revolution. A block can have one.
+pub(super) const FEED_WORDS: [&str; 3] = ["G93", "G94", "G95"];
+
 /// The line under construction, with the settings common to all lines: line end, numbers, count.
 #[derive(Debug)]
 pub(super) struct LineBuilder {
@@ -132,6 +135,18 @@ impl LineBuilder {
             self.text.push(b' ');
         }
         self.text.extend_from_slice(bytes);
+    }
+
+    /// Removes words that another of their group replaces in this line. A message keeps its text.
+    pub(super) fn remove_words(&mut self, words: &[&str]) {
+        if self.motion_at.is_some() || self.text.contains(&b'"') {
+            return;
+        }
+        let is_kept = |word: &&[u8]| !words.iter().any(|other| other.as_bytes() == *word);
+        if !self.text.split(|&byte| byte == b' ').all(|word| is_kept(&word)) {
+            let kept: Vec<&[u8]> = self.text.split(|&byte| byte == b' ').filter(is_kept).collect();
+            self.text = kept.join(&b' ');
+        }
     }
 
     /// Marks the beginning of the motion words.

@@ -4,6 +4,7 @@ use super::{ASSUMED, Sinumerik};
 use ncfix_base::units::push_integer;
 use ncfix_machine::snc::{Dwell, Element, FEED_MODES, FrameKind, FrameStatement, FrameWords, Kind, Word, WordValue};
 
+use super::super::line::FEED_WORDS;
 use super::super::number::push_value;
 
 /// Words that suppress frames in their block.
@@ -42,6 +43,7 @@ impl Sinumerik {
             }
             Kind::Keep(word) => {
                 if FEED_MODES.contains(word) {
+                    self.line.remove_words(&FEED_WORDS);
                     // A feed of one mode is not valid in the other.
                     self.feed = f64::NAN;
                 }

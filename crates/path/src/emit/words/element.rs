@@ -2,6 +2,7 @@
 
 use super::super::comment::in_parentheses;
 use super::super::is_compensation;
+use super::super::line::FEED_WORDS;
 use super::super::number::push_value;
 use super::{Language, Words};
 use ncfix_base::diagnostic::Diagnostic;
@@ -87,7 +88,8 @@ impl Words {
         }
         match kind {
             Kind::Keep(word) => {
-                if ["G93", "G94", "G95"].contains(word) {
+                if FEED_WORDS.contains(word) {
+                    self.line.remove_words(&FEED_WORDS);
                     self.is_inverse_time = *word == "G93";
                     // A feed of one mode is not valid in the other.
                     self.feed = f64::NAN;
