@@ -1,11 +1,15 @@
 //! Diagnostics of a run, collected from all crates with their files.
 
+mod repeated;
+
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt;
 
 use ncfix_base::diagnostic::{Code, Diagnostic, Place, Severity};
 use ncfix_base::source::{Source, Span};
 use ncfix_report::{json, terminal};
+
+use repeated::{further_lines, repeated};
 
 /// Maximum number of stored diagnostics. A program with an error in every block is understood with fewer, and memory
 /// stays bounded.
@@ -16,8 +20,6 @@ const MOST_DRAWN: usize = 50;
 
 /// Number of errors drawn for a file that is probably in another language.
 const MOST_MISREAD: usize = 3;
-/// Further lines of a repeated diagnostic that are named.
-const MOST_LINES: usize = 8;
 
 /// Diagnostics of which there may be several in one line: those about a file as a whole, and words of one block.
 const ABOUT_FILES: &[Code] = &[
@@ -435,40 +437,6 @@ impl Diagnostics {
         let hint = self.misread.get(source?.name()).filter(|hint| hint.sentence.is_some())?;
         let help = diagnostic.help.strip_prefix(hint.help.as_str())?.strip_prefix("; else ")?.to_owned();
         Some(Diagnostic { help, ..diagnostic.clone() })
-    }
-}
-
-/// The diagnostics in groups with the same text in the same file, in order of their first occurrence.
-fn repeated<'a>(shown: &[&'a (Diagnostic, Option<Source>)]) -> Vec<Vec<&'a (Diagnostic, Option<Source>)>> {
-    let mut groups: Vec<Vec<&(Diagnostic, Option<Source>)>> = Vec::new();
-    let mut known = HashMap::new();
-    for &entry in shown {
-        let (diagnostic, source) = entry;
-        let name = source.as_ref().map(Source::name);
-        let index =
-            *known.entry((diagnostic.code, &*diagnostic.message, &*diagnostic.help, name)).or_insert(groups.len());
-        match groups.get_mut(index) {
-            Some(group) => group.push(entry),
-            None => groups.push(vec![entry]),
-        }
-    }
-    groups
-}
-
-/// The lines of further occurrences, as a line of text.
-fn further_lines(others: &[&(Diagnostic, Option<Source>)]) -> String {
-    let mut lines: Vec<usize> = others
-        .iter()
-        .filter_map(|(diagnostic, source)| Some(source.as_ref()?.line_column(diagnostic.place?.span.start).0))
-        .collect();
-    lines.dedup();
-    let more = lines.len().saturating_sub(MOST_LINES);
-    let named: Vec<String> = lines.iter().take(MOST_LINES).map(usize::to_string).collect();
-    match (named.as_slice(), more) {
-        ([], _) => String::new(),
-        ([one], _) => format!("  = also in line {one}\n"),
-        ([most @ .., last], 0) => format!("  = also in lines {} and {last}\n", most.join(", ")),
-        (all, more) => format!("  = also in lines {} and {more} more\n", all.join(", ")),
     }
 }
 

@@ -440,7 +440,9 @@ fn a_block_has_one_feed_mode() {
                    N60 G1 A20 G94 F2000\nN70 G1 X30\nN80 TRAFOOF\nN90 M30\n";
     let machine = crate::support::machine("esmaeili_huron");
     let shop = Shop::new().file("in.mpf", program);
-    shop.run(["in.mpf", "-o", "out.mpf", "--machine", &machine]);
+    shop.run(["in.mpf", "-o", "out.mpf", "--machine", &machine]).exits(0);
+    shop.run(["verify", "in.mpf", "out.mpf", "--machine", &machine]).exits(0);
+    assert!(shop.text("out.mpf").contains("N60 G93 G1 "), "{}", shop.text("out.mpf"));
     for line in shop.text("out.mpf").lines().filter(|line| !line.starts_with(';')) {
         let modes = line.split(' ').filter(|word| ["G93", "G94", "G95"].contains(word)).count();
         assert!(modes <= 1, "{line}");

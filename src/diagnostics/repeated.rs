@@ -1,0 +1,43 @@
+//! Diagnostics with one text: they are drawn once, with the lines of the others.
+
+use std::collections::HashMap;
+
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::source::Source;
+
+/// Further lines of a repeated diagnostic that are named.
+const MOST_LINES: usize = 8;
+
+/// The diagnostics in groups with the same text in the same file, in order of their first occurrence.
+pub(super) fn repeated<'a>(shown: &[&'a (Diagnostic, Option<Source>)]) -> Vec<Vec<&'a (Diagnostic, Option<Source>)>> {
+    let mut groups: Vec<Vec<&(Diagnostic, Option<Source>)>> = Vec::new();
+    let mut known = HashMap::new();
+    for &entry in shown {
+        let (diagnostic, source) = entry;
+        let name = source.as_ref().map(Source::name);
+        let index =
+            *known.entry((diagnostic.code, &*diagnostic.message, &*diagnostic.help, name)).or_insert(groups.len());
+        match groups.get_mut(index) {
+            Some(group) => group.push(entry),
+            None => groups.push(vec![entry]),
+        }
+    }
+    groups
+}
+
+/// The lines of further occurrences, as a line of text.
+pub(super) fn further_lines(others: &[&(Diagnostic, Option<Source>)]) -> String {
+    let mut lines: Vec<usize> = others
+        .iter()
+        .filter_map(|(diagnostic, source)| Some(source.as_ref()?.line_column(diagnostic.place?.span.start).0))
+        .collect();
+    lines.dedup();
+    let more = lines.len().saturating_sub(MOST_LINES);
+    let named: Vec<String> = lines.iter().take(MOST_LINES).map(usize::to_string).collect();
+    match (named.as_slice(), more) {
+        ([], _) => String::new(),
+        ([one], _) => format!("  = also in line {one}\n"),
+        ([most @ .., last], 0) => format!("  = also in lines {} and {last}\n", most.join(", ")),
+        (all, more) => format!("  = also in lines {} and {more} more\n", all.join(", ")),
+    }
+}
