@@ -2,7 +2,7 @@
 
 use crate::machine::Machine;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
-use ncfix_base::geometry::AxisSet;
+use ncfix_base::geometry::{Axis, AxisSet};
 use ncfix_machine::snc::Origin;
 use ncfix_machine::snc::extent::PathExtent;
 use ncfix_model::coverage::{Coverage, UsedRanges};
@@ -14,7 +14,9 @@ pub(crate) fn of_run(machine: &Machine, extent: &PathExtent, is_required: bool) 
     let coverage = of_ranges(machine, &used);
     let mut found = coverage.diagnostics(is_required);
     found.extend(extent.unknown().map(|(origin, axes)| unknown_cut(origin, axes, is_required)));
-    let rotary = machine.machine.axis_set().iter().filter(|axis| axis.is_rotary()).collect();
+    // A tool change leaves an axis where start_deg has it.
+    let is_open = |axis: &Axis| machine.machine.axis(*axis).is_some_and(|data| data.start_rad.is_none());
+    let rotary = machine.machine.axis_set().iter().filter(|axis| axis.is_rotary() && is_open(axis)).collect();
     found.extend(extent.unstated(rotary).map(|(origin, axes)| unstated_axes(origin, axes, is_required)));
     (CoverageReport::from(&coverage), found)
 }

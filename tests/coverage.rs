@@ -412,6 +412,17 @@ fn a_position_at_the_beginning_counts_as_programmed() {
     let begins = begins.json();
     assert_eq!(begins["before"], named["before"]);
     assert_ne!(begins["before"], unstated["before"]);
+    // A tool change before the first motion does not take the statement back.
+    let tool = "[[tool]]\nnumber = 1\nlength_mm = 0\n";
+    let changed = |machine: &str| {
+        let shop = Shop::new().file("five.toml", format!("{machine}{tool}"));
+        let shop = shop.file("part.mpf", format!("T1 M6\n{}", text("")));
+        fix(&shop, "--json").exits(0)
+    };
+    let begins = changed(&begin(20.0, 90.0));
+    assert!(!begins.codes().contains(&"W0324".to_owned()), "{}", begins.stdout);
+    assert_eq!(begins.json()["before"], named["before"]);
+    assert!(changed(&format!("{FIVE_AXES}{MEASURED}")).codes().contains(&"W0324".to_owned()));
     // A position beyond the travel is a mistake.
     let far = Shop::new().file("five.toml", begin(500.0, 0.0)).file("part.mpf", text(""));
     fix(&far, "").exits(4).says("error[E0404]: start_deg of axis A is outside its travel");
