@@ -30,7 +30,7 @@ fn unknown_cut(origin: Origin, axes: AxisSet, is_required: bool) -> Diagnostic {
     let message =
         format!("the tool cuts here, and the position of {names} is not known, so the correction is incomplete");
     let help = format!(
-        "program {names} before this cut; for the beginning of a program, --start gives the position; \
+        "program {names} before this cut; --start gives the position until the first tool change; \
          a program of the control that moves no axis is named by [[opaque]] with moves = false"
     );
     Diagnostic::at(code, place, message, help)
@@ -45,7 +45,7 @@ fn unstated_axes(origin: Origin, axes: AxisSet, is_required: bool) -> Diagnostic
     let place = Place { file: origin.file, span: origin.span };
     let message = format!("the tool cuts here, and the position of {names} is not stated; the correction is for 0°");
     let help = format!(
-        "program {names} before this cut, or state the position at the beginning: --start X0,Y0,Z0,{zeros} for this run, start_deg in [axis] for all"
+        "program {names} before this cut, or state the position: start_deg in [axis] for all programs, or until the first tool change --start X0,Y0,Z0,{zeros}"
     );
     Diagnostic::at(code, place, message, help)
 }

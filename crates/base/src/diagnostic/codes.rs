@@ -645,7 +645,7 @@ synchronism, or the axes would stop in between. The end of the move is corrected
     SENSE_UNKNOWN = "W0308" "position within the backlash unknown"
 "An axis with backlash reached its position from an unknown position (before the first block, after a tool change), so its
 position within the backlash is unknown. The mean of the backlash is used there, and half of it may remain as residual until the axis
-moves again. A short motion of the axis before the cut, or --start, resolves this.";
+moves again. A short motion of the axis before the cut resolves this; so does --start if no tool change lies between.";
     FEED_LIMIT_MISSED = "W0309" "path deviation larger than --feed-limit"
 "With --feed-limit, ncfix fix lowers feeds where the axes would deviate too far from the path. On this block that was not enough: its
 feed is at the lowest value tried, 5 % of the programmed one; or it is inverse-time (G93) or that of a thread, which are not
@@ -683,12 +683,13 @@ See docs/how-to/set-the-zero.md.";
     UNKNOWN_CUT = "W0322" "cut at a position that is not known"
 "The program has a feed move while the position of a linear axis is not known. Either no earlier block states it, or a program that the
 control itself executes has moved the axes. The errors of the machine depend on this position, so the correction there is incomplete, and
-the predicted errors do not count the move. Program the axes before the cut, or give the position at the beginning with --start.";
+the predicted errors do not count the move. Program the axes before the cut. --start gives their position at
+the beginning, and it holds until the first tool change.";
     ROTARY_ASSUMED = "W0324" "rotary axes assumed at 0°"
 "The program has a feed move, and neither an earlier block nor --start states the position of a rotary axis of the machine. ncfix takes
 it to be at 0°, as programs for three axes expect. If the axis is elsewhere, the workpiece is turned, and the correction acts in wrong
-directions. Program the axis before the cut, or state its position: with --start, or with start_deg in the section of the axis if
-every program begins there.";
+directions. Program the axis before the cut, or state its position: with start_deg in the section of the axis if every
+program begins there, or with --start, which holds until the first tool change.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be detected.";
     TWO_DRIFTS = "W0402" "two models of the drift"

@@ -15,6 +15,8 @@ pub struct Options {
     pub start: Option<AxisVector>,
     /// Rejects input that a correction must not assume: zero offsets and tools without value, motions from unknown positions.
     pub strict: bool,
+    /// Rejects zero offsets and tools without value, as a strict run does; the remainder of `strict` stays permitted.
+    pub requires_values: bool,
     /// Reports at the end the places where radius compensation was converted to the tool center path (`W0236`).
     pub tells_compensation: bool,
     /// Radius for G41 and G42.

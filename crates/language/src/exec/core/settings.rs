@@ -10,6 +10,8 @@ pub(in crate::exec) struct RunSettings<'a> {
     pub(in crate::exec) machine: &'a Machine,
     /// Rejects input that a correction must not assume.
     pub(in crate::exec) strict: bool,
+    /// Rejects zero offsets and tools without value.
+    pub(in crate::exec) requires_values: bool,
     /// Leaves rigid tapping to the control.
     pub(in crate::exec) keeps_tapping: bool,
     /// Radius for G41 and G42.
@@ -21,6 +23,7 @@ pub(in crate::exec) struct RunSettings<'a> {
 impl<'a> RunSettings<'a> {
     pub(in crate::exec) fn new(machine: &'a Machine, options: &Options) -> Self {
         let &Options { strict, keeps_tapping, radius, rapid_order, .. } = options;
-        RunSettings { machine, strict, keeps_tapping, radius, rapid_order }
+        let requires_values = strict || options.requires_values;
+        RunSettings { machine, strict, requires_values, keeps_tapping, radius, rapid_order }
     }
 }

@@ -46,14 +46,14 @@ impl<T: Clone, L: Default> ToolState<T, L> {
 
 /// Reports a tool or offset without value in the machine file: an error if nothing may be assumed, otherwise a warning that `used` is used.
 pub(in crate::exec) fn without_value(
-    strict: bool,
+    requires_values: bool,
     warnings: &mut Vec<Fault>,
     span: Span,
     message: &str,
     used: &str,
     help: &str,
 ) -> Result<(), Fault> {
-    if strict {
+    if requires_values {
         return Err(fault(Code::NO_TOOL, span, message, help));
     }
     warnings.push(fault(Code::TOOL_ASSUMED, span, format!("{message}; {used} is used"), help));

@@ -52,7 +52,7 @@ pub(super) fn frame_codes(channel: &mut Channel<'_>, gathered: &mut Gathered) ->
 
 fn pallet(channel: &mut Channel<'_>, on: bool, span: Span) -> Result<(), Fault> {
     if on {
-        check_value(channel.settings.strict, &mut channel.modal, &mut channel.outlet, PALLET, span)?;
+        check_value(channel.settings.requires_values, &mut channel.modal, &mut channel.outlet, PALLET, span)?;
     }
     channel.modal.frames.pallet = on;
     setup::refresh_setup(channel)?;
@@ -96,7 +96,7 @@ fn settable(channel: &mut Channel<'_>, gathered: &mut Gathered, number: u16, spa
         }
     }
     if let Some(name) = &name {
-        check_value(channel.settings.strict, &mut channel.modal, &mut channel.outlet, name, span)?;
+        check_value(channel.settings.requires_values, &mut channel.modal, &mut channel.outlet, name, span)?;
     } else {
         channel.modal.frames.assumed = false;
     }
@@ -127,7 +127,7 @@ fn push_settable(outlet: &mut MotionSink<'_>, text: &str) {
 
 /// Checks that a stored offset has a value.
 fn check_value(
-    strict: bool,
+    requires_values: bool,
     modal: &mut Modal,
     outlet: &mut MotionSink<'_>,
     name: &str,
@@ -139,7 +139,7 @@ fn check_value(
         return Ok(());
     }
     let help = format!("add [zero_offset.\"{name}\"] there, or give the table of the control with --setup");
-    if strict {
+    if requires_values {
         return Err(fault(Code::NO_OFFSET, span, format!("{name} has no value in the machine file"), help));
     }
     let message = format!("{name} has no value in the machine file; zero is used");
@@ -242,7 +242,7 @@ pub(super) fn table_access(
     };
     let name = entry_name(entry).ok_or_else(|| bad_value(at, format!("N1={entry} is not a zero offset"), help))?;
     if !writes {
-        check_value(channel.settings.strict, &mut channel.modal, &mut channel.outlet, &name, span)?;
+        check_value(channel.settings.requires_values, &mut channel.modal, &mut channel.outlet, &name, span)?;
     }
     let mut text = format!("G150 N1={entry}");
     for axis in AXES {

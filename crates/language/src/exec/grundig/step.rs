@@ -111,7 +111,7 @@ pub(super) fn elementary(
     // A rotated axis moves two output axes: the position of the other one affects the end of both.
     if let Some(axis) = moving.difference(stated).iter().next().filter(|_| channel.settings.strict) {
         let message = format!("the target of {axis} depends on an axis whose position is not known yet");
-        let help = "begin with a block that names all axes of the rotation, or give --start";
+        let help = "name all axes of the rotation in a block before it; --start does so until the first tool change";
         return Err(fault(Code::UNKNOWN_START, span, message, help));
     }
     if std::mem::replace(&mut channel.block.has_moved, true) {

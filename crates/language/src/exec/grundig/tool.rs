@@ -58,7 +58,7 @@ fn activate(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
     let help = "add a [[tool]] entry there, or give the tool memory of the control with --setup";
     let Some(selected) = channel.modal.tool.selected else {
         let message = "a tool change without a programmed T";
-        if channel.settings.strict {
+        if channel.settings.requires_values {
             return Err(fault(Code::NO_TOOL, span, message, "program T before it or in the block"));
         }
         channel.outlet.warnings.push(fault(Code::TOOL_ASSUMED, span, message, "program T before it"));
@@ -75,7 +75,7 @@ fn activate(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
         return Ok(());
     }
     let message = format!("T{selected} has no value in the machine file");
-    without_value(channel.settings.strict, &mut channel.outlet.warnings, span, &message, "length 0", help)
+    without_value(channel.settings.requires_values, &mut channel.outlet.warnings, span, &message, "length 0", help)
 }
 
 /// `G39 L R`: allowances on length and radius until changed.

@@ -139,7 +139,7 @@ pub(super) fn radius_of(
     }
     let message = format!("offset {number} has no radius in the machine file");
     let help = "add a [[tool]] entry of this number there or in a file given with --setup";
-    without_value(settings.strict, &mut outlet.warnings, span, &message, "0", help)?;
+    without_value(settings.requires_values, &mut outlet.warnings, span, &message, "0", help)?;
     Ok(0.0)
 }
 

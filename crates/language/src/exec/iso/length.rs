@@ -109,7 +109,7 @@ fn table_length(
     }
     let message = format!("tool offset {number} has no value in the machine file");
     let help = "add a [[tool]] entry of this number there or in a file given with --setup";
-    without_value(settings.strict, &mut outlet.warnings, span, &message, "length 0", help)?;
+    without_value(settings.requires_values, &mut outlet.warnings, span, &message, "length 0", help)?;
     Ok((Vector::zeros(), true))
 }
 

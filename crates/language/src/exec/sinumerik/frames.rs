@@ -26,7 +26,7 @@ pub(super) fn offset(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(
     let parts =
         settable_number(name).and_then(|number| channel.system.frames.settable(channel.settings.machine, number));
     let missing = parts.is_none();
-    if missing && channel.settings.strict {
+    if missing && channel.settings.requires_values {
         return Err(frame_store::no_offset(name, *span));
     }
     if missing {

@@ -93,5 +93,5 @@ fn activate_edge(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
             "program T and M6 first",
         ),
     };
-    without_value(channel.settings.strict, &mut channel.outlet.warnings, span, &message, "length 0", help)
+    without_value(channel.settings.requires_values, &mut channel.outlet.warnings, span, &message, "length 0", help)
 }

@@ -24,7 +24,7 @@ pub(in crate::exec) fn unstated(path: &Path, wish: &ContourRequest, plane: Plane
         return None;
     }
     let message = format!("the tool center path depends on {}, whose position is not known yet", shown.join(" and "));
-    let help = "begin with an absolute position of this axis in a block before it, or give --start";
+    let help = super::super::position::BEGIN_ABSOLUTE;
     Some(fault(Code::UNKNOWN_START, wish.span, message, help))
 }
 
