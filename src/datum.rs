@@ -34,8 +34,11 @@ impl FromStr for StatedZero {
 
     /// Reads `G54=touched`, `G54=absolute` or `G54=probed@X330,Y240,Z120,L100`, with the length of the tool after L.
     fn from_str(text: &str) -> Result<StatedZero, String> {
-        let wrong =
-            || format!("'{text}' is not a zero; write for example G54=touched or G54=touched@X330,Y240,Z120,L100");
+        let wrong = || {
+            format!(
+                "'{text}' does not state a zero; its method is touched, probed or absolute, for example G54=touched or G54=touched@X330,Y240,Z120,L100"
+            )
+        };
         let no_method = || {
             format!("'{text}' does not state how the zero was set; write for example {text}=touched or {text}=absolute")
         };

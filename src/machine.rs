@@ -105,6 +105,22 @@ impl Machine {
         Machine::read(path.as_ref(), &[], registry)
     }
 
+    /// Opens a machine with set-up files of a job, as [`from_files`](Machine::from_files), and with the entries of the given registry.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::from_files_with("samples/machines/demo.toml", &[], &Registry::default())?;
+    /// assert_eq!(machine.name(), "demo");
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If a file cannot be read or has errors.
+    pub fn from_files_with(path: impl AsRef<Path>, setups: &[PathBuf], registry: &Registry) -> Result<Machine, Error> {
+        Machine::read(path.as_ref(), setups, registry)
+    }
+
     fn read(path: &Path, setups: &[PathBuf], registry: &Registry) -> Result<Machine, Error> {
         let mut found = Diagnostics::default();
         let machine = machine_file::read_file(path, setups, registry, &mut found)?;

@@ -115,3 +115,47 @@ fn rapid_moves_that_a_control_takes_apart_are_matched() {
     let after = run.json()["after"]["mean_um"].as_f64().unwrap();
     assert!(after < 1.0, "{after}");
 }
+
+#[test]
+fn no_verdict_rests_on_a_zero_or_a_tool_without_value() {
+    // X errs by 100 µm/m: the error at the cut depends on the zero offset, so that no verdict is possible without it.
+    let machine = |controller: &str, offset: &str| {
+        format!(
+            "[machine]\nname = \"m\"\ntopology = \"wXYFZSt\"\ncontroller = \"{controller}\"\n{offset}\n\
+            [axis.X]\ndirection = [-1, 0, 0]\ntravel_mm = [-1000, 1000]\n[axis.Y]\ndirection = [0, -1, 0]\ntravel_mm = [-1000, 1000]\n\
+            [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-1000, 1000]\n[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0, 1e-4]\n"
+        )
+    };
+    let tool = "[[tool]]\nnumber = 1\nlength_mm = 100\n";
+    let cases = [
+        ("sinumerik", "a.mpf", "N10 G54 G90 G71\nN20 T1 D1 M6\nN30 G0 X10 Y10 Z50\nN40 G1 X80 F500\nN50 M30\n"),
+        (
+            "fanuc",
+            "a.nc",
+            "%\nO1\nN10 G54 G90 G21\nN20 T1 M6\nN30 G43 H1 G0 X10 Y10 Z50\nN40 G1 X80 F500\nN50 M30\n%\n",
+        ),
+        ("rs274", "a.ngc", "N10 G54 G90 G21\nN20 T1 M6\nN30 G43 H1 G0 X10 Y10 Z50\nN40 G1 X80 F500\nN50 M30\n"),
+        (
+            "grundig",
+            "a.pm",
+            "%PM\nN9001\nN10 G17 G90\nN15 G54\nN20 T1 M6\nN30 G0 X10 Y10 Z50\nN40 G1 X80 F500\nN50 M30\n",
+        ),
+    ];
+    for (controller, name, program) in cases {
+        let offset = "[zero_offset.G54]\nX_mm = 200\nY_mm = 0\nZ_mm = 0\nset = \"absolute\"\n";
+        let whole = machine(controller, &format!("{offset}{tool}"));
+        let shop = Shop::new()
+            .file("m.toml", whole)
+            .file("zero.toml", machine(controller, tool))
+            .file("tool.toml", machine(controller, offset))
+            .file(name, program);
+        shop.run(["fix", name, "--machine", "m.toml", "-o", "out.nc"]).exits(0);
+        shop.run(["verify", name, "out.nc", "--machine", "m.toml"]).exits(0);
+        for (file, code) in [("zero.toml", "E0306"), ("tool.toml", "E0307")] {
+            let run = shop.run(["verify", name, "out.nc", "--machine", file, "-q"]).exits(4);
+            assert!(run.stderr.contains(code) && !run.stdout.contains("error after"), "{controller} {file}: {run:?}");
+            let run = shop.run(["diff", name, "out.nc", "--machine", file, "-q"]).exits(4);
+            assert!(run.stderr.contains(code), "{controller} {file}: {run:?}");
+        }
+    }
+}

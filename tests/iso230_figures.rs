@@ -64,6 +64,26 @@ fn positioning_of_a_file_by_hand() {
     assert!(found[0]["reason"].as_str().unwrap().contains("only once"), "{found:?}");
 }
 
+#[test]
+fn a_reading_of_unknown_direction_is_left_out_and_counted() {
+    // Three runs up and down without a column of directions: the axis reaches the first row from nowhere.
+    let mut csv = "run,X,Y,Z,component,value_um\n".to_owned();
+    for (run, off) in [(1, 1.0), (2, 0.0), (3, -1.0)] {
+        for (x, mean) in [(0, 1.0), (100, 4.0), (200, 6.0), (300, 0.0), (200, 5.0), (100, 1.0), (-50, 0.0)] {
+            writeln!(csv, "{run},{x},0,0,EXX,{}", mean + off).unwrap();
+        }
+    }
+    let group = &figures(csv, "[measurement]\nkind = \"direct\"\n")[0];
+    assert_eq!(group["reason"], Value::Null, "{group}");
+    let conditions = group["conditions"].as_array().unwrap();
+    assert!(conditions.iter().any(|one| one == "1 left out, direction unknown"), "{conditions:?}");
+    // Where no direction is known at a target, there are no figures, and the reason names it.
+    let lone =
+        "run,X,Y,Z,component,value_um\n1,7,0,0,EXX,1\n1,0,0,0,EXX,1\n1,100,0,0,EXX,1\n1,0,0,0,EXX,1\n1,100,0,0,EXX,1\n";
+    let found = figures(lone.to_owned(), "[measurement]\nkind = \"direct\"\n");
+    assert!(found[0]["reason"].as_str().unwrap().contains("7 was approached is not known"), "{found:?}");
+}
+
 /// A circle of 1° steps in XY about (200, 100, 50), from the exact distance of an error (x, y).
 fn circle(out: &mut String, run: &str, radius: f64, sense: f64, error: impl Fn(f64) -> [f64; 2]) {
     for k in 0..=360 {

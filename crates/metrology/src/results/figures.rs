@@ -126,7 +126,7 @@ fn fill(group: &mut FigureGroup, figures: &Figures) {
     };
     let um = um_from_mm(1.0);
     match figures {
-        Figures::Positioning { figures, is_angle, without_drift } => {
+        Figures::Positioning { figures, is_angle, without_drift, left_out } => {
             let factor = if *is_angle { urad_from_rad(1.0) } else { um };
             let (both, up, down) = (figures.both.as_ref(), figures.up.as_ref(), figures.down.as_ref());
             let of = |side: Option<&OneWay>, value: fn(&OneWay) -> f64| side.map(value);
@@ -150,6 +150,9 @@ fn fill(group: &mut FigureGroup, figures: &Figures) {
                 vec![format!("{} targets", figures.targets.len()), format!("{} runs{fewer}", figures.runs)];
             if *without_drift {
                 group.conditions.push("without drift".into());
+            }
+            if *left_out > 0 {
+                group.conditions.push(format!("{left_out} left out, direction unknown"));
             }
         }
         Figures::Circle { figures, radius_mm, paths } => {

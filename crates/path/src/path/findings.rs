@@ -165,7 +165,9 @@ impl<'a> DiagnosticCollector<'a> {
             "the direction in which {axis} reached this position is unknown: its backlash can cause an error of up to {}",
             micrometers(half_mm)
         );
-        let help = format!("let the program move {axis} by more than that before it cuts; without a tool change before the cut, --start helps as well");
+        let help = format!(
+            "let the program move {axis} by more than that before it cuts; without a tool change before the cut, --start helps as well"
+        );
         // One for each axis, even in the same line.
         let place = Place { file: origin.file, span: origin.span };
         self.new.push(Diagnostic::at(Code::SENSE_UNKNOWN, place, message, help));

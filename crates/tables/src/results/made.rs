@@ -135,7 +135,7 @@ fn plays(task: &Task<'_>) -> Vec<String> {
 }
 
 /// Advice for a stated scheme.
-const ANOTHER: &str = "try --scheme auto or a larger --tolerance";
+const ANOTHER: &str = "try --scheme auto, which takes a scheme that the format holds";
 
 /// Returns the advice for `--scheme auto`: the tolerance that the best of the tried schemes reaches.
 fn larger(tried: &[TriedScheme]) -> String {

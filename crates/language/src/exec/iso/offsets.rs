@@ -62,7 +62,8 @@ pub(super) fn check_offset(
     let words = modal.system.words();
     let help = format!("add [zero_offset.\"{words}\"] there");
     // The motion continues nevertheless, so that one error is not repeated in every block.
-    let (code, end) = if settings.requires_values { (Code::NO_OFFSET, "") } else { (Code::OFFSET_ASSUMED, "; zero is used") };
+    let (code, end) =
+        if settings.requires_values { (Code::NO_OFFSET, "") } else { (Code::OFFSET_ASSUMED, "; zero is used") };
     let message = format!("{words} has no value in the machine file{end}");
     outlet.warnings.push(fault(code, span, message, help));
 }

@@ -231,5 +231,10 @@ pub(super) fn check_feed(
 
 pub(super) fn unknown_mixed(span: Span, axis: Axis) -> Fault {
     let message = format!("the target of {axis} depends on an axis whose position is not known yet");
-    fault(Code::UNKNOWN_START, span, message, "name all axes of the rotation in a block before it; --start does so until the first tool change")
+    fault(
+        Code::UNKNOWN_START,
+        span,
+        message,
+        "name all axes of the rotation in a block before it; --start does so until the first tool change",
+    )
 }

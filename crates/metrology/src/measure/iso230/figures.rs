@@ -51,6 +51,8 @@ pub enum Figures {
         is_angle: bool,
         /// `true` if a drift was removed before.
         without_drift: bool,
+        /// Number of readings left out because the direction of their approach is unknown.
+        left_out: usize,
     },
     /// Of circles.
     Circle {
@@ -103,13 +105,14 @@ fn components(data: &DataSet) -> Vec<MeasuredFigures> {
     let one = |(setup, target): (usize, usize)| {
         let of = data.targets.get(target)?;
         let component = of.parse().ok()?;
-        let figures = positioning::approaches(data, component, Some(setup)).and_then(|readings| {
+        let figures = positioning::approaches(data, component, Some(setup)).and_then(|(readings, left_out)| {
             let readings: Vec<ApproachReading> =
                 if data.free.contains(&Free::Drift) { drift::without_drift(&readings)? } else { readings };
             Ok(Figures::Positioning {
                 figures: positioning::figures(&readings)?,
                 is_angle: component.direction.is_rotation(),
                 without_drift: data.free.contains(&Free::Drift),
+                left_out,
             })
         });
         let figures = figures.map_err(|fault| fault.to_string());

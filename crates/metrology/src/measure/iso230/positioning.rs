@@ -166,25 +166,30 @@ pub fn figures(readings: &[ApproachReading]) -> Result<PositioningFigures, Figur
     Ok(PositioningFigures { up: one(|target| target.up), down: one(|target| target.down), both, targets, runs })
 }
 
-/// The readings of a component, in all set-ups or one. Readings without `t_s` are equidistant in time, and a cycle ends when the axis returns to the
-/// direction of its start.
+/// The readings of a component, in all set-ups or one, and the number of those left out because the direction of their approach is unknown: without a
+/// column of directions, this is the first reading of a series. Readings without `t_s` are equidistant in time, and a cycle ends when the axis returns to
+/// the direction of its start.
 ///
 /// # Errors
-/// [`FiguresError`] if there are no readings or their direction is unknown.
+/// [`FiguresError`] if there are no readings, or no direction of approach is known at a target.
 pub fn approaches(
     data: &DataSet,
     component: ErrorName,
     setup: Option<usize>,
-) -> Result<Vec<ApproachReading>, FiguresError> {
+) -> Result<(Vec<ApproachReading>, usize), FiguresError> {
     let axis: Axis = component.axis().ok_or(FiguresError::Nothing)?;
     let mut out: Vec<ApproachReading> = Vec::new();
+    let mut left_out: Vec<f64> = Vec::new();
     let mut cycle = 0;
     let own = |row: &&Observation| row.component == Some(component) && setup.is_none_or(|setup| setup == row.setup);
     for observation in data.observations.iter().filter(own) {
         let Some(deviation) = observation.values[0] else { continue };
         let target = observation.reading.position[axis];
         let is_up = match observation.reading.state.direction[axis.slot()] {
-            0 => return Err(FiguresError::NoSense(target)),
+            0 => {
+                left_out.push(target);
+                continue;
+            }
             sense => sense > 0,
         };
         if let (Some(first), Some(last)) = (out.first(), out.last())
@@ -201,7 +206,12 @@ pub fn approaches(
             time: observation.t_s.unwrap_or(out.len() as f64),
         });
     }
-    if out.is_empty() { Err(FiguresError::Nothing) } else { Ok(out) }
+    let is_known = |target: &f64| out.iter().any(|reading| (reading.target - target).abs() < SAME);
+    match left_out.iter().find(|target| !is_known(target)) {
+        Some(&target) => Err(FiguresError::NoSense(target)),
+        None if out.is_empty() => Err(FiguresError::Nothing),
+        None => Ok((out, left_out.len())),
+    }
 }
 
 fn targets(readings: &[ApproachReading]) -> Result<Vec<PositioningTarget>, FiguresError> {

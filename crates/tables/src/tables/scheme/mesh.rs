@@ -56,7 +56,10 @@ fn grid(task: &Task<'_>) -> Result<Tables, String> {
         }
         goal *= 0.95 * aim / found;
     }
-    Err(format!("no grid reaches {:.4} µm", task.tolerance_mm * 1e3))
+    Err(format!(
+        "no grid that the format holds reaches {:.4} µm; a larger --tolerance needs fewer points",
+        task.tolerance_mm * 1e3
+    ))
 }
 
 /// A grid under construction.
