@@ -128,8 +128,8 @@ fn readings_of_a_measurement_have_sense_and_cycle() {
             writeln!(rows, "{x},0,0,{sense},EXX,{}", 10 * cycle + x / 100 - 2 * sense).unwrap();
         }
     }
-    let found = approaches(&data(&rows), name, None).unwrap();
-    assert_eq!(found.len(), 12);
+    let (found, left_out) = approaches(&data(&rows), name, None).unwrap();
+    assert_eq!((found.len(), left_out), (12, 0));
     assert_eq!((found[3].is_up, found[3].cycle, found[6].cycle, found[11].cycle), (false, 0, 1, 1));
     // B = (x/100 − 2) − (x/100 + 2) µm.
     let both = figures(&found).unwrap().both.unwrap();
