@@ -121,7 +121,7 @@ fn no_verdict_rests_on_a_zero_or_a_tool_without_value() {
     // X errs by 100 µm/m: the error at the cut depends on the zero offset, so that no verdict is possible without it.
     let machine = |controller: &str, offset: &str| {
         format!(
-            "[machine]\nname = \"m\"\ntopology = \"wXYFZSt\"\ncontroller = \"{controller}\"\n{offset}\n\
+            "[machine]\nname = \"m\"\ntopology = \"wXYFZSt\"\ncontroller = \"{controller}\"\n{offset}\n[control]\ndecimal_point = \"calculator\"\n\
             [axis.X]\ndirection = [-1, 0, 0]\ntravel_mm = [-1000, 1000]\n[axis.Y]\ndirection = [0, -1, 0]\ntravel_mm = [-1000, 1000]\n\
             [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-1000, 1000]\n[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0, 1e-4]\n"
         )
@@ -138,7 +138,7 @@ fn no_verdict_rests_on_a_zero_or_a_tool_without_value() {
         (
             "grundig",
             "a.pm",
-            "%PM\nN9001\nN10 G17 G90\nN15 G54\nN20 T1 M6\nN30 G0 X10 Y10 Z50\nN40 G1 X80 F500\nN50 M30\n",
+            "%PM9001\nN9001\nN1 G17 G71 G90\nN2 G54\nN3 T1 M6\nN4 G0 X10 Y10 Z50\nN5 G1 X80 F500\nN6 M30\n",
         ),
     ];
     for (controller, name, program) in cases {

@@ -67,10 +67,10 @@ fn positioning_of_a_file_by_hand() {
 #[test]
 fn a_reading_of_unknown_direction_is_left_out_and_counted() {
     // Three runs up and down without a column of directions: the axis reaches the first row from nowhere.
-    let mut csv = "run,X,Y,Z,component,value_um\n".to_owned();
-    for (run, off) in [(1, 1.0), (2, 0.0), (3, -1.0)] {
-        for (x, mean) in [(0, 1.0), (100, 4.0), (200, 6.0), (300, 0.0), (200, 5.0), (100, 1.0), (-50, 0.0)] {
-            writeln!(csv, "{run},{x},0,0,EXX,{}", mean + off).unwrap();
+    let mut csv = "X,Y,Z,component,value_um\n".to_owned();
+    for off in [1.0, 0.0, -1.0] {
+        for (x, mean) in [(0, 1.0), (100, 4.0), (200, 6.0), (100, 5.0), (0, 1.0), (-50, 0.0)] {
+            writeln!(csv, "{x},0,0,EXX,{}", mean + off).unwrap();
         }
     }
     let group = &figures(csv, "[measurement]\nkind = \"direct\"\n")[0];
@@ -79,7 +79,7 @@ fn a_reading_of_unknown_direction_is_left_out_and_counted() {
     assert!(conditions.iter().any(|one| one == "1 left out, direction unknown"), "{conditions:?}");
     // Where no direction is known at a target, there are no figures, and the reason names it.
     let lone =
-        "run,X,Y,Z,component,value_um\n1,7,0,0,EXX,1\n1,0,0,0,EXX,1\n1,100,0,0,EXX,1\n1,0,0,0,EXX,1\n1,100,0,0,EXX,1\n";
+        "X,Y,Z,component,value_um\n7,0,0,EXX,1\n0,0,0,EXX,1\n100,0,0,EXX,1\n0,0,0,EXX,1\n100,0,0,EXX,1\n";
     let found = figures(lone.to_owned(), "[measurement]\nkind = \"direct\"\n");
     assert!(found[0]["reason"].as_str().unwrap().contains("7 was approached is not known"), "{found:?}");
 }
