@@ -36,7 +36,7 @@ impl FromStr for StatedZero {
     fn from_str(text: &str) -> Result<StatedZero, String> {
         let wrong = || {
             format!(
-                "'{text}' does not state a zero; its method is touched, probed or absolute, for example G54=touched or G54=touched@X330,Y240,Z120,L100"
+                "'{text}' states no zero: the methods are touched, probed and absolute; write for example G54=touched or G54=touched@X330,Y240,Z120,L100"
             )
         };
         let no_method = || {
