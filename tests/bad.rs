@@ -25,6 +25,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("E0321", "edits: every_edit_is_found_and_named"),
     ("W0314", "edits: every_edit_is_found_and_named"),
     ("W0315", "edits: every_edit_is_found_and_named"),
+    ("W0325", "block_cycle: blocks_shorter_than_the_cycle_are_counted_and_their_division_is_a_warning"),
     ("W0309", "cli_feed_limit: what_cannot_be_slowed_is_named_with_its_line"),
     ("E0314", "newer_files: a_program_that_changes_while_it_is_corrected_stays"),
     ("E0315", "unreadable: a_block_behind_a_carriage_return_is_refused_in_every_language"),

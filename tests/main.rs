@@ -11,6 +11,7 @@ mod arcs;
 mod axis_names;
 mod bad;
 mod bench_machine;
+mod block_cycle;
 mod bottleneck;
 mod bounds;
 mod by_hand;

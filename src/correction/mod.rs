@@ -369,7 +369,10 @@ impl<'a> Prepared<'a> {
             report.zeros = datum::of_run(machine, model, running.extent().zeros(), options.tolerance_mm, found);
             report.prediction = interval::of_run(machine, model, &passed.prediction.places());
         }
-        note(&passed.prediction, &running, report);
+        note(&passed.prediction, &running, &machine.machine, report);
+        if let Some((finding, source)) = short_blocks(&passed.prediction.short_blocks, sources, report) {
+            found.add(finding, &[source]);
+        }
         if let Some(finding) = worse(&passed.prediction, options.tolerance_mm) {
             found.add(finding, &[]);
         }
@@ -447,13 +450,36 @@ pub(crate) fn spread(spread: &path::Spread) -> json::SpreadReport {
     }
 }
 
+/// The diagnostic for blocks that the division of moves has made shorter than the block cycle, and its source.
+fn short_blocks(
+    short: &path::ShortBlocks,
+    sources: &[Source],
+    report: &CorrectionReport,
+) -> Option<(Diagnostic, Source)> {
+    let origin = short.first_divided?;
+    let source = sources.iter().find(|source| source.id() == origin.file)?.clone();
+    let said = report.short_blocks?;
+    let message = format!(
+        "here the correction divides a move into blocks shorter than the block cycle of {} ms; in the whole output {} blocks are shorter, in the program {}",
+        said.block_cycle_ms, said.written, said.source
+    );
+    let help = "the control moves through them more slowly: allow a larger --tolerance for fewer blocks, or program a lower feed";
+    Some((Diagnostic::at(Code::SHORT_BLOCKS, Place { file: origin.file, span: origin.span }, message, help), source))
+}
+
 /// Takes the numbers of a prediction into the report.
-fn note(prediction: &Prediction, running: &Running, report: &mut CorrectionReport) {
+fn note(prediction: &Prediction, running: &Running, machine: &ncfix_machine::machine::Machine, report: &mut CorrectionReport) {
     report.before = Some(spread(prediction.before()));
     report.before_form = Some(spread(prediction.form()));
     report.after = Some(spread(prediction.after()));
     report.rapids_as_programmed = prediction.as_programmed;
     report.off_at_rapids_um = um_from_mm(prediction.off_cut_mm);
+    report.short_blocks = machine.control.block_cycle_s.map(|cycle_s| ncfix_report::correction::ShortBlocksReport {
+        block_cycle_ms: cycle_s * 1e3,
+        source: prediction.short_blocks.source,
+        written: prediction.short_blocks.written,
+        shortest_ms: (prediction.short_blocks.written > 0).then_some(prediction.short_blocks.shortest_s * 1e3),
+    });
     report.blocks_in = running.blocks();
     if let Some(origin) = prediction.max_at() {
         report.max_at_line = Some(origin.line);

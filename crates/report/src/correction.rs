@@ -38,6 +38,9 @@ pub struct CorrectionReport {
     pub rapids_as_programmed: u64,
     /// Largest tool error at the ends of rapid moves that do not approach a cut, µm.
     pub off_at_rapids_um: f64,
+    /// Cutting blocks shorter than the block cycle of the control; absent if the machine file does not state it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub short_blocks: Option<ShortBlocksReport>,
     /// Executed blocks.
     pub blocks_in: u64,
     /// Written blocks.
@@ -64,6 +67,36 @@ pub struct CorrectionReport {
     pub machine: String,
     /// Diagnostics in order of occurrence.
     pub diagnostics: Vec<Finding>,
+}
+
+/// Cutting blocks that take less time at their feed than the control needs for a block.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ShortBlocksReport {
+    /// Time that the control needs for a block, ms.
+    pub block_cycle_ms: f64,
+    /// Number in the program.
+    pub source: u64,
+    /// Number in the corrected program.
+    pub written: u64,
+    /// Time of the shortest one in the corrected program, ms; `null` if there are none.
+    pub shortest_ms: Option<f64>,
+}
+
+impl ShortBlocksReport {
+    /// `2 ms: 12 cutting blocks are shorter, the shortest 0.4 ms; 10 of the program`.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let cycle = format!("{} ms", self.block_cycle_ms);
+        match self.shortest_ms {
+            None => format!("{cycle}: no cutting block is shorter"),
+            Some(shortest_ms) => format!(
+                "{cycle}: {} shorter, the shortest takes {shortest_ms:.2} ms; {} in the program",
+                counted(self.written, "cutting block"),
+                grouped(self.source)
+            ),
+        }
+    }
 }
 
 impl CorrectionReport {
@@ -118,6 +151,9 @@ impl CorrectionReport {
             );
         }
         row("blocks", &format!("{} in, {} out", grouped(self.blocks_in), grouped(self.blocks_out)));
+        if let Some(short) = &self.short_blocks {
+            row("block cycle", &short.words());
+        }
         row("computed", &format!("in {}", duration(self.seconds)));
         row("machine", &self.machine);
         if let Some(coverage) = &self.coverage {
@@ -274,6 +310,7 @@ mod tests {
             remaining: Vec::new(),
             rapids_as_programmed: 12,
             off_at_rapids_um: 35.2,
+            short_blocks: None,
             blocks_in: 1234,
             blocks_out: 2345,
             seconds: 0.123,

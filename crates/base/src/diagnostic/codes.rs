@@ -690,6 +690,10 @@ the beginning, and it holds until the first tool change.";
 it to be at 0°, as programs for three axes expect. If the axis is elsewhere, the workpiece is turned, and the correction acts in wrong
 directions. Program the axis before the cut, or state its position: with start_deg in the section of the axis if every
 program begins there, or with --start, which holds until the first tool change.";
+    SHORT_BLOCKS = "W0325" "blocks shorter than the block cycle"
+"[control] block_cycle_ms states the time that the control needs to prepare a block. To stay within the tolerance, ncfix has divided a
+move into blocks that take less time at their feed. The tolerance has priority; the control slows down along these blocks, and
+surfaces may show it. A larger --tolerance gives longer blocks, and a lower feed more time for each.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be detected.";
     TWO_DRIFTS = "W0402" "two models of the drift"

@@ -364,6 +364,9 @@ fn read_control(
     let Some(mut section) = section else { return control };
     let not_negative = |value: f64| value >= 0.0;
     super::output_control::read(&mut section, &mut control);
+    if let Some(value) = section.number_where("block_cycle_ms", "a positive number", |value| value > 0.0) {
+        control.block_cycle_s = Some(value * 1e-3);
+    }
     if let Some(value) = section.number_where("arc_tolerance_mm", "a number that is not negative", not_negative) {
         control.arc_tolerance_mm = value;
     }

@@ -170,6 +170,9 @@ pub struct Control {
     pub increments_per_mm: Option<f64>,
     /// Largest block number of the output, if blocks must have numbers; `None` without a limit.
     pub last_block_number: Option<u32>,
+    /// Time that the control needs to prepare a block, s: it moves through a sequence of shorter blocks more slowly than programmed. `None` if the file
+    /// does not state it.
+    pub block_cycle_s: Option<f64>,
     /// Allowed radius difference of an arc, mm (Sinumerik MD21000, Fanuc parameter 3410).
     pub arc_tolerance_mm: f64,
     /// Sinumerik MD21010: allowed radius difference of an arc as a share of the radius.
@@ -304,6 +307,7 @@ impl Default for Control {
             has_inch_grid: true,
             increments_per_mm: None,
             last_block_number: None,
+            block_cycle_s: None,
             arc_tolerance_mm: 0.01,
             arc_tolerance_ratio: 0.001,
             arc_center: None,

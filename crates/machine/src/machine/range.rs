@@ -29,6 +29,7 @@ const YEAR_S: f64 = 366.0 * 86_400.0;
 pub const RANGES: &[NumberRange] = &[
     of("increment_mm", 1e-5, 0.1, "as `--increment`: no control has a finer one, and a coarser one has no use"),
     of("increment_deg", 1e-5, 0.1, "the same for rotary axes"),
+    of("block_cycle_ms", 0.01, 1000.0, "from the fastest controls to those fed over a serial line"),
     of("arc_tolerance_mm", 0.0, 1.0, "an arc whose ends are farther off is another arc"),
     of("arc_tolerance_ratio", 0.0, 0.1, "a tenth of the radius is more than a rounding error"),
     of("chord_tolerance_mm", 1e-6, 1.0, "coarser chords are not a curve; finer ones are below every increment"),

@@ -75,6 +75,8 @@ struct Active<'a> {
     samples: f64,
     /// Its time, if the correction may change the path to which its feed refers.
     pacing: Option<pace::Pacing>,
+    /// Its time at the programmed feed, s; `None` if the machine file states no block cycle, or the move has no such feed.
+    duration_s: Option<f64>,
     /// Parameter at which the next piece begins.
     parameter: f64,
     /// Length of the last piece, as a parameter; before the first piece, the whole move.
@@ -183,6 +185,7 @@ where
         let feed = self.placer.feed(&self.standing.nominal, motion);
         self.prediction.moves += 1;
         let samples = self.sampler.whole(&route);
+        let cycle_s = self.machine.control.block_cycle_s;
         let make = || Active {
             origin: element.origin,
             starts_block: element.starts_block,
@@ -192,6 +195,7 @@ where
             treatment,
             samples,
             pacing: self.placer.pacing(self.options.feeds, &route, motion, feed),
+            duration_s: cycle_s.and_then(|_| self.placer.duration_s(self.options.feeds, &route, motion, feed)),
             route,
             parameter: 0.0,
             length: 1.0,
@@ -209,6 +213,9 @@ where
             }
             None => Box::new(make()),
         });
+        if let (Some(cycle_s), Some(duration_s)) = (cycle_s, self.active.as_ref().and_then(|active| active.duration_s)) {
+            self.prediction.short_blocks.source += u64::from(duration_s < cycle_s);
+        }
     }
 
     /// Makes the next piece of the move.

@@ -53,7 +53,7 @@ pub use interval::{ErrorInterval, PredictedInterval, StationInterval, predict};
 pub use live::{Allows, Applied, Asked, Doses, Live};
 pub use moves::Moves;
 pub use poses::{ErrorPlace, PoseSample};
-pub use prediction::{Prediction, Spread};
+pub use prediction::{Prediction, ShortBlocks, Spread};
 pub use reach::ReachScan;
 pub use remaining::{Remaining, remaining};
 pub use steps::{ResidualSteps, SeriesRow, StepResidual, StepTrial, Steps, StraightLine};

@@ -62,8 +62,37 @@ pub struct Prediction {
     pub as_programmed: u64,
     /// Largest tip error at the ends of rapid moves that are not an approach to a cut, mm.
     pub off_cut_mm: f64,
+    /// Cutting blocks that are shorter than the block cycle of the control.
+    pub short_blocks: ShortBlocks,
     /// Path of the counted feed moves and rapid moves so far, mm.
     path_mm: [f64; 2],
+}
+
+/// Cutting blocks that take less time at their feed than the control needs for a block.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ShortBlocks {
+    /// Number in the program as written by its author.
+    pub source: u64,
+    /// Number in the output.
+    pub written: u64,
+    /// Time of the shortest one in the output, s; 0 if there are none.
+    pub shortest_s: f64,
+    /// Source block of the first one that division has made short.
+    pub first_divided: Option<Origin>,
+}
+
+impl ShortBlocks {
+    /// Counts a written piece that takes `duration_s` of a programmed move that takes `whole_s`, for a block cycle, s.
+    pub(super) fn note(&mut self, [duration_s, whole_s]: [f64; 2], cycle_s: f64, origin: &Origin) {
+        if duration_s >= cycle_s {
+            return;
+        }
+        self.shortest_s = if self.written == 0 { duration_s } else { self.shortest_s.min(duration_s) };
+        self.written += 1;
+        if whole_s >= cycle_s {
+            self.first_divided = self.first_divided.or(Some(*origin));
+        }
+    }
 }
 
 /// Maximum number of places of each kind of moves.

@@ -69,6 +69,21 @@ impl CommandSolver<'_> {
         (feeds != Feeds::OfAll || self.is_transformed()) && (end - start).norm() > SHORT_MM
     }
 
+    /// The duration of a whole move at its feed, s; `None` for rapid moves and feeds per revolution of the spindle.
+    pub(super) fn duration_s(&self, feeds: Feeds, route: &Route<'_>, motion: &Move, feed: f64) -> Option<f64> {
+        if motion.rapid || feed <= 0.0 {
+            return None;
+        }
+        let minutes = match motion.unit {
+            FeedUnit::InverseTime => feed.recip(),
+            FeedUnit::PerMinute if route.is_of_tip() && self.leaves_transform() => self.tip_way(route) / feed,
+            FeedUnit::PerMinute if route.arc().is_some() || route.is_of_tip() => route.length_mm() / feed,
+            FeedUnit::PerMinute => self.counted(feeds, &route.start, &route.end) / feed,
+            FeedUnit::PerTurn => return None,
+        };
+        Some(60.0 * minutes)
+    }
+
     /// The duration of a whole move at a feed, if the correction may change its feed path.
     pub(super) fn pacing(&self, feeds: Feeds, route: &Route<'_>, motion: &Move, feed: f64) -> Option<Pacing> {
         let has_feed =
