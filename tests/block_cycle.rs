@@ -11,11 +11,13 @@ fn machine(cycle: &str) -> String {
     );
     let places: Vec<String> = (0..=100).map(|k| (k * 4).to_string()).collect();
     let waves = (0..=100).map(|k| format!("{:.6}", 20.0 * (f64::from(k) * std::f64::consts::TAU / 10.0).sin()));
-    text += &format!("positions_mm = [{}]\nvalues_um = [{}]\n", places.join(", "), waves.collect::<Vec<_>>().join(", "));
+    text +=
+        &format!("positions_mm = [{}]\nvalues_um = [{}]\n", places.join(", "), waves.collect::<Vec<_>>().join(", "));
     text
 }
 
-const PROGRAM: &str = "N10 G90 G71 G94\nN20 G0 X0 Y0 Z0\nN30 G1 X200 F6000\nN40 X200.05\nN50 X200.1\nN60 Y50 F60\nN70 M30\n";
+const PROGRAM: &str =
+    "N10 G90 G71 G94\nN20 G0 X0 Y0 Z0\nN30 G1 X200 F6000\nN40 X200.05\nN50 X200.1\nN60 Y50 F60\nN70 M30\n";
 
 /// The times of the cutting blocks of an output, s: G1 lines with X, Y, Z and F, modal.
 fn times(text: &str) -> Vec<f64> {
@@ -63,7 +65,9 @@ fn blocks_shorter_than_the_cycle_are_counted_and_their_division_is_a_warning() {
         assert_eq!(said["written"].as_u64(), Some(short.len() as u64), "{cycle_ms}: {said} {short:?}");
         assert_eq!(said["source"].as_u64(), Some(if cycle_ms < 0.5 { 0 } else { 2 }), "{said}");
         match short.iter().copied().reduce(f64::min) {
-            Some(least) => assert!((said["shortest_ms"].as_f64().unwrap() - least * 1e3).abs() < 0.02, "{said} {least}"),
+            Some(least) => {
+                assert!((said["shortest_ms"].as_f64().unwrap() - least * 1e3).abs() < 0.02, "{said} {least}")
+            }
             None => assert!(said["shortest_ms"].is_null(), "{said}"),
         }
     }

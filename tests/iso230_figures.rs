@@ -78,8 +78,7 @@ fn a_reading_of_unknown_direction_is_left_out_and_counted() {
     let conditions = group["conditions"].as_array().unwrap();
     assert!(conditions.iter().any(|one| one == "1 left out, direction unknown"), "{conditions:?}");
     // Where no direction is known at a target, there are no figures, and the reason names it.
-    let lone =
-        "X,Y,Z,component,value_um\n7,0,0,EXX,1\n0,0,0,EXX,2\n100,0,0,EXX,3\n0,0,0,EXX,4\n100,0,0,EXX,5\n";
+    let lone = "X,Y,Z,component,value_um\n7,0,0,EXX,1\n0,0,0,EXX,2\n100,0,0,EXX,3\n0,0,0,EXX,4\n100,0,0,EXX,5\n";
     let found = figures(lone.to_owned(), "[measurement]\nkind = \"direct\"\n");
     assert!(found[0]["reason"].as_str().unwrap().contains("7 was approached is not known"), "{found:?}");
 }

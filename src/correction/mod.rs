@@ -468,7 +468,12 @@ fn short_blocks(
 }
 
 /// Takes the numbers of a prediction into the report.
-fn note(prediction: &Prediction, running: &Running, machine: &ncfix_machine::machine::Machine, report: &mut CorrectionReport) {
+fn note(
+    prediction: &Prediction,
+    running: &Running,
+    machine: &ncfix_machine::machine::Machine,
+    report: &mut CorrectionReport,
+) {
     report.before = Some(spread(prediction.before()));
     report.before_form = Some(spread(prediction.form()));
     report.after = Some(spread(prediction.after()));
