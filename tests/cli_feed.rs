@@ -629,3 +629,19 @@ fn a_sensor_that_falls_silent_is_held_and_then_ends_the_job() {
     let run = shop.run(arguments);
     assert!(run.code == 4 && run.stderr.contains("E0501"), "{run:?}");
 }
+
+#[test]
+fn a_program_of_another_dialect_is_not_sent() {
+    let demo = machine("demo");
+    let part = "N10 G90 G71 G54\nN20 G0 X50 Y50 Z100\nN30 G1 X600 F500\nN40 M30\n";
+    let own = "name = \"own\"\nprotocol = \"block\"\n[text]\ndialects = [\"sinumerik\", \"rs274\"]\n";
+    let shop = Shop::new().file("part.mpf", part).file("own.toml", own);
+    for link in ["grbl", "grblhal", "marlin", "linuxcnc", "fanuc-rs232", "haas", "grundig-v24"] {
+        let run = shop.run(["feed", "part.mpf", "--machine", &demo, "--link", link, "--dry-run"]).exits(4);
+        run.says("error[E0701]").says("this program is sinumerik");
+    }
+    for link in ["siemens-v24", "own.toml"] {
+        let run = shop.run(["feed", "part.mpf", "--machine", &demo, "--link", link, "--dry-run", "--allow-starvation"]);
+        assert!(!run.stderr.contains("E0701"), "{link}: {}", run.stderr);
+    }
+}

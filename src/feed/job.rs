@@ -61,6 +61,11 @@ impl Transfer {
             machine.machine.control.increment_mm = increment_mm;
         }
         let Some(opened) = program.open(Some(&machine), found)? else { return Ok(None) };
+        if let Err(why) = link.profile.check_dialect(opened.dialect.name) {
+            let help = "choose the link of your control with --link, or its dialect with controller in the machine file; dialects in [text] of an own link states others";
+            found.add(Diagnostic::nowhere(Code::NOT_FOR_LINK, why, help), &[]);
+            return Ok(None);
+        }
         let source = program.source();
         run::keep_unit(source, opened.dialect, true, &mut machine.machine);
         let bytes = (source, short_hash([source.bytes()]));

@@ -191,7 +191,7 @@ impl Transfer {
     ///
     /// let machine = Machine::demo();
     /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
-    /// let transfer = program.feed(&machine, ControlLink::named("grbl")?, &Options::default(), FeedOptions::default())?;
+    /// let transfer = program.feed(&machine, ControlLink::named("siemens-v24")?, &Options::default(), FeedOptions::default())?;
     /// let forecast = transfer.forecast()?;
     /// assert!(forecast.lines >= 3);
     /// # Ok::<(), ncfix::Error>(())

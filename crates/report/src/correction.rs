@@ -79,7 +79,7 @@ pub struct ShortBlocksReport {
     pub source: u64,
     /// Number in the corrected program.
     pub written: u64,
-    /// Time of the shortest one in the corrected program, ms; `null` if there are none.
+    /// Time of the shortest one in the corrected program, ms; `null` if no block is shorter.
     pub shortest_ms: Option<f64>,
 }
 

@@ -508,7 +508,8 @@ Abbe arm), and the readings show none by Student's t-test at the 0.1 % level. Ea
 
     NOT_FOR_LINK = "E0701" "line that the link cannot send"
 "A line of the corrected program is too long for the control at the other end of the link, or has a character that means something
-else there: Grbl takes ! ? ~ out of the stream wherever they occur. Nothing was sent. Omit blanks, block numbers and comments, or
+else there: Grbl takes ! ? ~ out of the stream wherever they occur. Or the program is of a dialect that this control does not execute:
+the same word may move its axes elsewhere. Nothing was sent. Omit blanks, block numbers and comments, or
 choose a larger --tolerance or --increment if corrected numbers are too long.";
     STARVED = "E0702" "the link cannot keep up with the motion"
 "The control would have to wait for lines: the axes stop in mid-cut and leave marks. The message states where, how many lines per

@@ -165,6 +165,8 @@ pub struct Profile {
     pub depth: Option<Bound>,
     /// Maximum length of a line, bytes without line end.
     pub longest_line: usize,
+    /// Dialects that the control executes; empty if the link serves any.
+    pub dialects: Vec<String>,
     /// True if letters are sent as capitals.
     pub is_upper_case: bool,
     /// Bytes that no line may contain: they have another meaning on this link.
@@ -188,6 +190,21 @@ impl Profile {
     /// The line cannot be sent. The error is a sentence with the reason.
     pub fn check(&self, text: &[u8]) -> Result<(), String> {
         (self.protocol.check)(self, text)
+    }
+
+    /// Checks that the control executes programs of a dialect: elsewhere a word may have another meaning, and the machine would move by it.
+    ///
+    /// # Errors
+    /// It does not. The error is a sentence with the reason.
+    pub fn check_dialect(&self, dialect: &str) -> Result<(), String> {
+        if self.dialects.is_empty() || self.dialects.iter().any(|one| one == dialect) {
+            return Ok(());
+        }
+        Err(format!(
+            "the link {} serves controls that execute {}, and this program is {dialect}",
+            self.name,
+            self.dialects.join(" or ")
+        ))
     }
 
     /// Returns the maximum number of blocks that the control has answered and not executed, as stated by the profile. It includes the planner, the blocks
@@ -265,11 +282,12 @@ impl Profile {
         let has_planner = protocol.is_some_and(|protocol| protocol.has_planner);
         let mut depth = None;
         own("depth", &mut |section| depth = bound(section, has_planner));
-        let (mut longest_line, mut is_upper_case, mut refused) = (256, false, Vec::new());
+        let (mut longest_line, mut is_upper_case, mut refused, mut dialects) = (256, false, Vec::new(), Vec::new());
         own("text", &mut |section| {
             longest_line = section.integer("longest_line").map_or(longest_line, |value| value as usize);
             is_upper_case = section.boolean("upper_case").unwrap_or(false);
             refused = bytes(section, "refused").unwrap_or_default();
+            dialects = section.texts("dialects").unwrap_or_default();
         });
         let mut answer_s = 0.0;
         let (mut answer_within, mut most_repeats, mut avoids_controls) = (Duration::from_secs(10), 3, false);
@@ -306,6 +324,7 @@ impl Profile {
             window,
             depth,
             longest_line,
+            dialects,
             is_upper_case,
             refused,
             answer_s,
