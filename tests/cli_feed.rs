@@ -334,13 +334,14 @@ fn killed(shop: &Shop, bench: &Bench, mill: &str, after: usize) -> serde_json::V
 
 /// The executed lines, as soon as the control executes no more: on a busy computer it is still at the lines of a job that was killed.
 fn at_rest(bench: &Bench) -> Vec<String> {
-    loop {
-        let executed = bench.executed();
-        thread::sleep(Duration::from_millis(500));
-        if bench.executed().len() == executed.len() {
-            return executed;
-        }
+    let (mut executed, mut quiet) = (bench.executed(), 0);
+    while quiet < 6 {
+        thread::sleep(Duration::from_millis(300));
+        let now = bench.executed();
+        quiet = if now.len() == executed.len() { quiet + 1 } else { 0 };
+        executed = now;
     }
+    executed
 }
 
 #[test]

@@ -75,7 +75,7 @@ pub struct ShortBlocks {
     pub source: u64,
     /// Number in the output.
     pub written: u64,
-    /// Time of the shortest one in the output, s; 0 if there are none.
+    /// Time of the shortest one in the output, s; 0 without any.
     pub shortest_s: f64,
     /// Source block of the first one that division has made short.
     pub first_divided: Option<Origin>,
