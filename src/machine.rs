@@ -265,7 +265,7 @@ impl Machine {
     pub(crate) fn check_pose(&self, at: &AxisVector) -> Result<(), Error> {
         const ROOM: f64 = 1e-9;
         for axis in AXES {
-            let shown = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
+            let shown = |value: f64| ncfix_base::units::shown_position(axis.is_rotary(), value);
             match self.machine.axis(axis) {
                 None if at[axis] != 0.0 => {
                     return Err(Error::usage(format!("--at: the machine has no axis {axis}")));

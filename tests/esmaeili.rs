@@ -355,3 +355,27 @@ fn equation_59_is_right_with_ten_entries_and_its_sign_corrected() {
     // Without the minus sign the error doubles.
     assert!((with_plus.mean_mm / before.mean_mm - 2.0).abs() < 0.02, "{with_plus:?}");
 }
+
+#[test]
+fn printed_results_that_their_tables_cannot_give() {
+    // Table 4-1: the number of balls of each of the 32 indexations.
+    let balls = [3, 3, 3, 3, 4, 3, 3, 3, 3, 3, 3, 3, 4, 3, 3, 3, 6, 3, 3, 6, 6, 6, 6, 3, 3, 6, 6, 1, 1, 1, 1, 1];
+    assert_eq!((balls.len(), balls.iter().sum::<i32>()), (32, 109));
+    // Table 4-3: scales of X, Y, Z, mm/mm. A distance of 150 mm in the direction (x, y, z) changes by R (sx x² + sy y² + sz z²).
+    let (scales, radius_mm) = ([-17e-6, -23e-6, -32e-6], 150.0_f64);
+    let mut largest_um = 0.0_f64;
+    for polar in 0..=90 {
+        for around in 0..360 {
+            let (polar, around) = (f64::from(polar).to_radians(), f64::from(around).to_radians());
+            let direction = [polar.sin() * around.cos(), polar.sin() * around.sin(), polar.cos()];
+            let change: f64 = scales.iter().zip(direction).map(|(scale, part)| scale * part * part).sum();
+            largest_um = largest_um.max((radius_mm * change * 1e3).abs());
+        }
+    }
+    assert!((largest_um - 4.8).abs() < 1e-9, "{largest_um}");
+    // Table 4-2: ECX0 in rad, a rotation about Z. On a hemisphere the mean square of the arm is 2/3 R².
+    let (rotation, rms_um) = (3.62e-3_f64, 24.5);
+    let hemisphere_mm = rotation * radius_mm * (2.0_f64 / 3.0).sqrt();
+    assert!((hemisphere_mm - 0.44).abs() < 0.005, "{hemisphere_mm}");
+    assert!((rms_um * 1e-3 / rotation - 6.8).abs() < 0.05);
+}

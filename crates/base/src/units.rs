@@ -109,6 +109,16 @@ impl UnitKey {
     }
 }
 
+/// A position of an axis at the edge: mm, or rad shown as degrees. Both are rounded to a billionth, below every increment, so that 120° does not
+/// appear as 119.99999999999999.
+#[must_use]
+pub fn shown_position(is_rotary: bool, position: f64) -> f64 {
+    /// Parts of the unit that are kept.
+    const PARTS: f64 = 1e9;
+    let value = if is_rotary { position.to_degrees() } else { position };
+    (value * PARTS).round() / PARTS
+}
+
 /// Returns the sine of an angle in degrees, exact at multiples of 90 and 30: a zero in a bolt circle must be exactly zero.
 #[must_use]
 pub fn sin_deg(degrees: f64) -> f64 {

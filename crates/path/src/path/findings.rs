@@ -191,7 +191,7 @@ impl<'a> DiagnosticCollector<'a> {
 
     fn out_of_travel(&mut self, origin: &Origin, axis: Axis, position: f64, place: &str, (side, limit): (&str, f64)) {
         let unit = if axis.is_rotary() { "deg" } else { "mm" };
-        let shown = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
+        let shown = |value: f64| ncfix_base::units::shown_position(axis.is_rotary(), value);
         let message =
             format!("{axis} {:.4} {unit}{place} is {side} the limit of {} {unit}", shown(position), shown(limit));
         let help = format!("check zero offset and tool length, or axis.{axis}.travel_{unit} in the machine file");

@@ -97,7 +97,7 @@ impl TablesRequest<'_> {
     #[must_use]
     pub fn volume(&self) -> String {
         let text = |&(axis, [low, high]): &(Axis, [f64; 2])| {
-            let shown = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
+            let shown = |value: f64| ncfix_base::units::shown_position(axis.is_rotary(), value);
             format!("{axis} {} .. {}", short(shown(low)), short(shown(high)))
         };
         self.region.ranges.iter().map(text).collect::<Vec<_>>().join(", ")

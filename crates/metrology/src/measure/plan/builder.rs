@@ -168,7 +168,7 @@ impl Builder {
                 self.machine.name
             )));
         };
-        let show = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
+        let show = |value: f64| ncfix_base::units::shown_position(axis.is_rotary(), value);
         let unit = if axis.is_rotary() { "deg" } else { "mm" };
         let [low, high] = data.travel.unwrap_or_default();
         let place = format!("{axis} would go to {:.4} {unit}", show(position[axis]));

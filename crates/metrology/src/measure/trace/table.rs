@@ -215,7 +215,7 @@ fn within(machine: &Machine, axis: Axis, at: f64, row: &Row<'_>, column: usize) 
         return Ok(());
     }
     let unit = if axis.is_rotary() { "deg" } else { "mm" };
-    let show = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
+    let show = |value: f64| ncfix_base::units::shown_position(axis.is_rotary(), value);
     let message = format!("{axis} {} {unit} is outside the travel of {} … {} {unit}", show(at), show(low), show(high));
     let help = format!("check the unit of the column, --machine, and axis.{axis}.travel_{unit} in the machine file");
     Err(Diagnostic::at(Code::OUT_OF_TRAVEL, row.place(column), message, help))
