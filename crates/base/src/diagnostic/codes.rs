@@ -626,9 +626,9 @@ the tool without this wear. See docs/reference/output.md.";
 subprograms this is correct. Otherwise its blocks may be after the end of the program (M30), in a subprogram that is never called,
 in skip blocks, or the file is truncated.";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
-"The machine file has no value for this zero offset. For snc zero is used; a check and a correction are refused.";
+"The machine file has no value for this zero offset. snc, diff and verify use zero; check and fix refuse the program.";
     TOOL_ASSUMED = "W0303" "tool assumed without length and radius"
-"The machine file has no value for this tool. For snc zero is used; a check and a correction are refused.";
+"The machine file has no value for this tool. snc, diff and verify use zero; check and fix refuse the program.";
     NO_MACHINE = "W0304" "demo machine used"
 "Neither --machine nor the environment variable NCFIX_MACHINE names a machine file, and there is no ncfix.toml in this folder or
 above it, so the embedded demo machine was used. The output is only a demonstration, not for a real machine.";
