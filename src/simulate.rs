@@ -1,4 +1,4 @@
-//! Programs driven through the servo loops of a machine, recorded as traces.
+//! Simulation of programs in the servo loops of a machine, recorded as traces.
 
 use std::io::{self, Write};
 use std::path::PathBuf;

@@ -1,4 +1,4 @@
-//! `ncfix fix --feed-limit`: the servo loops that it needs, and what it did, for the report.
+//! `ncfix fix --feed-limit`: the servo loops that it needs, and its effect, for the report.
 
 use crate::diagnostics::Diagnostics;
 use ncfix_base::diagnostic::{Code, Diagnostic};

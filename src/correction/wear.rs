@@ -1,4 +1,4 @@
-//! `--compensation wear`: what it does not go together with, and whether the control could follow what was written with wear.
+//! `--compensation wear`: options that it excludes, and a check that the control can follow the output with wear.
 
 use crate::diagnostics::Diagnostics;
 use crate::error::Error;
