@@ -42,7 +42,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let unmoved = machine.deviation(&pose, tool, &State::default());
     let [x_um, y_um, z_um] = unmoved.position_um;
-    println!("deviation of the tip: X {x_um:.1}, Y {y_um:.1}, Z {z_um:.1} µm; distance {:.1} µm", unmoved.distance_um());
+    println!("error of the tip: X {x_um:.1}, Y {y_um:.1}, Z {z_um:.1} µm; distance {:.1} µm", unmoved.distance_um());
 
     // The error includes backlash only if the direction of the last motion is known.
     let forth = machine.deviation(&pose, tool, &"X+".parse()?);
