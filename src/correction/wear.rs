@@ -12,7 +12,7 @@ use ncfix_path::path::{FiveAxis, OutputFrame, Rapids};
 /// A motion to the contour up to this length is one block, mm: twice the part in which the control receives the wear.
 const SHORTEST_STEP_MM: f64 = 10.0;
 
-/// The finding about an output in which G41 is not allowed, or does not lead straight to the contour.
+/// The diagnostic about an output in which G41 is not allowed, or does not lead straight to the contour.
 pub(super) fn refusal(choice: &Options) -> Option<Diagnostic> {
     let message = if (choice.frame, choice.five_axis) != (OutputFrame::Work, FiveAxis::Tcp) {
         "--compensation wear is not possible with --frame machine or --five-axis axes: controls do not compensate the radius in blocks with machine coordinates"
