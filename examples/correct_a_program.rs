@@ -1,4 +1,4 @@
-//! Corrects a part program for the measured errors of one machine, and shows what that did.
+//! Corrects a part program for the measured errors of one machine, and prints the error of the tool before and after.
 
 #![allow(clippy::print_stdout, reason = "an example shows what it found")]
 
@@ -20,14 +20,14 @@ N110 M30
 ";
 
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // A file of your own: Machine::from_file("mill.toml")?
+    // With your own machine file: Machine::from_file("mill.toml")?
     let machine = Machine::demo();
     let program = Program::parse("part.mpf", PART, DialectChoice::Sinumerik)?;
 
     let found = program.check(&machine);
     print!("{}", found.drawn());
     if found.has_errors() {
-        return Err("the program is not fit for this machine".into());
+        return Err("the program has errors on this machine".into());
     }
 
     let mut options = Options::default();
@@ -43,7 +43,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let corrected = Program::parse("part_corrected.mpf", text, DialectChoice::Sinumerik)?;
     let verified = program.verify(&corrected, &machine)?;
     let (before, after) = (verified.before.unwrap_or_default(), verified.after.unwrap_or_default());
-    println!("the tool was {:.2} µm off its path at most, and is {:.2} µm", before.max_um, after.max_um);
+    println!("largest error of the tool: {:.2} µm before, {:.2} µm after", before.max_um, after.max_um);
     assert!(after.max_um < 1.0 && before.max_um > 10.0);
     Ok(())
 }

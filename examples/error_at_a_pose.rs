@@ -1,10 +1,10 @@
-//! Asks how far a machine is off at a pose: cold and empty, with a workpiece on its table, and after a reversal.
+//! Prints the error of a machine at a pose, and its backlash from the error after a motion in each direction.
 
 #![allow(clippy::print_stdout, reason = "an example shows what it found")]
 
 use ncfix::prelude::*;
 
-/// A small machine: Y carries the table, X and Z the spindle. Squareness, a scale that is wrong, backlash, a table that tilts under weight.
+/// A small machine: Y carries the table, X and Z carry the spindle. It has a squareness error, a scale error and backlash.
 const MACHINE: &str = r#"
 [machine]
 name = "small mill"
@@ -36,21 +36,21 @@ value_um = 6.0
 
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let machine = Machine::from_text("small_mill.toml", MACHINE)?;
-    // mm and degrees; axes that are left out are at 0.
+    // Positions in mm and degrees; axes that are not named are at 0.
     let pose: AxisVector = "X400,Y300,Z100".parse()?;
     let tool = ToolVector::Length(120.0);
 
     let unmoved = machine.deviation(&pose, tool, &State::default());
     let [x_um, y_um, z_um] = unmoved.position_um;
-    println!("the tip is off by {x_um:.1} {y_um:.1} {z_um:.1} µm, {:.1} µm in all", unmoved.distance_um());
+    println!("error of the tip: X {x_um:.1}, Y {y_um:.1}, Z {z_um:.1} µm; distance {:.1} µm", unmoved.distance_um());
 
-    // Backlash counts once it is known how an axis moved last.
+    // The error includes backlash only if the direction of the last motion is known.
     let forth = machine.deviation(&pose, tool, &"X+".parse()?);
     let back = machine.deviation(&pose, tool, &"X-".parse()?);
     let lost_um = forth.position_um[0] - back.position_um[0];
-    println!("X loses {lost_um:.1} µm when it turns round");
+    println!("X loses {lost_um:.1} µm at a reversal");
     assert!((lost_um - 6.0).abs() < 0.01);
-    // 50 µm in a meter, at 400 mm.
+    // 50 µm/m at X 400 mm are 20 µm; the squareness adds up to 6 µm.
     assert!((unmoved.position_um[0] - 20.0).abs() < 6.1);
     Ok(())
 }

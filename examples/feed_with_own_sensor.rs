@@ -1,4 +1,4 @@
-//! Feeds a control line by line, with a custom sensor for the temperature of the spindle head, with which Z drifts.
+//! Feeds a control line by line. Z drifts with the temperature of the spindle head, which a custom sensor measures.
 #![allow(clippy::print_stdout, reason = "an example shows what it found")]
 use std::io::{self, Read as _, Write as _};
 use std::sync::{Arc, Mutex};

@@ -10,12 +10,12 @@ pub(crate) fn main() -> Result<(), Error> {
     // The table of readings; its description, ball_bar.toml, is in the same folder.
     let data = [DataSet::read("samples/measurements/ball_bar.csv")?];
     let mut options = CalibrationOptions::default();
-    // Squareness of X to Y, scale of X, and half of the backlash of X.
+    // Squareness of X and Y, scale of X, and half of the reversal value of X.
     options.parameters = ["EC0X", "EXX1", "EXXb"].map(String::from).to_vec();
     let found = Calibration::run(&machine, &data, &options)?;
     print!("{}", found.diagnostics());
 
-    // The circles were made with 43 µrad, 52 µm/m and 2.5 µm.
+    // The circles were simulated with 43 µrad, 52 µm/m and 2.5 µm.
     for (one, made_with) in found.result().parameters.iter().zip([43.0, 52.0, 2.5]) {
         assert!((one.value - made_with).abs() < 4.0 * one.sigma, "{one:?}");
     }
@@ -26,7 +26,7 @@ pub(crate) fn main() -> Result<(), Error> {
     for one in &found.result().data {
         let (name, unit, count) = (&one.name, one.unit, one.readings);
         println!(
-            "{name}: {count} readings of {:.2} {unit} RMS, of which {:.2} {unit} are left",
+            "{name}: {count} readings, {:.2} {unit} RMS without the parameters, {:.2} {unit} RMS with them",
             one.measured_rms, one.left_rms
         );
     }

@@ -1,7 +1,7 @@
-//! A custom cause: the spindle expands along its axis with the square of its speed, as balls and rings are pressed outwards.
+//! A custom cause: the spindle becomes longer with the square of its speed, because centrifugal force acts on its bearings.
 //!
-//! The example simulates readings with this effect, 9 µm at 10,000 rpm, and noise. The diagnosis names the cause and
-//! prints its gain on held-out data.
+//! The example calculates readings with this effect (9 µm at 10,000 rpm) and noise. The diagnosis names the cause, and
+//! the example prints its gain on held-out data.
 
 #![allow(clippy::print_stdout, reason = "an example shows what it found")]
 
@@ -51,7 +51,7 @@ pub(crate) fn main() -> Result<(), Error> {
             one.effect, one.parameter, one.value, one.u95, one.unit
         );
     }
-    // The size refers to the largest weight, at 18,000 rpm: 9 µm times 1.8 squared.
+    // The value is the effect at the highest speed, 18,000 rpm: 9 µm times 1.8 squared.
     let growth = found.causes().iter().find(|one| one.effect == "spindle-growth");
     assert!(growth.is_some_and(|one| (one.value - 29.16).abs() < one.u95));
     println!("residual of the held-out readings: {:.0} % smaller", 100.0 * found.result().holdout_gain.unwrap_or(0.0));

@@ -1,13 +1,13 @@
-//! A custom dialect detector: the post-processor of a workshop writes programs for a Fanuc into files `.tap`, with its name in the first line.
+//! A custom dialect detector: a post-processor writes Fanuc programs into files `.tap`, with its own name in the first line.
 //!
-//! Without the detector the text counts as Sinumerik, in which this drilling cycle does not exist.
+//! Without the detector, ncfix takes the text for Sinumerik, in which this drilling cycle does not exist.
 
 #![allow(clippy::print_stdout, reason = "an example shows what it found")]
 
 use ncfix::extend::dialect::{Detector, find};
 use ncfix::prelude::{DialectChoice, Machine, Program, Registry};
 
-/// Two holes. No word of it is special to one control.
+/// Two holes. No word of this program belongs to one control only.
 const PART: &str = "\
 (SHOP POST 7)
 G90 G0 X100. Y50. Z50.
@@ -30,7 +30,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{moves} elements as a Fanuc");
     assert!(!found.has_errors() && moves > 6);
 
-    // Lines decide if another name hides the extension.
+    // If the extension is not that of the detector, the pattern of a line decides.
     let other = Program::parse_with("holes.nc", PART, DialectChoice::Guess, &registry)?;
     assert_eq!(other.moves(&machine)?.count(), program.moves(&machine)?.count());
 

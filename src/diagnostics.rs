@@ -440,7 +440,7 @@ impl Diagnostics {
     }
 }
 
-/// True if the finding is a syntax error of a program.
+/// True if the diagnostic is a syntax error of a program.
 fn is_of_text(diagnostic: &Diagnostic) -> bool {
     diagnostic.is_error() && matches!(diagnostic.code.as_str().get(..3), Some("E01" | "E02"))
 }

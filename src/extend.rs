@@ -1,6 +1,6 @@
 //! Items for an extension in another crate: one module for each kind of item that a [`Registry`](crate::Registry) takes.
 //!
-//! `docs/how-to/extending.md` of the project describes the requirements; `examples/own_error_source.rs` and `examples/own_cause.rs` are complete programs.
+//! `docs/how-to/extending.md` of the project describes the requirements; the programs `examples/own_*.rs` are complete extensions.
 
 /// Error sources with their sections of the machine file, and kinds of motion errors.
 pub mod source {

@@ -1,4 +1,4 @@
-//! ncfix reads a part program and executes it: the result is a flat stream of simple moves. It adds the corrections for the measured errors of one machine,
+//! ncfix reads a part program and executes it. The result is a flat stream of simple moves. ncfix corrects these moves for the measured errors of one machine,
 //! and writes a program for this machine only.
 //!
 //! ```
@@ -17,12 +17,12 @@
 //! [`prelude`] exports the types of the library. Lengths are mm, angles rad and times s unless a name states another unit. Everything that holds data is `Send` and
 //! `Sync`.
 //!
-//! These functions read or write files: those with *from_file* in their name, [`DataSet::read`], [`Tables::read`], [`Transfer::send`] and
-//! [`Transfer::send_seen`] (the journal), and [`sensors::from_text`] (the sources that the text names). Running a program from a file reads its subprograms; if
-//! one cannot be read, the reason is logged with [`log`]. Other functions use no file.
+//! Only these functions read or write files: those with *from_file* in their name, [`DataSet::read`], [`Tables::read`], [`Transfer::send`] and
+//! [`Transfer::send_seen`] (the journal), and [`sensors::from_text`] (the sources that the text names). In addition, the execution of a program from a file reads
+//! its subprograms. If it cannot read a subprogram, it logs the reason with [`log`].
 //!
-//! Everything streams: no stage holds the path, so memory is bounded by the program text, also for a program with an endless loop. `ARCHITECTURE.md` of the
-//! project is the map of its crates, `docs/explanation/theory.md` has the formulas with their sources.
+//! No stage holds the whole path, so the program text bounds the memory, even for a program with an endless loop. `ARCHITECTURE.md` of the
+//! project is the map of its crates. `docs/explanation/theory.md` has the formulas with their sources.
 
 pub mod extend;
 pub mod prelude;

@@ -127,7 +127,7 @@ impl Machine {
         machine.ok_or_else(|| Error::found(found))
     }
 
-    /// The machine of the text of a machine file; `name` is what diagnostics call it. No file is read.
+    /// The machine of the text of a machine file; diagnostics name the text `name`. No file is read.
     ///
     /// ```
     /// use ncfix::prelude::*;

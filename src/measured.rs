@@ -1,4 +1,4 @@
-//! Correction of positions that were read on a machine: removes the corrections in them.
+//! Correction of positions that were read on a machine: positions as a machine without errors would have read them.
 
 use std::ops::ControlFlow;
 

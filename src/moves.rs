@@ -46,7 +46,7 @@ impl<'m> Elements<'m> {
         Elements { running, found }
     }
 
-    /// The findings so far, including warnings.
+    /// The diagnostics so far, including warnings.
     ///
     /// ```
     /// use ncfix::prelude::*;

@@ -260,7 +260,7 @@ impl Program {
         }
     }
 
-    /// True if the program has the stamp of a correction, which is reported as a finding.
+    /// True if the program has the stamp of a correction, which is reported as a diagnostic.
     pub(crate) fn was_corrected_before(&self, found: &mut Diagnostics) -> bool {
         let is_stamped = emit::is_stamped(self.bytes());
         if is_stamped {
@@ -295,7 +295,7 @@ impl Program {
         self
     }
 
-    /// Parses it; `None` if it has syntax errors, which are among the findings.
+    /// Parses it; `None` if it has syntax errors, which are among the diagnostics.
     ///
     /// # Errors
     /// If the dialect does not exist.

@@ -24,7 +24,7 @@ use ncfix_tables::results::realtime::KernelResult;
 /// The folder of named shared memory on Linux.
 const SHARED: &str = "/dev/shm";
 
-/// Reports the findings that prevent the update of a kernel.
+/// Reports the diagnostics that prevent the update of a kernel.
 pub(crate) type Complain = fn(&Diagnostics);
 
 /// A correction that is ready for set-points.
@@ -115,7 +115,7 @@ impl RealtimeCorrection {
         serve(ring, &mut self.cycle, &mut self.counts, is_over)
     }
 
-    /// The finding for a control that writes past the end of a ring with `records` records.
+    /// The diagnostic for a control that writes past the end of a ring with `records` records.
     pub(crate) fn overrun(&self, overrun: Overrun, records: u64) -> Diagnostic {
         let what = match overrun {
             Overrun::SetPoints(count) => format!("the control wrote {count} set-points into a ring of {records}"),

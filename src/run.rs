@@ -25,7 +25,7 @@ use ncfix_machine::snc::extent::PathExtent;
 use ncfix_machine::snc::{Element, Kind, Turning};
 use ncfix_path::emit;
 
-/// Blocks executed in search of further findings in a program with syntax errors.
+/// Blocks executed in search of further diagnostics in a program with syntax errors.
 const BLOCKS_IN_SEARCH: u64 = 100_000;
 
 /// A program that was parsed.
@@ -38,7 +38,7 @@ pub(crate) struct Opened {
     pub(crate) dialect: &'static Dialect,
 }
 
-/// Parses the program in `source`; `None` if it has syntax errors, which are among the findings.
+/// Parses the program in `source`; `None` if it has syntax errors, which are among the diagnostics.
 ///
 /// # Errors
 /// If the dialect does not exist.
@@ -90,7 +90,7 @@ pub(crate) fn open(
     let is_understood = !found.iter().any(Diagnostic::is_error);
     findings.extend(found, std::slice::from_ref(source));
     if let (false, Some(chosen)) = (is_understood, chosen) {
-        // Unsupported functions should be reported in the same run; other findings may only be consequences of the blocks with errors.
+        // Unsupported functions should be reported in the same run; other diagnostics may only be consequences of the blocks with errors.
         let options = Options { max_blocks: Some(BLOCKS_IN_SEARCH), ..Options::default() };
         let execution = Execution::new(program, &chosen.machine, Box::new(NoLibrary), options);
         let unsupported = execution.filter_map(Result::err).filter(|found| found.code == Code::NOT_SUPPORTED);
@@ -239,7 +239,7 @@ pub(crate) trait Watch {
 /// Largest distance of the tip from its path between positions whose range is taken, mm: measured ranges have no finer ends.
 const EXTENT_MM: f64 = 0.01;
 
-/// A running program: its elements and findings.
+/// A running program: its elements and diagnostics.
 pub(crate) struct Running<'a> {
     execution: Execution<'a>,
     watch: Option<Box<dyn Watch>>,
@@ -282,7 +282,7 @@ impl<'a> Running<'a> {
         Running { watch: Some(watch), ..self }
     }
 
-    /// The main program and every subprogram read so far, for drawing findings.
+    /// The main program and every subprogram read so far, for drawing diagnostics.
     pub(crate) fn sources(&self) -> &[Source] {
         self.execution.sources()
     }
@@ -370,7 +370,7 @@ pub(crate) fn strict(rapid_order: RapidOrder) -> Options {
     Options { strict: true, tells_compensation: true, rapid_order, ..Options::default() }
 }
 
-/// The finding for a program without motion.
+/// The diagnostic for a program without motion.
 pub(crate) fn without_motion(source: &Source, code: Code) -> Diagnostic {
     let place = Place { file: source.id(), span: Span::new(0, 1) };
     let help = "check where its motions are: after M30, in a program that nothing calls, in skip blocks";

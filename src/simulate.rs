@@ -1,4 +1,4 @@
-//! Programs driven through the servo loops of a machine, recorded as traces.
+//! Simulation of programs in the servo loops of a machine, recorded as traces.
 
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -130,7 +130,7 @@ impl Program {
     }
 }
 
-/// The finding for a program that takes too long to record.
+/// The diagnostic for a program that takes too long to record.
 fn too_long(rows: u64) -> Diagnostic {
     let message = match rows {
         MOST_ROWS.. => format!("the trace would have more than {} rows", grouped(MOST_ROWS)),
@@ -227,7 +227,7 @@ impl<'a> Recorder<'a> {
                 return Ok(Err(error));
             }
             guard(&running.files(), &mut own);
-            // The findings of a second pass were already reported.
+            // The diagnostics of a second pass were already reported.
             let is_over = own.has_errors();
             if feed == feeds.first().copied() {
                 found.absorb(own);

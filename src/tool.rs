@@ -1,4 +1,4 @@
-//! Tools as entered by the user.
+//! Tools as a caller states them: a length along the spindle, or a vector.
 
 use std::str::FromStr;
 

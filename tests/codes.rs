@@ -13,12 +13,12 @@ use crate::support::repository;
 /// What docs/reference/codes.md must say.
 fn page() -> String {
     let mut text = String::from(
-        "# G and M codes\n\nThese are the codes of each dialect, with other words. `ncfix explain E0203` explains a diagnostic. \
-         This page is made from the tables in [`grammars`](../../grammars/) that the program itself reads. \
-         *execute* codes\nare executed, so only positions remain of them. *keep* codes change no position and are passed on in their \
-         place. *display*\ncodes concern the screen and are omitted. *refuse* codes are known and refused, because they change positions or \
-         feeds in a way\nthat is not executed. The effects of the other words (`motion`, `frame` …) name what is executed. `axes` are all \
-         axes. M codes that are not\nlisted belong to the machine builder and are passed on.\n",
+        "# G and M codes\n\nThis page lists the codes of each language, and the words of a Sinumerik that are not codes. It is generated from the tables in \
+         [`grammars`](../../grammars/) that the program itself reads. Diagnostic codes are not on this page: `ncfix explain E0203` explains one.\n\n\
+         The column *effect* states what ncfix does. It executes `execute` codes, so the output has only their positions. It passes on `keep` codes in \
+         their place,\nbecause they change no position. It omits `display` codes, which concern only the screen. It refuses `refuse` codes, because they change \
+         positions or feeds in a way\nthat ncfix does not execute. Other effects (`motion`, `frame` …) name the part that ncfix executes. `axes` are all \
+         axes. M codes that are not\nlisted belong to the machine builder; ncfix passes them on.\n",
     );
     for dialect in DIALECTS {
         writeln!(text, "\n## {}\n", dialect.title).unwrap();

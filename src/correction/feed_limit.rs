@@ -1,4 +1,4 @@
-//! `ncfix fix --feed-limit`: the servo loops that it needs, and what it did, for the report.
+//! `ncfix fix --feed-limit`: the servo loops that it needs, and its effect, for the report.
 
 use crate::diagnostics::Diagnostics;
 use ncfix_base::diagnostic::{Code, Diagnostic};
@@ -7,7 +7,7 @@ use ncfix_machine::machine::{Machine, Servo};
 use ncfix_path::servo::{Limited, Tally};
 use ncfix_report::json::{Contouring, FeedLimit};
 
-/// The `[servo]` section of the machine file; a finding if it is missing.
+/// The `[servo]` section of the machine file; a diagnostic if it is missing.
 pub(crate) fn servo<'m>(machine: &'m Machine, findings: &mut Diagnostics) -> Option<&'m Servo> {
     if machine.servo.is_none() {
         let message =

@@ -392,7 +392,7 @@ impl<'a> Prepared<'a> {
     }
 }
 
-/// The finding for a correction whose residual exceeds the original error by more than the permitted value, mm.
+/// The diagnostic for a correction whose residual exceeds the original error by more than the permitted value, mm.
 fn worse(prediction: &Prediction, tolerance_mm: f64) -> Option<Diagnostic> {
     let [before_mm, after_mm] = [prediction.before(), prediction.after()].map(|spread| spread.rms_mm());
     if after_mm <= before_mm.max(tolerance_mm) {
@@ -418,7 +418,7 @@ fn numbers_of(program: &syntax::Program) -> NumberSet {
     numbers
 }
 
-/// The finding for a program that carries a stamp; it points at the name in the stamp.
+/// The diagnostic for a program that carries a stamp; it points at the name in the stamp.
 pub(crate) fn corrected_before(source: &Source) -> Diagnostic {
     const NAME: &[u8] = b"ncfix";
     let is_name = |window: &[u8]| window.eq_ignore_ascii_case(NAME);

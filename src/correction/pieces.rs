@@ -62,7 +62,7 @@ impl<'a> Pieces<'a> {
         Pieces { corrector, running, found }
     }
 
-    /// The findings so far, including warnings.
+    /// The diagnostics so far, including warnings.
     ///
     /// ```
     /// use ncfix::prelude::*;

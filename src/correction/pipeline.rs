@@ -41,7 +41,7 @@ pub(super) struct Passed {
     pub(super) poses: Vec<PoseSample>,
     /// The result of the feed limit, if there is one.
     pub(super) limited: Option<Limited>,
-    /// Findings of all stages, in the order of the program.
+    /// Diagnostics of all stages, in the order of the program.
     pub(super) found: Vec<Diagnostic>,
 }
 
@@ -56,7 +56,7 @@ pub(super) fn threads_for(bytes: usize) -> usize {
 }
 
 impl Pipeline<'_> {
-    /// Executes, corrects and writes to the end of the program. After the first error nothing more is written, but all findings are collected.
+    /// Executes, corrects and writes to the end of the program. After the first error nothing more is written, but all diagnostics are collected.
     pub(super) fn pass(
         &self,
         running: &mut Running<'_>,
@@ -64,7 +64,7 @@ impl Pipeline<'_> {
         sink: &mut (dyn Write + Send),
         threads: usize,
     ) -> Passed {
-        // Findings are few: the execution and the corrector both stop after a hundred.
+        // Diagnostics are few: the execution and the corrector both stop after a hundred.
         let mut found = Vec::new();
         let note = |finding| found.push(finding);
         let (blocks, (prediction, poses, limited)) = match threads {

@@ -1,4 +1,4 @@
-//! `--compensation wear`: what it does not go together with, and whether the control could follow what was written with wear.
+//! `--compensation wear`: options that it excludes, and a check that the control can follow the output with wear.
 
 use crate::diagnostics::Diagnostics;
 use crate::error::Error;
@@ -12,7 +12,7 @@ use ncfix_path::path::{FiveAxis, OutputFrame, Rapids};
 /// A motion to the contour up to this length is one block, mm: twice the part in which the control receives the wear.
 const SHORTEST_STEP_MM: f64 = 10.0;
 
-/// The finding about an output in which G41 is not allowed, or does not lead straight to the contour.
+/// The diagnostic about an output in which G41 is not allowed, or does not lead straight to the contour.
 pub(super) fn refusal(choice: &Options) -> Option<Diagnostic> {
     let message = if (choice.frame, choice.five_axis) != (OutputFrame::Work, FiveAxis::Tcp) {
         "--compensation wear is not possible with --frame machine or --five-axis axes: controls do not compensate the radius in blocks with machine coordinates"

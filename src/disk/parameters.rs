@@ -16,7 +16,7 @@ use ncfix_model::name::{ErrorKind, ErrorName};
 use ncfix_model::parameter::ParameterName;
 use ncfix_model::preset::{PRESETS, find};
 
-/// The parameters of a model that has no terms that a person states; `None` if there are errors.
+/// The parameters of a model without stated terms; `None` if there are errors.
 ///
 /// # Errors
 /// If it has such terms, or [`choose_model`] cannot read it.

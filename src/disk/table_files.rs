@@ -320,7 +320,7 @@ fn members(path: &Path) -> Result<(Vec<Source>, Vec<Source>), Error> {
     Ok(files.into_iter().filter(is_table).partition(|file| !is_program(file)))
 }
 
-/// The finding for a program that sets tables when it runs: an archive does not show whether it ran.
+/// The diagnostic for a program that sets tables when it runs: an archive does not show whether it ran.
 fn not_read(program: &Source) -> Diagnostic {
     let place = Place { file: program.id(), span: Span::new(0, 1) };
     let help = "save the tables of the control as they are now, NC active data, if it ran";

@@ -135,7 +135,7 @@ impl Transfer {
         Ok(opened.map_err(|faults| found.extend(faults, std::slice::from_ref(&source))).ok())
     }
 
-    /// A finding if sensors of the model are missing among those of a panel.
+    /// A diagnostic if sensors of the model are missing among those of a panel.
     pub(crate) fn missing(&self, channels: &[&str]) -> Option<Diagnostic> {
         let is_known = |name: &str| channels.contains(&name) || self.machine.condition.trace(name).is_some();
         let needed = self.machine.errors.sensors();
@@ -144,7 +144,7 @@ impl Transfer {
     }
 }
 
-/// The finding for missing sensors of the model.
+/// The diagnostic for missing sensors of the model.
 fn missing(names: &[&str]) -> Diagnostic {
     let message = format!(
         "neither the sensors nor the state have a temperature of {}, which the error model needs",

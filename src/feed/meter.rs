@@ -32,7 +32,7 @@ impl Meter {
         self.longest = self.longest.max(duration);
     }
 
-    /// The middle one, the longest of 99 in 100, and the longest, µs; `None` without any.
+    /// The median, the 99 % quantile and the maximum, µs; `None` without a duration.
     pub(super) fn microseconds(&self) -> Option<[f64; 3]> {
         let us = |seconds: f64| (seconds * 1e7).round() / 10.0;
         let longest = self.longest.as_secs_f64();

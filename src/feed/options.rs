@@ -14,25 +14,25 @@ use std::time::Duration;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct FeedOptions {
-    /// Sends even where the control will have to wait for lines.
+    /// Sends the program even if the control will have to wait for lines.
     pub allow_starvation: bool,
     /// The user has checked that the machine stands still. Needed for links that cannot query it.
     pub machine_stands_still: bool,
     /// Interval between two evaluations of the temperatures.
     pub every: Duration,
-    /// The zero point of the workpiece is set in the condition in which the job begins: drift counts from there.
+    /// The zero point of the workpiece was set in the condition at the start of the job: drift is relative to this condition.
     pub zero_now: bool,
     /// True if temperature changes take effect on rapid moves only.
     pub rapids_only: bool,
-    /// The most that it changes from one block with feed to the next, mm.
+    /// Largest change of the thermal correction from one feed block to the next, mm.
     pub dose_per_block_mm: f64,
-    /// The most that it changes on a mm of path, mm.
+    /// Largest change of the thermal correction per mm of path, mm.
     pub dose_per_mm: f64,
-    /// The most that it changes in a second, mm.
+    /// Largest change of the thermal correction per second, mm.
     pub dose_per_s_mm: f64,
-    /// A warning where temperatures ask for more than this, mm.
+    /// A thermal correction above this value causes a warning, mm.
     pub warn_shift_mm: f64,
-    /// The transfer stops where they ask for more than this, mm.
+    /// A thermal correction above this value stops the transfer, mm.
     pub max_shift_mm: f64,
 }
 

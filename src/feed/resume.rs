@@ -177,7 +177,7 @@ fn refusal(found: &SearchOutcome, clearance_mm: Option<f64>) -> Option<Diagnosti
     Some(Diagnostic::nowhere(code, message, help))
 }
 
-/// The place where the job is resumed; a finding if it cannot be resumed.
+/// The place where the job is resumed; a diagnostic if it cannot be resumed.
 pub(crate) fn plan(
     told: &JournalContents,
     (input, port): (String, String),

@@ -102,7 +102,7 @@ pub(crate) enum Step<'a> {
     Line(&'a Line),
 }
 
-/// Executes and corrects a program without temperatures; after an error without lines, so that all findings are reported. Returns the hash of all of
+/// Executes and corrects a program without temperatures; after an error without lines, so that all diagnostics are reported. Returns the hash of all of
 /// its files.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! Dialects as values: tables of codes and words, file extensions and settings. This crate contains neither parsers nor execution.
+//! Control languages (dialects) as values: tables of codes and words, file extensions and settings. This crate does not parse or execute programs.
 
 mod block_ends;
 mod blocks;

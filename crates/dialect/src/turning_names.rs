@@ -35,7 +35,7 @@ const PHILIPS_LATHE: &str = "SYSTEM 3000";
 
 static PHILIPS_MARK: LazyLock<RegexSet> = LazyLock::new(|| patterns([PHILIPS_LATHE]));
 
-/// Findings from the blocks so far.
+/// Signs of a lathe program in the blocks so far.
 #[derive(Debug, Default)]
 struct Search {
     marks: Vec<Mark>,

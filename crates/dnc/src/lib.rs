@@ -1,4 +1,4 @@
-//! Connection to the control: links, live sensors, DNC (line-by-line feeding). This crate does not compute corrections.
+//! Connection to the control: links, live sensors, and drip feed (DNC), which sends a program line by line. Corrections come from other crates.
 
 pub mod drip;
 pub mod feed;

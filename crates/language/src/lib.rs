@@ -1,4 +1,4 @@
-//! Part programs of controls: what was written, and what the control would do. This crate does not depend on the error model.
+//! Part programs of controls: their syntax trees, and the moves that the control would make. This crate does not depend on the error model.
 
 pub mod exec;
 pub mod syntax;

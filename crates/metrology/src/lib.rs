@@ -1,4 +1,4 @@
-//! From measured data to parameters, causes and additions to the machine file, without any knowledge of program text.
+//! Evaluation of measured data: parameters, causes of errors, and additions to the machine file. This crate does not read part programs.
 
 pub mod calibrate;
 pub mod decompose;

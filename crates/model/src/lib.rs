@@ -5,7 +5,7 @@
 //! the machine. [`Model`] is the machine with this sum, prepared for evaluation; [`Model::actual`] is the only forward function, and [`Model::solve`] inverts it.
 //! [`Model::on_intervals`] and [`Model::solve_in_cycle`] are their counterparts for the cycle of a control. [`preset`] lists the parameters ([`parameter`])
 //! of a model. [`coverage`] compares positions and conditions with the measured ranges, and [`uncertainty`] varies a model
-//! within its uncertainty. This crate contains neither programs nor instruments.
+//! within its uncertainty. This crate does not contain programs or instruments.
 
 mod accumulator;
 mod body;

@@ -1,6 +1,6 @@
-//! Formats plain data of the other crates for people and for programs: diagnostics, results of a correction, machines.
+//! Formats the results of the other crates as text, pages and JSON: diagnostics, results of a correction, machines.
 //!
-//! Everything here returns text or serializable values. Nothing opens a file or queries the capabilities of a terminal.
+//! The functions return text or serializable values. They do not open files and do not query the capabilities of a terminal.
 
 pub mod calibration;
 mod component;

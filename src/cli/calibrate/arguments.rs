@@ -9,19 +9,19 @@ use crate::cli::value;
 
 /// End of `ncfix calibrate --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
-A measurement is a table NAME.csv with its description NAME.toml in the same folder: docs/reference/data-files.md. All measurements are fitted together, with the \
-unknowns of each set-up. START.toml gives the axes, the kinematic chain and the initial errors; its text is kept, and only the parameters of the model \
-change. If the data cannot separate some parameters, a message names them, and nothing is written.
+A measurement is a table NAME.csv with its description NAME.toml in the same folder: docs/reference/data-files.md. ncfix fits all measurements \
+together, with the unknowns of each set-up. START.toml has the axes, the kinematic chain and the initial errors. ncfix keeps its text and changes only \
+the parameters of the model. If the data cannot separate some parameters, ncfix names them and writes nothing.
 
 Temperature columns and load_N of a table give the condition of each row. For tables without them, --state, --time and --load give the condition of all \
 measurements, including those held out.
 
 A term states your own deviation, as for ncfix diagnose --hypothesis: docs/reference/terms.md. A term that is not a parameter of the machine file gets an entry there.
 
---select finds the further parameters that the data needs. Candidates are added, removed and exchanged as long as a criterion decreases, are tested with \
-the autocorrelation of the readings, and must improve the prediction of held-out readings. Candidates are presets, motion (all motion errors of the \
-linear axes), errors (EXX), parameters (EXX2@150) and files with one of them per line, separated by commas; errors have degrees up to \
---degree, and knots every --knots within the measured range.
+--select adds the parameters that the data support. ncfix adds, removes and exchanges candidates as long as a criterion decreases. It tests them with \
+the autocorrelation of the readings, and they must improve the prediction of held-out readings. Candidates, separated by commas, are presets, motion \
+(all motion errors of the linear axes), errors (EXX), parameters (EXX2@150) and files with one parameter per line. Errors have degrees up to --degree, \
+and knots every --knots within the measured range.
 
 Examples:
   ncfix calibrate balls.csv circles.csv --machine start.toml --model mayer-13 -o machine.toml --hold-out balls_2.csv

@@ -147,7 +147,7 @@ fn extend(
             report.output = Some(name.display().to_string());
         }
         None => {
-            let help = "write [location] and [[dynamic]] as sections of their own";
+            let help = "write [location] and [[dynamic]] as separate sections";
             findings.add(Diagnostic::nowhere(Code::NOT_TOLD, "the machine file cannot be extended", help), &[]);
         }
     }

@@ -11,8 +11,8 @@ pub(in crate::cli) const AFTER_HELP: &str = "\
 Each measurement is a table NAME.csv with its description NAME.toml in the same folder: docs/reference/data-files.md. Errors may depend on every \
 numeric column: feed_mm_min, t_s, T_NAME_C, humidity.
 
-A cause is named only if it remains significant with the autocorrelation of the readings and the number of candidates tested, and if it also improves \
-the prediction of runs or set-ups that were not used to find it. A cause that the data of --hold-out does not confirm is not named. See \
+ncfix names a cause only if it remains significant with the autocorrelation of the readings and the number of candidates tested, and if it also \
+improves the prediction of runs or set-ups that were not used to find it. The data of --hold-out must confirm the cause too. See \
 docs/reference/diagnose.md.
 
 --hypothesis tests your own term: its amount, the evidence for or against it, its gain on unseen readings, other explanations. \

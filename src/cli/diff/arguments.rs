@@ -10,8 +10,8 @@ use ncfix_base::geometry::Axis;
 
 /// End of `ncfix diff --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
-Both programs are executed on the machine, which is found as for a correction, so that expressions, loops and frames become numbers. The rows show the \
-corrections of the axis words, in the coordinates of the corrected program; \"1:3\" is a move that became three pieces.
+ncfix executes both programs, with the machine file that a correction would use, so expressions, loops and frames become numbers. The rows show the \
+corrections of the axis words, in the coordinates of the corrected program. \"1:3\" is a move that became three pieces.
 
 Examples:
   ncfix diff part.mpf part_corrected.mpf --machine mill.toml
@@ -46,7 +46,7 @@ pub(in crate::cli) struct DiffArguments {
     /// Show only this axis; repeatable
     #[arg(long, value_name = "AXIS", value_parser = axis)]
     pub(in crate::cli) axis: Vec<Axis>,
-    /// Largest change that counts as none, with unit (rotary axes: displacement at 1 m)
+    /// Ignore changes up to this, with unit (rotary axes: displacement at 1 m)
     #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
     pub(in crate::cli) tolerance: Option<f64>,
     /// Tolerance promised by the correction, with unit (default: that of the stamp)

@@ -12,10 +12,10 @@ use ncfix_base::units::parse_length_mm;
 
 /// End of `ncfix feed --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
-The whole program is executed and corrected once before the first byte is sent: this finds errors in the program, and a link that is too slow for the \
-motion. Then each line is corrected for the current temperatures, frozen, written to the journal, and sent.
+Before the first byte, ncfix executes and corrects the whole program once. It finds errors in the program, and a link that is too slow for the motion. \
+Then it corrects each line for the current temperatures, writes it to the journal, and sends it. A sent line no longer changes.
 
-No line is sent unless the control reports that it is idle; links that cannot ask need --i-checked-the-machine-stands-still instead.
+ncfix sends nothing unless the control reports that it is idle. Links without such a report need --i-checked-the-machine-stands-still.
 
 Ctrl-C once stops sending and lets the control finish its lines; twice also holds the axes if the link has a command for it. `ncfix resume` shows how to \
 resume an interrupted job.
@@ -40,13 +40,13 @@ pub(in crate::cli) struct FeedArguments {
     /// Protocol of the control: name of a profile, or profile file
     #[arg(long, value_name = "LINK|FILE.toml")]
     pub(in crate::cli) link: String,
-    /// Live temperature sensors to read during the transfer (default: no further correction)
+    /// Live temperature sensors to read during the transfer (default: no thermal correction)
     #[arg(long, value_name = "S.toml")]
     pub(in crate::cli) sensors: Option<PathBuf>,
     /// Check the program and the link; send nothing
     #[arg(long)]
     pub(in crate::cli) dry_run: bool,
-    /// Confirm that the machine stands still, for links that cannot ask it (tape readers, FE1); if it moves, lines interfere with its motion
+    /// Confirm that the machine stands still, for links on which ncfix cannot ask the control (tape readers, FE1); lines that are sent to a moving machine interfere with its motion
     #[arg(long)]
     pub(in crate::cli) i_checked_the_machine_stands_still: bool,
     /// Send even if the control will have to wait for lines
@@ -124,11 +124,11 @@ impl From<&FeedArguments> for FeedOptions {
 
 /// End of `ncfix resume --help`.
 pub(in crate::cli) const RESUME_HELP: &str = "\
-A job is never resumed automatically. An answer of the control does not prove that a line was executed: lines that may still be in the planner, by the \
-size that the control reported, count as not executed; without such a report, only lines executed when the machine last stood still are certain. The plan \
-moves up to the height of --clearance, across, and down at a slow feed to the end of a retract of the program, or starts at the beginning. It is refused \
-without that height, if nothing lifts the tool to it, and if the program, the machine file, the state or ncfix has changed. No line is \
-sent unless the control reports that it is idle.
+ncfix never resumes a job automatically. An answer of the control does not prove that it executed the line: lines that may still be in the planner, by \
+the size that the control reported, count as not executed. Without such a report, only lines executed when the machine last stood still are certain. \
+The plan moves up to the height of --clearance, across, and down at a slow feed to the end of a retract of the program, or starts at the beginning. \
+ncfix refuses it without that height, if no move lifts the tool to it, and if the program, the machine file, the state or ncfix has changed. It sends \
+nothing unless the control reports that it is idle.
 
 Examples:
   ncfix resume part.ngc.journal --clearance 25mm
@@ -148,7 +148,7 @@ pub(in crate::cli) struct ResumeArguments {
     /// resume
     #[arg(long, value_name = "Z", value_parser = parse_length_mm, allow_hyphen_values = true)]
     pub(in crate::cli) clearance: Option<f64>,
-    /// Confirm that the machine stands still, for links that cannot ask it (tape readers, FE1); if it moves, lines interfere with its motion
+    /// Confirm that the machine stands still, for links on which ncfix cannot ask the control (tape readers, FE1); lines that are sent to a moving machine interfere with its motion
     #[arg(long)]
     pub(in crate::cli) i_checked_the_machine_stands_still: bool,
     /// Port of the control, if it has changed

@@ -13,7 +13,7 @@ pub(in crate::cli) const MOST_CORRECTION: &str = "0.2mm";
 /// Arcs in the output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum ArcChoice {
-    /// Keep arcs if one fits within the tolerance
+    /// Keep an arc if an arc fits within the tolerance
     #[default]
     Keep,
     /// Replace arcs by straight pieces

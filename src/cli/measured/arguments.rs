@@ -10,10 +10,10 @@ use crate::cli::value;
 
 /// End of `ncfix correct-readings --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
-DATA.csv has a line of column names. Columns named by the axis letters of the machine (X, Y, Z, C …; mm, deg) are positions read on the machine; they \
-are replaced by those that a machine without errors would have read. tool_x_mm, tool_y_mm, tool_z_mm (from the gauge point of the spindle to the tip) and \
-X_dir … (-1, 0, 1: direction of the last motion; default: from the order of the rows within a run) are used; they and all other columns are passed through \
-unchanged.
+DATA.csv has a line of column names. Columns named by the axis letters of the machine (X, Y, Z, C …; mm, deg) are positions read on the machine. ncfix \
+replaces them by those that a machine without errors would have read. It also uses tool_x_mm, tool_y_mm, tool_z_mm (from the gauge point of the \
+spindle to the tip) and X_dir … (-1, 0, 1: direction of the last motion; default: from the order of the rows within a run). It copies these and all \
+other columns unchanged.
 
 Examples:
   ncfix correct-readings probing.csv -o probing_corrected.csv --machine mill.toml";

@@ -15,13 +15,13 @@ use ncfix_tables::realtime::{Dosing, KernelRecipe};
 
 /// End of `ncfix realtime --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
-Standard input has one set-point of all axes per line, uncompensated, in machine coordinates, mm and degrees: words (X100 Y50.5 Z-20; after the first line, \
-unchanged axes may be omitted), or a table whose first line has the axis letters (X,Y,Z). Standard output has a header line (dX_um, dA_urad …) and one line per \
-set-point: the correction to add, and in the last column its state: beyond (outside the travel; the correction at its end applies), dosed (the rate limit \
-holds part of the correction back), unsolved (no correction exists; the last one is held), renewed (a new kernel is in force). A line that cannot be read ends \
-the run with status 4; every line before it was answered.
+Each line of standard input is an uncompensated set-point of all axes, in machine coordinates, mm and degrees: words (X100 Y50.5 Z-20; after the first \
+line, unchanged axes may be omitted), or a table whose first line has the axis letters (X,Y,Z). Standard output has a header line (dX_um, dA_urad …) \
+and a line for each set-point: the correction to add, and its state: beyond (outside the travel; the correction at the end of the travel applies), \
+dosed (the rate limit delays part of the correction), unsolved (there is no correction; the previous one remains), renewed (a new kernel is in force). \
+A line that cannot be read ends the run with status 4; all lines before it were answered.
 
-The files of --state are read again every --update-s; of a log, the last entry applies.
+ncfix reads the files of --state again at the interval of --update-s. In a log, the last entry applies.
 
 With --ring, set-points and corrections go through shared memory instead (layout: docs/reference/realtime.md); Ctrl-C or the control ends the run.
 

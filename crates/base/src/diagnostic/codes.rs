@@ -324,8 +324,8 @@ ACN(…), IC(…).";
     ALREADY_CORRECTED = "E0301" "program already corrected"
 "The first comment states that ncfix wrote this file. Correcting it again would add the corrections twice. Correct the original.";
     OUT_OF_TRAVEL = "E0302" "position outside the travel of an axis"
-"A position – in a correction and in check the corrected one, in snc that of the program – lies beyond axis.….travel_mm (travel_deg). The
-message gives the axis, the limit and the position: the end of the move if that is outside, otherwise the farthest point of the
+"A position lies beyond axis.….travel_mm (travel_deg). In fix and check this is the corrected position, in snc the position of the program.
+The message gives the axis, the limit and the position: the end of the move if that is outside, otherwise the farthest point of the
 path. Check zero offset and tool length first: a wrong one shifts the whole program.";
     CORRECTION_TOO_LARGE = "E0303" "correction larger than allowed"
 "A correction exceeds --max-correction (default 0.2 mm; for a rotary axis, the arc at the tool counts). Geometric errors of a working
@@ -517,8 +517,8 @@ second the motion needs there and how many arrive. A link that accepts one line 
 Choose a higher baud rate on both sides, a larger --tolerance (fewer lines), omit block numbers, or write the program with `ncfix IN
 -o OUT` and load it into the control. --allow-starvation sends it anyway.";
     UNFINISHED_JOB = "E0703" "journal of an unfinished job"
-"The journal of this transfer already exists, and shows that the job was aborted: it is not known whether the last lines were
-executed. It is not overwritten. Look at `ncfix resume JOURNAL`, or remove the journal, or give another one with --journal.";
+"The journal of this transfer already exists, and shows that the job was aborted. It is not known whether the last lines were
+executed, so ncfix keeps this journal. Look at `ncfix resume JOURNAL`, remove the journal, or give another one with --journal.";
     OTHER_JOB = "E0704" "not the job that was aborted"
 "A job can be resumed only with the program, machine file, state and version with which it began. With others the sent lines cannot
 be distinguished from the rest, and the correction would jump. Nothing was sent.";
@@ -567,8 +567,8 @@ was written. Usually the increment of the output is coarser than the error to be
     SKIP_EXECUTED = "W0201" "skip blocks executed or skipped"
 "Blocks with / were executed (or skipped with --skip), and the output contains no /: the skip switch at the control has no effect on it.";
     FEED_ASSUMED = "W0202" "feed motion without a feed"
-"G1, G2 and G3 need F; the control stops at this block. For snc the motion is shown without a feed; a check and a correction are refused
-(E0215).";
+"G1, G2 and G3 need F; the control stops at this block. snc, diff and verify accept the motion without a feed; check and fix refuse the
+program (E0215).";
     MORE_PROGRAMS = "W0203" "further main programs in the file"
 "The file has more than one main program (%_N_…_MPF, %PM, O1234). The first one is executed; the others are executed only if it
 calls them. Put each main program into its own file.";
@@ -589,8 +589,8 @@ synchronized as they may be in the cycle of the control, so the tap needs a comp
 "A Fanuc moves in a straight line if a block of G2 or G3 has neither R nor I, J, K (parameter 3403, bit 5; otherwise it stops with
 alarm PS0022). If it does not compare the radii at start and end (parameter 3410 is 0; control.arc_radius_check = false), an arc
 whose center fits only the start is a spiral. G73 and G83 without Q, or with Q0, drill in one stroke (parameter 5103, bit 1;
-otherwise alarm PS0045). Such a block is often an error of a post-processor: check the part. A Haas moves between the circles of
-G12 and G13 on its own ways, and its manual leaves open where G72 drills first: the message states the moves of the corrected program.";
+otherwise alarm PS0045). Such a block is often an error of a post-processor: check the part. A Haas has its own path between the
+circles of G12 and G13, and its manual does not state where G72 drills first. The message states the moves of the corrected program.";
     CORNER_LEFT_OUT = "W0231" "no rounding or chamfer made"
 "After the block with RND, CHF or CHR no motion in the working plane follows within three blocks, or a motion of other axes comes
 first. A control makes no transition then, and neither does ncfix.";
@@ -627,9 +627,9 @@ the tool without this wear. See docs/reference/output.md.";
 subprograms this is correct. Otherwise its blocks may be after the end of the program (M30), in a subprogram that is never called,
 in skip blocks, or the file is truncated.";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
-"The machine file has no value for this zero offset. For snc zero is used; a check and a correction are refused.";
+"The machine file has no value for this zero offset. snc uses zero; check, fix, diff and verify refuse the program.";
     TOOL_ASSUMED = "W0303" "tool assumed without length and radius"
-"The machine file has no value for this tool. For snc zero is used; a check and a correction are refused.";
+"The machine file has no value for this tool. snc uses zero; check, fix, diff and verify refuse the program.";
     NO_MACHINE = "W0304" "demo machine used"
 "Neither --machine nor the environment variable NCFIX_MACHINE names a machine file, and there is no ncfix.toml in this folder or
 above it, so the embedded demo machine was used. The output is only a demonstration, not for a real machine.";
@@ -705,13 +705,13 @@ of the other.";
 "[sensor.NAME] gives the reference temperature of a sensor that is not used in any [[drift]], [[expansion]] or [[segment]]. If the
 name is misspelled, the intended sensor keeps the reference temperature of the machine.";
     PARTIAL_OFFSET = "W0404" "zero offset without an axis"
-"[zero_offset.NAME] states some linear axes of the machine and not all; the others count as 0. If the control has another value
-there, the corrected program refers to the wrong position. Write every axis as the control shows it, including 0. The external
+"[zero_offset.NAME] states some linear axes of the machine, but not all of them; the others count as 0. If the control has another
+value for these axes, the correction is for a wrong position. Write every axis as the control shows it, including 0. The external
 offset EXT of a Fanuc may have single axes.";
     NO_EFFECT = "W0405" "location error without effect"
 "A location error in [location] moves neither the tip nor the tool axis on this machine. On the workpiece side, the error of the axis next
 to the foundation turns the table with all that is on it, and the tool path on the workpiece remains the same. The squareness of two axes
-is then stated by the other axis. If the measured value stands under this name, it is never corrected.";
+is then stated by the other axis. A measured value under this name is never corrected.";
     NO_TEMPERATURES = "W0501" "temperatures not given"
 "The error model has sources that depend on temperatures, and neither --state nor, in a calibration, the table of readings gives
 them. All sensors are assumed to be at their reference temperature: no drift, no expansion.";
@@ -727,23 +727,23 @@ move while one side of the workpiece is machined: give the position of the load 
 itself (give it with --known Z-280), the load is below the noise, too few other readings check a disturbed one, or the scatter is
 above sigma_um_per_m.";
     READING_LEFT_OUT = "W0602" "reading excluded"
-"A lubrication pulse disturbs the strain for a moment. One or two readings without which the others agree significantly better
-(1 %) are excluded from the weighing.";
+"A lubrication pulse disturbs the strain for a moment. ncfix excludes one or two readings from the weighing if the others agree
+significantly better without them (1 %).";
     ROW_DOES_NOT_FIT = "W0603" "reading that does not fit the others"
-"In a calibration a reading that deviates from the model by more than the noise gets a smaller weight, and beyond 4.7 standard
-deviations none (Tukey's weights). It stays in the file and in the report. Look for its cause: a chip under the ball, a wrong row, a
-set-up that moved. With --no-robust all readings have the same weight.";
+"In a calibration, a reading that deviates from the model by more than the noise gets a smaller weight, and beyond 4.7 standard
+deviations the weight 0 (Tukey's weights). The reading stays in the file and in the report. Look for its cause: a chip under the ball,
+a wrong row, a set-up that moved. With --no-robust all readings have equal weights.";
     POOR_FIT = "W0604" "the residual is larger than the instrument explains"
 "The residual of the calibrated model is well above the uncertainty that sigma_um states. The machine has errors that the model
 lacks, its temperature changed, or sigma_um is too small. The standard uncertainties are then based on the scatter of the residuals
 instead of sigma_um. They do not cover errors that the model lacks.";
     REDUCED = "W0605" "parameters omitted"
-"With --reduce, ncfix calibrate omits parameters that the data cannot separate from others, and fits the rest. Of those that cannot
-be separated, the least simple one is omitted first: truncated powers before backlash, before coefficients from the highest degree
+"With --reduce, ncfix calibrate omits parameters that the data cannot separate from others, and fits the rest. Of inseparable
+parameters, it omits the most complex one first: truncated powers before backlash, before coefficients from the highest degree
 down, later ones of the model before earlier ones, location errors last. Omitted parameters keep their values of the initial machine
-file; their effect is included in the others for similar poses, and wrong elsewhere. The message states why, and the help what to
-measure instead. ncfix diagnose reports this if the terms that it found cannot be fitted again together: they are written as its
-search found them.";
+file. The others absorb their effect, which is right for similar poses and wrong elsewhere. The message states the reason, and the
+help the measurement that is missing. ncfix diagnose reports this code if it cannot fit the found terms again together: it then
+writes them as its search found them.";
     UNLIKE_REPEATED = "W0606" "uncertainties unlike simulated repetitions"
 "With --monte-carlo, ncfix calibrate simulates the readings many times, with the noise that it found, and fits them again. The
 scatter of a parameter differs from its standard uncertainty by more than 25 %, beyond the statistical spread of the repetitions, or

@@ -1,4 +1,4 @@
-//! Reasons why a fit has no result.
+//! Reasons for which a fit has no result.
 
 use super::words::Lost;
 

@@ -1,6 +1,6 @@
 //! Identifiability of parameters from data or a plan, before any fit: rank, singular values, null space in words.
 //!
-//! Judged on an error-free machine ([`super::exact`]). Only the existence of readings matters: zeros suffice for a plan, while empty cells give no
+//! The computation uses an error-free machine ([`super::exact`]). Only the existence of readings matters: zeros suffice for a plan, but empty cells give no
 //! information.
 
 use crate::measure::data::DataSet;

@@ -1,6 +1,6 @@
 //! Selects further poses that improve the identifiability of a plan.
 //!
-//! Judged on an error-free machine: with errors, exact dependences hold only to 1e-4, and the unknowns seem identifiable.
+//! The computation uses an error-free machine: with errors, exact dependences hold only to 1e-4, and the unknowns would seem identifiable.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -20,7 +20,7 @@ use ncfix_model::{ErrorModel, ModelRegisters, ParameterName, file, write};
 const MACHINE: FileId = FileId(0);
 /// Relative tolerance of values read back, due to the written digits.
 const DIGITS: f64 = 1e-9;
-const SECTIONS: &str = "write location and motion as sections of their own";
+const SECTIONS: &str = "write [location] and [[motion]] as separate sections";
 
 /// The content to be written.
 pub(super) struct ExtensionJob<'a> {

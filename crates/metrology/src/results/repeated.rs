@@ -61,7 +61,7 @@ fn contradictions(fit: &Fit, found: &MonteCarlo) -> Vec<Diagnostic> {
     if found.failed > 0 {
         let message =
             format!("{} of {} simulated repetitions could not be fitted", found.failed, found.failed + found.runs);
-        let help = "measure more: with other noise these data would determine nothing";
+        let help = "measure more: with other noise, these data do not determine the parameters";
         out.push(Diagnostic::nowhere(Code::UNLIKE_REPEATED, message, help));
     }
     out

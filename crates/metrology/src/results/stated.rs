@@ -15,7 +15,7 @@ use ncfix_machine::machine::Machine;
 use ncfix_machine::machine::edit::Edit;
 use ncfix_model::{ErrorModel, ModelRegisters, ParameterName};
 
-const SECTIONS: &str = "write location and motion as sections of their own";
+const SECTIONS: &str = "write [location] and [[motion]] as separate sections";
 
 /// The amount of a stated term that the machine file holds as a table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

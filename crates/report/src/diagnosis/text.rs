@@ -207,13 +207,13 @@ impl DiagnosisReport {
             count => format!("{count} causes"),
         };
         let cancels = if written.after_rms_um > written.before_rms_um {
-            " Causes that a file cannot hold cancel a part of what it corrects in these readings."
+            " Causes that a file cannot hold cancel a part of its correction in these readings."
         } else {
             ""
         };
         let travel = written.travel.map_or(String::new(), |travel| {
             format!(
-                " Lines through the whole travel, corrected with it and verified: {} → {} µm RMS by its model.",
+                " A test on lines through the whole travel: {} µm RMS before the correction with it, {} µm after, as it predicts.",
                 significant(travel.before_rms_um),
                 significant(travel.after_rms_um)
             )

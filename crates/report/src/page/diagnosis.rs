@@ -267,7 +267,7 @@ fn faults(out: &mut Markup, all: &[DataFault]) {
     };
     let rows: Vec<PageRow> = all.iter().map(row).collect();
     let heads = columns(["kind", "of", "what", "rows", "evidence", "excluded"]);
-    table(out, &heads, &rows, "Rows count from 1, without the head of the table.", MOST_ROWS);
+    table(out, &heads, &rows, "Rows are counted from 1, without the header of the table.", MOST_ROWS);
 }
 
 fn rejected(out: &mut Markup, report: &DiagnosisReport, shown: &PageReadings) {

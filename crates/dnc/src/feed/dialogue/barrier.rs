@@ -1,4 +1,4 @@
-//! Decides when a control is to come to a stop, so that it can report what it has executed.
+//! Decides when the sender waits until the control has stopped, because only then the executed lines are certain.
 //!
 //! If only the count of answers says which lines were taken, one answer too many shifts all later ones. In this case the sender waits now and then until all
 //! moves are done. It waits only after rapid moves: a stop on a contour leaves a mark.

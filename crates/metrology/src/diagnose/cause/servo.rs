@@ -1,4 +1,4 @@
-//! Errors of the servo loops: lag between axes, lag behind the command, deflection by acceleration.
+//! Errors of the servo loops: lag between axes, lag of an axis after its command, deflection by acceleration.
 //!
 //! An axis with lag τ is at −τ v from its command. Two axes with equal lags cause no path error except along the path.
 

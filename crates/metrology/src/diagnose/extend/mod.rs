@@ -162,7 +162,7 @@ fn is_sound(one: &AcceptedCause, left: f64) -> Result<(), String> {
     }
     if !one.aliases.is_empty() {
         let what = if one.candidate.cause.effect == EffectKind::Periodic {
-            "it may as well have other periods"
+            "other periods explain it equally well"
         } else {
             "short waves of other periods have the same effect at the measured positions"
         };

@@ -63,7 +63,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
         .collect();
     let times = |squares: f64| (squares / count / noise).sqrt();
     let evidence = format!(
-        "as the machine file has it ({}) the known errors leave {:.1} times the noise of the readings, with {} {:.1} times; no single cause explains as much ({:.1} times)",
+        "with the chain of the machine file ({}) the residual is {:.1} times the noise of the readings, with {} {:.1} times; no single cause explains as much ({:.1} times)",
         scene.machine.topology,
         times(as_is.squares),
         names.join(" or "),

@@ -65,7 +65,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
                     what: "dead".into(),
                     rows: [first, last],
                     evidence: format!(
-                        "it reads {} °C{times} in {count} rows, while it else and the other sensors have about {usual:.1} °C",
+                        "it reads {} °C{times} in {count} rows; in the other rows it reads about {usual:.1} °C, as the other sensors do",
                         sensor.values[first],
                     ),
                     then,

@@ -8,7 +8,7 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "rows out of order",
     made_by: "a table that was sorted or shuffled, or combined from several tables",
     shown_by: "no columns of directions, and axis positions jump at random from row to row, or the time decreases",
-    source: "the sense of motion follows from the order of rows",
+    source: "the direction of motion follows from the order of rows",
     look,
 };
 

@@ -339,7 +339,7 @@ fn is_pulse(trail: &Trail, rows: [usize; 2], times: &[f64]) -> Option<String> {
         && size > SIZE;
     (is_alone && is_at_once() && again(trail, rows) < AGAIN).then(|| {
         format!(
-            "{} readings a row shift by {size:.1} times their noise for {:.0} s and back, within one reading at both ends, and not at other visits of the same positions",
+            "{} consecutive readings shift by {size:.1} times their noise for {:.0} s and back, within one reading at both ends, and not at other visits of the same positions",
             count,
             times[last] - times[first]
         )
