@@ -1,4 +1,4 @@
-//! The least-squares sphere through points: size and form (Esmaeili 2021, ch. 4.7.3).
+//! The least-squares sphere through points: size and form (Esmaeili 2021, ch. 4.7).
 //!
 //! | figure | meaning |
 //! | --- | --- |
