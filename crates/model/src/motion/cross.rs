@@ -1,6 +1,6 @@
 //! Cross-coupling: an error of one axis that also depends on another axis, e(q, r) = (Σ aₖ qᵏ)(Σ bₖ rᵏ).
 //!
-//! It arises from finite stiffness: the roll of Y may change with the position of X (Spaan, ch. 3, measured up to 10 µrad). The product of the coefficients
+//! It arises from finite stiffness: the roll of Y may change with the position of X (Spaan, ch. 4, measured up to 10 µrad). The product of the coefficients
 //! carries the unit: aₖ in mm or rad per power, bₖ per power only.
 
 use super::polynomial::evaluate;

@@ -1,4 +1,4 @@
-//! An error of one axis that depends on the position of another: stacked axes and finite stiffness (Spaan 1995, ch. 2: EAY grows with X).
+//! An error of one axis that depends on the position of another: stacked axes and finite stiffness (Spaan 1995, ch. 4: EAY grows with X).
 
 use super::{Candidate, Cause, Correctable, EffectKind, Weight};
 use crate::diagnose::scene::{Scene, Through};

@@ -8,7 +8,7 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "dead sensor",
     made_by: "an open circuit, a disconnected plug, a logger without a signal",
     shown_by: "temperatures that no machine has, or exactly 0 °C while all others are warm",
-    source: "Spaan 1995, ch. 6: sensors that fail during a day",
+    source: "Spaan 1995, ch. 5: sensors that fail during a day",
     look,
 };
 

@@ -20,7 +20,7 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "stuck sensor",
     made_by: "a logger that ends, pauses or begins late and repeats a value; a bus that is down; empty cells",
     shown_by: "no variance in rows in which noise is expected",
-    source: "Spaan 1995, ch. 6: sensors that fail during a day",
+    source: "Spaan 1995, ch. 5: sensors that fail during a day",
     look,
 };
 
