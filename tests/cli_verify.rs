@@ -159,3 +159,82 @@ fn no_verdict_rests_on_a_zero_or_a_tool_without_value() {
         }
     }
 }
+
+/// X and Y err by 30 µm/m each, at right angles to their motion.
+const SKEW: &str = "[machine]\nname = \"m\"\ntopology = \"wXYFZSt\"\ncontroller = \"fanuc\"\n[control]\ndecimal_point = \"calculator\"\n\
+    [axis.X]\ndirection = [-1, 0, 0]\ntravel_mm = [-1000, 1000]\n[axis.Y]\ndirection = [0, -1, 0]\ntravel_mm = [-1000, 1000]\n\
+    [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-1000, 1000]\n[[motion]]\ncomponent = \"EYX\"\nkind = \"polynomial\"\n\
+    coefficients = [0, 0, 1e-6]\n[[tool]]\nnumber = 1\nlength_mm = 100\n[zero_offset.G54]\nX_mm = 0\nY_mm = 0\nZ_mm = 0\nset = \"absolute\"\n";
+const CIRCLE: &str = "%\nO1\nN10 G54 G90 G21 G17\nN20 T1 M6\nN30 G43 H1 G0 X20. Y0. Z50.\nN40 G1 Z0. F500.\nN50 G3 X20. Y0. I-20. J0.\nN60 G0 Z50.\nN70 M30\n%\n";
+
+#[test]
+fn a_tolerance_that_permits_any_path_is_refused() {
+    let shop = Shop::new().file("m.toml", SKEW).file("a.nc", CIRCLE);
+    for tolerance in ["10mm", "500mm", "0.21mm"] {
+        let run = shop.run(["fix", "a.nc", "--machine", "m.toml", "-o", "o.nc", "--tolerance", tolerance]).exits(2);
+        run.says("larger than --max-correction");
+    }
+    // Chords of 0.15 mm on a circle whose error is below a micrometer: the original is better.
+    let coarse = ["fix", "a.nc", "--machine", "m.toml", "-o", "o.nc", "--tolerance", "0.15mm", "--arcs", "chords"];
+    shop.run(coarse).exits(4).says("E0904");
+    assert_eq!(shop.names(), ["a.nc", "m.toml"]);
+}
+
+#[test]
+fn a_script_learns_that_a_program_should_not_run() {
+    let shop = Shop::new().file("m.toml", SKEW).file("a.nc", CIRCLE);
+    shop.run(["fix", "a.nc", "--machine", "m.toml", "-o", "o.nc"]).exits(0);
+    shop.run(["verify", "a.nc", "o.nc", "--machine", "m.toml"]).exits(0);
+    shop.run(["diff", "a.nc", "o.nc", "--machine", "m.toml", "--fail-above", "0.2mm"]).exits(0);
+    // A person has moved the start and the end of the circle by 0.1 mm each, within the promise that is stated.
+    let moved = shop.text("o.nc").lines().map(|line| {
+        let is_xy = line.contains(" X20") || line.contains(" X19.99");
+        if is_xy { line.replace("X20.", "X20.1").replace("X19.99", "X20.09") } else { line.to_owned() }
+    });
+    let moved: String = moved.map(|line| format!("{line}\n")).collect();
+    let shop = shop.file("moved.nc", moved);
+    let verify = shop.run(["verify", "a.nc", "moved.nc", "--machine", "m.toml", "--promised", "1mm"]);
+    assert!(verify.stdout.contains("should not run") && verify.code == 4, "{verify:?}");
+    let diff =
+        shop.run(["diff", "a.nc", "moved.nc", "--machine", "m.toml", "--promised", "1mm", "--fail-above", "0.2mm"]);
+    assert!(diff.stdout.contains("should not run") && diff.code == 4, "{diff:?}");
+}
+
+#[test]
+fn the_end_of_a_main_program_that_begins_again_is_written() {
+    let body = CIRCLE.replace("M30", "M99");
+    let shop = Shop::new().file("m.toml", SKEW).file("a.nc", &body);
+    shop.run(["fix", "a.nc", "--machine", "m.toml", "-o", "o.nc"]).exits(0);
+    assert!(
+        shop.text("o.nc")
+            .lines()
+            .any(|line| line.trim_start_matches(|c: char| c == 'N' || c.is_ascii_digit()).trim() == "M99"),
+        "{}",
+        shop.text("o.nc")
+    );
+    shop.run(["verify", "a.nc", "o.nc", "--machine", "m.toml"]).exits(0);
+    // Without it the part would be cut once, so that its absence is no correction.
+    let without: String =
+        shop.text("o.nc").lines().filter(|line| !line.contains("M99")).map(|line| format!("{line}\n")).collect();
+    let shop = shop.file("cut.nc", without);
+    shop.run(["verify", "a.nc", "cut.nc", "--machine", "m.toml"]).exits(4).says("M99");
+    // LinuxCNC begins such a program again as well.
+    let rs274 = body.replace("%\nO1\n", "").replace("%\n", "");
+    let machine = SKEW.replace("\"fanuc\"", "\"rs274\"").replace("[control]\ndecimal_point = \"calculator\"\n", "");
+    let shop = Shop::new().file("m.toml", machine).file("a.ngc", rs274);
+    shop.run(["fix", "a.ngc", "--machine", "m.toml", "-o", "o.ngc"]).exits(0);
+    assert!(shop.text("o.ngc").contains("M99"), "{}", shop.text("o.ngc"));
+}
+
+#[test]
+fn a_length_offset_without_its_number_is_refused() {
+    let shop = Shop::new().file("m.toml", SKEW).file("a.nc", CIRCLE.replace("G43 H1", "G43"));
+    for command in ["fix", "check"] {
+        let run = shop.run([command, "a.nc", "--machine", "m.toml"]).exits(4);
+        run.says("E0307").says("without H");
+    }
+    // After H1 the number holds.
+    let later = CIRCLE.replace("N60 G0 Z50.", "N55 G49\nN60 G43 G0 Z50.");
+    let shop = Shop::new().file("m.toml", SKEW).file("a.nc", later);
+    shop.run(["check", "a.nc", "--machine", "m.toml"]).exits(0);
+}

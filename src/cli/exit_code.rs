@@ -37,6 +37,14 @@ const OF_ALL: &[(ExitCode, &str)] = &[
 const OF_TEXTS: &[(ExitCode, &str)] =
     &[(ExitCode::Done, "success"), (ExitCode::Usage, "usage error, or a file cannot be read or written")];
 
+/// Exit statuses of `ncfix verify`.
+const OF_VERIFY: &[(ExitCode, &str)] = &[
+    (ExitCode::Done, "nothing against running the corrected program, or warnings that a person should read"),
+    (ExitCode::Usage, "usage error, or a file cannot be read"),
+    (ExitCode::NotUnderstood, "program not understood"),
+    (ExitCode::Refused, "the corrected program should not run"),
+];
+
 /// Exit statuses of `ncfix diff`, whose results are statuses too.
 const OF_DIFF: &[(ExitCode, &str)] = &[
     (ExitCode::Done, "no difference, or none above --fail-above"),
@@ -67,6 +75,7 @@ impl ExitCode {
         let last = if talks || name == "realtime" { OF_LONG } else { &[] };
         let own = match name {
             "diff" => OF_DIFF,
+            "verify" => OF_VERIFY,
             "explain" | "completions" | "man" => OF_TEXTS,
             _ => OF_ALL,
         };

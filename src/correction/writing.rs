@@ -6,8 +6,10 @@ use crate::machine::Machine;
 use crate::options::Options;
 use ncfix_base::geometry::AxisVector;
 use ncfix_base::source::Source;
+use ncfix_base::units::um_from_mm;
 use ncfix_path::emit;
 use ncfix_path::path::{self, Increments};
+use ncfix_report::number::micrometers;
 
 /// Options for the correction and the output of one program.
 pub(crate) struct Writing {
@@ -42,6 +44,14 @@ impl Writing {
         if options.frame == path::OutputFrame::Machine && !entry.has_machine_frame {
             return Err(Error::usage(format!(
                 "in the dialect '{dialect}' not every motion can be written in machine coordinates; do not use --frame machine or --five-axis axes"
+            )));
+        }
+        // The path may leave the exact one by the tolerance, so one beyond every plausible correction permits any path.
+        if choice.tolerance_mm > choice.max_correction_mm {
+            return Err(Error::usage(format!(
+                "--tolerance {} is larger than --max-correction {}: cuts could be omitted; check the unit",
+                micrometers(um_from_mm(choice.tolerance_mm)),
+                micrometers(um_from_mm(choice.max_correction_mm))
             )));
         }
         let machine = &chosen.machine;

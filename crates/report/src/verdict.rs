@@ -10,6 +10,9 @@ use super::review::Review;
 use ncfix_base::diagnostic::{Code, Severity};
 use ncfix_base::source::shown;
 
+/// Growth of the largest error that a correction within the default tolerance can cause where there was hardly any error, µm.
+const MOST_GROWTH_UM: f64 = 1.0;
+
 /// Grade of a verdict or reason; a larger one is worse.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -106,7 +109,12 @@ impl Verdict {
             let [from, to] = [before.max_um, after.max_um].map(micrometers);
             // A residual of one increment where there was no error is not a degradation.
             let grows = after.max_um > before.max_um && after.rms_um > before.rms_um;
-            let (grade, verb) = if grows { (Grade::Bad, "increases") } else { (Grade::Ok, "changes") };
+            let (grade, verb) = match after.max_um - before.max_um {
+                _ if grows => (Grade::Bad, "increases"),
+                // The mean improves, but a place becomes worse.
+                more_um if more_um > MOST_GROWTH_UM => (Grade::Warn, "increases"),
+                _ => (Grade::Ok, "changes"),
+            };
             say(grade, format!("the largest error on the error model {verb} from {from} to {to}"));
         }
         if let (Some(before), Some(form)) = (review.before, review.before_form)

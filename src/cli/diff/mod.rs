@@ -17,6 +17,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_path::review::ReviewTrace;
 use ncfix_report::json;
 use ncfix_report::review::Review;
+use ncfix_report::verdict::Grade;
 
 pub(in crate::cli) use page::text as page;
 use pager::Page;
@@ -84,6 +85,9 @@ pub(in crate::cli) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
     }
     if findings.has_errors() {
         return Ok(findings.exit_code());
+    }
+    if arguments.fail_above.is_some() && review.verdict.grade == Grade::Bad {
+        return Ok(ExitCode::Refused);
     }
     Ok(if review.same || arguments.fail_above.is_some() { ExitCode::Done } else { ExitCode::Different })
 }

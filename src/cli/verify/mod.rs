@@ -11,6 +11,7 @@ use crate::cli::{machine_choice, print, program, progress};
 use crate::compare::{ErrorsAlong, Outcome, Pair, verification};
 use ncfix_path::path::Follow;
 use ncfix_report::correction::feed_rows;
+use ncfix_report::verdict::Grade;
 use ncfix_report::{json, page};
 
 /// Compares two programs.
@@ -31,9 +32,13 @@ pub(in crate::cli) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Stop>
         pages.publish(&page::verification::verification(&along.verification(outcome, &findings)))?;
     }
     let result = verification(outcome.as_ref(), &findings);
+    let exit_code = match &result.verdict {
+        Some(verdict) if verdict.grade == Grade::Bad && !findings.has_errors() => ExitCode::Refused,
+        _ => findings.exit_code(),
+    };
     if arguments.json {
         print(&json::line(&result).map_err(Stop::Usage)?)?;
-        return Ok(findings.exit_code());
+        return Ok(exit_code);
     }
     findings.draw();
     if result.after.is_some() {
@@ -42,7 +47,7 @@ pub(in crate::cli) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Stop>
         let at_feed = at_feed.map_or_else(String::new, |[original, corrected]| feed_rows(original, corrected));
         print(&(result.rows(max_at.map(|(line, file)| (*line, file.as_str()))) + &at_feed))?;
     }
-    Ok(findings.exit_code())
+    Ok(exit_code)
 }
 
 /// Reads both programs and the machine, and compares; `None` if there are errors.

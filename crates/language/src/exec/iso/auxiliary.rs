@@ -63,7 +63,7 @@ fn has_address(gathered: &Gathered, number: u32) -> bool {
 }
 
 /// The word of an M code.
-fn word(number: u32) -> Word {
+pub(super) fn word(number: u32) -> Word {
     Word { letter: b'M', extension: None, value: WordValue::Number(f64::from(number)) }
 }
 

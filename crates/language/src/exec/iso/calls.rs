@@ -11,6 +11,7 @@ use crate::exec::core::fault::{Fault, at};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_dialect::Language;
+use ncfix_machine::snc::Kind;
 
 /// Maximum number of program levels of RS274/NGC.
 const RS274_LEVELS: u32 = 10;
@@ -104,7 +105,10 @@ impl Interpreter<'_> {
         let Some(call) = level.own.call.clone() else {
             // The main program would restart endlessly; one pass suffices to see all of it.
             match target {
-                None => self.ledger.end(),
+                None => {
+                    self.channel.push(Kind::After(vec![super::auxiliary::word(99)]));
+                    self.ledger.end();
+                }
                 Some(_) => self.go_to(target, span)?,
             }
             return Ok(());

@@ -120,8 +120,21 @@ fn fanuc_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
     }
     if let Some(value) = gathered.raw(b'H') {
         channel.modal.h = whole(value, gathered.span_of(b'H'), "H")?;
+        channel.modal.has_h = true;
     }
     let is_off = code == 490;
+    if !is_off && !channel.modal.has_h {
+        let message = format!("{} without H: the control would use the H of an earlier program", name_of(code));
+        let help = "write the number of the offset with it, for example G43 H1";
+        without_value(
+            channel.settings.requires_values,
+            &mut channel.outlet.warnings,
+            span,
+            &message,
+            "length 0",
+            help,
+        )?;
+    }
     let (table, assumed) = if is_off {
         (Vector::zeros(), false)
     } else {

@@ -55,6 +55,8 @@ pub(super) struct Modal {
     pub(super) tool: ToolState<u32, Vector>,
     /// Active H and D.
     pub(super) h: u32,
+    /// True if the program has stated an H.
+    pub(super) has_h: bool,
     pub(super) d: Option<u32>,
     pub(super) contour: ContourModal,
     /// G43.4, G43.5.
@@ -93,6 +95,7 @@ impl Modal {
             transforms: Transforms::default(),
             tool: ToolState::default(),
             h: 0,
+            has_h: false,
             d: None,
             contour: if is_fanuc { ContourModal::fanuc(&machine.control) } else { ContourModal::rs274() },
             turning: None,

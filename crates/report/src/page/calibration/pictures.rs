@@ -52,7 +52,8 @@ pub(super) fn draw(out: &mut Markup, data: &Data) {
             let letter = axis.split(' ').next().unwrap_or_default();
             figure(out, &by_setup(format!("Residual over {letter}"), axis.clone(), &place), "");
         }
-        let sigma = data.sigma.map_or(String::new(), |_| "The curve is the normal distribution with σ of a reading.".into());
+        let sigma =
+            data.sigma.map_or(String::new(), |_| "The curve is the normal distribution with σ of a reading.".into());
         let histogram = Histogram {
             title: "Distribution of the residual".into(),
             across: format!("residual in {}", data.unit),
