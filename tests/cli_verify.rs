@@ -187,7 +187,8 @@ fn a_script_learns_that_a_program_should_not_run() {
     shop.run(["verify", "a.nc", "o.nc", "--machine", "m.toml"]).exits(0);
     shop.run(["diff", "a.nc", "o.nc", "--machine", "m.toml", "--fail-above", "0.2mm"]).exits(0);
     // A person has moved the start and the end of the circle by 0.1 mm each, within the promise that is stated.
-    let moved = shop.text("o.nc").lines().map(|line| {
+    let text = shop.text("o.nc");
+    let moved = text.lines().map(|line| {
         let is_xy = line.contains(" X20") || line.contains(" X19.99");
         if is_xy { line.replace("X20.", "X20.1").replace("X19.99", "X20.09") } else { line.to_owned() }
     });
