@@ -230,9 +230,12 @@ fn the_end_of_a_main_program_that_begins_again_is_written() {
 #[test]
 fn a_length_offset_without_its_number_is_refused() {
     let shop = Shop::new().file("m.toml", SKEW).file("a.nc", CIRCLE.replace("G43 H1", "G43"));
-    for command in ["fix", "check"] {
-        let run = shop.run([command, "a.nc", "--machine", "m.toml"]).exits(4);
-        run.says("E0307").says("without H");
+    for command in
+        [&["check", "a.nc", "--machine", "m.toml"][..], &["fix", "a.nc", "--machine", "m.toml", "-o", "o.nc"]]
+    {
+        let run = shop.run(command).exits(4);
+        run.says("E0307");
+        run.says("without H");
     }
     // After H1 the number holds.
     let later = CIRCLE.replace("N60 G0 Z50.", "N55 G49\nN60 G43 G0 Z50.");
