@@ -356,6 +356,9 @@ where
             self.standing.band = bands.end;
         }
         self.prediction.note_correction(&nominal, &trial.end.command);
+        if active.motion.rapid {
+            self.prediction.note_rapid();
+        }
         if active.treatment.leaves_others() {
             let error_mm = self.placer.tip_error_mm(&nominal, &trial.end.command, &trial.state());
             self.prediction.note_as_programmed(error_mm, active.treatment == MoveTreatment::Programmed);
