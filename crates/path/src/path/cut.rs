@@ -70,10 +70,12 @@ pub(super) fn fit_line<'m>(
     if !found.fits() {
         // The shortest piece has a deviation that does not come from its length: a piece with hardly more is as good.
         let enough_mm = (1.0 + BEND_SHARE) * found.deviation_mm;
+        let enough_tilt = (1.0 + BEND_SHARE) * found.tilt_share.max(1.0);
         let reach = SearchBounds { guess: reach.limit - reach.from, ..reach };
         found = longest(reach, |between| {
             let trial = bench.straight(standing, between, scratch);
-            Some(SegmentCandidate { allowed_mm: trial.allowed_mm.max(enough_mm), ..trial })
+            let tilt_share = trial.tilt_share / enough_tilt;
+            Some(SegmentCandidate { allowed_mm: trial.allowed_mm.max(enough_mm), tilt_share, ..trial })
         })?;
     }
     let mut shorter = found;
