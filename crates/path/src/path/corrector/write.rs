@@ -60,7 +60,7 @@ where
             }
             return None;
         }
-        let (feed, unit) = self.feed_of(active, [&start, &placed.command], share, trial.is_none());
+        let (feed, unit) = self.feed_of(active, [&start, &placed.command], share, trial);
         self.prediction.pieces += 1;
         let motion = &active.motion;
         Some(Piece {
