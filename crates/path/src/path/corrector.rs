@@ -275,7 +275,7 @@ where
         let checkable = from + self.sampler.longest_share(active.samples);
         let turning = route.next_turning(self.sampler.backlash, from).min(checkable);
         if let (Subdivision::Step(step_mm), None) = (self.options.subdivision, route.arc()) {
-            return bench.unmeasured(standing, [from, next_step(route, from, step_mm)]);
+            return bench.unmeasured(standing, [from, next_step(route.leading_mm(), from, step_mm)]);
         }
         let step = match self.options.subdivision {
             Subdivision::Adaptive => f64::INFINITY,
