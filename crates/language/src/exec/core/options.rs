@@ -23,6 +23,9 @@ pub struct Options {
     pub keeps_wear: bool,
     /// Leaves rigid tapping to the control, as its cycle at a corrected place. The output must have the coordinates of the program.
     pub keeps_tapping: bool,
+    /// Leaves tilted planes of tools that turn (G68.2 with G53.1) to the control. The output must have the coordinates of the program, and the rotary axes their
+    /// programmed positions.
+    pub keeps_tilt: bool,
     /// Splitting of rapid moves if the control orders its axes.
     pub rapid_order: RapidOrder,
 }
