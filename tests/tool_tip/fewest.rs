@@ -1,4 +1,4 @@
-//! How few pieces a line of the tip can be cut into, by dynamic programming, against how many it is cut into.
+//! The fewest pieces of a line of the tip, by dynamic programming, against the number that a correction writes.
 
 use std::fmt::Write as _;
 
@@ -19,7 +19,7 @@ fn errors_along(rig: &Rig, block: &TipBlock) -> Vec<[f64; 3]> {
     (0..=PLACES).map(place).collect()
 }
 
-/// How far the error leaves the chord between two places, mm: the words of the ends are corrected, and the tip goes straight.
+/// Largest distance of the error from the chord between two places, mm: the words of the ends are corrected, and the tip goes straight.
 fn bend_mm(errors: &[[f64; 3]], from: usize, to: usize) -> f64 {
     let off = |k: usize| {
         let share = (k - from) as f64 / (to - from) as f64;

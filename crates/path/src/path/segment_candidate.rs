@@ -22,6 +22,9 @@ const READY_SHARE: f64 = 0.5;
 const BESIDE_ENDS: u32 = 8;
 /// Arm at which the direction of the tool along a piece may deviate from that at its ends by the tolerance, mm: about a cutting edge.
 pub(super) const EDGE_MM: f64 = 50.0;
+/// Room of the direction of a piece that turns in another manner than its move, rad: near a pole the control moves the rotary axes in proportion, and a piece
+/// that does not end there follows a great circle. The control has its own rule within its pole limit, 35 mrad.
+const OTHER_TURNING_RAD: f64 = 1e-3;
 /// Turn of a piece below which its direction is not examined, rad. Corrections of rotary axes change over the damped range of a singularity, 0.1 rad, so that
 /// the direction bends by at most 0.5 % of them.
 const LEAST_TURN_RAD: f64 = 0.02;
@@ -367,7 +370,9 @@ impl<'m> SegmentFitter<'_, 'm> {
             let nominal = self.route.at(trial.parameter(fraction));
             self.placer.tilt_rad(&nominal, &trial.emitted.at(fraction), state)
         };
-        let room_rad = self.tolerance_mm / EDGE_MM + 2.0 * self.placer.increments.rotary_deg.to_radians();
+        let is_same = self.route.turns_in_proportion() == trial.emitted.turns_in_proportion();
+        let of_turning_rad = if is_same { self.tolerance_mm / EDGE_MM } else { OTHER_TURNING_RAD };
+        let room_rad = of_turning_rad + 2.0 * self.placer.increments.rotary_deg.to_radians();
         let permitted_rad = tilt_rad(0.0).max(tilt_rad(1.0)) + room_rad;
         fractions.iter().map(|&fraction| tilt_rad(fraction)).fold(0.0, f64::max) / permitted_rad
     }

@@ -151,7 +151,7 @@ pub(super) fn tool_on_plane(channel: &mut Channel<'_>, gathered: &Gathered) -> R
     let total = turned_frame(&kinematics, &below, &tilt, &turned, &tool_mm)
         .ok_or_else(|| refused(span, "the linear axes of this machine cannot position the tool tip".to_owned()))?;
     let is_kept = channel.settings.keeps_tilt && is_tilted(&total) && below == channel.modal.settable;
-    if is_kept {
+    if is_kept && channel.settings.strict {
         keep(channel, &tilt, choice);
     }
     let frame = below.inverse().compose(&total);
@@ -187,7 +187,7 @@ fn keep(channel: &mut Channel<'_>, tilt: &Frame, choice: Option<f64>) {
 
 /// Ends a plane that the control tilts.
 pub(super) fn end_kept(channel: &mut Channel<'_>) {
-    if channel.modal.transforms.kept_stand().is_some() {
+    if channel.settings.strict && channel.modal.transforms.kept_stand().is_some() {
         channel.push(Kind::Keep("G69"));
     }
 }

@@ -21,7 +21,7 @@ impl ComparedMove<'_> {
         if self.rapid || self.feed <= 0.0 {
             return None;
         }
-        let least = self.least_minutes(to - from, kinematics);
+        let least = self.least_minutes([from, to], kinematics);
         if self.unit == FeedUnit::InverseTime {
             return Some(((to - from) / self.feed).max(least));
         }
@@ -49,11 +49,11 @@ impl ComparedMove<'_> {
         Some(if self.unit == FeedUnit::PerMinute { taken.max(least) } else { taken })
     }
 
-    /// Minutes that the rotary axes need for a share of it. A control lowers a feed that they cannot follow.
-    fn least_minutes(&self, share: f64, kinematics: &Kinematics) -> f64 {
-        let turn = |axis: Axis| (self.route.end[axis] - self.route.start[axis]).abs();
-        let minutes = kinematics.rotary_axes().map(|axis| turn(axis) / kinematics.most_rad_min(axis));
-        share * minutes.fold(0.0, f64::max)
+    /// Minutes that the rotary axes need for a part of it. A control lowers a feed that they cannot follow.
+    fn least_minutes(&self, part: [f64; 2], kinematics: &Kinematics) -> f64 {
+        let [start, end] = part.map(|place| self.route.at(place));
+        let turn = |axis: Axis| (end[axis] - start[axis]).abs();
+        kinematics.rotary_axes().map(|axis| turn(axis) / kinematics.most_rad_min(axis)).fold(0.0, f64::max)
     }
 
     /// `true` if one feed is per minute and the other per turn of the spindle.
