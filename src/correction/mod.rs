@@ -284,12 +284,14 @@ impl<'a> Prepared<'a> {
         }
         let numbers = numbers_of(&opened.program);
         let radius = if keeps_wear { Radius::Beside(0.0) } else { Radius::Whole };
+        let is_as_programmed = (options.frame, options.five_axis) == (path::OutputFrame::Work, path::FiveAxis::Tcp);
         let run = exec::Options {
             strict: true,
             tells_compensation: true,
             radius,
             keeps_wear,
-            keeps_tapping: (options.frame, options.five_axis) == (path::OutputFrame::Work, path::FiveAxis::Tcp),
+            keeps_tapping: is_as_programmed,
+            keeps_tilt: is_as_programmed && options.rotary != path::Rotary::Correct,
             ..exec::Options::default()
         };
         Ok((program.start_as(opened, &correction.machine.machine, run), writing, numbers))

@@ -38,6 +38,8 @@ struct Joint {
     direction: Vector,
     point_mm: Vector,
     travel: Option<[f64; 2]>,
+    /// Maximum feed of a rotary axis, rad/min, infinite if not given.
+    most_rad_min: f64,
 }
 
 impl Kinematics {
@@ -50,6 +52,7 @@ impl Kinematics {
                 direction: data.direction * sense,
                 point_mm: data.point_mm,
                 travel: data.travel,
+                most_rad_min: data.max_feed.map_or(f64::INFINITY, f64::to_radians),
             })
         };
         let tool = machine.topology.tool.iter().rev().filter_map(|axis| joint(axis, 1.0));
@@ -93,6 +96,12 @@ impl Kinematics {
         self.turned(command, &self.tool_axis)
     }
 
+    /// Returns the direction of the tool from the tip to the spindle, in F at the zero pose.
+    #[must_use]
+    pub fn tool_axis(&self) -> &Vector {
+        &self.tool_axis
+    }
+
     /// Returns a vector fixed to the tool, given in F at the zero pose, in its current orientation in the workpiece.
     #[must_use]
     pub fn turned(&self, command: &AxisVector, vector: &Vector) -> Vector {
@@ -108,6 +117,12 @@ impl Kinematics {
     /// Returns the rotary axes, starting at the tool.
     pub fn rotary_axes(&self) -> impl Iterator<Item = Axis> {
         self.rotary().map(|joint| joint.axis)
+    }
+
+    /// Returns the maximum feed of a rotary axis, rad/min; infinite if the machine file does not give it.
+    #[must_use]
+    pub fn most_rad_min(&self, axis: Axis) -> f64 {
+        self.rotary().find(|joint| joint.axis == axis).map_or(f64::INFINITY, |joint| joint.most_rad_min)
     }
 
     /// Returns the linear axes that position the tip.

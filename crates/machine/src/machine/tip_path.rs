@@ -16,6 +16,10 @@ const SHORTEST_SHARE: f64 = 1e-6;
 const MOST_CHORDS: usize = 100_000;
 /// Directions nearer to each other than this are equal, rad.
 const SAME_DIRECTION_RAD: f64 = 1e-9;
+/// Distance from a pole below which a great circle passes through it, rad: a correction tilts the tool by less.
+const THROUGH_POLE_RAD: f64 = 1e-3;
+/// Shares at which the rotary axes in proportion are compared with a great circle through the pole.
+const CROSSING_SHARES: [f64; 3] = [0.25, 0.5, 0.75];
 /// Growth of the next chord after one within the tolerance, and the share of a chord that exceeds it.
 const GROWTH: f64 = 1.5;
 const SHRINKAGE: f64 = 0.5;
@@ -36,7 +40,7 @@ pub struct TipPath<'k> {
 
 impl<'k> TipPath<'k> {
     /// Creates the path between two axis commands with a tool. If the tool `follows_circle`, it keeps to the plane of both directions, except near a pole, where
-    /// the control moves the rotary axes in proportion.
+    /// the control moves the rotary axes in proportion. It does so too on a circle through the pole, which turns only one axis.
     #[must_use]
     pub fn new(
         kinematics: &'k Kinematics,
@@ -48,10 +52,21 @@ impl<'k> TipPath<'k> {
         let mut path = TipPath { kinematics, tool_mm: *tool_mm, ends, circle: None };
         if follows_circle && path.turns() && kinematics.rotary_axes().count() >= 2 {
             let [start, end] = commands.map(|command| kinematics.direction(command));
-            path.circle = GreatCircle::between(&start, &end)
-                .filter(|circle| !circle.begins_or_ends_near(kinematics, kinematics.pole_limit_rad()));
+            path.circle = GreatCircle::between(&start, &end).filter(|circle| {
+                !circle.begins_or_ends_near(kinematics, kinematics.pole_limit_rad())
+                    && !path.crosses_pole(circle, commands)
+            });
         }
         path
+    }
+
+    /// Returns `true` if a great circle passes through a pole, and the rotary axes in proportion keep to it.
+    fn crosses_pole(&self, circle: &GreatCircle, [start, end]: [&AxisVector; 2]) -> bool {
+        circle.distance_from_pole(self.kinematics).is_some_and(|distance| distance < THROUGH_POLE_RAD)
+            && CROSSING_SHARES.iter().all(|&share| {
+                let direction = self.kinematics.direction(&start.lerp(end, share));
+                circle.off_plane(&direction) < THROUGH_POLE_RAD && circle.is_between(&direction)
+            })
     }
 
     /// Returns the positions fixed to the workpiece at both ends, mm and rad.
@@ -189,6 +204,18 @@ impl GreatCircle {
     pub fn at(&self, share: f64) -> Vector {
         let (sine, cosine) = (self.angle_rad * share).sin_cos();
         self.start * cosine + self.across * sine
+    }
+
+    /// Returns the angle between a direction and the plane of the arc, rad.
+    #[must_use]
+    pub fn off_plane(&self, direction: &Vector) -> f64 {
+        self.start.cross(&self.across).dot(direction).abs().min(1.0).asin()
+    }
+
+    /// Returns `true` if a direction, projected onto the plane, is within the arc.
+    #[must_use]
+    pub fn is_between(&self, direction: &Vector) -> bool {
+        (0.0..=self.angle_rad).contains(&self.across.dot(direction).atan2(self.start.dot(direction)))
     }
 
     /// Returns `true` if one of its ends is nearer than `limit_rad` to the direction at which a rotary axis has no effect.

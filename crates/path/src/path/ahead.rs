@@ -11,7 +11,7 @@ use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Element, Kind, Move};
 
 use super::lost_axes;
-use super::tip_divider::TipDivider;
+use super::tip_divider::{DividedTips, TipDivider};
 
 /// Maximum number of held elements.
 const MOST_HELD: usize = 2048;
@@ -42,10 +42,9 @@ impl Upcoming {
 /// The stream, read some elements ahead of the consumer.
 #[derive(Debug)]
 pub(super) struct Ahead<'a, I> {
-    elements: I,
+    /// Divided if the output leaves the transformation: its moves are straight in the axes.
+    elements: DividedTips<I>,
     machine: &'a Machine,
-    /// Some if the output leaves the transformation: its moves are straight in the axes.
-    tips: Option<TipDivider>,
     held: VecDeque<Result<Element, Diagnostic>>,
     held_bytes: usize,
     /// The rotary axes to look for.
@@ -84,21 +83,13 @@ where
             is_transformed: false,
         };
         let held = VecDeque::new();
-        Ahead { elements, machine, tips, held, held_bytes: 0, rotary, operation, seen: 0, is_closed: false }
-    }
-
-    /// Reads an element of the stream.
-    fn read(&mut self) -> Option<Result<Element, Diagnostic>> {
-        let Some(tips) = &mut self.tips else { return self.elements.next() };
-        if let Some(chord) = tips.chords.pop_front() {
-            return Some(Ok(chord));
-        }
-        Some(self.elements.next()?.map(|element| tips.take(element)))
+        let elements = DividedTips { elements, tips };
+        Ahead { elements, machine, held, held_bytes: 0, rotary, operation, seen: 0, is_closed: false }
     }
 
     /// The underlying stream.
     pub(super) fn elements(&self) -> &I {
-        &self.elements
+        &self.elements.elements
     }
 
     /// The rotary axes that the operation of the last taken element turns with feed.
@@ -111,7 +102,7 @@ where
         let Some(item) = self.held.pop_front() else {
             // Without axes to look for, nothing is held.
             if self.rotary.is_empty() {
-                return self.read();
+                return self.elements.next();
             }
             if !self.pull() {
                 return None;
@@ -172,7 +163,7 @@ where
 
     /// Holds one more element. Returns `false` at the end of the stream.
     fn pull(&mut self) -> bool {
-        let item = self.read();
+        let item = self.elements.next();
         self.held_bytes += item.as_ref().map_or(0, bytes);
         let is_there = item.is_some();
         self.held.extend(item);

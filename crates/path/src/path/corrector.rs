@@ -283,7 +283,7 @@ where
         let checkable = from + self.sampler.longest_share(active.samples);
         let turning = route.next_turning(self.sampler.backlash, from).min(checkable);
         if let (Subdivision::Step(step_mm), None) = (self.options.subdivision, route.arc()) {
-            return bench.unmeasured(standing, [from, next_step(route, from, step_mm)]);
+            return bench.unmeasured(standing, [from, next_step(route.leading_mm(), from, step_mm)]);
         }
         let step = match self.options.subdivision {
             Subdivision::Adaptive => f64::INFINITY,
@@ -364,6 +364,9 @@ where
             self.standing.band = bands.end;
         }
         self.prediction.note_correction(&nominal, &trial.end.command);
+        if active.motion.rapid {
+            self.prediction.note_rapid();
+        }
         if active.treatment.leaves_others() {
             let error_mm = self.placer.tip_error_mm(&nominal, &trial.end.command, &trial.state());
             self.prediction.note_as_programmed(error_mm, active.treatment == MoveTreatment::Programmed);

@@ -1,7 +1,6 @@
 //! The end of the next piece of a move: for arcs the longest that fits, for fixed steps by the axis that moves farthest.
 
 use super::extend::{SearchBounds, longest};
-use super::route::Route;
 use super::segment_candidate::{BEND_SHARE, SegmentCandidate, SegmentFitter};
 use super::standing::PathState;
 
@@ -70,10 +69,12 @@ pub(super) fn fit_line<'m>(
     if !found.fits() {
         // The shortest piece has a deviation that does not come from its length: a piece with hardly more is as good.
         let enough_mm = (1.0 + BEND_SHARE) * found.deviation_mm;
+        let enough_tilt = (1.0 + BEND_SHARE) * found.tilt_share.max(1.0);
         let reach = SearchBounds { guess: reach.limit - reach.from, ..reach };
         found = longest(reach, |between| {
             let trial = bench.straight(standing, between, scratch);
-            Some(SegmentCandidate { allowed_mm: trial.allowed_mm.max(enough_mm), ..trial })
+            let tilt_share = trial.tilt_share / enough_tilt;
+            Some(SegmentCandidate { allowed_mm: trial.allowed_mm.max(enough_mm), tilt_share, ..trial })
         })?;
     }
     let mut shorter = found;
@@ -87,11 +88,10 @@ pub(super) fn fit_line<'m>(
     Some(if shorter.end.is_held_back { found } else { shorter })
 }
 
-/// The end of a piece of fixed length along the axis that moves farthest.
-pub(super) fn next_step(route: &Route<'_>, from: f64, step_mm: f64) -> f64 {
-    let leading = route.leading_mm();
-    let steps = (from * leading / step_mm + SAME_PARAMETER).floor() + 1.0;
-    let to = steps * step_mm / leading;
+/// The end of a piece of fixed length along the axis that moves farthest, by `leading_mm` over the whole path.
+pub(super) fn next_step(leading_mm: f64, from: f64, step_mm: f64) -> f64 {
+    let steps = (from * leading_mm / step_mm + SAME_PARAMETER).floor() + 1.0;
+    let to = steps * step_mm / leading_mm;
     if to < 1.0 - SAME_PARAMETER { to } else { 1.0 }
 }
 

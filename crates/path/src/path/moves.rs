@@ -1,13 +1,12 @@
 //! The straight moves of a program with the largest bend, as lines for trials of a fixed step.
 
 use ncfix_base::geometry::{AxisSet, AxisVector, Vector};
-use ncfix_machine::machine::{Kinematics, Machine, TipPath};
-use ncfix_machine::snc::{Element, Kind, MotionMode, Move, Turning};
+use ncfix_machine::machine::{Kinematics, Machine};
+use ncfix_machine::snc::{Element, Kind, MotionMode, Move};
 
 use super::findings::placing_axes;
 use super::lost_axes;
-use super::route::Route;
-use super::steps::{StepTrial, StraightLine};
+use super::steps::{LineOfTip, StepTrial, StraightLine};
 
 /// Maximum number of kept moves, those with the largest bend: memory and time stay bounded for any program length.
 const MOST_KEPT: usize = 2000;
@@ -23,8 +22,6 @@ pub struct Moves<'a> {
     known: AxisSet,
     tool_mm: Vector,
     kinematics: Kinematics,
-    /// Storage for the chords of a path of the tip.
-    chords: Vec<AxisVector>,
     kept: Vec<(f64, StraightLine)>,
     /// Straight moves with feed.
     pub lines: u64,
@@ -45,7 +42,6 @@ impl<'a> Moves<'a> {
             known: AxisSet::EMPTY,
             tool_mm: Vector::zeros(),
             kinematics: Kinematics::new(machine),
-            chords: Vec::new(),
             kept: Vec::new(),
             lines: 0,
             arcs: 0,
@@ -86,30 +82,10 @@ impl<'a> Moves<'a> {
             return;
         }
         self.lines += 1;
-        if let Some(turning) = motion.tip {
-            let kinematics = &self.kinematics;
-            let ends = [&self.standing, &motion.target];
-            let mut chords = std::mem::take(&mut self.chords);
-            TipPath::new(kinematics, turning == Turning::Vector, ends, &self.tool_mm).divide(
-                None,
-                self.machine.control.chord_tolerance_mm,
-                |command, _, _| chords.push(command),
-            );
-            let mut start = self.standing;
-            for end in chords.drain(..) {
-                self.keep(element, start, end);
-                start = end;
-            }
-            self.chords = chords;
-            return;
-        }
-        self.keep(element, self.standing, motion.target);
-    }
-
-    /// Keeps a straight path of the axes if its bend is among the largest.
-    fn keep(&mut self, element: &Element, start: AxisVector, end: AxisVector) {
-        let route = Route::new(start, end, None);
-        let line = StraightLine::new(route, self.fixed_tool_mm.unwrap_or(self.tool_mm), Some(element.origin));
+        let tip = motion.tip.map(|turning| LineOfTip { turning, tool_mm: self.tool_mm });
+        let tool_mm = self.fixed_tool_mm.unwrap_or(self.tool_mm);
+        let ends = [self.standing, motion.target];
+        let line = StraightLine::new(ends, tip, &self.kinematics, tool_mm, Some(element.origin));
         let bend_mm = self.trial.bend_mm(&line);
         self.kept.push((bend_mm, line));
         if self.kept.len() >= 2 * MOST_KEPT {

@@ -396,6 +396,14 @@ impl<'a> CommandSolver<'a> {
         command
     }
 
+    /// Angle between the tool at `command` with errors and its nominal direction at `nominal`, rad.
+    pub(super) fn tilt_rad(&self, nominal: &AxisVector, command: &AxisVector, state: &State) -> f64 {
+        let tool_mm = &self.setup.tool_mm;
+        let turn = self.model.nominal(nominal, tool_mm).turn_to(&self.model.actual(command, tool_mm, state));
+        let tool_axis = self.kinematics.tool_axis();
+        (turn - tool_axis * turn.dot(tool_axis)).norm()
+    }
+
     /// Distance of the tip at `command` with errors from the nominal tip at `nominal`, mm.
     pub(super) fn tip_error_mm(&self, nominal: &AxisVector, command: &AxisVector, state: &State) -> f64 {
         self.model.tip_error_mm(nominal, command, &self.setup.tool_mm, state).norm()

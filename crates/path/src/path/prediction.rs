@@ -66,6 +66,8 @@ pub struct Prediction {
     pub short_blocks: ShortBlocks,
     /// Path of the counted feed moves and rapid moves so far, mm.
     path_mm: [f64; 2],
+    /// `true` if the next feed move begins after a rapid move, at another place.
+    is_apart: bool,
 }
 
 /// Cutting blocks that take less time at their feed than the control needs for a block.
@@ -183,7 +185,8 @@ impl Prediction {
         own.spread.kept().iter().copied().chain(largest).collect()
     }
 
-    /// Parameters of the stations of the current move, of a size in mm, between two others. The first move has at least one.
+    /// Parameters of the stations of the current move, of a size in mm, between two others. The first move, and the first cut after a rapid
+    /// move, have at least one: a short cut may be the one with the largest error.
     pub(super) fn stations(
         &self,
         rapid: bool,
@@ -200,7 +203,8 @@ impl Prediction {
             parameters.filter(move |&parameter| from < parameter && parameter <= to)
         };
         let pair = if rapid { &self.rapid } else { &self.feed };
-        let is_first = pair.before.samples == 0 && of_part([0.0, 1.0]).next().is_none();
+        let is_apart = self.is_apart && !rapid;
+        let is_first = (is_apart || pair.before.samples == 0) && of_part([0.0, 1.0]).next().is_none();
         let middle = (is_first && from < 0.5 && 0.5 <= to).then_some(0.5);
         of_part([from, to]).chain(middle)
     }
@@ -208,6 +212,12 @@ impl Prediction {
     /// Ends a counted move of a size, mm.
     pub(super) fn end_move(&mut self, rapid: bool, size_mm: f64) {
         self.path_mm[usize::from(rapid)] += size_mm;
+        self.is_apart &= rapid;
+    }
+
+    /// Records a rapid move.
+    pub(super) fn note_rapid(&mut self) {
+        self.is_apart = true;
     }
 
     /// Records a deviation for the maximum only.
@@ -282,6 +292,20 @@ mod tests {
         prediction.add(false, [2.0; 2], 0.5, &place(3));
         assert!(!prediction.wants(true));
         assert_eq!((prediction.after().max_mm, prediction.max_at()), (1.0, Some(place(2))));
+    }
+
+    #[test]
+    fn a_short_cut_after_a_rapid_move_counts() {
+        let mut prediction = Prediction::default();
+        prediction.add(false, [1.0; 2], 1.0, &Origin::default());
+        prediction.end_move(false, 2.0);
+        // The next station is at 2.736 mm.
+        assert_eq!(prediction.stations(false, 0.3, [0.0, 1.0]).count(), 0);
+        prediction.note_rapid();
+        assert_eq!(prediction.stations(false, 0.3, [0.0, 1.0]).collect::<Vec<_>>(), [0.5]);
+        assert_eq!(prediction.stations(true, 0.3, [0.0, 1.0]).count(), 1);
+        prediction.end_move(false, 0.3);
+        assert_eq!(prediction.stations(false, 0.3, [0.0, 1.0]).count(), 0);
     }
 
     /// Stations of a move of 10.4 mm after 2 mm of path, in two parts.

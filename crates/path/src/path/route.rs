@@ -152,6 +152,12 @@ impl<'k> Route<'k> {
         self.tip.as_ref().map_or(0.0, TipPath::turn_rad)
     }
 
+    /// The largest turn of the tool or of a rotary axis over a share of the path, rad.
+    pub(super) fn turned_rad(&self, share: f64) -> f64 {
+        let turned = ROTARY_AXES.into_iter().map(|axis| (self.end[axis] - self.start[axis]).abs());
+        share * turned.fold(self.turn_rad(), f64::max)
+    }
+
     /// The axis command at a parameter; exact at both ends.
     pub(super) fn at(&self, parameter: f64) -> AxisVector {
         if parameter <= 0.0 {

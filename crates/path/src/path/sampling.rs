@@ -19,10 +19,13 @@ pub(super) const ON_THE_SPOT_MM: f64 = 0.005;
 const ROTARY_ARM_MM: f64 = 10.0;
 /// If the tip moves by at least this share of the weighted rotary motion, it alone determines the place.
 const TIP_DECIDES: f64 = 0.1;
+/// Weight of the rotation of the tool about itself, as a share of that of its direction. A correction does not determine this rotation. It decides only where
+/// the direction stays too. The direction is then compared at a place that is wrong by at most half of this share of the rotation.
+const ROLL_SHARE: f64 = 0.01;
 /// Half the parameter step for a direction of the path.
 const SENSE_STEP: f64 = 1e-4;
 /// Iterations of the search for the nearest place on the programmed move, and the step that ends it, mm.
-const NEAREST_STEPS: usize = 4;
+const NEAREST_STEPS: usize = 6;
 const NEAREST_MM: f64 = 1e-9;
 /// Maximum number of examined turning points of one arc.
 const MOST_TURNINGS: usize = 64;
@@ -133,22 +136,49 @@ impl SampledPiece<'_> {
         self.offset(&self.emitted.band_at(1.0, self.lead), parameter)
     }
 
-    /// Parameter of the move, not below `least`, at which its nominal tip is nearest to the end of the piece: Gauss–Newton from a guess.
+    /// Offset of the tip from the place of the move at `parameter`, with the bodies `band` at the end of the piece.
+    fn tip_offset(&self, band: &DeadBand, parameter: f64) -> Vector {
+        let nominal = self.programmed.route.at(parameter);
+        self.lead.error_mm(band, (&nominal, &self.emitted.route.end), self.emitted.tool_mm, None).nearest
+    }
+
+    /// Rotation of the tool from its orientation in the move at `parameter`, at [`ROTARY_ARM_MM`]. The rotation about itself counts by [`ROLL_SHARE`].
+    fn turned_offset(&self, band: &DeadBand, parameter: f64) -> Vector {
+        let (model, tool_mm) = (self.lead.model, self.emitted.tool_mm);
+        let ideal = model.nominal(&self.programmed.route.at(parameter), tool_mm);
+        let turn = ideal.turn_to(&model.actual(&self.emitted.route.end, tool_mm, &band.state()));
+        let tool_axis = model.kinematics().tool_axis();
+        (turn - tool_axis * ((1.0 - ROLL_SHARE) * turn.dot(tool_axis))) * ROTARY_ARM_MM
+    }
+
+    /// Parameter of the move, not below `least`, at which its nominal tip is nearest to the end of the piece: Gauss–Newton from a guess. If the tip hardly
+    /// moves, the direction of the tool counts too. Commands of rotary axes do not: their corrections do not indicate another place.
     pub(super) fn nearest(&self, guess: f64, least: f64) -> f64 {
         let band = self.emitted.band_at(1.0, self.lead);
-        let size_mm = self.programmed.route.size_mm();
+        let route = self.programmed.route;
+        let size_mm = route.size_mm();
         let mut parameter = guess;
-        for _ in 0..NEAREST_STEPS {
-            let [low, high] = [parameter - SENSE_STEP, parameter + SENSE_STEP].map(|value| value.clamp(0.0, 1.0));
-            let mut change = self.offset(&band, high).minus(&self.offset(&band, low));
-            if change.tip.norm() > TIP_DECIDES * change.turned.norm() {
-                // Corrections of rotary axes do not indicate another place.
-                change.turned = Vector::zeros();
+        for step in 0..NEAREST_STEPS {
+            let ends = [parameter - SENSE_STEP, parameter + SENSE_STEP].map(|value| value.clamp(0.0, 1.0));
+            let [low, high] = ends;
+            let tips = ends.map(|at| self.tip_offset(&band, at));
+            let change = tips[1] - tips[0];
+            let places = ends.map(|at| route.at(at));
+            let turn = ROTARY_AXES.map(|axis| ROTARY_ARM_MM * (places[1][axis] - places[0][axis]));
+            let (mut square, mut along) = (change.norm_squared(), change.dot(&self.tip_offset(&band, parameter)));
+            if change.norm() <= TIP_DECIDES * Vector::from(turn).norm() {
+                // The commands lead near the place, also over more than a turn; the direction then determines it.
+                let turned = |at: f64| match step {
+                    0 => self.offset(&band, at).turned,
+                    _ => self.turned_offset(&band, at),
+                };
+                let change = turned(high) - turned(low);
+                square += change.norm_squared();
+                along += change.dot(&turned(parameter));
             }
-            let square = change.dot(&change);
             let before = parameter;
             if square > 0.0 {
-                parameter -= (high - low) * change.dot(&self.offset(&band, parameter)) / square;
+                parameter -= (high - low) * along / square;
             }
             parameter = parameter.clamp(least, 1.0);
             if (parameter - before).abs() * size_mm < NEAREST_MM {

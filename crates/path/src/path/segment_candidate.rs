@@ -20,6 +20,14 @@ const MOST_TRIES: u32 = 3;
 const READY_SHARE: f64 = 0.5;
 /// Number of intervals for checking a piece that begins or ends off its place. The residual of a bend between them is 4 (1/16)², 2 % of the bend.
 const BESIDE_ENDS: u32 = 8;
+/// Arm at which the direction of the tool along a piece may deviate from that at its ends by the tolerance, mm: about a cutting edge.
+pub(super) const EDGE_MM: f64 = 50.0;
+/// Room of the direction of a piece that turns in another manner than its move, rad: near a pole the control moves the rotary axes in proportion, and a piece
+/// that does not end there follows a great circle. The control has its own rule within its pole limit, 35 mrad.
+const OTHER_TURNING_RAD: f64 = 1e-3;
+/// Turn of a piece below which its direction is not examined, rad. Corrections of rotary axes change over the damped range of a singularity, 0.1 rad, so that
+/// the direction bends by at most 0.5 % of them.
+const LEAST_TURN_RAD: f64 = 0.02;
 /// Commands nearer to each other than this are one grid position, mm.
 pub(super) const SAME_PLACE_MM: f64 = 1e-9;
 
@@ -66,6 +74,8 @@ pub(super) struct SegmentCandidate<'m> {
     pub(super) deviation_mm: f64,
     /// Largest deviation allowed, mm.
     pub(super) allowed_mm: f64,
+    /// Largest change of the direction between its ends as a share of the permitted one; 0 if not measured.
+    pub(super) tilt_share: f64,
     /// Deviation due to bodies that are within their dead bands at the start, mm: it does not depend on the length.
     pub(super) brought_mm: f64,
     /// Deviation at the middle, if measured, mm.
@@ -88,16 +98,17 @@ pub(super) struct PieceEnds {
 
 impl SegmentCandidate<'_> {
     pub(super) fn fits(&self) -> bool {
-        self.deviation_mm <= self.allowed_mm
+        self.deviation_mm <= self.allowed_mm && self.tilt_share <= 1.0
     }
 
     /// Ratio of the length-dependent deviation to its allowed value; above 1 the piece does not fit.
     pub(super) fn share(&self) -> f64 {
-        if self.fits() && self.brought_mm < self.allowed_mm {
+        let of_tip = if self.fits() && self.brought_mm < self.allowed_mm {
             (self.deviation_mm - self.brought_mm).max(0.0) / (self.allowed_mm - self.brought_mm)
         } else {
             self.deviation_mm / self.allowed_mm
-        }
+        };
+        of_tip.max(self.tilt_share)
     }
 
     /// The parameter of the move at a share of the piece.
@@ -199,6 +210,7 @@ impl<'m> SegmentFitter<'_, 'm> {
             circle,
             emitted,
             deviation_mm: 0.0,
+            tilt_share: 0.0,
             allowed_mm: SAMPLED_SHARE * self.tolerance_mm,
             brought_mm: 0.0,
             middle_mm: None,
@@ -333,6 +345,9 @@ impl<'m> SegmentFitter<'_, 'm> {
                 trial.middle_mm = Some(deviation);
             }
         }
+        if !self.placer.turning().is_empty() && self.route.turned_rad(to - from) > LEAST_TURN_RAD {
+            trial.tilt_share = self.tilt_share(trial, &state, scratch);
+        }
         if trial.deviation_mm > trial.allowed_mm {
             // Rounding at the ends is no reason to cut: another end has the same rounding. Nor is the initial error, but backlash is.
             let at = |parameter: f64, command: &AxisVector| {
@@ -347,5 +362,18 @@ impl<'m> SegmentFitter<'_, 'm> {
                 trial.allowed_mm = SAMPLED_SHARE * (1.0 + BEND_SHARE) * ends;
             }
         }
+    }
+
+    /// The largest tilt of the tool at these fractions of a piece, as a share of the permitted one: that at its ends, and the tolerance at [`EDGE_MM`].
+    fn tilt_share(&self, trial: &SegmentCandidate<'_>, state: &State, fractions: &[f64]) -> f64 {
+        let tilt_rad = |fraction: f64| {
+            let nominal = self.route.at(trial.parameter(fraction));
+            self.placer.tilt_rad(&nominal, &trial.emitted.at(fraction), state)
+        };
+        let is_same = self.route.turns_in_proportion() == trial.emitted.turns_in_proportion();
+        let of_turning_rad = if is_same { self.tolerance_mm / EDGE_MM } else { OTHER_TURNING_RAD };
+        let room_rad = of_turning_rad + 2.0 * self.placer.increments.rotary_deg.to_radians();
+        let permitted_rad = tilt_rad(0.0).max(tilt_rad(1.0)) + room_rad;
+        fractions.iter().map(|&fraction| tilt_rad(fraction)).fold(0.0, f64::max) / permitted_rad
     }
 }

@@ -5,8 +5,8 @@
 //! Rounding is excluded: it does not depend on the step.
 
 use ncfix_base::geometry::{AxisVector, Vector};
-use ncfix_machine::machine::State;
-use ncfix_machine::snc::Origin;
+use ncfix_machine::machine::{Kinematics, State, TipPath};
+use ncfix_machine::snc::{Origin, Turning};
 use ncfix_model::{Model, Solve};
 
 use super::Rotary;
@@ -24,36 +24,70 @@ const NEAR_ENOUGH: f64 = 1.002;
 /// Maximum examined pieces of one line, spread over it.
 const MOST_PIECES: u32 = 2048;
 
-/// A straight path of the axes whose residual is examined.
+/// A straight path of the axes, or of the tip in the workpiece, whose residual is examined.
 #[derive(Clone, Debug)]
 pub struct StraightLine {
-    route: Route<'static>,
+    ends: [AxisVector; 2],
+    tip: Option<LineOfTip>,
     tool_mm: Vector,
+    leading_mm: f64,
     /// The block of the program that it comes from, if any.
     pub origin: Option<Origin>,
 }
 
+/// The line of a tip in the workpiece: turning of the tool, and the vector of the tool that the control follows, mm.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LineOfTip {
+    pub(super) turning: Turning,
+    pub(super) tool_mm: Vector,
+}
+
 impl StraightLine {
-    pub(super) fn new(route: Route<'static>, tool_mm: Vector, origin: Option<Origin>) -> StraightLine {
-        StraightLine { route, tool_mm, origin }
+    /// A line between two axis commands, examined with a tool; `tip` if the tip follows it in the workpiece.
+    pub(super) fn new(
+        ends: [AxisVector; 2],
+        tip: Option<LineOfTip>,
+        kinematics: &Kinematics,
+        tool_mm: Vector,
+        origin: Option<Origin>,
+    ) -> StraightLine {
+        let mut line = StraightLine { ends, tip, tool_mm, leading_mm: 0.0, origin };
+        line.leading_mm = line.route(kinematics).leading_mm();
+        line
     }
 
     /// Its start, mm and rad.
     #[must_use]
     pub fn start(&self) -> &AxisVector {
-        &self.route.start
+        &self.ends[0]
     }
 
     /// Its end, mm and rad.
     #[must_use]
     pub fn end(&self) -> &AxisVector {
-        &self.route.end
+        &self.ends[1]
     }
 
     /// Travel of the axis that moves farthest, mm, rotary axes at an arm of 100 mm.
     #[must_use]
     pub fn leading_mm(&self) -> f64 {
-        self.route.leading_mm()
+        self.leading_mm
+    }
+
+    /// The path between its ends.
+    fn route<'k>(&self, kinematics: &'k Kinematics) -> Route<'k> {
+        self.way(kinematics, self.ends)
+    }
+
+    /// The path that a control takes between two commands in place of a part of it.
+    fn way<'k>(&self, kinematics: &'k Kinematics, [start, end]: [AxisVector; 2]) -> Route<'k> {
+        match &self.tip {
+            Some(LineOfTip { turning, tool_mm }) => {
+                let tip = TipPath::new(kinematics, *turning == Turning::Vector, [&start, &end], tool_mm);
+                Route::of_tip(start, end, None, tip)
+            }
+            None => Route::new(start, end, None),
+        }
     }
 }
 
@@ -179,14 +213,14 @@ impl<'a> StepTrial<'a> {
 
     /// Cuts a line and records the largest residual of its pieces.
     fn cut(&mut self, line: &StraightLine, number: usize, step_mm: f64, worst: &mut StepResidual) {
-        let route = &line.route;
-        let leading = route.leading_mm();
+        let leading = line.leading_mm;
         if leading.is_nan() || leading <= 0.0 || self.model.is_empty() {
             return;
         }
+        let route = line.route(self.model.kinematics());
         let mut state = State::default();
         state.note_motion(&route.start, &route.end);
-        let mut piece = Piece { line, number, state, whole: self.sampler.whole(route), end: None };
+        let mut piece = Piece { line, route, number, state, whole: self.sampler.whole(&route), end: None };
         let pieces = (leading / step_mm).ceil();
         if pieces > f64::from(MOST_PIECES) {
             for k in 0..MOST_PIECES {
@@ -198,15 +232,15 @@ impl<'a> StepTrial<'a> {
         }
         let mut from = 0.0;
         while from < 1.0 {
-            let to = if step_mm < leading { next_step(route, from, step_mm) } else { 1.0 };
+            let to = if step_mm < leading { next_step(leading, from, step_mm) } else { 1.0 };
             self.measure(&mut piece, [from, to], worst);
             from = to;
         }
     }
 
     /// Measures one piece.
-    fn measure(&mut self, piece: &mut Piece, between: [f64; 2], worst: &mut StepResidual) {
-        let route = &piece.line.route;
+    fn measure(&mut self, piece: &mut Piece<'_>, between: [f64; 2], worst: &mut StepResidual) {
+        let route = piece.route;
         let [from, to] = between;
         let start = piece.end.or_else(|| self.correct(piece, from, &AxisVector::ZERO));
         let guess = start.map_or(AxisVector::ZERO, |command| command - route.at(from));
@@ -215,11 +249,11 @@ impl<'a> StepTrial<'a> {
             worst.failures += 1;
             return;
         };
-        let way = Route::new(start, end, None);
-        self.sampler.fractions((route, piece.whole), between, &way, &mut self.scratch);
+        let way = piece.line.way(self.model.kinematics(), [start, end]);
+        self.sampler.fractions((&route, piece.whole), between, &way, &mut self.scratch);
         for &fraction in &self.scratch {
             let nominal = route.at(from + (to - from) * fraction);
-            let command = start.lerp(&end, fraction);
+            let command = way.at(fraction);
             let error = self.model.tip_error_mm(&nominal, &command, &piece.line.tool_mm, &piece.state);
             let size_mm = error.norm();
             if size_mm > worst.max_mm {
@@ -229,8 +263,8 @@ impl<'a> StepTrial<'a> {
     }
 
     /// The corrected command at a place of a line.
-    fn correct(&self, piece: &Piece, parameter: f64, guess: &AxisVector) -> Option<AxisVector> {
-        let nominal = piece.line.route.at(parameter);
+    fn correct(&self, piece: &Piece<'_>, parameter: f64, guess: &AxisVector) -> Option<AxisVector> {
+        let nominal = piece.route.at(parameter);
         let mut start = nominal + *guess;
         if self.solve == Solve::PositionOnly {
             for axis in ncfix_base::geometry::ROTARY_AXES {
@@ -244,6 +278,7 @@ impl<'a> StepTrial<'a> {
 /// Progress on a line.
 struct Piece<'l> {
     line: &'l StraightLine,
+    route: Route<'l>,
     number: usize,
     /// Direction of motion along the line.
     state: State,

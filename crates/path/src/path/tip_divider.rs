@@ -7,17 +7,24 @@ use ncfix_machine::machine::{Kinematics, Machine, TipPath};
 use ncfix_machine::snc::{Element, Kind, Move, Turning};
 
 /// A stream whose paths of the tip are divided, if there is a divider.
+#[derive(Debug)]
 pub(super) struct DividedTips<I> {
     pub(super) elements: I,
     pub(super) tips: Option<TipDivider>,
 }
 
-impl<I: Iterator<Item = Element>> Iterator for DividedTips<I> {
-    type Item = Element;
+impl<I, E> Iterator for DividedTips<I>
+where
+    I: Iterator<Item = Result<Element, E>>,
+{
+    type Item = Result<Element, E>;
 
-    fn next(&mut self) -> Option<Element> {
+    fn next(&mut self) -> Option<Self::Item> {
         let Some(tips) = &mut self.tips else { return self.elements.next() };
-        tips.chords.pop_front().or_else(|| self.elements.next().map(|element| tips.take(element)))
+        if let Some(chord) = tips.chords.pop_front() {
+            return Some(Ok(chord));
+        }
+        Some(self.elements.next()?.map(|element| tips.take(element)))
     }
 }
 
@@ -30,7 +37,7 @@ pub(super) struct TipDivider {
     /// Command at the end of the last move.
     standing: AxisVector,
     /// Further chords of the last move.
-    pub(super) chords: VecDeque<Element>,
+    chords: VecDeque<Element>,
 }
 
 impl TipDivider {
@@ -46,7 +53,7 @@ impl TipDivider {
     }
 
     /// Takes an element, and returns it or its first chord.
-    pub(super) fn take(&mut self, element: Element) -> Element {
+    fn take(&mut self, element: Element) -> Element {
         let motion = match &element.kind {
             Kind::Setup(setup) => {
                 self.tool_mm = setup.tool_mm;

@@ -6,9 +6,8 @@
 use std::f64::consts::{PI, TAU};
 
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
-use ncfix_machine::machine::{AxisData, Machine};
+use ncfix_machine::machine::{AxisData, Kinematics, Machine};
 
-use super::route::Route;
 use super::steps::StraightLine;
 
 /// Maximum number of corners for lines along an axis, and of diagonals.
@@ -52,7 +51,7 @@ impl Range {
 #[must_use]
 pub fn volume(machine: &Machine, tool_mm: &Vector) -> Vec<StraightLine> {
     let ranges: Vec<Range> = machine.axes.iter().flatten().filter_map(Range::of).collect();
-    let mut set = Set { ranges, tool_mm: *tool_mm, lines: Vec::new() };
+    let mut set = Set { ranges, kinematics: Kinematics::new(machine), tool_mm: *tool_mm, lines: Vec::new() };
     let mut random = Random(SEED);
     let count = set.ranges.len();
     for moving in 0..count {
@@ -83,6 +82,7 @@ pub fn volume(machine: &Machine, tool_mm: &Vector) -> Vec<StraightLine> {
 /// The lines so far.
 struct Set {
     ranges: Vec<Range>,
+    kinematics: Kinematics,
     tool_mm: Vector,
     lines: Vec<StraightLine>,
 }
@@ -136,8 +136,8 @@ impl Set {
             }
             position
         };
-        let route = Route::new(place(start), place(&end), None);
-        self.lines.push(StraightLine::new(route, self.tool_mm, None));
+        let ends = [place(start), place(&end)];
+        self.lines.push(StraightLine::new(ends, None, &self.kinematics, self.tool_mm, None));
     }
 }
 

@@ -11,8 +11,6 @@ use ncfix_base::geometry::{Arc, Axis, AxisSet, AxisVector, LINEAR_AXES, Matrix, 
 use ncfix_machine::machine::{Control, GreatCircle, Kinematics, TipPath};
 use ncfix_machine::snc::{Move, Turning};
 
-/// Distance from a pole below which a great circle passes through it, rad.
-const THROUGH_POLE_RAD: f64 = 1e-6;
 /// Rotary commands nearer to each other than this are equal, rad.
 const SAME_ANGLE_RAD: f64 = 1e-6;
 /// Step of following a great circle to find the end of the rotary axes, rad.
@@ -169,11 +167,11 @@ impl Legs<'_> {
                 return Err(self
                     .through_pole("the tool turns to the opposite direction, but the plane of rotation is not given"));
             }
-            // Near the pole the control moves the rotary axes in proportion.
+            // Near and through the pole the control moves the rotary axes in proportion.
             return Ok(Some(Turning::Axes));
         };
         if let Some(distance) = circle.distance_from_pole(self.kinematics)
-            && (THROUGH_POLE_RAD..self.kinematics.pole_limit_rad()).contains(&distance)
+            && distance < self.kinematics.pole_limit_rad()
         {
             let message =
                 format!("the tool passes the pole of the transformation at {:.4} degrees", distance.to_degrees());

@@ -111,6 +111,11 @@ impl<'a> MotionSink<'a> {
         self.pass(element);
     }
 
+    /// Emits an element with its own line.
+    pub(in crate::exec) fn push_line(&mut self, kind: Kind) {
+        self.pass(Element { origin: self.origin, starts_block: true, number: None, kind });
+    }
+
     /// Restores the programmed feed before the call of a program of the control, independent of corner, arc and block feeds.
     pub(in crate::exec) fn feed_for_call(&mut self, feed: f64) {
         if feed > 0.0 {

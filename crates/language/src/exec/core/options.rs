@@ -25,6 +25,9 @@ pub struct Options {
     pub keeps_wear: bool,
     /// Leaves rigid tapping to the control, as its cycle at a corrected place. The output must have the coordinates of the program.
     pub keeps_tapping: bool,
+    /// Takes positions within tilted planes of a head (G68.2 with G53.1) as the control does, in the coordinates of the plane. A strict run leaves these planes
+    /// to the control: the output must have the coordinates of the program, and the rotary axes their programmed positions.
+    pub keeps_tilt: bool,
     /// Splitting of rapid moves if the control orders its axes.
     pub rapid_order: RapidOrder,
 }

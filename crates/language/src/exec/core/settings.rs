@@ -14,6 +14,8 @@ pub(in crate::exec) struct RunSettings<'a> {
     pub(in crate::exec) requires_values: bool,
     /// Leaves rigid tapping to the control.
     pub(in crate::exec) keeps_tapping: bool,
+    /// Leaves tilted planes to the control.
+    pub(in crate::exec) keeps_tilt: bool,
     /// Radius for G41 and G42.
     pub(in crate::exec) radius: Radius,
     /// Splitting of rapid moves.
@@ -22,8 +24,8 @@ pub(in crate::exec) struct RunSettings<'a> {
 
 impl<'a> RunSettings<'a> {
     pub(in crate::exec) fn new(machine: &'a Machine, options: &Options) -> Self {
-        let &Options { strict, keeps_tapping, radius, rapid_order, .. } = options;
+        let &Options { strict, keeps_tapping, keeps_tilt, radius, rapid_order, .. } = options;
         let requires_values = strict || options.requires_values;
-        RunSettings { machine, strict, requires_values, keeps_tapping, radius, rapid_order }
+        RunSettings { machine, strict, requires_values, keeps_tapping, keeps_tilt, radius, rapid_order }
     }
 }

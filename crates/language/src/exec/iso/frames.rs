@@ -25,10 +25,12 @@ pub(super) struct Transforms {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Stand {
     /// Frame from the plane to the coordinates below it.
-    frame: Frame,
+    pub(super) frame: Frame,
     /// The zero offset and tool for which it is valid.
     pub(super) below: Frame,
     pub(super) tool_mm: Vector,
+    /// `true` if the control tilts the plane in the output too.
+    pub(super) is_kept: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,8 +89,13 @@ impl Transforms {
     }
 
     /// G53.1: aligns the tool normal to the tilted plane.
-    pub(super) fn stand_on_tilt(&mut self, frame: Frame, below: Frame, tool_mm: Vector) {
-        self.stand = Some(Box::new(Stand { frame, below, tool_mm }));
+    pub(super) fn stand_on_tilt(&mut self, stand: Stand) {
+        self.stand = Some(Box::new(stand));
+    }
+
+    /// The alignment of the tool, if the control tilts the plane in the output too.
+    pub(super) fn kept_stand(&self) -> Option<&Stand> {
+        self.stand.as_deref().filter(|stand| stand.is_kept)
     }
 
     /// Ends the alignment of the tool.

@@ -143,10 +143,11 @@ impl Modal {
         Setup { frame: self.frame(), ..self.shown() }
     }
 
-    /// The part of it that the control knows when it runs the output: zero offset and tool.
+    /// The part of it that the control knows when it runs the output: zero offset, tool, and a tilted plane that is kept.
     pub(super) fn shown(&self) -> Setup {
+        let kept = self.transforms.kept_stand();
         Setup {
-            frame: self.settable,
+            frame: kept.map_or(self.settable, |stand| self.settable.compose(&stand.frame)),
             tool_mm: -self.tool.length_mm,
             plane: self.modes.plane,
             transform: self.turning,

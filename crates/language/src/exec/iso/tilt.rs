@@ -6,6 +6,7 @@
 use super::channel::Channel;
 use super::codes::{Group, name_of};
 use super::forbidden;
+use super::frames::Stand;
 use super::gathered::Gathered;
 use super::measure;
 use super::modal::Modal;
@@ -13,14 +14,19 @@ use super::setup;
 use super::step;
 use super::step::Step;
 use super::target;
-use super::tilted::{Part, Plane, by_euler, by_roll_pitch_yaw};
+use super::text;
+use super::tilted::{Part, Plane, by_euler, by_roll_pitch_yaw, euler_of};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::tilted_plane::{tilting_axis, turned_frame, unknown_places, workpiece_normal};
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Matrix, Vector};
+use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame, Matrix, Vector};
 use ncfix_base::source::Span;
 use ncfix_machine::machine::Kinematics;
-use ncfix_machine::snc::MotionMode;
+use ncfix_machine::snc::{Kind, MotionMode};
+use std::fmt::Write as _;
+
+/// Sine of the angle between the tool and Z below which they are parallel.
+const LEAST_TILT: f64 = 1e-9;
 
 /// `G68.2`, `G68.3`, `G68.4`
 pub(super) fn tilt(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
@@ -130,14 +136,60 @@ pub(super) fn tool_on_plane(channel: &mut Channel<'_>, gathered: &Gathered) -> R
         ([None, Some(other)], _) => other,
         _ => return Err(bad_value(gathered.span_of(b'P'), "P of G53.1 is not 0, 1 or 2", "correct P")),
     };
+    end_kept(channel);
     channel.modal.transforms.leave_stand();
     setup::refresh_setup(channel);
-    turn(channel, &kinematics, &turned, span)?;
+    let mut turned = turned;
+    let least_rad = channel.settings.machine.control.increment_rad;
+    if kinematics.rotary_axes().all(|axis| (turned[axis] - near[axis]).abs() < least_rad) {
+        // The axes are there already, within an increment.
+        kinematics.rotary_axes().for_each(|axis| turned[axis] = near[axis]);
+        channel.empty();
+    } else {
+        turn(channel, &kinematics, &turned, span)?;
+    }
     let total = turned_frame(&kinematics, &below, &tilt, &turned, &tool_mm)
         .ok_or_else(|| refused(span, "the linear axes of this machine cannot position the tool tip".to_owned()))?;
-    channel.modal.transforms.stand_on_tilt(below.inverse().compose(&total), below, tool_mm);
+    let is_kept = channel.settings.keeps_tilt && is_tilted(&total) && below == channel.modal.settable;
+    if is_kept && channel.settings.strict {
+        keep(channel, &tilt, choice);
+    }
+    let frame = below.inverse().compose(&total);
+    channel.modal.transforms.stand_on_tilt(Stand { frame, below, tool_mm, is_kept });
     setup::refresh_setup(channel);
     Ok(())
+}
+
+/// `true` if the tool is not along Z in a frame: arcs of the plane are then no arcs of the axes.
+fn is_tilted(frame: &Frame) -> bool {
+    frame.apply_direction(Vector::z()).cross(&Vector::z()).norm() > LEAST_TILT
+}
+
+/// Writes a plane for the control, and aligns the tool there: the rotary axes are at their positions already.
+fn keep(channel: &mut Channel<'_>, tilt: &Frame, choice: Option<f64>) {
+    let machine = channel.settings.machine;
+    let mut plane = "G68.2".to_owned();
+    for (letter, place) in b"XYZ".iter().zip(tilt.offset().xyz().iter()) {
+        text::append_length(machine, channel.language, &mut plane, *letter, *place);
+    }
+    for (letter, angle) in b"IJK".iter().zip(euler_of(tilt.linear())) {
+        text::append(channel.language, &mut plane, *letter, angle.to_degrees());
+    }
+    let mut aligned = "G53.1".to_owned();
+    if let Some(choice) = choice {
+        // Writing to a string cannot fail.
+        let _ = write!(aligned, " P{choice:.0}");
+    }
+    for words in [plane, aligned] {
+        channel.outlet.push_line(Kind::Verbatim(words.into_bytes()));
+    }
+}
+
+/// Ends a plane that the control tilts.
+pub(super) fn end_kept(channel: &mut Channel<'_>) {
+    if channel.settings.strict && channel.modal.transforms.kept_stand().is_some() {
+        channel.push(Kind::Keep("G69"));
+    }
 }
 
 /// Handles a change of the tool length while the tool is normal to the plane. The length acts along the tool, which is along Z of the plane: the tip
@@ -145,14 +197,14 @@ pub(super) fn tool_on_plane(channel: &mut Channel<'_>, gathered: &Gathered) -> R
 pub(super) fn stand_anew(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
     let tool_mm = channel.standing.setup.tool_mm;
     let Some(tilt) = channel.modal.transforms.tilt().copied() else { return Ok(()) };
-    if channel.modal.transforms.stand().is_none_or(|stand| stand.tool_mm == tool_mm) {
-        return Ok(());
-    }
+    let stand = channel.modal.transforms.stand().filter(|stand| stand.tool_mm != tool_mm);
+    let Some(is_kept) = stand.map(|stand| stand.is_kept) else { return Ok(()) };
     let kinematics = Kinematics::new(channel.settings.machine);
     let below = channel.modal.below_transforms();
     let total = turned_frame(&kinematics, &below, &tilt, &channel.modal.position.command, &tool_mm)
         .ok_or_else(|| refused(span, "the linear axes of this machine cannot position the tool tip".to_owned()))?;
-    channel.modal.transforms.stand_on_tilt(below.inverse().compose(&total), below, tool_mm);
+    let frame = below.inverse().compose(&total);
+    channel.modal.transforms.stand_on_tilt(Stand { frame, below, tool_mm, is_kept });
     setup::refresh_setup(channel);
     Ok(())
 }

@@ -13,6 +13,18 @@ pub(super) fn by_euler([i, j, k]: [f64; 3]) -> Matrix {
     RotationOrder::Euler.matrix([j, k, i])
 }
 
+/// Angles I, J and K of [`by_euler`] for a rotation, rad. If the plane is not tilted, K is 0.
+pub(super) fn euler_of(rotation: &Matrix) -> [f64; 3] {
+    let normal: Vector = rotation.column(2).into();
+    let sine = normal.x.hypot(normal.y);
+    if sine < PARALLEL {
+        // Rotations about Z, and after half a turn about X, in one angle.
+        let turn = rotation[(1, 0)].atan2(rotation[(0, 0)]);
+        return [turn, if normal.z > 0.0 { 0.0 } else { std::f64::consts::PI }, 0.0];
+    }
+    [normal.x.atan2(-normal.y), sine.atan2(normal.z), rotation[(2, 0)].atan2(rotation[(2, 1)])]
+}
+
 /// Rotation by angles about X, Y and Z of the workpiece, rad, in an order such as 123; `None` for an invalid order.
 pub(super) fn by_roll_pitch_yaw(angles_rad: [f64; 3], order: u32) -> Option<Matrix> {
     let digits = [order / 100, order / 10 % 10, order % 10];
@@ -144,6 +156,14 @@ mod tests {
         near(rotation * Vector::x(), [0.0, 1.0, 0.0]);
         near(rotation * Vector::y(), [-(0.75_f64.sqrt()), 0.0, 0.5]);
         near(rotation * Vector::z(), [0.5, 0.0, 0.75_f64.sqrt()]);
+    }
+
+    #[test]
+    fn euler_angles_read_back() {
+        for angles in [[0.3, 0.7, -1.1], [-2.5, 1.9, 3.0], [1.2, 0.0, 0.0], [0.4, std::f64::consts::PI, 0.0]] {
+            let rotation = by_euler(angles);
+            assert!((by_euler(euler_of(&rotation)) - rotation).norm() < 1e-12, "{angles:?}");
+        }
     }
 
     #[test]

@@ -78,7 +78,10 @@ pub(super) fn transform_codes(channel: &mut Channel<'_>, gathered: &Gathered) ->
         once(took, span)?;
         match code {
             680 => rotation(channel, gathered, span)?,
-            _ => tilt::tilt(channel, gathered, code, span)?,
+            _ => {
+                tilt::end_kept(channel);
+                tilt::tilt(channel, gathered, code, span)?;
+            }
         }
         took = true;
     }

@@ -6,12 +6,14 @@
 use super::super::way::counted;
 use super::step::ComparedMove;
 use super::{Course, MoveGroup, ON_THE_SPOT_MM};
-use ncfix_base::geometry::ROTARY_AXES;
+use ncfix_base::geometry::{Axis, ROTARY_AXES};
 use ncfix_machine::machine::Kinematics;
 use ncfix_machine::snc::FeedUnit;
 
 /// Relative difference below which durations are equal: corrections change path lengths.
 const SAME_TIME: f64 = 0.05;
+/// Relative difference within which a correction keeps the duration of a piece that turns, with rounding: its F value may then differ.
+const KEPT_TIME: f64 = 0.015;
 
 impl ComparedMove<'_> {
     /// Minutes (turns under G95) that a control takes for a part of it; `None` without feed, or for a curve that turns an axis.
@@ -19,10 +21,13 @@ impl ComparedMove<'_> {
         if self.rapid || self.feed <= 0.0 {
             return None;
         }
+        let least = self.least_minutes([from, to], kinematics);
         if self.unit == FeedUnit::InverseTime {
-            return Some((to - from) / self.feed);
+            return Some(((to - from) / self.feed).max(least));
         }
         let way = match self.route.arc() {
+            // Under a transformation the feed is that of the tip.
+            Some(_) if self.route.is_of_tip() => self.route.length_mm() * (to - from),
             Some(_) if self.turns() => return None,
             Some(_) => self.route.size_mm() * (to - from),
             None => {
@@ -39,7 +44,16 @@ impl ComparedMove<'_> {
                 counted(self.feeds, is_transformed, [&start, &end])
             }
         };
-        Some(way / self.feed)
+        let taken = way / self.feed;
+        // Turns of the spindle are not a time.
+        Some(if self.unit == FeedUnit::PerMinute { taken.max(least) } else { taken })
+    }
+
+    /// Minutes that the rotary axes need for a part of it. A control lowers a feed that they cannot follow.
+    fn least_minutes(&self, part: [f64; 2], kinematics: &Kinematics) -> f64 {
+        let [start, end] = part.map(|place| self.route.at(place));
+        let turn = |axis: Axis| (end[axis] - start[axis]).abs();
+        kinematics.rotary_axes().map(|axis| turn(axis) / kinematics.most_rad_min(axis)).fold(0.0, f64::max)
     }
 
     /// `true` if one feed is per minute and the other per turn of the spindle.
@@ -78,9 +92,11 @@ impl MoveGroup<'_> {
         // The place on the move is known within the tip error. The tip path may be much shorter than that of the axes.
         let is_timed = step.unit == FeedUnit::InverseTime;
         let counted_mm = if is_timed { way_mm } else { way_mm.min(wanted * step.feed) };
-        let same = SAME_TIME + 2.0 * (ON_THE_SPOT_MM + rounding_mm) / counted_mm.max(ON_THE_SPOT_MM);
-        let is_near = |ratio: f64| ratio > 1.0 / (1.0 + same) && ratio < 1.0 + same;
+        let place = 2.0 * (ON_THE_SPOT_MM + rounding_mm) / counted_mm.max(ON_THE_SPOT_MM);
+        let is_within = |ratio: f64, same: f64| ratio > 1.0 / (1.0 + same) && ratio < 1.0 + same;
+        let is_near = |ratio: f64| is_within(ratio, SAME_TIME + place);
         match of_numbers {
+            _ if is_within(share, KEPT_TIME) => Some(1.0),
             // Both values refer to the same path.
             Some(of_numbers) if is_near(share / of_numbers) => Some(of_numbers),
             _ if is_near(share) => Some(1.0),

@@ -311,6 +311,9 @@ impl MoveGroup<'_> {
         if (waits || self.step.rapid) && !self.lead.axes.is_empty() {
             seen.end = self.on_either_side(piece, &self.step.route.at(course.to), end);
         }
+        if self.step.rapid {
+            prediction.note_rapid();
+        }
         if waits || !self.step.is_counted || !prediction.wants(self.step.rapid) {
             return (None, seen);
         }

@@ -19,6 +19,8 @@ mod promise;
 mod same_text;
 mod step;
 
+use std::convert::Infallible;
+
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::AxisVector;
 use ncfix_machine::machine::{Kinematics, Machine};
@@ -174,7 +176,8 @@ pub fn compare_seeing(
     // A correction without the transformation has divided the paths of the tip.
     let in_axes = promise.is_some_and(|promise| promise.in_axes);
     let tips = in_axes.then(|| TipDivider::new(machine, AxisVector::ZERO));
-    let original = Walk::new(DividedTips { elements: original, tips }, machine, feeds[0], lead);
+    let divided = DividedTips { elements: original.map(Ok::<_, Infallible>), tips };
+    let original = Walk::new(divided.map(|Ok(element)| element), machine, feeds[0], lead);
     let corrected = Walk::new(corrected, machine, feeds[1], lead);
     let tails = [original.tail(), corrected.tail()];
     let (mut original, mut corrected) = (MovesAhead::new(original), MovesAhead::new(corrected));

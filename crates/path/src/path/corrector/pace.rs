@@ -16,12 +16,11 @@ use super::{Active, Corrector};
 use crate::path::cut::{MOST_FEED, of_share};
 use crate::path::place::{CommandSolver, SHORT_MM};
 use crate::path::route::Route;
+use crate::path::segment_candidate::SegmentCandidate;
 use crate::path::{Feeds, Output, way};
 
 /// Relative difference below which durations are equal.
-const SAME_SHARE: f64 = 0.05;
-/// Paths that differ by fewer increments are equal: rounding changes them by up to two.
-const SAME_INCREMENTS: f64 = 3.0;
+const SAME_SHARE: f64 = 0.01;
 /// The duration of a move whose feed path the correction may change.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pacing {
@@ -49,11 +48,13 @@ pub(super) struct Pace {
     is_fresh: bool,
     /// The last programmed feed; 0 if none.
     feed: f64,
+    /// The last feed of a piece whose way the correction changed, as written; 0 if none.
+    written: f64,
 }
 
 impl Default for Pace {
     fn default() -> Self {
-        Pace { is_per_minute: true, counts_turns: false, by_time: None, is_fresh: false, feed: 0.0 }
+        Pace { is_per_minute: true, counts_turns: false, by_time: None, is_fresh: false, feed: 0.0, written: 0.0 }
     }
 }
 
@@ -95,10 +96,12 @@ impl CommandSolver<'_> {
             let minutes = self.tip_way(route) / motion.feed;
             return (minutes > 0.0).then_some(Pacing { minutes, is_turn: false, is_of_axes: true });
         }
-        if route.arc().is_some() {
-            return None;
-        }
         let turns = ROTARY_AXES.into_iter().any(|axis| route.start[axis] != route.end[axis]);
+        if route.arc().is_some() {
+            let minutes = route.length_mm() / feed;
+            let is_paced = turns && route.is_of_tip() && minutes > 0.0;
+            return is_paced.then_some(Pacing { minutes, is_turn: false, is_of_axes: false });
+        }
         let minutes = self.counted(feeds, &route.start, &route.end) / feed;
         let is_turn = !self.takes_feed(Feeds::OfLinear, &route.start, &route.end);
         (turns && minutes > 0.0).then_some(Pacing { minutes, is_turn, is_of_axes: false })
@@ -116,7 +119,7 @@ where
         active: &mut Active<'_>,
         [start, end]: [&AxisVector; 2],
         share: f64,
-        is_on_the_spot: bool,
+        trial: Option<&SegmentCandidate<'_>>,
     ) -> (f64, FeedUnit) {
         let is_fresh = std::mem::take(&mut self.pace.is_fresh);
         let motion = &active.motion;
@@ -131,9 +134,12 @@ where
         let is_begun = self.pace.by_time == Some(origin) && !is_fresh;
         let pacing = active.pacing.filter(|_| !self.pace.counts_turns);
         if let Some(Pacing { minutes, is_turn, is_of_axes }) = pacing {
-            let way = self.placer.counted(self.options.feeds, start, end);
-            let (wanted, least) = (share * minutes * feed, SAME_INCREMENTS * self.placer.increments.linear_mm);
-            let is_off = is_of_axes || (way - wanted).abs() > least.max(SAME_SHARE * wanted);
+            let way = match trial.filter(|trial| trial.circle.is_some()) {
+                Some(arc) => arc.emitted.length_mm(),
+                None => self.placer.counted(self.options.feeds, start, end),
+            };
+            let wanted = share * minutes * feed;
+            let is_off = is_of_axes || (way - wanted).abs() > SAME_SHARE * wanted;
             let has_times = self.pace.is_per_minute && self.options.feeds != Feeds::OfLinearOnly;
             if is_off && is_turn && !has_times {
                 self.findings.feed_of_another_way(&origin);
@@ -148,12 +154,18 @@ where
                 self.pace.by_time = Some(origin);
                 return (of_share(minutes.recip(), share), FeedUnit::InverseTime);
             }
-            if is_off && !is_on_the_spot && way > 0.0 && wanted > 0.0 && self.leave_pace(active, is_fresh) {
-                // Rounded to a millionth, but never to zero.
-                return (((feed * way / wanted * 1e6).ceil() / 1e6).min(MOST_FEED), unit);
+            if is_off && trial.is_some() && way > 0.0 && wanted > 0.0 && self.leave_pace(active, is_fresh) {
+                let exact = feed * way / wanted;
+                // The feed in force stays where it serves too, so that short blocks do not change it one after the other.
+                if (self.pace.written - exact).abs() > SAME_SHARE * exact {
+                    // Rounded to a millionth, but never to zero.
+                    self.pace.written = ((exact * 1e6).ceil() / 1e6).min(MOST_FEED);
+                }
+                return (self.pace.written, unit);
             }
         }
         self.leave_pace(active, is_fresh);
+        self.pace.written = feed;
         (feed, unit)
     }
 

@@ -60,7 +60,7 @@ where
             }
             return None;
         }
-        let (feed, unit) = self.feed_of(active, [&start, &placed.command], share, trial.is_none());
+        let (feed, unit) = self.feed_of(active, [&start, &placed.command], share, trial);
         self.prediction.pieces += 1;
         if let (Some(cycle_s), Some(whole_s)) = (self.machine.control.block_cycle_s, active.duration_s) {
             self.prediction.short_blocks.note([share * whole_s, whole_s], cycle_s, &active.origin);

@@ -8,7 +8,7 @@ use super::moving::{Item, Moving, blocks_between, own_of, same_plane};
 use super::unknown;
 use crate::exec::core::fault::Fault;
 use ncfix_base::diagnostic::Code;
-use ncfix_machine::snc::Origin;
+use ncfix_machine::snc::{Kind, Origin};
 
 /// Maximum number of blocks without motion between two elements with a transition (Sinumerik MD20200).
 const BLOCKS_BETWEEN: usize = 3;
@@ -164,13 +164,26 @@ impl Transitions {
         shortened.wish.corner = None;
         between.wish.corner = None;
         out.push(Item::Path(Box::new(shortened)));
-        // After separate words it has its own line: their effect comes before it.
-        between.element.starts_block = self.behind.iter().any(Item::counts);
-        out.append(&mut self.behind);
+        // Modes of later blocks, such as exact stops, begin after it: it belongs to the first element, as its feed does.
+        let are_modes =
+            self.behind.iter().any(is_mode) && self.behind.iter().all(|item| is_mode(item) || !item.counts());
+        if !are_modes {
+            // After separate words it has its own line: their effect comes before it.
+            between.element.starts_block = self.behind.iter().any(Item::counts);
+            out.append(&mut self.behind);
+        }
         out.push(Item::Path(Box::new(between)));
+        if are_modes {
+            out.append(&mut self.behind);
+        }
         out.extend(own);
         second
     }
+}
+
+/// `true` for a word that changes the state of later blocks and moves, stops and switches nothing.
+fn is_mode(item: &Item) -> bool {
+    matches!(item, Item::Element(element) if matches!(element.kind, Kind::Keep(_)))
 }
 
 /// Fits a transition; `Ok(None)` if the elements meet without a corner.
