@@ -46,6 +46,7 @@ mod interval;
 mod machine;
 mod measured;
 mod moves;
+mod option_values;
 mod options;
 mod plan;
 mod program;

@@ -35,7 +35,6 @@ mod state;
 mod steps;
 mod stop;
 mod tables;
-mod value;
 mod verbosity;
 mod verify;
 
@@ -46,6 +45,7 @@ use std::io::Write as _;
 
 use crate::disk::measurements as measurement;
 use crate::disk::{atomic_writes, files, output, parameters, traces as trace};
+use crate::option_values as value;
 use arguments::Command;
 use ncfix_report::verdict::colored;
 use stop::Stop;
@@ -67,6 +67,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         }
     };
     verbosity::choose(voice);
+    progress::allow();
     if let Some((old, new)) = renamed {
         tell(&format!("note: `ncfix {old}` is now called `ncfix {new}`; the old name still works\n"));
     }

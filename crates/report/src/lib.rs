@@ -1,6 +1,6 @@
 //! Formats plain data of the other crates for people and for programs: diagnostics, results of a correction, machines.
 //!
-//! Everything here returns text or serializable values. Nothing opens a file or queries the capabilities of a terminal.
+//! Everything here returns text or serializable values, apart from the [`progress`] line. Nothing opens a file or queries the capabilities of a terminal.
 
 pub mod calibration;
 mod component;
@@ -23,6 +23,7 @@ pub mod plan;
 pub mod plot;
 pub mod prediction;
 pub mod presets;
+pub mod progress;
 pub mod realtime;
 pub mod residual;
 pub mod review;
