@@ -16,6 +16,7 @@ mod feed;
 mod figures;
 mod findings;
 mod fix;
+mod import;
 mod input;
 mod load;
 mod machine;
@@ -116,6 +117,7 @@ fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
         Command::Feed(arguments) => feed::run(arguments),
         Command::Realtime(arguments) => realtime::run(arguments),
         Command::Resume(arguments) => resume::run(arguments),
+        Command::Import(arguments) => import::run(arguments),
         Command::Plan(arguments) => plan::run(arguments),
         Command::Calibrate(arguments) => calibrate::run(arguments),
         Command::Simulate(arguments) => simulate::run(arguments),
