@@ -12,7 +12,7 @@ pub struct ImportOption {
     pub name: &'static str,
     /// Example of its value; empty for a switch.
     pub example: &'static str,
-    /// What it states.
+    /// Fact that it states.
     pub meaning: &'static str,
     set: fn(&mut ImportAnswers, &str) -> Result<(), String>,
 }
@@ -22,7 +22,7 @@ pub const OPTIONS: &[ImportOption] = &[
     ImportOption {
         name: "axis",
         example: "X",
-        meaning: "axis that moved",
+        meaning: "Axis that moved",
         set: |to, text| {
             to.axis = Some(axis(text)?);
             Ok(())
@@ -31,7 +31,7 @@ pub const OPTIONS: &[ImportOption] = &[
     ImportOption {
         name: "component",
         example: "EYX",
-        meaning: "measured error: EXX positioning, EYX straightness, EBX angle of X",
+        meaning: "Measured error: EXX positioning, EYX straightness, EBX angle of X",
         set: |to, text| {
             to.component = Some(component(text)?);
             Ok(())
@@ -40,7 +40,7 @@ pub const OPTIONS: &[ImportOption] = &[
     ImportOption {
         name: "at",
         example: "Y200,Z100",
-        meaning: "positions of the other axes, or the zero or center of the positions in the file; machine coordinates, mm and degrees",
+        meaning: "Positions of the other axes, or the zero or center of the positions in the file; machine coordinates, mm and degrees",
         set: |to, text| {
             to.at = positions(text)?;
             Ok(())
@@ -58,7 +58,7 @@ pub const OPTIONS: &[ImportOption] = &[
     ImportOption {
         name: "unit",
         example: "um",
-        meaning: "unit of the readings",
+        meaning: "Unit of the readings",
         set: |to, text| {
             to.unit = Some(unit(text)?);
             Ok(())
@@ -67,7 +67,7 @@ pub const OPTIONS: &[ImportOption] = &[
     ImportOption {
         name: "columns",
         example: "target,1+,1-",
-        meaning: "meaning of each column, in order; - for a column that is not read",
+        meaning: "Meaning of each column, in order; - for a column that is not read",
         set: |to, text| {
             to.columns = text.split(',').map(|part| part.trim().to_owned()).collect();
             Ok(())
@@ -76,7 +76,7 @@ pub const OPTIONS: &[ImportOption] = &[
     ImportOption {
         name: "tool",
         example: "120",
-        meaning: "length from the spindle gauge point to the measuring point, or its vector x,y,z, mm",
+        meaning: "Length from the spindle gauge point to the measuring point, or its vector x,y,z, mm",
         set: |to, text| {
             to.tool = Some(tool(text)?);
             Ok(())
@@ -85,7 +85,7 @@ pub const OPTIONS: &[ImportOption] = &[
     ImportOption {
         name: "material",
         example: "11.5@26",
-        meaning: "expansion in µm/m per K, and temperature in °C, of the scale or the workpiece; 20C if the readings already refer to 20 °C",
+        meaning: "Expansion in µm/m per K, and temperature in °C, of the scale or the workpiece; 20C if the readings already refer to 20 °C",
         set: |to, text| {
             to.material = Some(material(text)?);
             Ok(())
@@ -94,7 +94,7 @@ pub const OPTIONS: &[ImportOption] = &[
     ImportOption {
         name: "plane",
         example: "XY",
-        meaning: "plane of a ball-bar circle: XY, YZ or ZX",
+        meaning: "Plane of a ball-bar circle: XY, YZ or ZX",
         set: |to, text| {
             to.plane = Some(plane(text)?);
             Ok(())
@@ -103,7 +103,7 @@ pub const OPTIONS: &[ImportOption] = &[
     ImportOption {
         name: "radius",
         example: "150",
-        meaning: "nominal length of the ball-bar, mm",
+        meaning: "Nominal length of the ball-bar, mm",
         set: |to, text| {
             to.radius_mm = Some(positive(text)?);
             Ok(())
@@ -112,7 +112,7 @@ pub const OPTIONS: &[ImportOption] = &[
     ImportOption {
         name: "feed",
         example: "1000",
-        meaning: "feed of a ball-bar circle, mm/min",
+        meaning: "Feed of a ball-bar circle, mm/min",
         set: |to, text| {
             to.feed = Some(positive(text)?);
             Ok(())
@@ -121,7 +121,7 @@ pub const OPTIONS: &[ImportOption] = &[
     ImportOption {
         name: "sigma",
         example: "0.5",
-        meaning: "standard uncertainty of a reading, µm or µrad; without it a calibration estimates it",
+        meaning: "Standard uncertainty of a reading, µm or µrad; without it a calibration estimates it",
         set: |to, text| {
             to.sigma = Some(positive(text)?);
             Ok(())
@@ -268,7 +268,7 @@ fn axis(text: &str) -> Result<Axis, String> {
 /// Reads an error component such as `EYX`.
 ///
 /// # Errors
-/// A sentence if it is none.
+/// A sentence if the text is not one.
 pub fn component(text: &str) -> Result<MeasuredComponent, String> {
     let wrong = || format!("'{text}' is not an error of a motion; write for example EXX, EYX or EBX");
     let [b'E', direction, letter] = *text.to_ascii_uppercase().as_bytes() else { return Err(wrong()) };
@@ -342,7 +342,7 @@ fn material(text: &str) -> Result<ReadingMaterial, String> {
 /// Reads a plane: first and second axis, in which angles count from the first to the second.
 ///
 /// # Errors
-/// A sentence if it is none.
+/// A sentence if the text is not one.
 pub fn plane(text: &str) -> Result<[Axis; 2], String> {
     match text.trim().to_uppercase().as_str() {
         "XY" | "G17" => Ok([Axis::X, Axis::Y]),

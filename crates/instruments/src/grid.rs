@@ -66,7 +66,7 @@ pub struct GridTable {
     pub decimal: DecimalSign,
     /// Headings; empty if the file has none.
     pub headings: Vec<GridHeading>,
-    /// Line of the headings; 0 if there is none.
+    /// Line of the headings; 0 without headings.
     pub heading_line: usize,
     /// Rows of readings.
     pub rows: Vec<GridLine>,
@@ -132,7 +132,7 @@ pub fn split(line: &str, start: u32, separator: Separator) -> Vec<GridCell> {
     cells
 }
 
-/// Number in a cell; `None` if it is none.
+/// Number in a cell; `None` if the text is not a number.
 #[must_use]
 pub fn number(text: &str, decimal: DecimalSign) -> Option<f64> {
     /// No reading is larger in any unit.
@@ -209,7 +209,7 @@ fn is_comment(line: &str) -> bool {
 /// Finds the table of a text.
 ///
 /// # Errors
-/// A diagnostic if there is none, if a row has more or fewer cells than the others, or if the decimal sign is not certain.
+/// A diagnostic if the text has no table, if a row has more or fewer cells than the others, or if the decimal sign is not certain.
 pub fn table(text: &DecodedText) -> Result<GridTable, Box<Diagnostic>> {
     let candidates = [Separator::Semicolon, Separator::Tab, Separator::Comma, Separator::Blanks];
     let scored = candidates.into_iter().map(|separator| (score(text, separator), separator));
@@ -289,7 +289,7 @@ fn read(text: &DecodedText, separator: Separator) -> Result<GridTable, Box<Diagn
     for line in &lines[start.min(lines.len())..] {
         let label =
             line.cells.first().map(|cell| cell.text.trim_end_matches([':', '.']).to_lowercase()).unwrap_or_default();
-        if STATISTICS.contains(&label.as_str()) || (numbers(line) == 0 && !rows.is_empty()) {
+        if (is_by_number(&rows) && STATISTICS.contains(&label.as_str())) || (numbers(line) == 0 && !rows.is_empty()) {
             skipped.push(line.number);
         } else if line.cells.len() != width {
             let message = format!("line {} has {} cells, the other rows have {width}", line.number, line.cells.len());
@@ -307,6 +307,11 @@ fn read(text: &DecodedText, separator: Separator) -> Result<GridTable, Box<Diagn
     let decimal = decimal_sign(&rows, separator)?;
     let heading_line = heading.and_then(|at| lines.get(at)).map_or(0, |line| line.number);
     Ok(GridTable { separator, decimal, headings, heading_line, rows, before, skipped })
+}
+
+/// True if rows begin with a number: then a row that begins with a word is not a reading. Names of features may be any word.
+fn is_by_number(rows: &[GridLine]) -> bool {
+    rows.first().and_then(|row| row.cells.first()).is_some_and(|cell| is_numeric(&cell.text))
 }
 
 /// True for a heading whose columns are runs: the first cell is a word, the others name a run and a direction.

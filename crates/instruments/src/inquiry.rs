@@ -4,8 +4,8 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{Axis, Vector};
 use ncfix_machine::machine::Machine;
 
-use crate::answers::{ImportAnswers, MeasuringPoint, OPTIONS, ReadingMaterial};
-use crate::readings::ImportedReadings;
+use crate::answers::{ImportAnswers, MeasuringPoint, ReadingMaterial};
+use crate::readings::{ImportedReadings, shown};
 use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
 
@@ -27,7 +27,7 @@ impl ImportQuestion {
         Diagnostic::nowhere(
             Code::IMPORT_QUESTION,
             self.sentence.clone(),
-            format!("give --{} {}", self.option, self.advice).trim_end(),
+            format!("give --{}: {}", self.option, self.advice),
         )
     }
 }
@@ -78,7 +78,6 @@ impl<'a> Inquiry<'a> {
 
     /// Asks a question, once for each option.
     pub fn ask(&mut self, option: &'static str, sentence: impl Into<String>, advice: impl Into<String>) {
-        debug_assert!(option == "flat-reference" || OPTIONS.iter().any(|one| one.name == option), "{option}");
         if self.questions.iter().all(|question| question.option != option) {
             self.questions.push(ImportQuestion { option, sentence: sentence.into(), advice: advice.into() });
         }
@@ -112,7 +111,7 @@ impl<'a> Inquiry<'a> {
                 sign
             }
             (None, None) => {
-                self.ask("sign", question, "+, or --sign - for the opposite");
+                self.ask("sign", question, "+, or - for the opposite");
                 1.0
             }
         }
@@ -149,11 +148,9 @@ impl<'a> Inquiry<'a> {
                     (false, _) => "; values this large are usually µm",
                     (true, _) => "",
                 };
-                let sentence = format!(
-                    "the file does not state the unit of its readings (largest {}){likely}",
-                    crate::readings::shown(largest)
-                );
-                self.ask("unit", sentence, format!("with one of {}", ReadingUnit::choices(is_angle)));
+                let sentence =
+                    format!("the file does not state the unit of its readings (largest {}){likely}", shown(largest));
+                self.ask("unit", sentence, format!("one of {}", ReadingUnit::choices(is_angle)));
                 default
             }
         };
@@ -183,7 +180,7 @@ impl<'a> Inquiry<'a> {
             let sentence =
                 format!("the file does not state the position of {} during the measurement", missing.join(", "));
             let example: Vec<String> = missing.iter().map(|letter| format!("{letter}0")).collect();
-            self.ask("at", sentence, format!("with all of them, such as {}", example.join(",")));
+            self.ask("at", sentence, format!("all of them, such as {}", example.join(",")));
         } else if !found.is_empty() {
             let shown: Vec<String> =
                 found.iter().map(|(axis, value)| format!("{}{value}", char::from(axis.letter()))).collect();
@@ -211,7 +208,7 @@ impl<'a> Inquiry<'a> {
         }
         if !missing.is_empty() {
             let sentence = format!("the file does not state the machine position of {what}");
-            self.ask("at", sentence, format!("with machine coordinates, such as {}", missing.join(",")));
+            self.ask("at", sentence, format!("machine coordinates, such as {}", missing.join(",")));
         }
         zero
     }
@@ -223,8 +220,10 @@ impl<'a> Inquiry<'a> {
                 let vector = MeasuringPoint::vector_mm(point, self.machine);
                 self.note(
                     format!(
-                        "measuring point: --tool, {} {} {} mm from the spindle gauge point",
-                        vector[0], vector[1], vector[2]
+                        "measuring point: {} {} {} mm from the spindle gauge point (--tool)",
+                        shown(vector[0]),
+                        shown(vector[1]),
+                        shown(vector[2])
                     ),
                     0,
                 );
@@ -233,7 +232,7 @@ impl<'a> Inquiry<'a> {
             None => {
                 let sentence =
                     "the file does not state the place of the measuring point relative to the spindle gauge point";
-                self.ask("tool", sentence, "with the length in mm, or the vector x,y,z");
+                self.ask("tool", sentence, "the length in mm, or the vector x,y,z");
                 Vector::zeros()
             }
         }
@@ -246,10 +245,7 @@ impl<'a> Inquiry<'a> {
                 let shown = match material {
                     ReadingMaterial::Reference => "the readings refer to 20 °C (--material 20C)".to_owned(),
                     ReadingMaterial::Expanded { per_k, celsius } => {
-                        format!(
-                            "{what}: {} µm/m per K at {celsius} °C (--material)",
-                            crate::readings::shown(per_k * 1e6)
-                        )
+                        format!("{what}: {} µm/m per K at {celsius} °C (--material)", shown(per_k * 1e6))
                     }
                 };
                 self.note(shown, 0);
@@ -260,7 +256,7 @@ impl<'a> Inquiry<'a> {
                 self.ask(
                     "material",
                     sentence,
-                    "with 20C if the readings refer to 20 °C, else with expansion and temperature such as 11.5@26",
+                    "20C if the readings refer to 20 °C, else with expansion and temperature such as 11.5@26",
                 );
                 ReadingMaterial::Reference
             }

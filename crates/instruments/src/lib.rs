@@ -13,6 +13,7 @@ pub mod readings;
 pub mod text;
 pub mod unit;
 pub mod words;
+mod workbook;
 
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_machine::machine::Machine;

@@ -40,6 +40,6 @@ pub fn list(formats: &InstrumentFormats) -> String {
     for option in OPTIONS {
         let _ = writeln!(out, "  {:<24}{}", format!("--{} {}", option.name, option.example), option.meaning);
     }
-    out.push_str("  --flat-reference        a height map was probed on a calibrated flat\n");
+    out.push_str("  --flat-reference        A height map was probed on a calibrated flat\n");
     out
 }

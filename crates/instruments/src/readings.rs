@@ -46,7 +46,7 @@ impl ImportedKind {
 /// Reading: axis positions, then the cells of its kind.
 #[derive(Clone, Debug, Default)]
 pub struct ImportedRow {
-    /// Label of the repetition; empty if there is none.
+    /// Label of the repetition; empty without a repetition.
     pub run: String,
     /// Positions, mm and degrees, of the axes with a column.
     pub position: Vec<f64>,
@@ -54,7 +54,7 @@ pub struct ImportedRow {
     pub sense: Option<i8>,
     /// Error component, or target.
     pub label: String,
-    /// Readings, µm and µrad; `None` where there is none.
+    /// Readings, µm and µrad; `None` for a missing one.
     pub values: Vec<Option<f64>>,
     /// Line of the file.
     pub line: usize,
@@ -85,7 +85,7 @@ pub struct ImportedReadings {
     pub sections: String,
     /// A sentence that a person can check on the machine.
     pub sign_sentence: String,
-    /// What was understood and assumed.
+    /// Facts that were understood or assumed.
     pub notes: Vec<String>,
 }
 
@@ -239,7 +239,10 @@ impl ImportedReadings {
             "# - Compensation of the control: as it was during the measurement. Corrected programs need the same setting."
         );
         let free: Vec<String> = self.free.iter().map(|name| format!("\"{name}\"")).collect();
-        let _ = write!(out, "\n[measurement]\nkind = \"{}\"\nfree = [{}]\n", self.kind.name(), free.join(", "));
+        let _ = writeln!(out, "\n[measurement]\nkind = \"{}\"", self.kind.name());
+        if !free.is_empty() {
+            let _ = writeln!(out, "free = [{}]", free.join(", "));
+        }
         if let Some(sigma) = self.sigma {
             let unit = if self.value_columns == ["value_urad"] { "urad" } else { "um" };
             let _ = writeln!(out, "sigma_{unit} = {sigma:?}");

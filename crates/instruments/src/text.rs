@@ -7,6 +7,8 @@ use encoding_rs::{Encoding, UTF_8, WINDOWS_1252};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::{FileId, Source, Span};
 
+use crate::workbook;
+
 /// Largest file, bytes: a table of a million readings is smaller.
 pub const MOST_BYTES: usize = 64 << 20;
 
@@ -17,7 +19,7 @@ const CONTROL_SHARE: usize = 50;
 #[derive(Clone, Debug)]
 pub struct DecodedText {
     source: Source,
-    encoding: &'static str,
+    encoding: String,
     lines: Vec<Span>,
 }
 
@@ -30,6 +32,16 @@ impl DecodedText {
         if bytes.len() > MOST_BYTES {
             let message = format!("{name} has {} MB, which is too large for a table of readings", bytes.len() >> 20);
             return Err(refused(message, "export only the readings that are needed"));
+        }
+        if bytes.starts_with(ARCHIVE) && !looks_foreign(name) {
+            let (sheet, text, others) = workbook::text(&bytes, MOST_BYTES).map_err(|why| {
+                refused(format!("{name} is {why}"), "save the sheet with the readings as CSV (UTF-8)")
+            })?;
+            let mut encoding = format!("workbook, sheet '{sheet}'");
+            if !others.is_empty() {
+                encoding.push_str(&format!("; sheets that are not read: {}", others.join(", ")));
+            }
+            return DecodedText::of_text(name, &text, &encoding);
         }
         if let Some(why) = binary(&bytes) {
             return Err(refused(format!("{name} is {why}, not text"), exported(name)));
@@ -52,12 +64,12 @@ impl DecodedText {
     ///
     /// # Errors
     /// A diagnostic if it is too large.
-    pub fn of_text(name: &str, text: &str, encoding: &'static str) -> Result<DecodedText, Box<Diagnostic>> {
+    pub fn of_text(name: &str, text: &str, encoding: &str) -> Result<DecodedText, Box<Diagnostic>> {
         let bytes = text.as_bytes().to_vec();
         let source = Source::new(FileId(0), name, bytes)
             .map_err(|_| refused(format!("{name} is too large"), "export only the readings that are needed"))?;
         let lines = lines(&source);
-        Ok(DecodedText { source, encoding, lines })
+        Ok(DecodedText { source, encoding: encoding.to_owned(), lines })
     }
 
     /// Returns the text for diagnostics.
@@ -68,8 +80,8 @@ impl DecodedText {
 
     /// Returns the name of the encoding: `UTF-8`, `windows-1252`.
     #[must_use]
-    pub fn encoding(&self) -> &'static str {
-        self.encoding
+    pub fn encoding(&self) -> &str {
+        &self.encoding
     }
 
     /// Returns all lines with their numbers, from 1, and the byte at which each begins.
@@ -77,7 +89,7 @@ impl DecodedText {
         self.lines.iter().enumerate().map(|(index, &span)| (index + 1, self.slice(span), span.start))
     }
 
-    /// Returns a line by its number; empty if there is none.
+    /// Returns a line by its number; empty if there is no such line.
     #[must_use]
     pub fn line(&self, number: usize) -> &str {
         number.checked_sub(1).and_then(|index| self.lines.get(index)).map_or("", |&span| self.slice(span))
@@ -108,10 +120,19 @@ fn lines(source: &Source) -> Vec<Span> {
     found
 }
 
+/// First bytes of an archive, which a workbook is.
+const ARCHIVE: &[u8] = b"PK\x03\x04";
+
+/// True for archives that are documents of other programs, by extension.
+fn looks_foreign(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    [".ods", ".docx", ".zip"].iter().any(|ending| name.ends_with(ending))
+}
+
 /// Kind of a binary file, by its first bytes.
 fn binary(bytes: &[u8]) -> Option<&'static str> {
     const MARKS: &[(&[u8], &str)] = &[
-        (b"PK\x03\x04", "a compressed archive"),
+        (ARCHIVE, "a compressed archive"),
         (b"\xd0\xcf\x11\xe0", "an old document of an office program"),
         (b"%PDF", "a PDF document"),
         (b"\x89PNG", "a picture"),
@@ -127,7 +148,6 @@ fn binary(bytes: &[u8]) -> Option<&'static str> {
 
 /// Vendor files that are not text, by extension, with the export to use instead.
 const EXPORTS: &[(&str, &str)] = &[
-    ("xlsx", "save the sheet as CSV (UTF-8)"),
     ("xls", "save the sheet as CSV (UTF-8)"),
     ("ods", "save the sheet as CSV (UTF-8)"),
     ("pdf", "export the table as CSV or text; a PDF contains only its picture"),

@@ -80,7 +80,7 @@ impl Args for AnswerChoice {
                 .help(option.meaning)
         };
         let flat = Arg::new("flat-reference").long("flat-reference").action(clap::ArgAction::SetTrue);
-        command.args(OPTIONS.iter().map(of)).arg(flat.help("height map: probed on a calibrated flat"))
+        command.args(OPTIONS.iter().map(of)).arg(flat.help("A height map was probed on a calibrated flat"))
     }
 
     fn augment_args_for_update(command: Command) -> Command {

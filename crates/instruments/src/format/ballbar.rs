@@ -118,7 +118,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
             stated
         }
         (None, None) => {
-            inquiry.ask("plane", "the file does not state the plane of the circle", "with XY, YZ or ZX");
+            inquiry.ask("plane", "the file does not state the plane of the circle", "XY, YZ or ZX");
             [Axis::X, Axis::Y]
         }
     };
@@ -132,7 +132,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
             inquiry.ask(
                 "radius",
                 "the file does not state the nominal length of the ball-bar",
-                "with the length in mm, such as 150",
+                "the length in mm, such as 150",
             );
             150.0
         }
@@ -209,7 +209,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
         inquiry.ask(
             "at",
             "the file does not state the axis positions at the center of the circle",
-            format!("with machine coordinates, such as {}", missing.join(",")),
+            format!("machine coordinates, such as {}", missing.join(",")),
         );
     }
     let tool = inquiry.tool();

@@ -43,24 +43,19 @@ pub(super) const KLIPPER: InstrumentFormat = InstrumentFormat {
 /// Grid of Marlin.
 pub(super) const MARLIN: InstrumentFormat = InstrumentFormat {
     name: "marlin-mesh",
-    title: "bed mesh of Marlin as G29 I J lines with M421 (I J Z), spacing by --columns",
+    title: "bed mesh of Marlin: printed bilinear grid, or M421 lines; spacing by --columns",
     needs: "flat-reference columns at tool",
-    recognize: |text| u8::from(text.lines().filter(|(_, line, _)| marlin_value(line).is_some()).count() >= 4) * 3,
+    recognize: |text| u8::from(marlin_points(text).len() >= 4) * 3,
     read: |inquiry| {
         let spacing: Vec<f64> = inquiry.answers.columns.iter().filter_map(|text| text.parse().ok()).collect();
         let [x, y, dx, dy] = spacing[..] else {
-            inquiry.ask(
-                "columns",
-                "the mesh has indices, not positions",
-                "with the position of index 0 and the spacing in mm: x,y,dx,dy",
-            );
+            let advice = "the position of index 0 and the spacing in mm: x,y,dx,dy";
+            inquiry.ask("columns", "the mesh has indices, not positions", advice);
             return Err(ImportStop::Asks);
         };
-        let found = inquiry.text.lines().filter_map(|(number, line, _)| {
-            let [i, j, z] = marlin_value(line)?;
-            Some(([x + dx * i, y + dy * j, z], number))
-        });
-        let found = found.collect();
+        let found = marlin_points(inquiry.text);
+        let found = found.into_iter().map(|([i, j, z], number)| ([x + dx * i, y + dy * j, z], number)).collect();
+        // Marlin prints its meshes in mm.
         flat(inquiry, found, Some((ReadingUnit::Length("mm", 1.0), 0)))
     },
 };
@@ -122,6 +117,38 @@ fn marlin_value(line: &str) -> Option<[f64; 3]> {
         rest.split_whitespace().find_map(|word| grid::number(word.strip_prefix(letter)?, DecimalSign::Point))
     };
     Some([word('I')?, word('J')?, word('Z')?])
+}
+
+/// Indices and heights of a mesh of Marlin: M421 lines, or the first printed bilinear grid, whose rows begin with their index. Later grids are subdivided.
+fn marlin_points(text: &DecodedText) -> Vec<Probed> {
+    let commands: Vec<Probed> =
+        text.lines().filter_map(|(number, line, _)| Some((marlin_value(line)?, number))).collect();
+    if !commands.is_empty() {
+        return commands;
+    }
+    let mut found = Vec::new();
+    let mut next_row = None;
+    for (number, line, _) in text.lines() {
+        let body = line.trim().trim_start_matches("Recv:").trim();
+        if body.starts_with("Bilinear Leveling Grid") {
+            next_row = Some(0.0);
+            continue;
+        }
+        let Some(row) = next_row else { continue };
+        let cells: Vec<&str> = body.split_whitespace().collect();
+        let values: Vec<Option<f64>> = cells.iter().map(|cell| grid::number(cell, DecimalSign::Point)).collect();
+        // The line of the column indices has no sign or decimals.
+        if row == 0.0 && !cells.is_empty() && cells.iter().all(|cell| cell.bytes().all(|byte| byte.is_ascii_digit())) {
+            continue;
+        }
+        if values.first().copied().flatten() != Some(row) || values.len() < 3 {
+            break;
+        }
+        let heights = values.iter().skip(1).enumerate();
+        found.extend(heights.filter_map(|(i, z)| Some(([i as f64, row, (*z)?], number))));
+        next_row = Some(row + 1.0);
+    }
+    found
 }
 
 /// Points of the first mesh in a configuration of Klipper: rows from min_y, values from min_x.

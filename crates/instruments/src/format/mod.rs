@@ -85,8 +85,23 @@ pub fn recognize(
             )))
         }
         (None, _) => {
+            // A damaged table has a better message than an unknown one.
+            if let Err(found) = crate::grid::table(text)
+                && found.place.is_some()
+            {
+                return Err(found);
+            }
             let message = format!("{} has no layout that import knows", text.source().name());
-            let help = "`ncfix import --list` lists the formats; name one with --as, and the columns with --columns";
+            let is_markup = text
+                .lines()
+                .map(|(_, line, _)| line.trim())
+                .find(|line| !line.is_empty())
+                .is_some_and(|line| line.starts_with('<'));
+            let help = if is_markup {
+                "export the readings as CSV; `ncfix decompose` reads traces of a Sinumerik as they are"
+            } else {
+                "`ncfix import --list` lists the formats; name one with --as, and the columns with --columns"
+            };
             Err(Box::new(Diagnostic::nowhere(Code::IMPORT_FORMAT, message, help)))
         }
     }

@@ -44,7 +44,7 @@ enum Part {
 }
 
 fn recognize(text: &DecodedText) -> u8 {
-    if dmis_lines(text).next().is_some() {
+    if dmis_lines(text).next().is_some() || text.lines().any(|(_, line, _)| line.trim_start().starts_with("DIM ")) {
         return 3;
     }
     let Ok(table) = grid::table(text) else { return 0 };
@@ -124,7 +124,12 @@ fn dmis_lines(text: &DecodedText) -> impl Iterator<Item = (usize, bool, String, 
 
 fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     let is_dmis = dmis_lines(inquiry.text).next().is_some();
-    let (features, unit) = if is_dmis { dmis(inquiry)? } else { tabular(inquiry)? };
+    let is_report = inquiry.text.lines().any(|(_, line, _)| line.trim_start().starts_with("DIM "));
+    let (features, unit) = match (is_dmis, is_report) {
+        (true, _) => dmis(inquiry)?,
+        (false, true) => report(inquiry)?,
+        (false, false) => tabular(inquiry)?,
+    };
     let features: Vec<Feature> = features
         .into_iter()
         .filter(|one| {
@@ -183,6 +188,53 @@ fn dmis(inquiry: &mut Inquiry<'_>) -> Result<(Vec<Feature>, Option<(ReadingUnit,
     Ok((order.iter().filter_map(|name| found.get(name).cloned()).collect(), unit))
 }
 
+/// Features of a report in blocks: `DIM NAME= LOCATION OF … UNITS=MM`, a heading, and rows that begin with X, Y or Z. The user sets the order of the columns, so the
+/// heading decides.
+fn report(inquiry: &mut Inquiry<'_>) -> Result<(Vec<Feature>, Option<(ReadingUnit, usize)>), ImportStop> {
+    let mut features: Vec<Feature> = Vec::new();
+    let mut unit = None;
+    let mut heading: Vec<String> = Vec::new();
+    let mut skipped = 0;
+    for (number, line, _) in inquiry.text.lines() {
+        let cells: Vec<&str> = line.split_whitespace().collect();
+        let Some(first) = cells.first() else { continue };
+        let of = |names: &[&str]| heading.iter().position(|own| names.contains(&own.as_str()));
+        if *first == "DIM" {
+            features.push(Feature { line: number, ..Feature::default() });
+            heading.clear();
+            if let Some(found) = line
+                .to_uppercase()
+                .split_once("UNITS=")
+                .and_then(|(_, rest)| ReadingUnit::find(rest.split([',', ' ']).next()?))
+            {
+                unit = unit.or(Some((found, number)));
+            }
+        } else if first.eq_ignore_ascii_case("AX") {
+            heading = cells.iter().map(|cell| cell.to_lowercase()).collect();
+        } else if let (Some(k), Some(feature)) = (coordinate(first).filter(|_| first.len() == 1), features.last_mut()) {
+            let (Some(nominal), Some(actual), true) = (of(NOMINAL), of(ACTUAL), cells.len() == heading.len()) else {
+                let message = "the row has no heading that names its nominal and measured value";
+                return Err(inquiry.refused(message, "print the headings AX NOMINAL MEAS into the report", number));
+            };
+            let value = |index: usize| cells.get(index).and_then(|cell| grid::number(cell, DecimalSign::Point));
+            let (Some(nominal), Some(actual)) = (value(nominal), value(actual)) else {
+                return Err(inquiry.refused("a value of the row is not a number", "export the report again", number));
+            };
+            feature.nominal[k] = Some(nominal);
+            feature.actual[k] = Some(actual);
+        } else if !heading.is_empty() && cells.len() == heading.len() {
+            skipped += 1;
+        }
+    }
+    if skipped > 0 {
+        inquiry.note(format!("{skipped} rows that are no coordinate (diameter, form, position) are not read"), 0);
+    }
+    if features.is_empty() {
+        return Err(inquiry.refused("the report has no features", "export nominal and measured positions", 0));
+    }
+    Ok((features, unit))
+}
+
 /// Features of a table.
 fn tabular(inquiry: &mut Inquiry<'_>) -> Result<(Vec<Feature>, Option<(ReadingUnit, usize)>), ImportStop> {
     let mut table = grid::table(inquiry.text)?;
@@ -224,7 +276,7 @@ fn tabular(inquiry: &mut Inquiry<'_>) -> Result<(Vec<Feature>, Option<(ReadingUn
             inquiry.ask(
                 "columns",
                 "no headings name the nominal and the actual values",
-                "with the meaning of each column, such as name,axis,nominal,actual,-",
+                "the meaning of each column, such as name,axis,nominal,actual,-",
             );
             return Err(ImportStop::Asks);
         };
@@ -331,8 +383,17 @@ fn displacement(
         .map(|(_, axis)| axis)
         .collect();
     let measured: Vec<usize> = (0..3)
-        .filter(|&k| features.iter().any(|feature| feature.actual[k].is_some() && feature.nominal[k].is_some()))
+        .filter(|&k| {
+            let pairs = features.iter().filter_map(|feature| feature.nominal[k].zip(feature.actual[k]));
+            // A coordinate that always has its nominal value was not measured, such as the height of a circle.
+            pairs.filter(|(nominal, actual)| nominal.to_bits() != actual.to_bits()).count() > 0
+        })
         .collect();
+    let all_given =
+        |k: usize| features.iter().any(|feature| feature.actual[k].is_some() && feature.nominal[k].is_some());
+    for k in (0..3).filter(|k| all_given(*k) && !measured.contains(k)) {
+        inquiry.note(format!("{} always has its nominal value and counts as not measured", ['X', 'Y', 'Z'][k]), 0);
+    }
     let zero = inquiry.zero(&axes, "the zero of the nominal positions");
     let tool = inquiry.tool();
     let material = inquiry.material("the workpiece or artifact");
@@ -386,7 +447,7 @@ fn displacement(
     Ok(out)
 }
 
-/// Unit of positions: mm and inches cannot be told apart by their size.
+/// Unit of positions: the size of the numbers does not separate mm from inches.
 pub(super) fn position_unit(
     inquiry: &mut Inquiry<'_>,
     found: Option<(ReadingUnit, usize)>,
@@ -394,7 +455,7 @@ pub(super) fn position_unit(
 ) -> Result<ReadingUnit, ImportStop> {
     if inquiry.answers.unit.is_none() && found.is_none() {
         let sentence = format!("the file does not state the unit of its positions (largest {})", shown(largest));
-        inquiry.ask("unit", sentence, "with mm or inch");
+        inquiry.ask("unit", sentence, "mm or inch");
         return Ok(ReadingUnit::Length("mm", 1.0));
     }
     inquiry.unit(found, false, largest)

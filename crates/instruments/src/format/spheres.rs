@@ -82,7 +82,8 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     let mut out = ImportedReadings::new(ImportedKind::Probe, axes.clone(), Vec::new());
     out.fixed = inquiry.other_positions(&axes);
     out.tool_mm = [tool[0], tool[1], tool[2]];
-    out.free = vec!["tool"];
+    out.free = Vec::new();
+    inquiry.note("the measuring point counts as known; free = [\"tool\"] makes the stylus an unknown", 0);
     let zero = Vector::from_fn(|k, _| inquiry.given(axes.get(k).copied().unwrap_or(Axis::X)).unwrap_or(0.0));
     let (mut squares, mut freedom) = (0.0, 0usize);
     let mut first: Option<f64> = None;

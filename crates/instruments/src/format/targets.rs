@@ -188,7 +188,7 @@ fn collect(
         inquiry.ask(
             "columns",
             "no heading names the column of the target positions",
-            "with the meaning of each column, such as target,1+,1-,2+,2-",
+            "the meaning of each column, such as target,1+,1-,2+,2-",
         );
         return Err(ImportStop::Asks);
     };
@@ -206,7 +206,7 @@ fn collect(
             inquiry.ask(
                 "columns",
                 "the headings do not state which runs go in the positive and which in the negative direction",
-                "with the meaning of each column, such as target,1+,1-,2+,2-",
+                "the meaning of each column, such as target,1+,1-,2+,2-",
             );
             return Err(ImportStop::Asks);
         }
@@ -249,7 +249,7 @@ fn collect(
         inquiry.ask(
             "columns",
             "no heading names the column of the deviations",
-            "with the meaning of each column, such as target,run,dir,dev",
+            "the meaning of each column, such as target,run,dir,dev",
         );
         return Err(ImportStop::Asks);
     }
@@ -382,7 +382,7 @@ pub(super) fn direct(
         }
         (None, None, said, stated) => {
             let Some(axis) = said.or(stated.map(|(axis, _)| axis)) else {
-                inquiry.ask("axis", "the file does not state the axis that moved", "with its letter, such as X");
+                inquiry.ask("axis", "the file does not state the axis that moved", "its letter, such as X");
                 inquiry.ask(
                     "sign",
                     "the file does not state the sign of its readings",
@@ -406,7 +406,7 @@ pub(super) fn direct(
                     "component",
                     sentence,
                     format!(
-                        "with the error, such as E{0}{0} for positioning or EY{0} for a straightness",
+                        "the error, such as E{0}{0} for positioning or EY{0} for a straightness",
                         char::from(axis.letter())
                     ),
                 );
