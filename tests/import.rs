@@ -115,6 +115,28 @@ fn a_laser_table_gives_scale_and_backlash_in_every_locale() {
 }
 
 #[test]
+fn targets_may_be_in_the_first_row() {
+    let mut noise = Noise(47);
+    let targets: Vec<f64> = (0..13).map(|k| 50.0 * f64::from(k)).collect();
+    let row = |head: &str, values: &mut dyn Iterator<Item = f64>| {
+        format!(
+            "{head};{}\n",
+            values.map(|value| format!("{value:.2}").replace('.', ",")).collect::<Vec<_>>().join(";")
+        )
+    };
+    let mut text = row("Position [mm]", &mut targets.iter().copied());
+    for run in 1..=3 {
+        for (mark, sense) in [('+', 1.0), ('-', -1.0)] {
+            text.push_str(&row(&format!("{run}{mark}"), &mut targets.iter().map(|x| deviation(*x, sense, &mut noise))));
+        }
+    }
+    text.push_str(&row("Mittel", &mut targets.iter().copied()));
+    let shop = shop().file("rows.csv", text);
+    import(&shop, "rows.csv", "tool.toml", LASER).exits(0).says("rows that are not read: Mittel");
+    demand(&calibrated(&shop, "tool.toml", "EXX1,EXXb"), &[("EXX1", 40.0), ("EXXb", 3.0)], 0.05);
+}
+
+#[test]
 fn a_long_table_of_positions_proves_its_sign() {
     let mut noise = Noise(3);
     let mut text = "Machine;A 1\nAxis;X\nRun;Target (mm);Actual (mm);Direction;Humidity\n".to_owned();
@@ -445,6 +467,7 @@ fn files_that_contradict_themselves_are_refused() {
         .file("laser.csv", &text)
         .file("marked.csv", marked)
         .file("missing.csv", missing)
+        .file("unmarked.csv", text.replace("Target [mm]", "Target"))
         .file("outside.csv", text.replace("\n600,0;", "\n6000,0;"))
         .file("plate.csv", "hole;nom x;nom y;act x;act y;dev x\nA;0;0;0,011;0,002;0,011\nB;300;0;300,012;0,003;0,5\nC;0;200;0,01;200,02;0,01\n")
         .file("exact.csv", "target;actual;deviation\n0;0.001;0.001\n100;100.003;0.004\n200;200.1;0.1\n");
@@ -459,7 +482,11 @@ fn files_that_contradict_themselves_are_refused() {
     let columns: Vec<&str> = LASER.iter().copied().chain(["--columns", "1+,target,1-,2+,2-,3+,3-"]).collect();
     import(&shop, "laser.csv", "tool.toml", &columns).exits(4);
     import(&shop, "laser.csv", "tool.toml", &["--axis", "A", "--at", "Y200,Z100"]).exits(4).says("no axis A");
-    assert!(!shop.names().iter().any(|name| name.starts_with("out")), "{:?}", shop.names());
+    let more = ["--axis", "X", "--at", "Y200,Z100", "--tool", "0", "--material", "20C", "--unit", "mm"];
+    import(&shop, "exact.csv", "tool.toml", &more).exits(4).says("error[E0618]").says("actual and target position");
+    // Inches of readings say nothing about the unit of the targets.
+    import(&shop, "unmarked.csv", "tool.toml", &swap("inch")).exits(4).says("error[E0616]").says("unit of the targets");
+    assert!(!shop.names().iter().any(|name| name.starts_with("out.")), "{:?}", shop.names());
 }
 
 #[test]

@@ -256,7 +256,7 @@ impl<'a> Inquiry<'a> {
                 self.ask(
                     "material",
                     sentence,
-                    "20C if the readings refer to 20 °C, else with expansion and temperature such as 11.5@26",
+                    "20C if the readings refer to 20 °C, else expansion and temperature such as 11.5@26",
                 );
                 ReadingMaterial::Reference
             }

@@ -10,7 +10,7 @@ use ncfix_machine::machine::{Branch, Machine};
 
 use super::InstrumentFormat;
 use crate::answers::{MeasuredComponent, component};
-use crate::grid::{self, GridHeading, GridTable};
+use crate::grid::{self, GridCell, GridHeading, GridLine, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
 use crate::text::DecodedText;
@@ -67,7 +67,7 @@ fn recognize(text: &DecodedText) -> u8 {
     let has_component = table.headings.iter().any(|heading| component(&heading.words).is_ok());
     let has_target = has(|role| *role == ColumnRole::Target)
         || table.headings.iter().any(|heading| words::axis(&heading.words).is_some());
-    u8::from(has_target && (has(reads) || has_component)) * 2
+    u8::from((has_target && (has(reads) || has_component)) || targets_in_row(&table).is_some()) * 2
 }
 
 fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
@@ -150,12 +150,79 @@ fn headings(inquiry: &Inquiry<'_>, table: &GridTable) -> Result<Vec<GridHeading>
         .collect())
 }
 
+/// Targets of a table that has them in its first row, with the series in the rows below.
+fn targets_in_row(table: &GridTable) -> Option<Vec<f64>> {
+    let (first, rest) = table.rows.split_first()?;
+    let is_head = |cell: &GridCell| words::role(&grid::heading_of(&cell.text).words) == ColumnRole::Target;
+    let is_series = |row: &GridLine| {
+        row.cells.first().is_some_and(|cell| matches!(words::role(&cell.text.to_lowercase()), ColumnRole::Series(..)))
+    };
+    let (head, targets) = first.cells.split_first()?;
+    let targets: Option<Vec<f64>> = targets.iter().map(|cell| grid::number(&cell.text, table.decimal)).collect();
+    targets.filter(|targets| is_head(head) && targets.len() >= 2 && rest.iter().any(is_series))
+}
+
+/// Collects the readings of a table with the targets in its first row.
+fn collect_rows(
+    inquiry: &mut Inquiry<'_>,
+    table: &GridTable,
+    targets: &[f64],
+    facts: &mut StatedFacts,
+) -> Result<Vec<TargetReading>, ImportStop> {
+    let Some((first, rest)) = table.rows.split_first() else { return Ok(Vec::new()) };
+    let unit = first.cells.first().and_then(|cell| grid::heading_of(&cell.text).unit);
+    facts.target_unit = unit.map(|unit| (unit, first.number));
+    let mut found = Vec::new();
+    let mut unread = Vec::new();
+    for row in rest {
+        let label = row.cells.first().map_or("", |cell| cell.text.as_str());
+        let ColumnRole::Series(run, sense) = words::role(&label.to_lowercase()) else {
+            unread.push(label.to_owned());
+            continue;
+        };
+        if sense == 0 && rest.len() > 1 {
+            let sentence = format!(
+                "the row '{label}' does not state its direction of approach; write the direction into the file"
+            );
+            return Err(inquiry.refused(
+                sentence,
+                "begin the rows with run and direction, such as 1+ and 1-",
+                row.number,
+            ));
+        }
+        let mut own = Vec::new();
+        for (index, target) in targets.iter().enumerate() {
+            let Some(value) = table.value(row, index + 1)? else { continue };
+            let sense = (sense != 0).then_some(sense);
+            own.push(TargetReading {
+                run: run.to_string(),
+                target: *target,
+                sense,
+                value,
+                component: None,
+                line: row.number,
+            });
+        }
+        if sense < 0 {
+            own.reverse();
+        }
+        found.extend(own);
+    }
+    if !unread.is_empty() {
+        inquiry.note(format!("rows that are not read: {}", unread.join(", ")), 0);
+    }
+    Ok(found)
+}
+
 /// Collects the readings of a table.
 fn collect(
     inquiry: &mut Inquiry<'_>,
     table: &GridTable,
     facts: &mut StatedFacts,
 ) -> Result<Vec<TargetReading>, ImportStop> {
+    if let Some(targets) = targets_in_row(table) {
+        return collect_rows(inquiry, table, &targets, facts);
+    }
     let headings = headings(inquiry, table)?;
     let line = table.heading_line;
     let mut columns: Vec<(usize, ColumnRole)> = Vec::new();
@@ -449,6 +516,10 @@ pub(super) fn direct(
     }
     let largest = found.iter().map(|reading| reading.value.abs()).fold(0.0, f64::max);
     let unit = inquiry.unit(facts.unit, component.is_angle(), largest)?;
+    if facts.target_unit.is_none() && unit == ReadingUnit::Length("inch", 25.4) {
+        let sentence = "the readings are in inches, and the file does not state the unit of the targets";
+        inquiry.ask("columns", sentence, "the meaning of each column with the unit, such as target [inch],1+,1-");
+    }
     let letter = char::from(axis.letter());
     let question = if component.is_positioning() {
         format!(
