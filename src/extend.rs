@@ -21,6 +21,19 @@ pub mod source {
     pub use ncfix_model::{Accumulator, Effect, ErrorModel, ErrorSource, SourceInfo};
 }
 
+/// Formats of the files of instruments, which become measurements.
+pub mod import {
+    pub use ncfix_base::diagnostic::{Code, Diagnostic};
+    pub use ncfix_base::geometry::Axis;
+    pub use ncfix_instruments::answers::{ImportAnswers, MeasuredComponent, MeasuringPoint, ReadingMaterial};
+    pub use ncfix_instruments::format::InstrumentFormat;
+    pub use ncfix_instruments::grid::{GridCell, GridHeading, GridLine, GridTable, Separator, table};
+    pub use ncfix_instruments::inquiry::{ImportQuestion, ImportStop, Inquiry};
+    pub use ncfix_instruments::readings::{ImportedKind, ImportedReadings, ImportedRow};
+    pub use ncfix_instruments::text::DecodedText;
+    pub use ncfix_instruments::unit::ReadingUnit;
+}
+
 /// Causes that a diagnosis searches for.
 pub mod cause {
     pub use ncfix_base::geometry::Axis;

@@ -4,6 +4,7 @@
 use ncfix_dialect::{Detector, Detectors};
 use ncfix_dnc::feed::{LinkFile, Links, Protocol, Protocols};
 use ncfix_dnc::sense::{SensorSource, SensorSources};
+use ncfix_instruments::format::{InstrumentFormat, InstrumentFormats};
 use ncfix_metrology::diagnose::cause::{Causes, Propose};
 use ncfix_metrology::diagnose::fault::{Checks, DefectCheck};
 use ncfix_metrology::measure::kind::{Instrument, Instruments};
@@ -32,6 +33,8 @@ pub struct Registry {
     pub model: ModelRegisters,
     /// Instruments.
     pub instruments: Instruments,
+    /// Formats of files of instruments.
+    pub instrument_formats: InstrumentFormats,
     /// Data checks.
     pub checks: Checks,
     /// Causes that a diagnosis searches for.
@@ -141,6 +144,21 @@ impl Registry {
     #[must_use]
     pub fn with_instrument(self, kind: &'static Instrument) -> Registry {
         Registry { instruments: self.instruments.with(kind), ..self }
+    }
+
+    /// Adds a format of the files of an instrument, which `ncfix import` reads. It is recognized before or after the built-in ones by its certainty.
+    ///
+    /// ```
+    /// use ncfix::extend::import::InstrumentFormat;
+    /// use ncfix::prelude::*;
+    ///
+    /// let built_in = Registry::default();
+    /// let own: &'static InstrumentFormat = Box::leak(Box::new(InstrumentFormat { name: "my-laser", ..**built_in.instrument_formats.find("targets").unwrap() }));
+    /// assert!(built_in.with_instrument_format(own).instrument_formats.find("my-laser").is_some());
+    /// ```
+    #[must_use]
+    pub fn with_instrument_format(self, format: &'static InstrumentFormat) -> Registry {
+        Registry { instrument_formats: self.instrument_formats.with(format), ..self }
     }
 
     /// Adds a data check. It runs after the existing checks.

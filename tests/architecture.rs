@@ -39,6 +39,7 @@ const CRATES: &[(&str, &[Room])] = &[
             ("results", &["calibrate", "decompose", "diagnose", "measure"]),
         ],
     ),
+    ("instruments", &[]),
     ("tables", &[("tables", &[]), ("realtime", &[]), ("results", &["realtime", "tables"])]),
     ("dnc", &[("feed", &[]), ("drip", &["feed"]), ("sense", &[])]),
     ("report", &[]),
@@ -425,12 +426,13 @@ fn every_crate_embeds_only_what_its_package_has() {
 }
 
 /// Where words are read: those of programs, of files, of the answers of a control and of a source of readings. Reading compares text.
-const READERS: [&str; 8] = [
+const READERS: [&str; 9] = [
     "crates/dialect/src/code.rs",
     "crates/dnc/src/drip/block.rs",
     "crates/dnc/src/drip/told.rs",
     "crates/dnc/src/feed/dialogue/",
     "crates/dnc/src/sense/source/",
+    "crates/instruments/src/",
     "crates/language/src/",
     "crates/machine/src/machine/zero_offset.rs",
     "crates/tables/src/tables/format/",

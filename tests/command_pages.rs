@@ -28,6 +28,7 @@ const MORE: &[(&str, &[&str])] = &[
     ("max-step", &["explanation/speed", "reference/output"]),
     ("plan", &["reference/plan", "explanation/comparison"]),
     ("simulate", &["reference/data-files", "reference/servo"]),
+    ("import", &["how-to/import-an-instruments-file", "reference/instrument-files", "reference/data-files"]),
     ("correct-readings", &["how-to/correct-readings", "reference/output"]),
     ("iso230", &["reference/figures"]),
     ("weigh", &["how-to/correct-for-the-weight", "reference/load"]),

@@ -110,6 +110,7 @@ mod grundig_laws;
 mod grundig_output;
 mod grundig_requirements;
 mod hostile;
+mod import;
 mod instruments;
 mod iso;
 mod iso230;

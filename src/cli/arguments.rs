@@ -14,6 +14,7 @@ pub(super) use super::diff::arguments::DiffArguments;
 pub(super) use super::feed::arguments::{FeedArguments, ResumeArguments};
 pub(super) use super::figures::arguments::FiguresArguments;
 pub(super) use super::fix::arguments::{CompensationChoice, CorrectionChoice, PoseRotaryChoice, RotaryChoice};
+pub(super) use super::import::arguments::ImportArguments;
 pub(super) use super::load::arguments::LoadArguments;
 pub(super) use super::machine::arguments::{
     MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice,
@@ -39,8 +40,8 @@ use clap::{ArgGroup, Args, FromArgMatches as _, Subcommand};
 
 use super::verbosity::Verbosity;
 use super::{
-    calibrate, decompose, diagnose, diff, feed, figures, load, measured, plan, realtime, sensors, simulate, steps,
-    tables, value,
+    calibrate, decompose, diagnose, diff, feed, figures, import, load, measured, plan, realtime, sensors, simulate,
+    steps, tables, value,
 };
 use crate::options::{Compensation, Options};
 use ncfix_base::geometry::AxisVector;
@@ -169,6 +170,9 @@ pub(super) enum Command {
     /// Plan a measurement and write its program
     #[command(after_help = plan::arguments::AFTER_HELP)]
     Plan(Box<PlanArguments>),
+    /// Turn the file of an instrument into a measurement
+    #[command(after_help = import::arguments::AFTER_HELP)]
+    Import(Box<ImportArguments>),
     /// Fit the error model to measured data
     #[command(after_help = calibrate::arguments::AFTER_HELP)]
     Calibrate(CalibrateArguments),

@@ -16,6 +16,7 @@ mod feed;
 mod figures;
 mod findings;
 mod fix;
+mod import;
 mod input;
 mod load;
 mod machine;
@@ -35,7 +36,6 @@ mod state;
 mod steps;
 mod stop;
 mod tables;
-mod value;
 mod verbosity;
 mod verify;
 
@@ -46,6 +46,7 @@ use std::io::Write as _;
 
 use crate::disk::measurements as measurement;
 use crate::disk::{atomic_writes, files, output, parameters, traces as trace};
+use crate::option_values as value;
 use arguments::Command;
 use ncfix_report::verdict::colored;
 use stop::Stop;
@@ -67,6 +68,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         }
     };
     verbosity::choose(voice);
+    progress::allow();
     if let Some((old, new)) = renamed {
         tell(&format!("note: `ncfix {old}` is now called `ncfix {new}`; the old name still works\n"));
     }
@@ -115,6 +117,7 @@ fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
         Command::Feed(arguments) => feed::run(arguments),
         Command::Realtime(arguments) => realtime::run(arguments),
         Command::Resume(arguments) => resume::run(arguments),
+        Command::Import(arguments) => import::run(arguments),
         Command::Plan(arguments) => plan::run(arguments),
         Command::Calibrate(arguments) => calibrate::run(arguments),
         Command::Simulate(arguments) => simulate::run(arguments),

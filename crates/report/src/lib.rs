@@ -1,6 +1,6 @@
 //! Formats the results of the other crates as text, pages and JSON: diagnostics, results of a correction, machines.
 //!
-//! The functions return text or serializable values. They do not open files and do not query the capabilities of a terminal.
+//! The functions return text or serializable values, apart from the [`progress`] line. They do not open files and do not query the capabilities of a terminal.
 
 pub mod calibration;
 mod component;
@@ -23,6 +23,7 @@ pub mod plan;
 pub mod plot;
 pub mod prediction;
 pub mod presets;
+pub mod progress;
 pub mod realtime;
 pub mod residual;
 pub mod review;

@@ -27,7 +27,7 @@ impl Command {
             Command::Tables(_) => "tables",
             Command::Machine(_) => "machine",
             Command::Snc(_) | Command::Sensors(_) => return None,
-            Command::Explain(_) | Command::Completions(_) | Command::Man(_) => return None,
+            Command::Explain(_) | Command::Completions(_) | Command::Import(_) | Command::Man(_) => return None,
         })
     }
 }

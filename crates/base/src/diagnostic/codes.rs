@@ -506,6 +506,21 @@ where there is no backlash: the model has none for the component (EXXb, or for a
 Abbe arm), and the readings show none by Student's t-test at the 0.1 % level. Each cycle must run in both directions. Remove
 \"drift\" from free and let the machine warm up first, measure faster, or remove the backlash from the model if there is none.";
 
+    IMPORT_QUESTION = "E0616" "import needs an answer"
+"No file of an instrument contains all that a calibration needs. `ncfix import` asks for the rest on a terminal. Elsewhere it names the
+option that answers the question, and writes nothing. Nothing is guessed: a wrong sign doubles an error instead of removing it.
+
+  ncfix import laser.csv --axis X --at Y200,Z100 --sign + --unit um --tool 120 --material 20C -o laser
+
+If the file may have two formats, --as names one.";
+    IMPORT_FORMAT = "E0617" "file of no format that import reads"
+"The content of the file matches no format of `ncfix import --list`, or the file is not text. Project files of instruments are usually
+binary or databases: export the readings as text or CSV from the software of the instrument. A table with unusual headings can be read
+with --as targets and --columns.";
+    IMPORT_CONTRADICTION = "E0618" "file contradicts what it seems to be"
+"The content of the file does not agree with the options of `ncfix import`, or with itself. Examples are a position outside of the travel
+of the machine, a deviation that is not actual minus nominal, an axis that the machine lacks, a unit that the heading contradicts. Correct
+the option, or export the file again.";
     NOT_FOR_LINK = "E0701" "line that the link cannot send"
 "A line of the corrected program is too long for the control at the other end of the link, or has a character that means something
 else there: Grbl takes ! ? ~ out of the stream wherever they occur. Or the program is of a dialect that this control does not execute:

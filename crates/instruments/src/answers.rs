@@ -1,0 +1,376 @@
+//! Answers to the questions of an import, as options give them.
+
+use ncfix_base::geometry::{Axis, Vector};
+use ncfix_machine::machine::Machine;
+
+use crate::unit::ReadingUnit;
+
+/// Option that answers a question.
+#[derive(Clone, Copy, Debug)]
+pub struct ImportOption {
+    /// Name on the command line, without dashes.
+    pub name: &'static str,
+    /// Example of its value; empty for a switch.
+    pub example: &'static str,
+    /// Fact that it states.
+    pub meaning: &'static str,
+    set: fn(&mut ImportAnswers, &str) -> Result<(), String>,
+}
+
+/// All options, in the order of the help.
+pub const OPTIONS: &[ImportOption] = &[
+    ImportOption {
+        name: "axis",
+        example: "X",
+        meaning: "Axis that moved",
+        set: |to, text| {
+            to.axis = Some(axis(text)?);
+            Ok(())
+        },
+    },
+    ImportOption {
+        name: "component",
+        example: "EYX",
+        meaning: "Measured error: EXX positioning, EYX straightness, EBX angle of X",
+        set: |to, text| {
+            to.component = Some(component(text)?);
+            Ok(())
+        },
+    },
+    ImportOption {
+        name: "at",
+        example: "Y200,Z100",
+        meaning: "Positions of the other axes, or the zero or center of the positions in the file; machine coordinates, mm and degrees",
+        set: |to, text| {
+            to.at = positions(text)?;
+            Ok(())
+        },
+    },
+    ImportOption {
+        name: "sign",
+        example: "+",
+        meaning: "+ if a positive reading means too far in the positive direction, else -",
+        set: |to, text| {
+            to.sign = Some(sign(text)?);
+            Ok(())
+        },
+    },
+    ImportOption {
+        name: "unit",
+        example: "um",
+        meaning: "Unit of the readings",
+        set: |to, text| {
+            to.unit = Some(unit(text)?);
+            Ok(())
+        },
+    },
+    ImportOption {
+        name: "columns",
+        example: "target,1+,1-",
+        meaning: "Meaning of each column, in order; - for a column that is not read",
+        set: |to, text| {
+            to.columns = text.split(',').map(|part| part.trim().to_owned()).collect();
+            Ok(())
+        },
+    },
+    ImportOption {
+        name: "tool",
+        example: "120",
+        meaning: "Length from the spindle gauge point to the measuring point, or its vector x,y,z, mm",
+        set: |to, text| {
+            to.tool = Some(tool(text)?);
+            Ok(())
+        },
+    },
+    ImportOption {
+        name: "material",
+        example: "11.5@26",
+        meaning: "Expansion in µm/m per K, and temperature in °C, of the scale or the workpiece; 20C if the readings already refer to 20 °C",
+        set: |to, text| {
+            to.material = Some(material(text)?);
+            Ok(())
+        },
+    },
+    ImportOption {
+        name: "plane",
+        example: "XY",
+        meaning: "Plane of a ball-bar circle: XY, YZ or ZX",
+        set: |to, text| {
+            to.plane = Some(plane(text)?);
+            Ok(())
+        },
+    },
+    ImportOption {
+        name: "radius",
+        example: "150",
+        meaning: "Nominal length of the ball-bar, mm",
+        set: |to, text| {
+            to.radius_mm = Some(positive(text)?);
+            Ok(())
+        },
+    },
+    ImportOption {
+        name: "feed",
+        example: "1000",
+        meaning: "Feed of a ball-bar circle, mm/min",
+        set: |to, text| {
+            to.feed = Some(positive(text)?);
+            Ok(())
+        },
+    },
+    ImportOption {
+        name: "sigma",
+        example: "0.5",
+        meaning: "Standard uncertainty of a reading, µm or µrad; without it a calibration estimates it",
+        set: |to, text| {
+            to.sigma = Some(positive(text)?);
+            Ok(())
+        },
+    },
+];
+
+/// Error component of an axis: direction 0 to 2 along X Y Z, 3 to 5 about them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MeasuredComponent {
+    /// Direction.
+    pub direction: usize,
+    /// Axis that moves.
+    pub axis: Axis,
+}
+
+impl MeasuredComponent {
+    /// Positioning of an axis.
+    #[must_use]
+    pub fn positioning(axis: Axis) -> MeasuredComponent {
+        MeasuredComponent { direction: b"XYZABC".iter().position(|&letter| letter == axis.letter()).unwrap_or(0), axis }
+    }
+
+    /// True for an angle.
+    #[must_use]
+    pub fn is_angle(self) -> bool {
+        self.direction >= 3
+    }
+
+    /// True for the deviation in the direction of the axis itself.
+    #[must_use]
+    pub fn is_positioning(self) -> bool {
+        self == MeasuredComponent::positioning(self.axis)
+    }
+
+    /// Returns the letter of its direction.
+    #[must_use]
+    pub fn letter(self) -> char {
+        ['X', 'Y', 'Z', 'A', 'B', 'C'].get(self.direction).copied().unwrap_or('X')
+    }
+}
+
+impl std::fmt::Display for MeasuredComponent {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "E{}{}", self.letter(), char::from(self.axis.letter()))
+    }
+}
+
+/// Temperature state to which readings refer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ReadingMaterial {
+    /// Readings at 20 °C, or corrected to it by the instrument.
+    Reference,
+    /// Scale or workpiece at another temperature.
+    Expanded {
+        /// Expansion per K.
+        per_k: f64,
+        /// Temperature, °C.
+        celsius: f64,
+    },
+}
+
+impl ReadingMaterial {
+    /// Returns the expansion from 20 °C, as a fraction of the length.
+    #[must_use]
+    pub fn stretch(self) -> f64 {
+        match self {
+            ReadingMaterial::Reference => 0.0,
+            ReadingMaterial::Expanded { per_k, celsius } => per_k * (celsius - 20.0),
+        }
+    }
+}
+
+/// Place of the measuring point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MeasuringPoint {
+    /// Distance from the gauge point along the spindle, mm.
+    Length(f64),
+    /// Vector from the gauge point in F at the zero pose, mm.
+    Vector(Vector),
+}
+
+impl MeasuringPoint {
+    /// Returns the vector in F at the zero pose, mm.
+    #[must_use]
+    pub fn vector_mm(self, machine: &Machine) -> Vector {
+        match self {
+            MeasuringPoint::Length(mm) => machine.spindle.axis * -mm,
+            MeasuringPoint::Vector(vector) => vector,
+        }
+    }
+}
+
+/// Answers; `None` where the option was not given.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ImportAnswers {
+    /// Axis that moved.
+    pub axis: Option<Axis>,
+    /// Measured component.
+    pub component: Option<MeasuredComponent>,
+    /// Positions, mm and degrees.
+    pub at: Vec<(Axis, f64)>,
+    /// Sign of the readings, 1 or -1.
+    pub sign: Option<f64>,
+    /// Unit of the readings.
+    pub unit: Option<ReadingUnit>,
+    /// Meanings of the columns.
+    pub columns: Vec<String>,
+    /// Measuring point.
+    pub tool: Option<MeasuringPoint>,
+    /// Temperature state.
+    pub material: Option<ReadingMaterial>,
+    /// First and second axis of a circle.
+    pub plane: Option<[Axis; 2]>,
+    /// Nominal length of a ball-bar, mm.
+    pub radius_mm: Option<f64>,
+    /// Feed, mm/min.
+    pub feed: Option<f64>,
+    /// Standard uncertainty, µm or µrad.
+    pub sigma: Option<f64>,
+    /// True if a height map is that of a calibrated flat.
+    pub is_flat_reference: bool,
+}
+
+impl ImportAnswers {
+    /// Takes the value of an option.
+    ///
+    /// # Errors
+    /// A sentence if the value is not one of this option, or the option does not exist.
+    pub fn set(&mut self, option: &str, text: &str) -> Result<(), String> {
+        let known = OPTIONS.iter().find(|one| one.name == option);
+        known.map_or_else(|| Err(format!("there is no option --{option}")), |known| (known.set)(self, text.trim()))
+    }
+}
+
+fn axis(text: &str) -> Result<Axis, String> {
+    let wrong = || format!("'{text}' is not an axis; write for example X");
+    match text.as_bytes() {
+        [letter] => Axis::from_letter(letter.to_ascii_uppercase()).ok_or_else(wrong),
+        _ => Err(wrong()),
+    }
+}
+
+/// Reads an error component such as `EYX`.
+///
+/// # Errors
+/// A sentence if the text is not one.
+pub fn component(text: &str) -> Result<MeasuredComponent, String> {
+    let wrong = || format!("'{text}' is not an error of a motion; write for example EXX, EYX or EBX");
+    let [b'E', direction, letter] = *text.to_ascii_uppercase().as_bytes() else { return Err(wrong()) };
+    let direction = b"XYZABC".iter().position(|&own| own == direction).ok_or_else(wrong)?;
+    Ok(MeasuredComponent { direction, axis: Axis::from_letter(letter).ok_or_else(wrong)? })
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok().filter(|value| value.is_finite() && value.abs() < 1e9);
+    value.ok_or_else(|| format!("'{text}' is not a number; write for example 12.5"))
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    number(text).and_then(|value| if value > 0.0 { Ok(value) } else { Err(format!("'{text}' is not above 0")) })
+}
+
+fn positions(text: &str) -> Result<Vec<(Axis, f64)>, String> {
+    let mut found: Vec<(Axis, f64)> = Vec::new();
+    for part in text.split(',').map(str::trim) {
+        let wrong = || format!("'{part}' is not an axis position; write for example Y200,Z100");
+        let letter = part.chars().next().filter(char::is_ascii).ok_or_else(wrong)?;
+        let axis = Axis::from_letter(letter.to_ascii_uppercase() as u8).ok_or_else(wrong)?;
+        let value = number(part.get(1..).unwrap_or_default().trim().trim_start_matches('=')).map_err(|_| wrong())?;
+        if found.iter().any(|(own, _)| *own == axis) {
+            return Err(format!("{} is given twice", char::from(axis.letter())));
+        }
+        found.push((axis, value));
+    }
+    Ok(found)
+}
+
+fn sign(text: &str) -> Result<f64, String> {
+    match text {
+        "+" | "+1" | "plus" => Ok(1.0),
+        "-" | "-1" | "minus" | "\u{2212}" => Ok(-1.0),
+        _ => Err(format!("'{text}' is not a sign; write + or -")),
+    }
+}
+
+fn unit(text: &str) -> Result<ReadingUnit, String> {
+    ReadingUnit::find(text).ok_or_else(|| {
+        format!("'{text}' is not a unit; write one of {}, {}", ReadingUnit::choices(false), ReadingUnit::choices(true))
+    })
+}
+
+fn tool(text: &str) -> Result<MeasuringPoint, String> {
+    let numbers: Result<Vec<f64>, String> = text.split(',').map(number).collect();
+    match numbers?.as_slice() {
+        [mm] => Ok(MeasuringPoint::Length(*mm)),
+        [x, y, z] => Ok(MeasuringPoint::Vector(Vector::new(*x, *y, *z))),
+        _ => Err(format!("'{text}' is neither a length nor a vector; write for example 120 or 0,0,-120")),
+    }
+}
+
+fn material(text: &str) -> Result<ReadingMaterial, String> {
+    let wrong =
+        || format!("'{text}' is not a state of the material; write 20C, or expansion and temperature such as 11.5@26");
+    if matches!(text.to_lowercase().as_str(), "20c" | "20°c" | "20") {
+        return Ok(ReadingMaterial::Reference);
+    }
+    let (expansion, celsius) = text.split_once('@').ok_or_else(wrong)?;
+    let celsius = celsius.trim().trim_end_matches(['C', 'c', '°']);
+    let (expansion, celsius) = (number(expansion).map_err(|_| wrong())?, number(celsius).map_err(|_| wrong())?);
+    // The ranges of a data file: up to 0.001 per K, -30 to 150 °C.
+    if !(0.0..=1000.0).contains(&expansion) || !(-30.0..=150.0).contains(&celsius) {
+        return Err(wrong());
+    }
+    Ok(ReadingMaterial::Expanded { per_k: expansion * 1e-6, celsius })
+}
+
+/// Reads a plane: first and second axis, in which angles count from the first to the second.
+///
+/// # Errors
+/// A sentence if the text is not one.
+pub fn plane(text: &str) -> Result<[Axis; 2], String> {
+    match text.trim().to_uppercase().as_str() {
+        "XY" | "G17" => Ok([Axis::X, Axis::Y]),
+        "YZ" | "G19" => Ok([Axis::Y, Axis::Z]),
+        "ZX" | "XZ" | "G18" => Ok([Axis::Z, Axis::X]),
+        _ => Err(format!("'{text}' is not a plane; write XY, YZ or ZX")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn examples_of_options_are_values_of_them() {
+        for option in OPTIONS {
+            let mut answers = ImportAnswers::default();
+            answers.set(option.name, option.example).unwrap_or_else(|error| panic!("{}: {error}", option.name));
+            assert_ne!(answers, ImportAnswers::default(), "{}", option.name);
+            assert!(answers.set(option.name, "?").is_err() || option.name == "columns", "{}", option.name);
+        }
+    }
+
+    #[test]
+    fn materials_expand_from_20_degrees() {
+        let mut answers = ImportAnswers::default();
+        answers.set("material", "23.8@26").unwrap();
+        // 23.8 µm/m per K times 6 K.
+        assert!((answers.material.unwrap().stretch() - 142.8e-6).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,148 @@
+//! Lists of displacements: R-test, grid plates, indicators: axis positions with dx, dy, dz in each row.
+//!
+//! A displacement is that of the tool relative to the workpiece, along the axes of F. A file of an instrument may state the opposite, so the sign is asked.
+
+use ncfix_base::geometry::Axis;
+
+use super::InstrumentFormat;
+use crate::grid::{self, GridTable};
+use crate::inquiry::{ImportStop, Inquiry};
+use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
+use crate::text::DecodedText;
+use crate::words::{self, ColumnRole};
+
+/// The format.
+pub(super) const FORMAT: InstrumentFormat = InstrumentFormat {
+    name: "displacements",
+    title: "list of poses with dx, dy, dz: R-test, grid plate, indicators",
+    needs: "at sign unit tool",
+    recognize: |text: &DecodedText| u8::from(grid::table(text).is_ok_and(|table| columns(&table).is_some())) * 3,
+    read,
+};
+
+/// Columns of the axes, and of dx, dy, dz.
+fn columns(table: &GridTable) -> Option<(Vec<(usize, Axis)>, Vec<(usize, usize)>)> {
+    let axes: Vec<(usize, Axis)> = table
+        .headings
+        .iter()
+        .enumerate()
+        .filter_map(|(index, heading)| Some((index, words::axis(&heading.words)?)))
+        .collect();
+    let reading = |words: &str| match words {
+        "dx" | "delta x" | "error x" | "dev x" | "abw x" | "x error" => Some(0),
+        "dy" | "delta y" | "error y" | "dev y" | "abw y" | "y error" => Some(1),
+        "dz" | "delta z" | "error z" | "dev z" | "abw z" | "z error" => Some(2),
+        _ => None,
+    };
+    let values: Vec<(usize, usize)> = table
+        .headings
+        .iter()
+        .enumerate()
+        .filter_map(|(index, heading)| Some((index, reading(&heading.words)?)))
+        .collect();
+    let is_once = (0..3).all(|k| values.iter().filter(|(_, own)| *own == k).count() <= 1)
+        && axes.iter().all(|(_, axis)| axes.iter().filter(|(_, own)| own == axis).count() == 1);
+    (!axes.is_empty() && !values.is_empty() && is_once).then_some((axes, values))
+}
+
+fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
+    let table = grid::table(inquiry.text)?;
+    let line = table.heading_line;
+    let Some((axes, mut values)) = columns(&table) else {
+        return Err(inquiry.refused(
+            "the table has no columns of axes and displacements",
+            "name them in the headings: X;Y;Z;dx;dy;dz",
+            line,
+        ));
+    };
+    values.sort_by_key(|(_, k)| *k);
+    if let Some((_, axis)) = axes.iter().find(|(_, axis)| inquiry.machine.axis(*axis).is_none()) {
+        return Err(inquiry.refused(
+            format!("the machine has no axis {}", char::from(axis.letter())),
+            "check --machine and the headings",
+            line,
+        ));
+    }
+    let run = table.headings.iter().position(|heading| words::role(&heading.words) == ColumnRole::Run);
+    let used = |index: usize| {
+        axes.iter().any(|(own, _)| *own == index) || values.iter().any(|(own, _)| *own == index) || run == Some(index)
+    };
+    let unread: Vec<&str> = table
+        .headings
+        .iter()
+        .enumerate()
+        .filter(|(index, _)| !used(*index))
+        .map(|(_, heading)| heading.written.as_str())
+        .collect();
+    if !unread.is_empty() {
+        inquiry.note(format!("columns that are not read: {}", unread.join(", ")), line);
+    }
+    let mut largest = 0.0_f64;
+    for row in &table.rows {
+        for (column, _) in &values {
+            largest = largest.max(table.value(row, *column)?.unwrap_or(0.0).abs());
+        }
+    }
+    let stated = values.iter().find_map(|(column, _)| table.headings.get(*column)?.unit).map(|unit| (unit, line));
+    let unit = inquiry.unit(stated, false, largest)?;
+    let sign = inquiry.sign(None, "the file does not state the sign of its readings: is the tool displaced in the positive direction, seen from the workpiece, where a reading is positive?");
+    let moved: Vec<Axis> = axes.iter().map(|(_, axis)| *axis).collect();
+    let tool = inquiry.tool();
+    let names = ["dx_um", "dy_um", "dz_um"];
+    let mut out = ImportedReadings::new(
+        ImportedKind::Displacement,
+        moved.clone(),
+        values.iter().filter_map(|(_, k)| names.get(*k).copied()).collect(),
+    );
+    out.fixed = inquiry.other_positions(&moved);
+    out.tool_mm = [tool[0], tool[1], tool[2]];
+    out.sigma = inquiry.answers.sigma;
+    inquiry.note("positions are machine coordinates", 0);
+    let mut worst: Option<(f64, usize, Vec<f64>)> = None;
+    for row in &table.rows {
+        let mut position = Vec::new();
+        for (column, axis) in &axes {
+            let own = table
+                .headings
+                .get(*column)
+                .and_then(|heading| heading.unit)
+                .filter(|unit| unit.is_angle() == axis.is_rotary());
+            let value = table.needed(row, *column)?;
+            position.push(own.map_or(value, |unit| {
+                if axis.is_rotary() { unit.inner(value).to_degrees() } else { unit.inner(value) }
+            }));
+        }
+        let mut readings = Vec::new();
+        for (column, k) in &values {
+            let value = table.value(row, *column)?.map(|value| sign * unit.fine(value));
+            if let Some(value) = value.filter(|value| worst.as_ref().is_none_or(|(most, ..)| value.abs() > most.abs()))
+            {
+                worst = Some((value, *k, position.clone()));
+            }
+            readings.push(value);
+        }
+        let label = run.and_then(|index| row.cells.get(index)).map_or_else(String::new, |cell| cell.text.clone());
+        out.rows.push(ImportedRow {
+            run: label,
+            position,
+            values: readings,
+            line: row.number,
+            ..ImportedRow::default()
+        });
+    }
+    if let Some((value, k, position)) = worst {
+        let place: Vec<String> = moved
+            .iter()
+            .zip(position)
+            .map(|(axis, value)| format!("{} {}", char::from(axis.letter()), shown(value)))
+            .collect();
+        let mark = if value < 0.0 { '-' } else { '+' };
+        out.sign_sentence = format!(
+            "at {} the tool is {:.1} µm too far in {mark}{}, seen from the workpiece",
+            place.join(" "),
+            value.abs(),
+            ['X', 'Y', 'Z'][k]
+        );
+    }
+    Ok(out)
+}

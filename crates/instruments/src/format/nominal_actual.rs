@@ -1,0 +1,462 @@
+//! Features with nominal and actual positions: reports of coordinate measuring machines, and points of a laser tracker with their set-points.
+//!
+//! Layouts: DMIS output (`F(name)=FEAT/…` and `FA(name)=FEAT/…`), a row for each feature (`name, nom x, nom y, act x, act y`), a row for each coordinate
+//! (`name, axis, nominal, actual, deviation` in the order of the headings). A workpiece machined here shows the displacement of the tool; a calibrated artifact
+//! probed here shows the opposite. Offset and rotation of the report remain unknowns of the fit.
+
+use std::collections::BTreeMap;
+
+use ncfix_base::csv::DecimalSign;
+use ncfix_base::geometry::Axis;
+
+use super::InstrumentFormat;
+use crate::answers::ReadingMaterial;
+use crate::grid::{self, GridTable};
+use crate::inquiry::{ImportStop, Inquiry};
+use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
+use crate::text::DecodedText;
+use crate::unit::ReadingUnit;
+use crate::words::{self, ColumnRole};
+
+/// The format.
+pub(super) const FORMAT: InstrumentFormat = InstrumentFormat {
+    name: "nominal-actual",
+    title: "features with nominal and actual position: coordinate measuring machine (table, DMIS output), tracker points with set-points",
+    needs: "at sign unit tool material",
+    recognize,
+    read,
+};
+
+/// Feature: nominal and actual coordinates in the unit of the file.
+#[derive(Clone, Debug, Default)]
+struct Feature {
+    nominal: [Option<f64>; 3],
+    actual: [Option<f64>; 3],
+    line: usize,
+}
+
+/// Part of a feature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Part {
+    Nominal,
+    Actual,
+    Deviation,
+}
+
+fn recognize(text: &DecodedText) -> u8 {
+    if dmis_lines(text).next().is_some() || text.lines().any(|(_, line, _)| line.trim_start().starts_with("DIM ")) {
+        return 3;
+    }
+    let Ok(table) = grid::table(text) else { return 0 };
+    let parts = parts(&table);
+    let has = |wanted: Part| parts.iter().any(|(_, part, axis)| *part == wanted && axis.is_some());
+    if has(Part::Nominal) && has(Part::Actual) {
+        return 3;
+    }
+    let in_rows = |wanted: Part| parts.iter().any(|(_, part, axis)| *part == wanted && axis.is_none());
+    if in_rows(Part::Nominal) && in_rows(Part::Actual) && axis_column(&table).is_some() { 3 } else { 0 }
+}
+
+const NOMINAL: &[&str] =
+    &["nom", "nominal", "theo", "theoretical", "soll", "sollwert", "target", "cmd", "command", "commanded", "nominale"];
+const ACTUAL: &[&str] =
+    &["act", "actual", "actl", "meas", "measured", "ist", "istwert", "messwert", "mesuré", "reale", "medido"];
+const DEVIATION: &[&str] = &["dev", "deviation", "err", "error", "abw", "abweichung", "écart", "diff"];
+
+/// Columns with the part of a feature that they have, and the coordinate of headings such as `nom_x`.
+fn parts(table: &GridTable) -> Vec<(usize, Part, Option<usize>)> {
+    let mut found = Vec::new();
+    for (index, heading) in table.headings.iter().enumerate() {
+        let words: Vec<&str> =
+            heading.words.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
+        let part_of = |word: &str| match word {
+            _ if NOMINAL.contains(&word) => Some(Part::Nominal),
+            _ if ACTUAL.contains(&word) => Some(Part::Actual),
+            _ if DEVIATION.contains(&word) => Some(Part::Deviation),
+            _ => None,
+        };
+        let coordinate = words.iter().find_map(|word| ["x", "y", "z"].iter().position(|own| own == word));
+        let part = words.iter().find_map(|word| part_of(word));
+        if let (Some(part), true) = (part, words.len() <= 3 && (coordinate.is_some() || words.len() == 1)) {
+            found.push((index, part, coordinate));
+        }
+    }
+    found
+}
+
+/// Column whose cells are names of coordinates.
+fn axis_column(table: &GridTable) -> Option<usize> {
+    (0..table.width()).find(|&column| {
+        let cells = table.rows.iter().filter_map(|row| row.cells.get(column));
+        let count = cells.filter(|cell| coordinate(&cell.text).is_some()).count();
+        count >= 2 && 2 * count >= table.rows.len()
+    })
+}
+
+/// Coordinate of a row label: `X`, `X-axis`, `Pos.Y`.
+fn coordinate(text: &str) -> Option<usize> {
+    words::axis(&text.to_lowercase()).and_then(|axis| [Axis::X, Axis::Y, Axis::Z].iter().position(|own| *own == axis))
+}
+
+/// Lines of a DMIS output, with those that go on joined: `F(name)=…`, `FA(name)=…`.
+fn dmis_lines(text: &DecodedText) -> impl Iterator<Item = (usize, bool, String, String)> {
+    let mut joined: Vec<(usize, String)> = Vec::new();
+    let mut is_open = false;
+    for (number, line, _) in text.lines() {
+        let body = line.trim();
+        match joined.last_mut().filter(|_| is_open) {
+            Some((_, last)) if last.len() < 4096 => last.push_str(body.trim_end_matches('$')),
+            _ => joined.push((number, body.trim_end_matches('$').to_owned())),
+        }
+        is_open = body.ends_with('$');
+    }
+    joined.into_iter().filter_map(|(number, line)| {
+        let upper = line.to_uppercase();
+        let is_actual = upper.starts_with("FA(");
+        if !is_actual && !upper.starts_with("F(") {
+            return None;
+        }
+        let (head, body) = line.split_once('=')?;
+        let name = head.split_once('(')?.1.split(')').next()?.trim().to_owned();
+        body.trim().to_uppercase().starts_with("FEAT/").then(|| (number, is_actual, name, body.trim().to_owned()))
+    })
+}
+
+fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
+    let is_dmis = dmis_lines(inquiry.text).next().is_some();
+    let is_report = inquiry.text.lines().any(|(_, line, _)| line.trim_start().starts_with("DIM "));
+    let (features, unit) = match (is_dmis, is_report) {
+        (true, _) => dmis(inquiry)?,
+        (false, true) => report(inquiry)?,
+        (false, false) => tabular(inquiry)?,
+    };
+    let features: Vec<Feature> = features
+        .into_iter()
+        .filter(|one| {
+            one.actual.iter().zip(&one.nominal).any(|(actual, nominal)| actual.is_some() && nominal.is_some())
+        })
+        .collect();
+    displacement(inquiry, features, unit)
+}
+
+/// Features of a DMIS output.
+fn dmis(inquiry: &mut Inquiry<'_>) -> Result<(Vec<Feature>, Option<(ReadingUnit, usize)>), ImportStop> {
+    let mut unit = None;
+    for (number, line, _) in inquiry.text.lines() {
+        if let Some(rest) = line.trim().to_uppercase().strip_prefix("UNITS/") {
+            let word = rest.split(',').next().unwrap_or_default().trim().to_owned();
+            unit = ReadingUnit::find(&word).map(|unit| (unit, number));
+        }
+    }
+    let mut found: BTreeMap<String, Feature> = BTreeMap::new();
+    let mut order = Vec::new();
+    for (line, is_actual, name, body) in dmis_lines(inquiry.text) {
+        let cells: Vec<&str> = body.split(',').map(str::trim).collect();
+        let Some(start) = cells.iter().position(|cell| cell.eq_ignore_ascii_case("CART")) else {
+            inquiry.note(format!("feature {name} is not in Cartesian coordinates and is not read"), line);
+            continue;
+        };
+        let mut values = [None; 3];
+        for (k, value) in values.iter_mut().enumerate() {
+            let cell = cells.get(start + 1 + k).copied().unwrap_or_default();
+            *value = Some(grid::number(cell, DecimalSign::Point).ok_or_else(|| {
+                inquiry.refused(format!("'{cell}' of feature {name} is not a number"), "export the report again", line)
+            })?);
+        }
+        if !found.contains_key(&name) {
+            order.push(name.clone());
+        }
+        let one = found.entry(name).or_default();
+        one.line = line;
+        *(if is_actual { &mut one.actual } else { &mut one.nominal }) = values;
+    }
+    inquiry.note(format!("DMIS output with {} features", order.len()), 0);
+    let without: Vec<&String> =
+        order.iter().filter(|name| found[*name].nominal[0].is_none() || found[*name].actual[0].is_none()).collect();
+    if let Some(first) = without.first() {
+        let message = format!(
+            "feature {first} has no nominal or no actual position ({} of {} features)",
+            without.len(),
+            order.len()
+        );
+        return Err(inquiry.refused(
+            message,
+            "export nominal (F) and actual (FA) features, or remove those that were not measured",
+            found[*first].line,
+        ));
+    }
+    Ok((order.iter().filter_map(|name| found.get(name).cloned()).collect(), unit))
+}
+
+/// Features of a report in blocks: `DIM NAME= LOCATION OF … UNITS=MM`, a heading, and rows that begin with X, Y or Z. The user sets the order of the columns, so the
+/// heading decides.
+fn report(inquiry: &mut Inquiry<'_>) -> Result<(Vec<Feature>, Option<(ReadingUnit, usize)>), ImportStop> {
+    let mut features: Vec<Feature> = Vec::new();
+    let mut unit = None;
+    let mut heading: Vec<String> = Vec::new();
+    let mut skipped = 0;
+    for (number, line, _) in inquiry.text.lines() {
+        let cells: Vec<&str> = line.split_whitespace().collect();
+        let Some(first) = cells.first() else { continue };
+        let of = |names: &[&str]| heading.iter().position(|own| names.contains(&own.as_str()));
+        if *first == "DIM" {
+            features.push(Feature { line: number, ..Feature::default() });
+            heading.clear();
+            if let Some(found) = line
+                .to_uppercase()
+                .split_once("UNITS=")
+                .and_then(|(_, rest)| ReadingUnit::find(rest.split([',', ' ']).next()?))
+            {
+                unit = unit.or(Some((found, number)));
+            }
+        } else if first.eq_ignore_ascii_case("AX") {
+            heading = cells.iter().map(|cell| cell.to_lowercase()).collect();
+        } else if let (Some(k), Some(feature)) = (coordinate(first).filter(|_| first.len() == 1), features.last_mut()) {
+            let (Some(nominal), Some(actual), true) = (of(NOMINAL), of(ACTUAL), cells.len() == heading.len()) else {
+                let message = "the row has no heading that names its nominal and measured value";
+                return Err(inquiry.refused(message, "print the headings AX NOMINAL MEAS into the report", number));
+            };
+            let value = |index: usize| cells.get(index).and_then(|cell| grid::number(cell, DecimalSign::Point));
+            let (Some(nominal), Some(actual)) = (value(nominal), value(actual)) else {
+                return Err(inquiry.refused("a value of the row is not a number", "export the report again", number));
+            };
+            feature.nominal[k] = Some(nominal);
+            feature.actual[k] = Some(actual);
+        } else if !heading.is_empty() && cells.len() == heading.len() {
+            skipped += 1;
+        }
+    }
+    if skipped > 0 {
+        inquiry.note(format!("{skipped} rows that are no coordinate (diameter, form, position) are not read"), 0);
+    }
+    if features.is_empty() {
+        return Err(inquiry.refused("the report has no features", "export nominal and measured positions", 0));
+    }
+    Ok((features, unit))
+}
+
+/// Features of a table.
+fn tabular(inquiry: &mut Inquiry<'_>) -> Result<(Vec<Feature>, Option<(ReadingUnit, usize)>), ImportStop> {
+    let mut table = grid::table(inquiry.text)?;
+    if !inquiry.answers.columns.is_empty() {
+        if inquiry.answers.columns.len() != table.width() {
+            let message =
+                format!("--columns names {} columns, the table has {}", inquiry.answers.columns.len(), table.width());
+            return Err(inquiry.refused(
+                message,
+                "name each column in order; write - for a column that is not read",
+                table.heading_line,
+            ));
+        }
+        table.headings = inquiry.answers.columns.iter().map(|text| grid::heading_of(text)).collect();
+    }
+    let parts = parts(&table);
+    let line = table.heading_line;
+    let unit = parts.iter().find_map(|(index, ..)| table.headings.get(*index)?.unit).map(|unit| (unit, line));
+    let unread: Vec<String> = table
+        .headings
+        .iter()
+        .enumerate()
+        .filter(|(index, heading)| {
+            parts.iter().all(|(own, ..)| own != index)
+                && words::role(&heading.words) == ColumnRole::Unknown
+                && !heading.written.is_empty()
+        })
+        .map(|(_, heading)| heading.written.clone())
+        .collect();
+    if !unread.is_empty() {
+        inquiry.note(format!("columns that are not read: {}", unread.join(", ")), line);
+    }
+    let of = |wanted: Part, axis: Option<usize>| {
+        parts.iter().find(|(_, part, own)| *part == wanted && *own == axis).map(|(index, ..)| *index)
+    };
+    let mut features: Vec<Feature> = Vec::new();
+    if let Some(labels) = axis_column(&table).filter(|_| of(Part::Nominal, None).is_some()) {
+        let (Some(nominal), Some(actual)) = (of(Part::Nominal, None), of(Part::Actual, None)) else {
+            inquiry.ask(
+                "columns",
+                "no headings name the nominal and the actual values",
+                "the meaning of each column, such as name,axis,nominal,actual,-",
+            );
+            return Err(ImportStop::Asks);
+        };
+        let names = (0..labels).next_back();
+        let mut last = None;
+        let mut skipped = 0;
+        for row in &table.rows {
+            let name = names
+                .and_then(|column| row.cells.get(column))
+                .map(|cell| cell.text.clone())
+                .filter(|name| !name.is_empty());
+            let Some(k) = row.cells.get(labels).and_then(|cell| coordinate(&cell.text)) else {
+                skipped += 1;
+                continue;
+            };
+            let is_new =
+                features.last().is_none_or(|feature| feature.nominal[k].is_some()) || (name.is_some() && name != last);
+            if is_new {
+                features.push(Feature { line: row.number, ..Feature::default() });
+            }
+            last = name.or(last);
+            let values = (table.needed(row, nominal)?, table.needed(row, actual)?);
+            check_deviation(inquiry, &table, row, of(Part::Deviation, None), values)?;
+            if let Some(feature) = features.last_mut() {
+                feature.nominal[k] = Some(values.0);
+                feature.actual[k] = Some(values.1);
+            }
+        }
+        if skipped > 0 {
+            inquiry.note(format!("{skipped} rows that are no coordinate (diameter, form, position) are not read"), 0);
+        }
+    } else {
+        for row in &table.rows {
+            let mut feature = Feature { line: row.number, ..Feature::default() };
+            for k in 0..3 {
+                let Some(nominal) = of(Part::Nominal, Some(k)) else { continue };
+                feature.nominal[k] = table.value(row, nominal)?;
+                let Some(actual) = of(Part::Actual, Some(k)) else { continue };
+                feature.actual[k] = table.value(row, actual)?;
+                if let (Some(nominal), Some(actual)) = (feature.nominal[k], feature.actual[k]) {
+                    check_deviation(inquiry, &table, row, of(Part::Deviation, Some(k)), (nominal, actual))?;
+                }
+            }
+            features.push(feature);
+        }
+    }
+    if features.is_empty() {
+        return Err(inquiry.refused(
+            "the table has no features with nominal and actual positions",
+            "name the columns with --columns",
+            line,
+        ));
+    }
+    Ok((features, unit))
+}
+
+/// Checks a printed deviation against nominal and actual value.
+fn check_deviation(
+    inquiry: &mut Inquiry<'_>,
+    table: &GridTable,
+    row: &grid::GridLine,
+    column: Option<usize>,
+    (nominal, actual): (f64, f64),
+) -> Result<(), ImportStop> {
+    let Some(column) = column else { return Ok(()) };
+    let Some(deviation) = table.value(row, column)? else { return Ok(()) };
+    let digits = row
+        .cells
+        .get(column)
+        .and_then(|cell| cell.text.rsplit_once(['.', ',']))
+        .map_or(0, |(_, digits)| digits.len().min(9));
+    let slack = 1.5 * 10f64.powi(-(digits as i32));
+    let difference = actual - nominal;
+    if (difference - deviation).abs() <= slack {
+        return Ok(());
+    }
+    if (difference + deviation).abs() <= slack {
+        inquiry.note("the printed deviation is nominal minus actual; nominal and actual values are used", row.number);
+        return Ok(());
+    }
+    let message = format!("the deviation {} is not actual minus nominal, {}", shown(deviation), shown(difference));
+    Err(inquiry.refused(message, "check the order of the columns, or name them with --columns", row.number))
+}
+
+/// Turns features into displacements.
+fn displacement(
+    inquiry: &mut Inquiry<'_>,
+    features: Vec<Feature>,
+    unit: Option<(ReadingUnit, usize)>,
+) -> Result<ImportedReadings, ImportStop> {
+    let largest = features
+        .iter()
+        .flat_map(|feature| feature.nominal.iter().flatten())
+        .map(|value| value.abs())
+        .fold(0.0, f64::max);
+    let unit = position_unit(inquiry, unit, largest)?;
+    let sign = inquiry.sign(None, "the file does not state the origin of the features: were they machined on this machine (+), or is it a calibrated artifact that was probed here (-)?");
+    let axes: Vec<Axis> = [Axis::X, Axis::Y, Axis::Z]
+        .into_iter()
+        .enumerate()
+        .filter(|(k, axis)| {
+            inquiry.machine.axis(*axis).is_some() && features.iter().any(|feature| feature.nominal[*k].is_some())
+        })
+        .map(|(_, axis)| axis)
+        .collect();
+    let measured: Vec<usize> = (0..3)
+        .filter(|&k| {
+            let pairs = features.iter().filter_map(|feature| feature.nominal[k].zip(feature.actual[k]));
+            // A coordinate that always has its nominal value was not measured, such as the height of a circle.
+            pairs.filter(|(nominal, actual)| nominal.to_bits() != actual.to_bits()).count() > 0
+        })
+        .collect();
+    let all_given =
+        |k: usize| features.iter().any(|feature| feature.actual[k].is_some() && feature.nominal[k].is_some());
+    for k in (0..3).filter(|k| all_given(*k) && !measured.contains(k)) {
+        inquiry.note(format!("{} always has its nominal value and counts as not measured", ['X', 'Y', 'Z'][k]), 0);
+    }
+    let zero = inquiry.zero(&axes, "the zero of the nominal positions");
+    let tool = inquiry.tool();
+    let material = inquiry.material("the workpiece or artifact");
+    let names = ["dx_um", "dy_um", "dz_um"];
+    let mut out = ImportedReadings::new(
+        ImportedKind::Displacement,
+        axes.clone(),
+        measured.iter().filter_map(|&k| names.get(k).copied()).collect(),
+    );
+    out.free = vec!["offset", "rotation"];
+    out.fixed = inquiry.other_positions(&axes);
+    out.tool_mm = [tool[0], tool[1], tool[2]];
+    out.sigma = inquiry.answers.sigma;
+    if let ReadingMaterial::Expanded { per_k, celsius } = material {
+        out.sections = format!(
+            "[artefact]\nexpansion_per_K = {}\ntemperature_C = {}\n",
+            format_args!("{per_k:e}"),
+            shown(celsius)
+        );
+    }
+    let slots = [Axis::X, Axis::Y, Axis::Z];
+    let mut worst: Option<(f64, usize, [f64; 3])> = None;
+    for feature in features {
+        let place = |k: usize| unit.inner(feature.nominal[k].unwrap_or(0.0)) + zero[k];
+        let mut values = Vec::new();
+        for &k in &measured {
+            let value =
+                feature.nominal[k].zip(feature.actual[k]).map(|(nominal, actual)| sign * unit.fine(actual - nominal));
+            if let Some(value) =
+                value.filter(|value| worst.is_none_or(|(most, ..): (f64, _, _)| value.abs() > most.abs()))
+            {
+                worst = Some((value, k, [place(0), place(1), place(2)]));
+            }
+            values.push(value);
+        }
+        let position = axes.iter().filter_map(|axis| slots.iter().position(|own| own == axis)).map(place).collect();
+        out.rows.push(ImportedRow { position, values, line: feature.line, ..ImportedRow::default() });
+    }
+    inquiry.note("offset and rotation of the report are unknowns: the alignment has no influence, but a fit of the scale would lose the scales of the machine", 0);
+    if let Some((value, k, place)) = worst {
+        let mark = if value < 0.0 { '-' } else { '+' };
+        let letter = ['X', 'Y', 'Z'][k];
+        out.sign_sentence = format!(
+            "at X {} Y {} Z {} the tool is {:.1} µm too far in {mark}{letter}, seen from the workpiece",
+            shown(place[0]),
+            shown(place[1]),
+            shown(place[2]),
+            value.abs()
+        );
+    }
+    Ok(out)
+}
+
+/// Unit of positions: the size of the numbers does not separate mm from inches.
+pub(super) fn position_unit(
+    inquiry: &mut Inquiry<'_>,
+    found: Option<(ReadingUnit, usize)>,
+    largest: f64,
+) -> Result<ReadingUnit, ImportStop> {
+    if inquiry.answers.unit.is_none() && found.is_none() {
+        let sentence = format!("the file does not state the unit of its positions (largest {})", shown(largest));
+        inquiry.ask("unit", sentence, "mm or inch");
+        return Ok(ReadingUnit::Length("mm", 1.0));
+    }
+    inquiry.unit(found, false, largest)
+}

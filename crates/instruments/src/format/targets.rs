@@ -1,0 +1,652 @@
+//! Tables of readings at targets: laser interferometers, rotary calibrators, levels, autocollimators, straightedges (ISO 230-1, 230-2).
+//!
+//! Long tables have one reading in each row, wide tables one target in each row and a column for each run and direction. A table may also have the
+//! targets in its first row. The description of `direct` readings is the deviation of the moving body: of an axis under the table it has the opposite sign
+//! of what an instrument between tool and table reads.
+
+use ncfix_base::geometry::Axis;
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_machine::machine::{Branch, Machine};
+
+use super::InstrumentFormat;
+use crate::answers::{MeasuredComponent, component};
+use crate::grid::{self, GridCell, GridHeading, GridLine, GridTable};
+use crate::inquiry::{ImportStop, Inquiry};
+use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
+use crate::text::DecodedText;
+use crate::unit::ReadingUnit;
+use crate::words::{self, ColumnRole};
+
+/// The format.
+pub(super) const FORMAT: InstrumentFormat = InstrumentFormat {
+    name: "targets",
+    title: "table of ISO 230-2: laser, rotary calibrator, level, autocollimator, straightedge; long or wide",
+    needs: "axis component at sign unit tool material",
+    recognize,
+    read,
+};
+
+/// One reading before its sign and unit are known.
+pub(super) struct TargetReading {
+    /// Label of the repetition.
+    pub(super) run: String,
+    /// Target, in the unit of the file.
+    pub(super) target: f64,
+    /// Direction of approach.
+    pub(super) sense: Option<i8>,
+    /// Reading, in the unit of the file.
+    pub(super) value: f64,
+    /// Component, if its heading names it.
+    pub(super) component: Option<MeasuredComponent>,
+    /// Line.
+    pub(super) line: usize,
+}
+
+/// Facts that the file itself states.
+#[derive(Default)]
+pub(super) struct StatedFacts {
+    /// Axis and its line.
+    pub(super) axis: Option<(Axis, usize)>,
+    /// Sign and its line.
+    pub(super) sign: Option<(f64, usize)>,
+    /// Unit of the readings and its line.
+    pub(super) unit: Option<(ReadingUnit, usize)>,
+    /// Unit of the targets and its line.
+    pub(super) target_unit: Option<(ReadingUnit, usize)>,
+    /// Line with a word for another quantity than positioning.
+    pub(super) other_quantity: Option<usize>,
+}
+
+fn recognize(text: &DecodedText) -> u8 {
+    let Ok(table) = grid::table(text) else { return 0 };
+    let roles: Vec<ColumnRole> = table.headings.iter().map(|heading| words::role(&heading.words)).collect();
+    let has = |wanted: fn(&ColumnRole) -> bool| roles.iter().any(wanted);
+    let reads = |role: &ColumnRole| {
+        matches!(role, ColumnRole::Deviation | ColumnRole::Correction | ColumnRole::Actual | ColumnRole::Series(..))
+    };
+    let has_component = table.headings.iter().any(|heading| component(&heading.words).is_ok());
+    let has_target = has(|role| *role == ColumnRole::Target)
+        || table.headings.iter().any(|heading| words::axis(&heading.words).is_some());
+    u8::from((has_target && (has(reads) || has_component)) || targets_in_row(&table).is_some()) * 2
+}
+
+fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
+    let table = grid::table(inquiry.text)?;
+    let mut facts = stated(inquiry.text, &table);
+    let readings = collect(inquiry, &table, &mut facts)?;
+    direct(inquiry, readings, facts)
+}
+
+/// Words of quantities other than positioning.
+const OTHER: &[&str] = &[
+    "straight",
+    "gerad",
+    "rectitude",
+    "rettilin",
+    "rectitud",
+    "pitch",
+    "yaw",
+    "roll",
+    "angle",
+    "angular",
+    "winkel",
+    "nick",
+    "gier",
+    "roll",
+    "level",
+    "neigung",
+    "inclin",
+    "flatness",
+    "squareness",
+];
+
+/// Reads the facts in the lines around a table.
+pub(super) fn stated(text: &DecodedText, table: &GridTable) -> StatedFacts {
+    let mut facts = StatedFacts::default();
+    for &number in table.before.iter().chain([&table.heading_line]).filter(|number| **number > 0) {
+        let line = text.line(number).to_lowercase();
+        if OTHER.iter().any(|word| line.contains(word)) {
+            facts.other_quantity.get_or_insert(number);
+        }
+        let Some((key, value)) = line.split_once([':', '=', ';', '\t', ',']) else { continue };
+        let value = value.trim_matches([' ', ';', ',', '\t', '"']);
+        let is_key = |words: &[&str]| words.contains(&key.trim().trim_start_matches(['#', '/']).trim());
+        if is_key(&["axis", "achse", "axe", "asse", "eje"])
+            && let Some(axis) = words::axis(value)
+        {
+            facts.axis.get_or_insert((axis, number));
+        }
+        if is_key(&["unit", "units", "einheit", "unité", "unità", "unidad", "deviation unit", "error unit"])
+            && let Some(unit) = ReadingUnit::find(value)
+        {
+            facts.unit.get_or_insert((unit, number));
+        }
+    }
+    facts
+}
+
+/// Headings of the table as given by `--columns`, or its own.
+fn headings(inquiry: &Inquiry<'_>, table: &GridTable) -> Result<Vec<GridHeading>, ImportStop> {
+    if inquiry.answers.columns.is_empty() {
+        return Ok(table.headings.clone());
+    }
+    let given = &inquiry.answers.columns;
+    if given.len() != table.width() {
+        let message = format!("--columns names {} columns, the table has {}", given.len(), table.width());
+        return Err(inquiry.refused(
+            message,
+            "name each column in order; write - for a column that is not read",
+            table.heading_line,
+        ));
+    }
+    let units = table.headings.iter().map(|heading| heading.unit).chain(std::iter::repeat(None));
+    Ok(given
+        .iter()
+        .zip(units)
+        .map(|(text, unit)| {
+            let heading = grid::heading_of(text);
+            GridHeading { unit: heading.unit.or(unit), ..heading }
+        })
+        .collect())
+}
+
+/// Targets of a table that has them in its first row, with the series in the rows below.
+fn targets_in_row(table: &GridTable) -> Option<Vec<f64>> {
+    let (first, rest) = table.rows.split_first()?;
+    let is_head = |cell: &GridCell| words::role(&grid::heading_of(&cell.text).words) == ColumnRole::Target;
+    let is_series = |row: &GridLine| {
+        row.cells.first().is_some_and(|cell| matches!(words::role(&cell.text.to_lowercase()), ColumnRole::Series(..)))
+    };
+    let (head, targets) = first.cells.split_first()?;
+    let targets: Option<Vec<f64>> = targets.iter().map(|cell| grid::number(&cell.text, table.decimal)).collect();
+    targets.filter(|targets| is_head(head) && targets.len() >= 2 && rest.iter().any(is_series))
+}
+
+/// Collects the readings of a table with the targets in its first row.
+fn collect_rows(
+    inquiry: &mut Inquiry<'_>,
+    table: &GridTable,
+    targets: &[f64],
+    facts: &mut StatedFacts,
+) -> Result<Vec<TargetReading>, ImportStop> {
+    let Some((first, rest)) = table.rows.split_first() else { return Ok(Vec::new()) };
+    let unit = first.cells.first().and_then(|cell| grid::heading_of(&cell.text).unit);
+    facts.target_unit = unit.map(|unit| (unit, first.number));
+    let mut found = Vec::new();
+    let mut unread = Vec::new();
+    for row in rest {
+        let label = row.cells.first().map_or("", |cell| cell.text.as_str());
+        let ColumnRole::Series(run, sense) = words::role(&label.to_lowercase()) else {
+            unread.push(label.to_owned());
+            continue;
+        };
+        if sense == 0 && rest.len() > 1 {
+            let sentence = format!(
+                "the row '{label}' does not state its direction of approach; write the direction into the file"
+            );
+            return Err(inquiry.refused(
+                sentence,
+                "begin the rows with run and direction, such as 1+ and 1-",
+                row.number,
+            ));
+        }
+        let mut own = Vec::new();
+        for (index, target) in targets.iter().enumerate() {
+            let Some(value) = table.value(row, index + 1)? else { continue };
+            let sense = (sense != 0).then_some(sense);
+            own.push(TargetReading {
+                run: run.to_string(),
+                target: *target,
+                sense,
+                value,
+                component: None,
+                line: row.number,
+            });
+        }
+        if sense < 0 {
+            own.reverse();
+        }
+        found.extend(own);
+    }
+    if !unread.is_empty() {
+        inquiry.note(format!("rows that are not read: {}", unread.join(", ")), 0);
+    }
+    Ok(found)
+}
+
+/// Collects the readings of a table.
+fn collect(
+    inquiry: &mut Inquiry<'_>,
+    table: &GridTable,
+    facts: &mut StatedFacts,
+) -> Result<Vec<TargetReading>, ImportStop> {
+    if let Some(targets) = targets_in_row(table) {
+        return collect_rows(inquiry, table, &targets, facts);
+    }
+    let headings = headings(inquiry, table)?;
+    let line = table.heading_line;
+    let mut columns: Vec<(usize, ColumnRole)> = Vec::new();
+    let mut components: Vec<(usize, MeasuredComponent)> = Vec::new();
+    let mut unknown = Vec::new();
+    for (index, heading) in headings.iter().enumerate() {
+        match words::role(&heading.words) {
+            ColumnRole::Unknown => match (component(&heading.words), words::axis(&heading.words)) {
+                (Ok(found), _) => components.push((index, found)),
+                (_, Some(axis)) => {
+                    facts.axis.get_or_insert((axis, line));
+                    columns.push((index, ColumnRole::Target));
+                }
+                _ => unknown.push(heading.written.clone()),
+            },
+            ColumnRole::Skip => {}
+            role => columns.push((index, role)),
+        }
+    }
+    if !unknown.is_empty() {
+        inquiry.note(format!("columns that are not read: {}", unknown.join(", ")), line);
+    }
+    if !table.skipped.is_empty() {
+        let lines: Vec<String> = table.skipped.iter().take(20).map(ToString::to_string).collect();
+        inquiry.note(format!("lines that are not readings: {}", lines.join(", ")), 0);
+    }
+    inquiry.note(format!("separator: {}; decimal sign: {:?}", table.separator.name(), table.decimal).to_lowercase(), 0);
+    let of = |wanted: ColumnRole| columns.iter().find(|(_, role)| *role == wanted).map(|(index, _)| *index);
+    let Some(target) = of(ColumnRole::Target) else {
+        inquiry.ask(
+            "columns",
+            "no heading names the column of the target positions",
+            "the meaning of each column, such as target,1+,1-,2+,2-",
+        );
+        return Err(ImportStop::Asks);
+    };
+    facts.target_unit = headings.get(target).and_then(|heading| heading.unit).map(|unit| (unit, line));
+    let series: Vec<(usize, u32, i8)> = columns
+        .iter()
+        .filter_map(
+            |(index, role)| if let ColumnRole::Series(run, sense) = role { Some((*index, *run, *sense)) } else { None },
+        )
+        .collect();
+    let unit_of = |index: usize| headings.get(index).and_then(|heading| heading.unit).map(|unit| (unit, line));
+    let mut found = Vec::new();
+    if !series.is_empty() {
+        if series.len() > 1 && series.iter().any(|(_, _, sense)| *sense == 0) {
+            inquiry.ask(
+                "columns",
+                "the headings do not state which runs go in the positive and which in the negative direction",
+                "the meaning of each column, such as target,1+,1-,2+,2-",
+            );
+            return Err(ImportStop::Asks);
+        }
+        facts.unit = facts.unit.or_else(|| series.iter().find_map(|(index, _, _)| unit_of(*index)));
+        for (index, run, sense) in series {
+            let mut own = Vec::new();
+            for row in &table.rows {
+                let Some(value) = table.value(row, index)? else { continue };
+                let at = table.needed(row, target)?;
+                let sense = (sense != 0).then_some(sense);
+                own.push(TargetReading {
+                    run: run.to_string(),
+                    target: at,
+                    sense,
+                    value,
+                    component: None,
+                    line: row.number,
+                });
+            }
+            // The rows are written in the order of the motion.
+            if sense < 0 {
+                own.reverse();
+            }
+            found.extend(own);
+        }
+        return Ok(found);
+    }
+    let (run, sense) = (of(ColumnRole::Run), of(ColumnRole::Sense));
+    let deviation = of(ColumnRole::Deviation).or(of(ColumnRole::Correction));
+    let actual = of(ColumnRole::Actual);
+    if of(ColumnRole::Deviation).is_none() && of(ColumnRole::Correction).is_some() {
+        facts.sign = Some((-1.0, line));
+    }
+    let value_columns: Vec<(usize, Option<MeasuredComponent>)> = if components.is_empty() {
+        deviation.or(actual).map(|index| (index, None)).into_iter().collect()
+    } else {
+        components.iter().map(|(index, own)| (*index, Some(*own))).collect()
+    };
+    if value_columns.is_empty() {
+        inquiry.ask(
+            "columns",
+            "no heading names the column of the deviations",
+            "the meaning of each column, such as target,run,dir,dev",
+        );
+        return Err(ImportStop::Asks);
+    }
+    facts.unit = facts.unit.or_else(|| value_columns.iter().find_map(|(index, _)| unit_of(*index)));
+    let is_difference = components.is_empty() && deviation.is_none();
+    if is_difference {
+        facts.sign = Some((1.0, line));
+        facts.unit = facts.unit.or(facts.target_unit);
+        let unit = facts.unit.map_or("mm", |(unit, _)| unit.sign());
+        inquiry.note(format!("the readings are actual minus target positions, {unit}"), line);
+        let length = ReadingUnit::Length("mm", 1.0);
+        facts.unit = facts.unit.or(Some((length, line)));
+    }
+    for row in &table.rows {
+        let at = table.needed(row, target)?;
+        let own_sense = match sense
+            .and_then(|index| row.cells.get(index))
+            .filter(|cell| !cell.text.is_empty() && cell.text != "0")
+        {
+            Some(cell) => Some(words::sense(&cell.text).ok_or_else(|| {
+                inquiry.refused(format!("'{}' is not a direction of approach", cell.text), "write + or -", row.number)
+            })?),
+            None => None,
+        };
+        let label = run.and_then(|index| row.cells.get(index)).map_or_else(String::new, |cell| cell.text.clone());
+        for (index, own) in &value_columns {
+            let Some(mut value) = table.value(row, *index)? else { continue };
+            if is_difference {
+                value -= at;
+            } else if let (Some(actual), true) = (actual, own.is_none())
+                && let Some(reached) = table.value(row, actual)?
+            {
+                agree(inquiry, facts, (at, reached, value), row.number)?;
+            }
+            found.push(TargetReading {
+                run: label.clone(),
+                target: at,
+                sense: own_sense,
+                value,
+                component: *own,
+                line: row.number,
+            });
+        }
+    }
+    Ok(found)
+}
+
+/// Checks that a deviation is the difference of target and actual position, and learns its sign from that.
+fn agree(
+    inquiry: &Inquiry<'_>,
+    facts: &mut StatedFacts,
+    (target, actual, value): (f64, f64, f64),
+    line: usize,
+) -> Result<(), ImportStop> {
+    let one = facts.target_unit.map_or(1.0, |(unit, _)| unit.inner(1.0));
+    let unit = facts.unit.map_or(one, |(unit, _)| unit.inner(1.0));
+    let (difference, value) = ((actual - target) * one, value * unit);
+    // A position is printed with three or four decimals, so a tenth of a micrometer is below its last digit.
+    let slack = 6e-4_f64.max(0.02 * difference.abs());
+    let is_same = (difference - value).abs() <= slack;
+    let is_opposite = (difference + value).abs() <= slack;
+    match (is_same, is_opposite, facts.sign) {
+        (true, true, _) => Ok(()),
+        (true, false, None | Some((1.0.., _))) => {
+            facts.sign.get_or_insert((1.0, line));
+            Ok(())
+        }
+        (false, true, None) => {
+            facts.sign = Some((-1.0, line));
+            Ok(())
+        }
+        (false, true, Some((sign, _))) if sign < 0.0 => Ok(()),
+        _ => {
+            let message = format!(
+                "the deviation {} is not the difference of actual and target position, {}",
+                shown(value),
+                shown(difference)
+            );
+            Err(inquiry.refused(message, "check the columns and their units, or name them with --columns", line))
+        }
+    }
+}
+
+/// Sense of the moving body for readings of the tool relative to the workpiece.
+///
+/// # Errors
+/// If the axis is not parallel to the direction in F.
+fn body_sense(inquiry: &Inquiry<'_>, machine: &Machine, component: MeasuredComponent) -> Result<f64, ImportStop> {
+    let Some(axis) = machine.axis(component.axis) else {
+        let message = format!("the machine has no axis {}", char::from(component.axis.letter()));
+        return Err(inquiry.refused(message, "check --axis and --machine", 0));
+    };
+    let is_on_table = machine.topology.branch(component.axis) == Some(Branch::Workpiece);
+    if !component.is_positioning() {
+        return Ok(if is_on_table { -1.0 } else { 1.0 });
+    }
+    let share = axis.direction[component.direction % 3];
+    if share.abs() < 0.999 {
+        let message = format!(
+            "{} is not parallel to an axis of F, so its positioning error is no single component",
+            char::from(component.axis.letter())
+        );
+        return Err(inquiry.refused(message, "enter the readings as a displacement", 0));
+    }
+    Ok(share.signum())
+}
+
+/// Turns readings into those of one error component at a time.
+pub(super) fn direct(
+    inquiry: &mut Inquiry<'_>,
+    found: Vec<TargetReading>,
+    facts: StatedFacts,
+) -> Result<ImportedReadings, ImportStop> {
+    let named = found.iter().find_map(|reading| reading.component);
+    let component = match (inquiry.answers.component, named, inquiry.answers.axis, facts.axis) {
+        (Some(component), None, axis, _) => {
+            if axis.is_some_and(|axis| axis != component.axis) {
+                return Err(inquiry.refused(
+                    format!("--axis and --component {component} name different axes"),
+                    "give one of them",
+                    0,
+                ));
+            }
+            inquiry.note(format!("measured error: --component {component}"), 0);
+            component
+        }
+        (_, Some(component), _, _) => {
+            inquiry.note("measured errors: named by the headings", 0);
+            component
+        }
+        (None, None, said, stated) => {
+            let Some(axis) = said.or(stated.map(|(axis, _)| axis)) else {
+                inquiry.ask("axis", "the file does not state the axis that moved", "its letter, such as X");
+                inquiry.ask(
+                    "sign",
+                    "the file does not state the sign of its readings",
+                    "+ if a positive reading means too far in the positive direction, else -",
+                );
+                return Err(ImportStop::Asks);
+            };
+            match stated {
+                Some((stated, line)) if stated != axis => {
+                    let message = format!("--axis {} contradicts the file", char::from(axis.letter()));
+                    return Err(inquiry.refused(message, "correct the option, or the file", line));
+                }
+                Some((_, line)) if said.is_none() => inquiry.note(format!("axis: {}", char::from(axis.letter())), line),
+                _ => inquiry.note(format!("axis: --axis {}", char::from(axis.letter())), 0),
+            }
+            if let Some(line) = facts.other_quantity {
+                let sentence = format!(
+                    "line {line} mentions a straightness or an angle, and the file does not name its component"
+                );
+                inquiry.ask(
+                    "component",
+                    sentence,
+                    format!(
+                        "the error, such as E{0}{0} for positioning or EY{0} for a straightness",
+                        char::from(axis.letter())
+                    ),
+                );
+            } else {
+                inquiry.note(
+                    format!(
+                        "measured error: positioning of {} (use --component for others)",
+                        char::from(axis.letter())
+                    ),
+                    0,
+                );
+            }
+            MeasuredComponent::positioning(axis)
+        }
+    };
+    let machine = inquiry.machine;
+    body_sense(inquiry, machine, component)?;
+    let axis = component.axis;
+    let target_unit = match facts.target_unit {
+        Some((unit, line)) if unit.is_angle() != axis.is_rotary() => {
+            let message = format!(
+                "the targets are in {}, which is no unit of the positions of {}",
+                unit.sign(),
+                char::from(axis.letter())
+            );
+            return Err(inquiry.refused(message, "check --axis and the columns", line));
+        }
+        Some((unit, line)) => {
+            inquiry.note(format!("unit of the targets: {}", unit.sign()), line);
+            unit
+        }
+        None if axis.is_rotary() => ReadingUnit::Angle("deg", std::f64::consts::PI / 180.0),
+        None => ReadingUnit::Length("mm", 1.0),
+    };
+    if facts.target_unit.is_none() {
+        inquiry.note(
+            format!("unit of the targets: {} is assumed; all targets are within the travel", target_unit.sign()),
+            0,
+        );
+    }
+    let largest = found.iter().map(|reading| reading.value.abs()).fold(0.0, f64::max);
+    let unit = inquiry.unit(facts.unit, component.is_angle(), largest)?;
+    if facts.target_unit.is_none() && unit == ReadingUnit::Length("inch", 25.4) {
+        let sentence = "the readings are in inches, and the file does not state the unit of the targets";
+        inquiry.ask("columns", sentence, "the meaning of each column with the unit, such as target [inch],1+,1-");
+    }
+    let letter = char::from(axis.letter());
+    let question = if component.is_positioning() {
+        format!(
+            "the file does not state the sign of its readings: is {letter} too far in the positive direction where a reading is positive?"
+        )
+    } else if component.is_angle() {
+        format!(
+            "the file does not state the sign of its readings: is the tool turned about +{} (right-hand rule), seen from the workpiece, where a reading is positive?",
+            ['X', 'Y', 'Z'][component.direction % 3]
+        )
+    } else {
+        format!(
+            "the file does not state the sign of its readings: is the tool too far in +{}, seen from the workpiece, where a reading is positive?",
+            component.letter()
+        )
+    };
+    let sign = inquiry.sign(facts.sign, &question);
+    let tool = if component.is_angle()
+        && found.iter().all(|reading| reading.component.is_none_or(MeasuredComponent::is_angle))
+    {
+        ncfix_base::geometry::Vector::zeros()
+    } else {
+        inquiry.tool()
+    };
+    let is_length = component.is_positioning() && !component.is_angle();
+    let stretch = if is_length { inquiry.material("the scale of the axis").stretch() } else { 0.0 };
+    let position =
+        |target: f64| if axis.is_rotary() { target_unit.inner(target).to_degrees() } else { target_unit.inner(target) };
+    let zero = inquiry.given(axis).unwrap_or(0.0);
+    if inquiry.given(axis).is_some() {
+        inquiry.note(format!("target 0 of the file is {letter} {zero} of the machine (--at)"), 0);
+    } else {
+        inquiry.note("targets are machine coordinates", 0);
+    }
+    let span = found
+        .iter()
+        .map(|reading| position(reading.target))
+        .fold([f64::MAX, f64::MIN], |[low, high], at| [low.min(at), high.max(at)]);
+    if found.len() > 2 && span[1] - span[0] < 1.0 {
+        let message = format!("the targets span only {}: the columns may be swapped", shown(span[1] - span[0]));
+        return Err(inquiry.refused(
+            message,
+            "name the columns with --columns",
+            facts.target_unit.map_or(0, |(_, line)| line),
+        ));
+    }
+    let columns: Vec<&'static str> = match found
+        .iter()
+        .map(|reading| reading.component.unwrap_or(component).is_angle())
+        .fold((false, false), |(lengths, angles), is_angle| (lengths || !is_angle, angles || is_angle))
+    {
+        (true, true) => vec!["value_um", "value_urad"],
+        (false, true) => vec!["value_urad"],
+        _ => vec!["value_um"],
+    };
+    let mut out = ImportedReadings::new(ImportedKind::Direct, vec![axis], columns);
+    out.fixed = inquiry.other_positions(&[axis]);
+    out.tool_mm = [tool[0], tool[1], tool[2]];
+    out.sigma = inquiry.answers.sigma;
+    let mut worst: Option<(f64, f64, MeasuredComponent)> = None;
+    for reading in found {
+        let own = reading.component.unwrap_or(component);
+        if own.axis != axis {
+            return Err(inquiry.refused(
+                format!("{own} and {component} are errors of different axes"),
+                "import them from a file for each axis",
+                reading.line,
+            ));
+        }
+        let is_angle = own.is_angle();
+        let own_unit = match (unit.is_angle() == is_angle, is_angle) {
+            (true, _) => unit,
+            // A table with both has one column of each in its own unit; only arc seconds and µm occur together.
+            (false, true) => ReadingUnit::Angle("arcsec", std::f64::consts::PI / 648_000.0),
+            (false, false) => ReadingUnit::Length("um", 1e-3),
+        };
+        let at = position(reading.target);
+        let mut fine = sign * own_unit.fine(reading.value);
+        if own.is_positioning() && !is_angle {
+            fine -= um_from_mm(stretch * at);
+        }
+        if worst.is_none_or(|(most, _, _): (f64, _, _)| fine.abs() > most.abs()) {
+            worst = Some((fine, at + zero, own));
+        }
+        let value = Some(fine * body_sense(inquiry, machine, own)?);
+        let values = if out.value_columns.len() == 1 {
+            vec![value]
+        } else if is_angle {
+            vec![None, value]
+        } else {
+            vec![value, None]
+        };
+        out.rows.push(ImportedRow {
+            run: reading.run,
+            position: vec![at + zero],
+            sense: reading.sense,
+            label: own.to_string(),
+            values,
+            line: reading.line,
+        });
+    }
+    if let Some((fine, at, own)) = worst {
+        out.sign_sentence = sentence(fine, at, own);
+    }
+    Ok(out)
+}
+
+/// Describes a reading so that a person can check its sign.
+fn sentence(fine: f64, at: f64, component: MeasuredComponent) -> String {
+    let place = format!("at {} {} ", char::from(component.axis.letter()), shown(at));
+    let size = format!("{:.1}", fine.abs());
+    let mark = if fine < 0.0 { '-' } else { '+' };
+    if component.is_positioning() {
+        let unit = if component.is_angle() {
+            format!("{size} µrad ({:.1}\")", fine.abs() / urad_from_rad(std::f64::consts::PI / 648_000.0))
+        } else {
+            format!("{size} µm")
+        };
+        let how = if fine < 0.0 { "too little" } else { "too far" };
+        return format!("{place}the machine goes {unit} {how} ({mark})");
+    }
+    let letter = ['X', 'Y', 'Z'][component.direction % 3];
+    if component.is_angle() {
+        format!(
+            "{place}the tool is turned by {size} µrad about {mark}{letter} (right-hand rule), seen from the workpiece"
+        )
+    } else {
+        format!("{place}the tool is {size} µm too far in {mark}{letter}, seen from the workpiece")
+    }
+}

@@ -1,0 +1,498 @@
+//! Cells of a text: separator, decimal sign, and the table in it.
+//!
+//! Exports have lines before and after their table, blanks as separators, and headers in two lines. Readers of CSV take none of these and do not keep
+//! the place of a cell, so lines are split here; quoted cells follow RFC 4180.
+
+use ncfix_base::csv::DecimalSign;
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::source::{FileId, Span};
+
+use crate::text::DecodedText;
+use crate::unit::ReadingUnit;
+
+/// Most cells in one line; a reading has far fewer columns.
+const MOST_CELLS: usize = 512;
+
+/// Separator of cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Separator {
+    /// `;`
+    Semicolon,
+    /// A tab.
+    Tab,
+    /// `,`
+    Comma,
+    /// One or more blanks or tabs.
+    Blanks,
+}
+
+impl Separator {
+    /// Returns the name in a sentence.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Separator::Semicolon => "semicolon",
+            Separator::Tab => "tab",
+            Separator::Comma => "comma",
+            Separator::Blanks => "blank",
+        }
+    }
+}
+
+/// Cell of a line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GridCell {
+    /// Content, trimmed, without quotation marks.
+    pub text: String,
+    /// Bytes of the cell.
+    pub span: Span,
+}
+
+/// Line of cells.
+#[derive(Clone, Debug)]
+pub struct GridLine {
+    /// Number of the line, from 1.
+    pub number: usize,
+    /// Cells.
+    pub cells: Vec<GridCell>,
+}
+
+/// Table in a text: headings, optional units, and rows of equal width.
+#[derive(Clone, Debug)]
+pub struct GridTable {
+    /// Separator of cells.
+    pub separator: Separator,
+    /// Decimal sign of its numbers.
+    pub decimal: DecimalSign,
+    /// Headings; empty if the file has none.
+    pub headings: Vec<GridHeading>,
+    /// Line of the headings; 0 without headings.
+    pub heading_line: usize,
+    /// Rows of readings.
+    pub rows: Vec<GridLine>,
+    /// Lines before the table.
+    pub before: Vec<usize>,
+    /// Rows of statistics, and lines after the table, which are not read.
+    pub skipped: Vec<usize>,
+}
+
+/// Heading of a column.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GridHeading {
+    /// Words in lower case, without the unit.
+    pub words: String,
+    /// As written.
+    pub written: String,
+    /// Unit in the heading.
+    pub unit: Option<ReadingUnit>,
+}
+
+/// Splits a line.
+#[must_use]
+pub fn split(line: &str, start: u32, separator: Separator) -> Vec<GridCell> {
+    let start = start as usize;
+    let mut cells = Vec::new();
+    let mut push = |from: usize, to: usize| {
+        let raw = line.get(from..to).unwrap_or_default();
+        let text = raw.trim();
+        let lead = raw.len() - raw.trim_start().len();
+        let text = match text.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')) {
+            Some(inner) => inner.replace("\"\"", "\"").trim().to_owned(),
+            None => text.to_owned(),
+        };
+        let length = raw.trim().len();
+        cells.push(GridCell { text, span: Span::new(start + from + lead, start + from + lead + length) });
+        cells.len() < MOST_CELLS
+    };
+    let mut from = 0;
+    let mut is_quoted = false;
+    let mut last_blank = true;
+    for (at, letter) in line.char_indices() {
+        if letter == '"' {
+            is_quoted = !is_quoted;
+        }
+        let is_end = !is_quoted
+            && match separator {
+                Separator::Semicolon => letter == ';',
+                Separator::Tab => letter == '\t',
+                Separator::Comma => letter == ',',
+                Separator::Blanks => letter.is_whitespace(),
+            };
+        if is_end {
+            if (separator != Separator::Blanks || !last_blank) && !push(from, at) {
+                return cells;
+            }
+            from = at + letter.len_utf8();
+        }
+        last_blank = is_end;
+    }
+    if separator != Separator::Blanks || !last_blank {
+        push(from, line.len());
+    }
+    cells
+}
+
+/// Number in a cell; `None` if the text is not a number.
+#[must_use]
+pub fn number(text: &str, decimal: DecimalSign) -> Option<f64> {
+    /// No reading is larger in any unit.
+    const MOST: f64 = 1e12;
+    let text = text.trim().replace(['\u{2212}', '\u{2013}'], "-");
+    if !text.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.' | ',')) {
+        return None;
+    }
+    let plain = match decimal {
+        DecimalSign::Point => without_thousands(&text, ',', '.')?,
+        DecimalSign::Comma => without_thousands(&text, '.', ',')?.replace(',', "."),
+    };
+    if !plain.bytes().any(|byte| byte.is_ascii_digit()) {
+        return None;
+    }
+    plain.parse::<f64>().ok().filter(|value| value.is_finite() && value.abs() <= MOST)
+}
+
+/// Removes separators of thousands that a decimal sign after them proves: `1.234,56`. Without that proof the cell is not a number.
+fn without_thousands(text: &str, thousands: char, decimal: char) -> Option<String> {
+    if !text.contains(thousands) {
+        return Some(text.to_owned());
+    }
+    let (whole, _) = text.split_once(decimal)?;
+    let mut groups = whole.trim_start_matches(['+', '-']).split(thousands);
+    let is_first = groups.next().is_some_and(|first| (1..=3).contains(&first.len()));
+    let are_groups = groups.all(|group| group.len() == 3 && group.bytes().all(|byte| byte.is_ascii_digit()));
+    (is_first && are_groups && !text[whole.len()..].contains(thousands)).then(|| text.replace(thousands, ""))
+}
+
+/// True if a cell is a number in either notation.
+fn is_numeric(text: &str) -> bool {
+    number(text, DecimalSign::Point).is_some() || number(text, DecimalSign::Comma).is_some()
+}
+
+/// Words at the beginning of a row of statistics.
+const STATISTICS: &[&str] = &[
+    "mean",
+    "mittel",
+    "mittelwert",
+    "average",
+    "moyenne",
+    "media",
+    "sigma",
+    "std",
+    "stdev",
+    "s",
+    "s+",
+    "s-",
+    "max",
+    "min",
+    "range",
+    "spannweite",
+    "x̄",
+    "b",
+    "bi",
+    "reversal",
+    "umkehrspanne",
+    "sum",
+    "total",
+    "rms",
+    "end",
+];
+
+/// Comment lines of exports.
+const COMMENTS: &[&str] = &["#", "//", "!"];
+
+/// True for a line without readings.
+fn is_comment(line: &str) -> bool {
+    let line = line.trim_start();
+    line.is_empty() || COMMENTS.iter().any(|mark| line.starts_with(mark))
+}
+
+/// Finds the table of a text.
+///
+/// # Errors
+/// A diagnostic if the text has no table, if a row has more or fewer cells than the others, or if the decimal sign is not certain.
+pub fn table(text: &DecodedText) -> Result<GridTable, Box<Diagnostic>> {
+    let candidates = [Separator::Semicolon, Separator::Tab, Separator::Comma, Separator::Blanks];
+    let scored = candidates.into_iter().map(|separator| (score(text, separator), separator));
+    let best = scored.fold((0, Separator::Semicolon), |best, one| if one.0 > best.0 { one } else { best });
+    if best.0 == 0 {
+        let help = "export the readings as a table: a line of headings, then one line for each reading";
+        return Err(Box::new(Diagnostic::nowhere(Code::DATA_NO_TABLE, "the file has no table of numbers", help)));
+    }
+    read(text, best.1)
+}
+
+/// Number of numeric cells in rows that look like readings with this separator.
+fn score(text: &DecodedText, separator: Separator) -> usize {
+    let mut widths: std::collections::BTreeMap<usize, usize> = std::collections::BTreeMap::new();
+    for (_, line, start) in text.lines().filter(|(_, line, _)| !is_comment(line)) {
+        let cells = split(line, start, separator);
+        let filled = cells.iter().filter(|cell| !cell.text.is_empty()).count();
+        let numbers = cells.iter().filter(|cell| is_cell_number(&cell.text, separator)).count();
+        if cells.len() >= 2 && numbers >= 1 && 2 * numbers >= filled.min(4) {
+            *widths.entry(cells.len()).or_default() += 10 * numbers - (filled - numbers).min(numbers);
+        }
+    }
+    // Blanks split every prose line, so a written separator is preferred for equal evidence.
+    widths.values().copied().max().unwrap_or(0)
+}
+
+/// True for a number that has no separator in it.
+fn is_cell_number(text: &str, separator: Separator) -> bool {
+    if separator == Separator::Comma { number(text, DecimalSign::Point).is_some() } else { is_numeric(text) }
+}
+
+fn read(text: &DecodedText, separator: Separator) -> Result<GridTable, Box<Diagnostic>> {
+    let lines: Vec<GridLine> = text
+        .lines()
+        .filter(|(_, line, _)| !is_comment(line))
+        .map(|(number, line, start)| GridLine { number, cells: split(line, start, separator) })
+        .filter(|line| line.cells.iter().any(|cell| !cell.text.is_empty()))
+        .collect();
+    let numbers = |line: &GridLine| line.cells.iter().filter(|cell| is_cell_number(&cell.text, separator)).count();
+    let is_row = |line: &GridLine| {
+        line.cells.len() >= 2
+            && numbers(line) >= 1
+            && 2 * numbers(line) >= line.cells.iter().filter(|cell| !cell.text.is_empty()).count().min(4)
+    };
+    // The table is where most rows have the same number of cells.
+    let mut widths: std::collections::BTreeMap<usize, usize> = std::collections::BTreeMap::new();
+    for line in lines.iter().filter(|line| is_row(line)) {
+        *widths.entry(line.cells.len()).or_default() += numbers(line);
+    }
+    let width = widths.iter().max_by_key(|(width, count)| (**count, **width)).map_or(0, |(width, _)| *width);
+    let is_words = |line: &GridLine| {
+        line.cells.len() == width && line.cells.iter().filter(|cell| !cell.text.is_empty()).count() * 2 > width
+    };
+    let first = lines.iter().position(|line| line.cells.len() == width && is_row(line)).unwrap_or(0);
+    // A wide table of runs has numbers as headings, such as 1+ 1- 2+: the first line with a word that is a heading begins it.
+    let heading = (first.saturating_sub(2)..=first).find(|&at| {
+        lines.get(at).is_some_and(|line| {
+            is_words(line)
+                && line.cells.iter().filter(|cell| is_cell_number(&cell.text, separator)).count() * 3 < width.max(3)
+                || lines.get(at).is_some_and(|line| is_heading(line, width))
+        })
+    });
+    let mut headings = Vec::new();
+    let mut start = first;
+    if let Some(at) = heading {
+        headings = lines[at].cells.iter().map(|cell| heading_of(&cell.text)).collect();
+        start = at + 1;
+        if let Some(line) = lines.get(at + 1).filter(|line| is_units(line, width)) {
+            for (heading, cell) in headings.iter_mut().zip(&line.cells) {
+                heading.unit = heading.unit.or(ReadingUnit::find(cell.text.trim_matches(['[', ']', '(', ')'])));
+            }
+            start = at + 2;
+        }
+    }
+    let mut rows = Vec::new();
+    let mut skipped = Vec::new();
+    for line in &lines[start.min(lines.len())..] {
+        let label =
+            line.cells.first().map(|cell| cell.text.trim_end_matches([':', '.']).to_lowercase()).unwrap_or_default();
+        if (is_by_number(&rows) && STATISTICS.contains(&label.as_str())) || (numbers(line) == 0 && !rows.is_empty()) {
+            skipped.push(line.number);
+        } else if line.cells.len() != width {
+            let message = format!("line {} has {} cells, the other rows have {width}", line.number, line.cells.len());
+            let help = "a missing cell needs its separator, and a number in another notation makes two cells of one: export the table again";
+            return Err(Box::new(Diagnostic::at(Code::DATA_NO_TABLE, text.place(line.number), message, help)));
+        } else if !skipped.is_empty() && is_row(line) {
+            let message = format!("line {} belongs to a second table", line.number);
+            let help = "keep one table in the file, and import the other one from a file of its own";
+            return Err(Box::new(Diagnostic::at(Code::DATA_NO_TABLE, text.place(line.number), message, help)));
+        } else {
+            rows.push(line.clone());
+        }
+    }
+    let before = lines[..heading.unwrap_or(first).min(lines.len())].iter().map(|line| line.number).collect();
+    let decimal = decimal_sign(&rows, separator)?;
+    let heading_line = heading.and_then(|at| lines.get(at)).map_or(0, |line| line.number);
+    Ok(GridTable { separator, decimal, headings, heading_line, rows, before, skipped })
+}
+
+/// True if rows begin with a number: then a row that begins with a word is not a reading. Names of features may be any word.
+fn is_by_number(rows: &[GridLine]) -> bool {
+    rows.first().and_then(|row| row.cells.first()).is_some_and(|cell| is_numeric(&cell.text))
+}
+
+/// True for a heading whose columns are runs: the first cell is a word, the others name a run and a direction.
+fn is_heading(line: &GridLine, width: usize) -> bool {
+    let mut cells = line.cells.iter();
+    let is_word = cells.next().is_some_and(|cell| !cell.text.is_empty() && !is_numeric(&cell.text));
+    let is_run = |text: &str| !text.is_empty() && text.len() <= 12 && !text.contains(['.', ',']);
+    line.cells.len() == width
+        && is_word
+        && cells.clone().count() > 0
+        && cells.all(|cell| is_run(&cell.text) && (!is_numeric(&cell.text) || cell.text.len() <= 2))
+}
+
+/// True for a line that has only units.
+fn is_units(line: &GridLine, width: usize) -> bool {
+    let mut filled = line.cells.iter().filter(|cell| !cell.text.is_empty()).peekable();
+    line.cells.len() == width
+        && filled.peek().is_some()
+        && filled.all(|cell| ReadingUnit::find(cell.text.trim_matches(['[', ']', '(', ')'])).is_some())
+}
+
+/// Splits a heading into words and unit: `Deviation [µm]`, `dev_um`, `Abw. (mm)`, `Error/µm`.
+#[must_use]
+pub fn heading_of(text: &str) -> GridHeading {
+    let written = text.trim().to_owned();
+    let lower = written.to_lowercase();
+    let bracket = lower.find(['[', '(']).and_then(|at| {
+        let inner = lower[at + 1..].split([']', ')']).next()?;
+        Some((lower[..at].to_owned(), ReadingUnit::find(inner)?))
+    });
+    let after = || {
+        let at = lower.rfind(['_', ' ', '/'])?;
+        let unit =
+            ReadingUnit::find(&lower[at + 1..]).filter(|unit| unit.sign().len() > 1 || lower[at + 1..].len() > 1)?;
+        Some((lower[..at].to_owned(), unit))
+    };
+    let (words, unit) = match bracket.or_else(after) {
+        Some((words, unit)) => (words, Some(unit)),
+        None => (lower.clone(), None),
+    };
+    GridHeading { words: words.trim_matches([' ', '.', ':', '_']).to_owned(), written, unit }
+}
+
+/// Decimal sign of the numbers of a table.
+fn decimal_sign(rows: &[GridLine], separator: Separator) -> Result<DecimalSign, Box<Diagnostic>> {
+    if separator == Separator::Comma {
+        return Ok(DecimalSign::Point);
+    }
+    let mut found: Option<(DecimalSign, &GridCell)> = None;
+    for cell in rows.iter().flat_map(|row| &row.cells).filter(|cell| is_numeric(&cell.text)) {
+        let sign = match (cell.text.rfind('.'), cell.text.rfind(',')) {
+            (Some(point), Some(comma)) if point > comma => DecimalSign::Point,
+            (Some(_), Some(_)) | (None, Some(_)) => DecimalSign::Comma,
+            (Some(_), None) => DecimalSign::Point,
+            (None, None) => continue,
+        };
+        match found {
+            None => found = Some((sign, cell)),
+            Some((other, first)) if other != sign => {
+                let message = format!("'{}' has another decimal sign than '{}'", cell.text, first.text);
+                let help = "write all numbers with one decimal sign and without separators of thousands";
+                return Err(Box::new(Diagnostic::at(Code::DATA_CELL, place(cell), message, help)));
+            }
+            Some(_) => {}
+        }
+    }
+    Ok(found.map_or(DecimalSign::Point, |(sign, _)| sign))
+}
+
+/// Place of a cell, at least one byte wide.
+#[must_use]
+pub fn place(cell: &GridCell) -> Place {
+    let mut span = cell.span;
+    span.end = span.end.max(span.start.saturating_add(1));
+    Place { file: FileId(0), span }
+}
+
+impl GridTable {
+    /// Returns the number of columns.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.rows.first().map_or(self.headings.len(), |row| row.cells.len())
+    }
+
+    /// Returns the number in a cell; `None` if the cell is empty.
+    ///
+    /// # Errors
+    /// A diagnostic if the cell is not a number.
+    pub fn value(&self, row: &GridLine, column: usize) -> Result<Option<f64>, Box<Diagnostic>> {
+        let Some(cell) = row.cells.get(column).filter(|cell| !is_missing(&cell.text)) else { return Ok(None) };
+        let read = number(&cell.text, self.decimal);
+        read.map(Some).ok_or_else(|| {
+            let example = if self.decimal == DecimalSign::Comma { "12,5" } else { "12.5" };
+            let message = format!("'{}' is not a number of this table", cell.text);
+            Box::new(Diagnostic::at(
+                Code::DATA_CELL,
+                place(cell),
+                message,
+                format!("write a plain number such as {example}"),
+            ))
+        })
+    }
+
+    /// Returns the number in a cell that must have one.
+    ///
+    /// # Errors
+    /// A diagnostic if the cell is empty or not a number.
+    pub fn needed(&self, row: &GridLine, column: usize) -> Result<f64, Box<Diagnostic>> {
+        self.value(row, column)?.ok_or_else(|| {
+            let span = row.cells.get(column).map(place).or_else(|| row.cells.last().map(place)).unwrap_or_default();
+            let name = self
+                .headings
+                .get(column)
+                .map_or_else(|| format!("column {}", column + 1), |heading| heading.written.clone());
+            Box::new(Diagnostic::at(
+                Code::DATA_CELL,
+                span,
+                format!("the cell of '{name}' is empty"),
+                "write the number, or remove the row",
+            ))
+        })
+    }
+}
+
+/// True for a cell without a reading.
+fn is_missing(text: &str) -> bool {
+    matches!(text.to_lowercase().as_str(), "" | "-" | "--" | "---" | "nan" | "n/a" | "." | "=====")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(text: &str) -> Result<GridTable, Box<Diagnostic>> {
+        table(&DecodedText::of_text("a.csv", text, "UTF-8").unwrap())
+    }
+
+    #[test]
+    fn separators_and_decimal_signs_are_found() {
+        for (text, separator, value) in [
+            ("Target;1+;1-\n0;0,5;1,5\n100;2,5;3,5\n", Separator::Semicolon, 2.5),
+            ("Target,1+,1-\n0,0.5,1.5\n100,2.5,3.5\n", Separator::Comma, 2.5),
+            ("Target\t1+\t1-\n0\t0,5\t1,5\n100\t2,5\t3,5\n", Separator::Tab, 2.5),
+            ("Machine: A, B\n\n0 0,5 1,5\n100 2,5 3,5\n", Separator::Blanks, 2.5),
+        ] {
+            let table = of(text).unwrap();
+            assert_eq!(table.separator, separator, "{text}");
+            assert_eq!(table.rows.len(), 2, "{text}");
+            assert_eq!(table.value(&table.rows[1], 1).unwrap(), Some(value), "{text}");
+        }
+    }
+
+    #[test]
+    fn one_number_never_becomes_two_cells() {
+        let found = of("Target,Deviation\n0,0.5\n100,1,5\n200,2.5\n").unwrap_err();
+        assert_eq!(found.code, Code::DATA_NO_TABLE);
+        assert!(found.message.contains("line 3 has 3 cells"), "{}", found.message);
+    }
+
+    #[test]
+    fn thousands_need_their_proof() {
+        assert_eq!(number("1.234,56", DecimalSign::Comma), Some(1234.56));
+        assert_eq!(number("1,234.56", DecimalSign::Point), Some(1234.56));
+        assert_eq!(number("1,234", DecimalSign::Point), None);
+        let found = of("Target;Deviation\n1.234;0,5\n100;1,5\n").unwrap_err();
+        assert_eq!(found.code, Code::DATA_CELL);
+    }
+
+    #[test]
+    fn statistics_are_not_readings() {
+        let table = of("Target;1+;1-\n0;0,5;1,5\n100;2,5;3,5\nMean;1,5;2,5\n").unwrap();
+        assert_eq!((table.rows.len(), table.skipped), (2, vec![4]));
+    }
+
+    #[test]
+    fn units_come_from_brackets_endings_and_a_line_of_their_own() {
+        assert_eq!(heading_of("Abw. [µm]").unit.map(ReadingUnit::sign), Some("um"));
+        assert_eq!(heading_of("dev_um").words, "dev");
+        assert_eq!(heading_of("Error (mm)").words, "error");
+        let table = of("Target;Deviation\nmm;µm\n0;0,5\n100;2,5\n").unwrap();
+        assert_eq!(table.headings[1].unit.map(ReadingUnit::sign), Some("um"));
+        assert_eq!(table.rows.len(), 2);
+    }
+}

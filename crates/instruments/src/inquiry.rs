@@ -1,0 +1,284 @@
+//! One import in progress: the text, the answers so far, the open questions, and the notes on what was understood.
+
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::{Axis, Vector};
+use ncfix_machine::machine::Machine;
+
+use crate::answers::{ImportAnswers, MeasuringPoint, ReadingMaterial};
+use crate::readings::{ImportedReadings, shown};
+use crate::text::DecodedText;
+use crate::unit::ReadingUnit;
+
+/// Question that a file leaves open.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ImportQuestion {
+    /// Option that answers it, without dashes.
+    pub option: &'static str,
+    /// Missing information: one sentence, lower case, no full stop.
+    pub sentence: String,
+    /// Values to choose from, or an example.
+    pub advice: String,
+}
+
+impl ImportQuestion {
+    /// Returns the refusal if nobody can answer.
+    #[must_use]
+    pub fn refusal(&self) -> Diagnostic {
+        Diagnostic::nowhere(
+            Code::IMPORT_QUESTION,
+            self.sentence.clone(),
+            format!("give --{}: {}", self.option, self.advice),
+        )
+    }
+}
+
+/// Reason why a reader stops.
+#[derive(Clone, Debug)]
+pub enum ImportStop {
+    /// Nothing can be read before the questions are answered.
+    Asks,
+    /// The file is not what it seems to be.
+    Refused(Box<Diagnostic>),
+}
+
+impl From<Box<Diagnostic>> for ImportStop {
+    fn from(diagnostic: Box<Diagnostic>) -> ImportStop {
+        ImportStop::Refused(diagnostic)
+    }
+}
+
+/// Import in progress.
+#[derive(Debug)]
+pub struct Inquiry<'a> {
+    /// Text of the file.
+    pub text: &'a DecodedText,
+    /// Answers so far.
+    pub answers: &'a ImportAnswers,
+    /// Machine on which the readings were taken.
+    pub machine: &'a Machine,
+    questions: Vec<ImportQuestion>,
+    notes: Vec<String>,
+}
+
+/// Quotes a line of the file in a note.
+const MOST_QUOTED: usize = 80;
+
+impl<'a> Inquiry<'a> {
+    /// Begins an import.
+    #[must_use]
+    pub fn new(text: &'a DecodedText, answers: &'a ImportAnswers, machine: &'a Machine) -> Inquiry<'a> {
+        Inquiry { text, answers, machine, questions: Vec::new(), notes: Vec::new() }
+    }
+
+    /// Returns the open questions.
+    #[must_use]
+    pub fn questions(&self) -> &[ImportQuestion] {
+        &self.questions
+    }
+
+    /// Asks a question, once for each option.
+    pub fn ask(&mut self, option: &'static str, sentence: impl Into<String>, advice: impl Into<String>) {
+        if self.questions.iter().all(|question| question.option != option) {
+            self.questions.push(ImportQuestion { option, sentence: sentence.into(), advice: advice.into() });
+        }
+    }
+
+    /// Notes what was understood, with the line that proves it (0 if an option or a rule does).
+    pub fn note(&mut self, sentence: impl Into<String>, line: usize) {
+        let mut note = sentence.into();
+        if line > 0 {
+            let quoted: String =
+                self.text.line(line).trim().chars().filter(|c| !c.is_control()).take(MOST_QUOTED).collect();
+            note.push_str(&format!(" (line {line}: {quoted})"));
+        }
+        if !self.notes.contains(&note) {
+            self.notes.push(note);
+        }
+    }
+
+    /// Sign of the readings. `proven` is what the file itself says, with its line; `question` describes a positive reading.
+    pub fn sign(&mut self, proven: Option<(f64, usize)>, question: &str) -> f64 {
+        match (self.answers.sign, proven) {
+            (Some(sign), _) => {
+                let shown = if sign > 0.0 { "+" } else { "-" };
+                self.note(format!("sign: --sign {shown}"), 0);
+                sign
+            }
+            (None, Some((sign, line))) => {
+                let how =
+                    if sign > 0.0 { "actual minus nominal" } else { "nominal minus actual: the sign is reversed" };
+                self.note(format!("sign: {how}"), line);
+                sign
+            }
+            (None, None) => {
+                self.ask("sign", question, "+, or - for the opposite");
+                1.0
+            }
+        }
+    }
+
+    /// Unit of the readings. `found` is the unit in the file with its line.
+    ///
+    /// # Errors
+    /// A contradiction between the file and the option.
+    pub fn unit(
+        &mut self,
+        found: Option<(ReadingUnit, usize)>,
+        is_angle: bool,
+        largest: f64,
+    ) -> Result<ReadingUnit, ImportStop> {
+        let default = if is_angle { ReadingUnit::Angle("urad", 1e-6) } else { ReadingUnit::Length("um", 1e-3) };
+        let unit = match (self.answers.unit, found) {
+            (Some(said), Some((written, line))) if said != written => {
+                let message =
+                    format!("--unit {} contradicts the file, whose line {line} says {}", said.sign(), written.sign());
+                return Err(self.refused(message, "remove --unit, or correct the heading", line));
+            }
+            (_, Some((unit, line))) => {
+                self.note(format!("unit of the readings: {}", unit.sign()), line);
+                unit
+            }
+            (Some(unit), None) => {
+                self.note(format!("unit of the readings: --unit {}", unit.sign()), 0);
+                unit
+            }
+            (None, None) => {
+                let likely = match (is_angle, largest) {
+                    (false, largest) if largest < 0.2 => "; values this small are usually mm",
+                    (false, _) => "; values this large are usually µm",
+                    (true, _) => "",
+                };
+                let sentence =
+                    format!("the file does not state the unit of its readings (largest {}){likely}", shown(largest));
+                self.ask("unit", sentence, format!("one of {}", ReadingUnit::choices(is_angle)));
+                default
+            }
+        };
+        if unit.is_angle() != is_angle {
+            let (is, wanted) = if unit.is_angle() { ("an angle", "lengths") } else { ("a length", "angles") };
+            let message = format!("the unit {} is {is}, but these readings are {wanted}", unit.sign());
+            return Err(self.refused(
+                message,
+                "correct --unit, or name the measured error with --component",
+                found.map_or(0, |(_, line)| line),
+            ));
+        }
+        Ok(unit)
+    }
+
+    /// Positions of axes of the machine without a column, mm and degrees. `moved` are those with a column.
+    pub fn other_positions(&mut self, moved: &[Axis]) -> Vec<(Axis, f64)> {
+        let mut found = Vec::new();
+        let mut missing = Vec::new();
+        for axis in self.machine.axis_set().iter().filter(|axis| !moved.contains(axis)) {
+            match self.given(axis) {
+                Some(value) => found.push((axis, value)),
+                None => missing.push(char::from(axis.letter()).to_string()),
+            }
+        }
+        if !missing.is_empty() {
+            let sentence =
+                format!("the file does not state the position of {} during the measurement", missing.join(", "));
+            let example: Vec<String> = missing.iter().map(|letter| format!("{letter}0")).collect();
+            self.ask("at", sentence, format!("all of them, such as {}", example.join(",")));
+        } else if !found.is_empty() {
+            let shown: Vec<String> =
+                found.iter().map(|(axis, value)| format!("{}{value}", char::from(axis.letter()))).collect();
+            self.note(format!("positions of the other axes: --at {}", shown.join(",")), 0);
+        }
+        found
+    }
+
+    /// Position of an axis in `--at`.
+    #[must_use]
+    pub fn given(&self, axis: Axis) -> Option<f64> {
+        self.answers.at.iter().find(|(own, _)| *own == axis).map(|(_, value)| *value)
+    }
+
+    /// Machine position of the zero of the positions in the file, for linear axes that have a column.
+    pub fn zero(&mut self, axes: &[Axis], what: &str) -> Vector {
+        let mut zero = Vector::zeros();
+        let mut missing = Vec::new();
+        for (index, axis) in [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate().filter(|(_, axis)| axes.contains(axis))
+        {
+            match self.given(axis) {
+                Some(value) => zero[index] = value,
+                None => missing.push(format!("{}0", char::from(axis.letter()))),
+            }
+        }
+        if !missing.is_empty() {
+            let sentence = format!("the file does not state the machine position of {what}");
+            self.ask("at", sentence, format!("machine coordinates, such as {}", missing.join(",")));
+        }
+        zero
+    }
+
+    /// Vector from the gauge point to the measuring point, mm.
+    pub fn tool(&mut self) -> Vector {
+        match self.answers.tool {
+            Some(point) => {
+                let vector = MeasuringPoint::vector_mm(point, self.machine);
+                self.note(
+                    format!(
+                        "measuring point: {} {} {} mm from the spindle gauge point (--tool)",
+                        shown(vector[0]),
+                        shown(vector[1]),
+                        shown(vector[2])
+                    ),
+                    0,
+                );
+                vector
+            }
+            None => {
+                let sentence =
+                    "the file does not state the place of the measuring point relative to the spindle gauge point";
+                self.ask("tool", sentence, "the length in mm, or the vector x,y,z");
+                Vector::zeros()
+            }
+        }
+    }
+
+    /// Temperature state of the scale or of the workpiece.
+    pub fn material(&mut self, what: &str) -> ReadingMaterial {
+        match self.answers.material {
+            Some(material) => {
+                let shown = match material {
+                    ReadingMaterial::Reference => "the readings refer to 20 °C (--material 20C)".to_owned(),
+                    ReadingMaterial::Expanded { per_k, celsius } => {
+                        format!("{what}: {} µm/m per K at {celsius} °C (--material)", shown(per_k * 1e6))
+                    }
+                };
+                self.note(shown, 0);
+                material
+            }
+            None => {
+                let sentence = format!("the file does not state the temperature of {what}");
+                self.ask(
+                    "material",
+                    sentence,
+                    "20C if the readings refer to 20 °C, else expansion and temperature such as 11.5@26",
+                );
+                ReadingMaterial::Reference
+            }
+        }
+    }
+
+    /// Makes a refusal at a line (0 for none).
+    #[must_use]
+    pub fn refused(&self, message: impl Into<String>, help: impl Into<String>, line: usize) -> ImportStop {
+        let found = if line > 0 {
+            Diagnostic::at(Code::IMPORT_CONTRADICTION, self.text.place(line), message, help)
+        } else {
+            Diagnostic::nowhere(Code::IMPORT_CONTRADICTION, message, help)
+        };
+        ImportStop::Refused(Box::new(found))
+    }
+
+    /// Ends the import.
+    #[must_use]
+    pub fn finish(self, mut readings: ImportedReadings, format: &'static str) -> ImportedReadings {
+        readings.notes = self.notes;
+        readings.notes.insert(0, format!("format: {format}; encoding {}", self.text.encoding()));
+        readings
+    }
+}

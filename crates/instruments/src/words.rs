@@ -1,0 +1,309 @@
+//! Words of headings in the languages of exports: English, German, French, Italian, Spanish.
+
+use ncfix_base::geometry::Axis;
+
+/// Meaning of a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ColumnRole {
+    /// Nominal position of an axis.
+    Target,
+    /// Position that was reached.
+    Actual,
+    /// Actual minus nominal.
+    Deviation,
+    /// Nominal minus actual.
+    Correction,
+    /// Number of a repetition.
+    Run,
+    /// Direction of approach.
+    Sense,
+    /// Readings of one repetition in one direction: number, and 1 or -1; 0 if the heading has no direction.
+    Series(u32, i8),
+    /// Angle of a circle.
+    Angle,
+    /// Time, s.
+    Time,
+    /// Distance of two balls.
+    Radius,
+    /// Name of a feature, a ball or a point.
+    Name,
+    /// Not read.
+    Skip,
+    /// Unknown words.
+    Unknown,
+}
+
+const ROLES: &[(ColumnRole, &[&str])] = &[
+    (
+        ColumnRole::Target,
+        &[
+            "target",
+            "targets",
+            "position",
+            "pos",
+            "target position",
+            "nominal",
+            "nominal position",
+            "command",
+            "soll",
+            "sollposition",
+            "sollwert",
+            "zielposition",
+            "ziel",
+            "cible",
+            "position cible",
+            "consigne",
+            "quota",
+            "posizione",
+            "objetivo",
+            "posición",
+            "posicion",
+        ],
+    ),
+    (
+        ColumnRole::Actual,
+        &[
+            "actual",
+            "actual position",
+            "measured",
+            "measured position",
+            "ist",
+            "istposition",
+            "istwert",
+            "messwert",
+            "mesure",
+            "mesuré",
+            "position réelle",
+            "reale",
+            "misura",
+            "real",
+            "medido",
+        ],
+    ),
+    (
+        ColumnRole::Deviation,
+        &[
+            "dev",
+            "deviation",
+            "error",
+            "err",
+            "positioning error",
+            "reading",
+            "value",
+            "abw",
+            "abweichung",
+            "fehler",
+            "messabweichung",
+            "écart",
+            "ecart",
+            "erreur",
+            "déviation",
+            "scostamento",
+            "errore",
+            "deviazione",
+            "desviación",
+            "desviacion",
+            "dr",
+            "radial deviation",
+            "radiusabweichung",
+        ],
+    ),
+    (
+        ColumnRole::Correction,
+        &["correction", "compensation", "korrektur", "kompensation", "correzione", "corrección", "correccion"],
+    ),
+    (
+        ColumnRole::Run,
+        &[
+            "run",
+            "cycle",
+            "pass",
+            "repetition",
+            "lauf",
+            "messlauf",
+            "durchlauf",
+            "zyklus",
+            "passage",
+            "essai",
+            "ciclo",
+            "corsa",
+            "pasada",
+            "no",
+            "nr",
+        ],
+    ),
+    (
+        ColumnRole::Sense,
+        &[
+            "dir",
+            "direction",
+            "sense",
+            "approach",
+            "richtung",
+            "anfahrrichtung",
+            "sens",
+            "direzione",
+            "senso",
+            "verso",
+            "dirección",
+            "direccion",
+            "sentido",
+        ],
+    ),
+    (ColumnRole::Angle, &["angle", "theta", "winkel", "angolo", "ángulo", "angulo", "phi", "polar angle"]),
+    (ColumnRole::Time, &["time", "t", "zeit", "temps", "tempo", "tiempo"]),
+    (ColumnRole::Radius, &["radius", "r", "distance", "rayon", "raggio", "radio", "ball distance"]),
+    (
+        ColumnRole::Name,
+        &[
+            "name",
+            "feature",
+            "id",
+            "label",
+            "point",
+            "ball",
+            "hole",
+            "merkmal",
+            "bezeichnung",
+            "punkt",
+            "kugel",
+            "nom",
+            "nome",
+            "nombre",
+            "kennung",
+        ],
+    ),
+    (ColumnRole::Skip, &["-", "skip"]),
+];
+
+/// Words for a motion in the positive and in the negative direction.
+const SENSES: &[(i8, &[&str])] = &[
+    (
+        1,
+        &[
+            "+",
+            "↑",
+            "up",
+            "fwd",
+            "forward",
+            "f",
+            "pos",
+            "positive",
+            "hin",
+            "vor",
+            "vorwärts",
+            "auf",
+            "aller",
+            "p",
+            "v",
+            "1",
+            "+1",
+            "andata",
+            "ida",
+        ],
+    ),
+    (
+        -1,
+        &[
+            "-",
+            "\u{2212}",
+            "↓",
+            "down",
+            "rev",
+            "reverse",
+            "bwd",
+            "backward",
+            "r",
+            "neg",
+            "negative",
+            "rück",
+            "rueck",
+            "zurück",
+            "rückwärts",
+            "ab",
+            "retour",
+            "n",
+            "-1",
+            "ritorno",
+            "vuelta",
+        ],
+    ),
+];
+
+/// Returns the direction of a cell or of a part of a heading; `None` if it has none.
+#[must_use]
+pub fn sense(text: &str) -> Option<i8> {
+    let text = text.trim().to_lowercase();
+    SENSES.iter().find(|(_, words)| words.contains(&text.as_str())).map(|(sense, _)| *sense)
+}
+
+/// Returns the meaning of a heading, given in lower case without its unit.
+#[must_use]
+pub fn role(words: &str) -> ColumnRole {
+    let words = words.trim();
+    let known = ROLES.iter().find(|(_, own)| own.contains(&words)).map(|(role, _)| *role);
+    known.or_else(|| series(words)).unwrap_or(ColumnRole::Unknown)
+}
+
+/// Reads the heading of a series: `1+`, `Run 2 -`, `3 ↓`, `F1`, `rev 2`, `Lauf 1 hin`.
+fn series(words: &str) -> Option<ColumnRole> {
+    let digits: String = words.chars().filter(char::is_ascii_digit).collect();
+    let start = words.find(|c: char| c.is_ascii_digit())?;
+    let before = words[..start].trim().trim_end_matches(['#', '_', '.']).trim();
+    let after =
+        words[start..].trim_start_matches(|c: char| c.is_ascii_digit()).trim().trim_matches(['(', ')', '_', ' ']);
+    if after.contains(|c: char| c.is_ascii_digit()) {
+        return None;
+    }
+    let number: u32 = digits.parse().ok().filter(|number| (1..=999).contains(number))?;
+    let is_run =
+        |text: &str| text.is_empty() || ROLES.iter().any(|(role, own)| *role == ColumnRole::Run && own.contains(&text));
+    match (is_run(before), after.is_empty()) {
+        (true, true) => Some(ColumnRole::Series(number, 0)),
+        (true, false) => sense(after).map(|sense| ColumnRole::Series(number, sense)),
+        (false, true) => sense(before).map(|sense| ColumnRole::Series(number, sense)),
+        (false, false) => None,
+    }
+}
+
+/// Returns the axis that a heading names: `x`, `x-axis`, `axis x`, `x position`.
+#[must_use]
+pub fn axis(words: &str) -> Option<Axis> {
+    let mut parts = words.split([' ', '-', '_', '.', ':']).filter(|part| !part.is_empty());
+    let rest = ["axis", "achse", "axe", "asse", "eje", "position", "pos", "target", "soll", "nominal", "command"];
+    let mut found = None;
+    for part in parts.by_ref() {
+        match part.as_bytes() {
+            [letter] if found.is_none() => found = Some(Axis::from_letter(letter.to_ascii_uppercase())?),
+            _ if rest.contains(&part) => {}
+            _ => return None,
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn headings_of_many_languages_are_known() {
+        for (words, expected) in [
+            ("sollposition", ColumnRole::Target),
+            ("écart", ColumnRole::Deviation),
+            ("messlauf", ColumnRole::Run),
+            ("1+", ColumnRole::Series(1, 1)),
+            ("run 2 -", ColumnRole::Series(2, -1)),
+            ("3 ↓", ColumnRole::Series(3, -1)),
+            ("f1", ColumnRole::Series(1, 1)),
+            ("lauf 2 rück", ColumnRole::Series(2, -1)),
+            ("4", ColumnRole::Series(4, 0)),
+            ("humidity", ColumnRole::Unknown),
+        ] {
+            assert_eq!(role(words), expected, "{words}");
+        }
+        assert_eq!(axis("x-axis"), Some(Axis::X));
+        assert_eq!(axis("pos y"), Some(Axis::Y));
+        assert_eq!(axis("x error"), None);
+    }
+}

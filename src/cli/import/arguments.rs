@@ -1,0 +1,89 @@
+//! The arguments of `ncfix import`: those of the command, and one option for each question of an import.
+
+use std::path::PathBuf;
+
+use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
+
+use crate::cli::arguments::MachineChoice;
+use ncfix_instruments::answers::{ImportAnswers, OPTIONS};
+
+/// End of `ncfix import --help`.
+pub(in crate::cli) const AFTER_HELP: &str = "\
+On a terminal, ncfix asks for what the file does not state, shows what it understood, and writes after a confirmation. Elsewhere it asks nothing, and writes \
+only if nothing is open. Without -o it only shows what it understood.
+
+Examples:
+  ncfix import --list
+  ncfix import laser.txt --machine mill.toml
+  ncfix import laser.txt --machine mill.toml --axis X --at Y200,Z100 --sign + --unit um --tool 120 --material 20C -o laser
+  ncfix import plate.csv --machine mill.toml --at X100,Y50,Z-20 --sign + --unit mm --tool 80 --material 23.8@26 -o plate";
+
+/// `ncfix import`.
+#[derive(Clone, Debug, Args)]
+pub(in crate::cli) struct ImportArguments {
+    /// File of an instrument; - for standard input
+    #[arg(value_name = "FILE", required_unless_present = "list")]
+    pub(in crate::cli) file: Option<PathBuf>,
+    /// Common name of the two files to write: NAME.csv and NAME.toml (default: only show what was understood)
+    #[arg(short, long, value_name = "NAME")]
+    pub(in crate::cli) output: Option<PathBuf>,
+    /// Format (default: by the content)
+    #[arg(long = "as", value_name = "FORMAT")]
+    pub(in crate::cli) format: Option<String>,
+    #[command(flatten)]
+    /// Machine file and set-up files.
+    pub(in crate::cli) machine: MachineChoice,
+    #[command(flatten)]
+    /// Answers to the questions of an import.
+    pub(in crate::cli) answers: AnswerChoice,
+    /// Write without asking for a confirmation
+    #[arg(long)]
+    pub(in crate::cli) yes: bool,
+    /// Replace existing files
+    #[arg(long)]
+    pub(in crate::cli) force: bool,
+    /// List the formats and what each needs to be stated
+    #[arg(long)]
+    pub(in crate::cli) list: bool,
+}
+
+/// Answers that were given as options.
+#[derive(Clone, Debug)]
+pub(in crate::cli) struct AnswerChoice(pub(in crate::cli) ImportAnswers);
+
+impl FromArgMatches for AnswerChoice {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let mut answers = ImportAnswers { is_flat_reference: matches.get_flag("flat-reference"), ..Default::default() };
+        for option in OPTIONS {
+            let Some(text) = matches.get_one::<String>(option.name) else { continue };
+            let wrong = |sentence| {
+                clap::Error::raw(clap::error::ErrorKind::ValueValidation, format!("--{}: {sentence}\n", option.name))
+            };
+            answers.set(option.name, text).map_err(wrong)?;
+        }
+        Ok(AnswerChoice(answers))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = AnswerChoice::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl Args for AnswerChoice {
+    fn augment_args(command: Command) -> Command {
+        let of = |option: &ncfix_instruments::answers::ImportOption| {
+            Arg::new(option.name)
+                .long(option.name)
+                .value_name(option.example)
+                .allow_hyphen_values(true)
+                .help(option.meaning)
+        };
+        let flat = Arg::new("flat-reference").long("flat-reference").action(clap::ArgAction::SetTrue);
+        command.args(OPTIONS.iter().map(of)).arg(flat.help("A height map was probed on a calibrated flat"))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        AnswerChoice::augment_args(command)
+    }
+}
