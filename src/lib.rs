@@ -46,6 +46,7 @@ mod interval;
 mod machine;
 mod measured;
 mod moves;
+mod option_value;
 mod options;
 mod plan;
 mod program;

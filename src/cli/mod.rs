@@ -22,7 +22,6 @@ mod machine;
 mod machine_choice;
 mod man;
 mod measured;
-mod pages;
 mod plan;
 mod program;
 mod progress;
@@ -35,7 +34,6 @@ mod state;
 mod steps;
 mod stop;
 mod tables;
-mod value;
 mod verbosity;
 mod verify;
 
@@ -45,7 +43,8 @@ use std::ffi::OsString;
 use std::io::Write as _;
 
 use crate::disk::measurements as measurement;
-use crate::disk::{atomic_writes, files, output, parameters, traces as trace};
+use crate::disk::{atomic_writes, files, output, pages, parameters, traces as trace};
+use crate::option_value as value;
 use arguments::Command;
 use ncfix_report::verdict::colored;
 use stop::Stop;

@@ -15,6 +15,7 @@ pub mod inputs;
 pub mod json;
 pub mod load;
 pub mod machine;
+pub mod manual;
 pub mod markup;
 pub mod measured;
 pub mod origin;

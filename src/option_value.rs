@@ -7,16 +7,16 @@ use ncfix_base::units::parse_length_mm;
 use ncfix_machine::machine::range::range_of;
 
 /// Skipped levels of `/` blocks; `/` alone is level 0.
-pub(super) type SkipLevels = [bool; 10];
+pub(crate) type SkipLevels = [bool; 10];
 
 /// A length above zero, in mm.
-pub(super) fn positive_length_mm(text: &str) -> Result<f64, String> {
+pub(crate) fn positive_length_mm(text: &str) -> Result<f64, String> {
     let length_mm = parse_length_mm(text)?;
     if length_mm > 0.0 { Ok(length_mm) } else { Err(format!("'{text}' is not greater than zero")) }
 }
 
 /// A length of whole mm.
-pub(super) fn whole_mm(text: &str) -> Result<i32, String> {
+pub(crate) fn whole_mm(text: &str) -> Result<i32, String> {
     let length_mm = positive_length_mm(text)?;
     let whole = length_mm.round();
     if (whole - length_mm).abs() < 1e-9 && (1.0..=1e6).contains(&whole) {
@@ -27,19 +27,19 @@ pub(super) fn whole_mm(text: &str) -> Result<i32, String> {
 }
 
 /// A step into which moves are cut, in mm: a finer step than a micrometer makes huge files.
-pub(super) fn step_mm(text: &str) -> Result<f64, String> {
+pub(crate) fn step_mm(text: &str) -> Result<f64, String> {
     let length_mm = positive_length_mm(text)?;
     if length_mm >= 1e-3 { Ok(length_mm) } else { Err(format!("'{text}' is below 1um")) }
 }
 
 /// Number of threads.
-pub(super) fn threads(text: &str) -> Result<usize, String> {
+pub(crate) fn threads(text: &str) -> Result<usize, String> {
     let value = text.parse().ok().filter(|value| (1..=MOST_THREADS).contains(value));
     value.ok_or_else(|| format!("write a whole number from 1 to {}", MOST_THREADS))
 }
 
 /// A percentage, as a fraction.
-pub(super) fn percent(text: &str) -> Result<f64, String> {
+pub(crate) fn percent(text: &str) -> Result<f64, String> {
     let value = text.strip_suffix('%').and_then(|number| number.trim().parse::<f64>().ok());
     let value = value.filter(|value| *value > 0.0 && *value <= 50.0);
     value
@@ -48,13 +48,13 @@ pub(super) fn percent(text: &str) -> Result<f64, String> {
 }
 
 /// A time above zero and up to a year, given in seconds.
-pub(super) fn seconds(text: &str) -> Result<Duration, String> {
+pub(crate) fn seconds(text: &str) -> Result<Duration, String> {
     let value = text.parse::<f64>().ok().filter(|value| *value > 0.0 && *value <= 366.0 * 86_400.0);
     value.map(Duration::from_secs_f64).ok_or_else(|| "write a number of seconds above 0, for example 60".to_owned())
 }
 
 /// A rate limit above zero; infinite for `off`.
-pub(super) fn dose(text: &str) -> Result<f64, String> {
+pub(crate) fn dose(text: &str) -> Result<f64, String> {
     if text == "off" {
         return Ok(f64::INFINITY);
     }
@@ -63,13 +63,13 @@ pub(super) fn dose(text: &str) -> Result<f64, String> {
 }
 
 /// A temperature difference above zero, in K.
-pub(super) fn kelvin(text: &str) -> Result<f64, String> {
+pub(crate) fn kelvin(text: &str) -> Result<f64, String> {
     let value = text.parse::<f64>().ok().filter(|value| (0.0..=100.0).contains(value) && *value > 0.0);
     value.ok_or_else(|| "write a temperature difference above 0 in K, for example 0.5".to_owned())
 }
 
 /// An increment of a control, in mm, in the range of that key of the machine file.
-pub(super) fn increment_mm(text: &str) -> Result<f64, String> {
+pub(crate) fn increment_mm(text: &str) -> Result<f64, String> {
     let length_mm = positive_length_mm(text)?;
     if range_of("increment_mm").values().contains(&length_mm) {
         // Reading the decimal text again gives the double nearest to it: 0.1um becomes 1e-4 mm and not 1.0000000000000002e-4.
@@ -80,7 +80,7 @@ pub(super) fn increment_mm(text: &str) -> Result<f64, String> {
 }
 
 /// `0`, `0,3` or `all`.
-pub(super) fn skip_levels(text: &str) -> Result<SkipLevels, String> {
+pub(crate) fn skip_levels(text: &str) -> Result<SkipLevels, String> {
     if text.eq_ignore_ascii_case("all") {
         return Ok([true; 10]);
     }
