@@ -164,6 +164,7 @@ mod rounding_and_turns;
 mod rs274_flow;
 mod rs274_splines;
 mod saved_data;
+mod saved_setups;
 mod schemas;
 mod sense;
 mod sense_files;
