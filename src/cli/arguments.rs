@@ -16,13 +16,14 @@ pub(super) use super::figures::arguments::FiguresArguments;
 pub(super) use super::fix::arguments::{CompensationChoice, CorrectionChoice, PoseRotaryChoice, RotaryChoice};
 pub(super) use super::load::arguments::LoadArguments;
 pub(super) use super::machine::arguments::{
-    MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice,
+    MachineArguments, MachineCommand, NewMachineArguments, PresetArguments, ShowArguments, StateChoice,
 };
 pub(super) use super::measured::arguments::MeasuredArguments;
 pub(super) use super::plan::arguments::PlanArguments;
 pub(super) use super::realtime::arguments::RealtimeArguments;
 pub(super) use super::sensors::arguments::SensorsArguments;
 pub(super) use super::simulate::arguments::SimulateArguments;
+pub(super) use super::square::arguments::SquareArguments;
 pub(super) use super::steps::arguments::StepsArguments;
 pub(super) use super::tables::arguments::TablesArguments;
 pub(super) use super::verify::arguments::VerifyArguments;
@@ -39,8 +40,8 @@ use clap::{ArgGroup, Args, FromArgMatches as _, Subcommand};
 
 use super::verbosity::Verbosity;
 use super::{
-    calibrate, decompose, diagnose, diff, feed, figures, load, measured, plan, realtime, sensors, simulate, steps,
-    tables, value,
+    calibrate, decompose, diagnose, diff, feed, figures, load, measured, plan, realtime, sensors, simulate, square,
+    steps, tables, value,
 };
 use crate::options::{Compensation, Options};
 use ncfix_base::geometry::AxisVector;
@@ -157,6 +158,9 @@ pub(super) enum Command {
     /// Select the temperature sensors that predict the drift
     #[command(after_help = sensors::arguments::AFTER_HELP)]
     Sensors(SensorsArguments),
+    /// Find the squareness of two axes from two diagonals or a dial gauge
+    #[command(after_help = square::arguments::AFTER_HELP)]
+    Square(Box<SquareArguments>),
     /// Send a program line by line, corrected for temperature
     #[command(after_help = feed::arguments::AFTER_HELP)]
     Feed(Box<FeedArguments>),

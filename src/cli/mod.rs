@@ -30,6 +30,7 @@ mod resume;
 mod sensors;
 mod simulate;
 mod snc;
+mod square;
 mod state;
 mod steps;
 mod stop;
@@ -118,6 +119,7 @@ fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
         Command::Calibrate(arguments) => calibrate::run(arguments),
         Command::Simulate(arguments) => simulate::run(arguments),
         Command::Figures(arguments) => figures::run(arguments),
+        Command::Square(arguments) => square::run(arguments),
         Command::Machine(command) => machine::run(command),
         Command::Explain(arguments) => explain::run(arguments),
         Command::Completions(arguments) => completions::run(arguments),

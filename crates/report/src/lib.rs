@@ -3,6 +3,7 @@
 //! Everything here returns text or serializable values. Nothing opens a file or queries the capabilities of a terminal.
 
 pub mod calibration;
+pub mod chain;
 mod component;
 pub mod correction;
 pub mod coverage;
