@@ -54,7 +54,7 @@ pub(in crate::cli) struct SquareArguments {
     #[arg(long, value_name = "MM", group = "sizes")]
     pub(in crate::cli) side: Option<f64>,
     /// Sides of the rectangular part, mm
-    #[arg(long, value_name = "A,B", num_args = 2, value_delimiter = ',', group = "sizes")]
+    #[arg(long, value_name = "A,B", value_delimiter = ',', group = "sizes")]
     pub(in crate::cli) sides: Vec<f64>,
     /// Length of the leg of a square along which an axis moves, mm
     #[arg(long, value_name = "MM", requires = "dial")]

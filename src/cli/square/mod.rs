@@ -34,7 +34,8 @@ pub(in crate::cli) fn run(arguments: &SquareArguments) -> Result<ExitCode, Stop>
     let sides = match (arguments.side, arguments.sides.as_slice()) {
         (Some(side), _) => [side; 2],
         (None, [a, b]) => [*a, *b],
-        _ => [SHOWN_MM; 2],
+        (None, []) => [SHOWN_MM; 2],
+        _ => return Err(Stop::Usage("--sides needs two lengths in mm, such as 600,400".into())),
     };
     let mut findings = Findings::default();
     let (path, found) = machine_choice::locate(arguments.machine.machine.as_deref(), Path::new("-"));
