@@ -25,7 +25,7 @@ const CRATES: &[(&str, &[Room])] = &[
         ],
     ),
     ("dialect", &[]),
-    ("machine", &[("machine", &[]), ("snc", &[])]),
+    ("machine", &[("machine", &[]), ("snc", &[]), ("describe", &["machine"]), ("saved", &["machine"])]),
     ("language", &[("syntax", &[]), ("exec", &["syntax"])]),
     ("model", &[]),
     ("path", &[("path", &[]), ("servo", &["path"]), ("emit", &["path"]), ("review", &["path"])]),

@@ -45,6 +45,7 @@ fn commands() -> Vec<Vec<&'static str>> {
         "calibrate",
         "simulate",
         "iso230",
+        "square",
         "tables",
         "machine",
         "explain",
@@ -53,7 +54,7 @@ fn commands() -> Vec<Vec<&'static str>> {
     ];
     names.iter().for_each(|name| assert!(help.contains(&format!("\n  {name} ")), "{name}"));
     let mut commands: Vec<Vec<&str>> = names.into_iter().map(|name| vec![name]).collect();
-    commands.extend(["check", "show", "presets"].map(|name| vec!["machine", name]));
+    commands.extend(["check", "show", "presets", "new"].map(|name| vec!["machine", name]));
     commands
 }
 

@@ -17,13 +17,14 @@ pub(super) use super::fix::arguments::{CompensationChoice, CorrectionChoice, Pos
 pub(super) use super::import::arguments::ImportArguments;
 pub(super) use super::load::arguments::LoadArguments;
 pub(super) use super::machine::arguments::{
-    MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice,
+    MachineArguments, MachineCommand, NewMachineArguments, PresetArguments, ShowArguments, StateChoice,
 };
 pub(super) use super::measured::arguments::MeasuredArguments;
 pub(super) use super::plan::arguments::PlanArguments;
 pub(super) use super::realtime::arguments::RealtimeArguments;
 pub(super) use super::sensors::arguments::SensorsArguments;
 pub(super) use super::simulate::arguments::SimulateArguments;
+pub(super) use super::square::arguments::SquareArguments;
 pub(super) use super::steps::arguments::StepsArguments;
 pub(super) use super::tables::arguments::TablesArguments;
 pub(super) use super::verify::arguments::VerifyArguments;
@@ -40,7 +41,7 @@ use clap::{ArgGroup, Args, FromArgMatches as _, Subcommand};
 
 use super::verbosity::Verbosity;
 use super::{
-    calibrate, decompose, diagnose, diff, feed, figures, import, load, measured, plan, realtime, sensors, simulate,
+    calibrate, decompose, diagnose, diff, feed, figures, import, load, measured, plan, realtime, sensors, simulate, square,
     steps, tables, value,
 };
 use crate::options::{Compensation, Options};
@@ -158,6 +159,9 @@ pub(super) enum Command {
     /// Select the temperature sensors that predict the drift
     #[command(after_help = sensors::arguments::AFTER_HELP)]
     Sensors(SensorsArguments),
+    /// Find the squareness of two axes from two diagonals or a dial gauge
+    #[command(after_help = square::arguments::AFTER_HELP)]
+    Square(Box<SquareArguments>),
     /// Send a program line by line, corrected for temperature
     #[command(after_help = feed::arguments::AFTER_HELP)]
     Feed(Box<FeedArguments>),

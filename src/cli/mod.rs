@@ -23,7 +23,6 @@ mod machine;
 mod machine_choice;
 mod man;
 mod measured;
-mod pages;
 mod plan;
 mod program;
 mod progress;
@@ -32,6 +31,7 @@ mod resume;
 mod sensors;
 mod simulate;
 mod snc;
+mod square;
 mod state;
 mod steps;
 mod stop;
@@ -45,7 +45,7 @@ use std::ffi::OsString;
 use std::io::Write as _;
 
 use crate::disk::measurements as measurement;
-use crate::disk::{atomic_writes, files, output, parameters, traces as trace};
+use crate::disk::{atomic_writes, files, output, pages, parameters, traces as trace};
 use crate::option_values as value;
 use arguments::Command;
 use ncfix_report::verdict::colored;
@@ -122,6 +122,7 @@ fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
         Command::Calibrate(arguments) => calibrate::run(arguments),
         Command::Simulate(arguments) => simulate::run(arguments),
         Command::Figures(arguments) => figures::run(arguments),
+        Command::Square(arguments) => square::run(arguments),
         Command::Machine(command) => machine::run(command),
         Command::Explain(arguments) => explain::run(arguments),
         Command::Completions(arguments) => completions::run(arguments),

@@ -15,7 +15,9 @@ use ncfix_base::source::{FileId, Source};
 use ncfix_dialect::{CodeEffect, Dialect};
 use ncfix_language::exec::apply_archive;
 use ncfix_machine::machine::Condition;
+use ncfix_machine::machine::controller::{ControllerMeaning, controller};
 use ncfix_machine::machine::file::{DEMO, MachineFile, apply_setup};
+use ncfix_machine::saved::{SavedFormat, apply_saved, recognized};
 use ncfix_model::file::load_with;
 
 /// Name of the machine file that is searched in the folder of the program and above it.
@@ -168,7 +170,10 @@ fn read_with(
             Some(section.place_of("controller"))
         });
         let message = format!("controller '{}' in {} is not a dialect", machine.controller, source.name());
-        let help = format!("write one of {}, haas", dialect_names());
+        let help = match controller(&machine.controller).map(|row| row.meaning) {
+            Some(ControllerMeaning::Differs(advice) | ControllerMeaning::Unread(advice)) => advice.to_owned(),
+            _ => format!("write one of {}, haas", dialect_names()),
+        };
         let found = Diagnostic::nowhere(Code::BAD_VALUE, message, help);
         findings.add(Diagnostic { place, ..found }, std::slice::from_ref(source));
     }
@@ -195,9 +200,15 @@ fn read_with(
     let mut sources = Vec::new();
     for path in setups {
         let (setup, members) = members(path)?;
-        for Member { source: member, is_saved_data } in members {
-            let mut found =
-                if is_saved_data { apply_archive(&member, &mut machine) } else { apply_setup(&member, &mut machine) };
+        for Member { source: member, is_saved_data, format } in members {
+            let mut found = match format {
+                Some(format) => {
+                    log::info!("set-up {}: {}", member.name(), format.name);
+                    apply_saved(format, &member, &mut machine)
+                }
+                None if is_saved_data => apply_archive(&member, &mut machine),
+                None => apply_setup(&member, &mut machine),
+            };
             if !is_saved_data && found.iter().any(|found| found.code == Code::BAD_TOML) && is_program(&member) {
                 let message = format!("{} is a part program, not a set-up", member.name());
                 let help = "give it as the program; a set-up is a .toml file, or the saved data of the control";
@@ -246,6 +257,8 @@ pub(crate) struct Member {
     pub(crate) source: Source,
     /// True if it is in the control's own language rather than TOML.
     pub(crate) is_saved_data: bool,
+    /// Format of another control, if the file has one.
+    pub(crate) format: Option<&'static SavedFormat>,
 }
 
 /// A set-up file and its content: the file itself, or the data of an archive.
@@ -259,7 +272,8 @@ pub(crate) fn members(path: &Path) -> Result<(Source, Vec<Member>), Error> {
     let inside = archive::saved_data(path, setup.bytes())?.unwrap_or_else(|| vec![setup.clone()]);
     let member = |source: Source| {
         let is_saved_data = source.name() != setup.name() || is_saved_data(path, source.bytes());
-        Member { source, is_saved_data }
+        let format = if is_toml(path) { None } else { recognized(&source) };
+        Member { source, is_saved_data, format }
     };
     let members = inside.into_iter().map(member).collect();
     Ok((setup, members))
@@ -267,13 +281,18 @@ pub(crate) fn members(path: &Path) -> Result<(Source, Vec<Member>), Error> {
 
 /// True if a set-up file is in the control's own language rather than TOML.
 fn is_saved_data(path: &Path, bytes: &[u8]) -> bool {
-    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
+    if is_toml(path) {
         return false;
     }
     let lines = bytes.split(|&byte| byte == b'\n' || byte == b'\r').map(<[u8]>::trim_ascii_start);
     let is_mark = |line: &[u8]| matches!(line, [b'%' | b'$' | b';', ..] | [b'R' | b'N' | b'n', b'0'..=b'9', ..]);
     let first = lines.into_iter().find(|line| !line.is_empty());
     first.is_some_and(|line| is_mark(line) || line.starts_with(b"CHANDATA") || line.starts_with(b"METRIC"))
+}
+
+/// True if the name of a set-up file ends with `.toml`.
+fn is_toml(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
 /// The demo machine as a file.

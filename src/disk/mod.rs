@@ -16,6 +16,8 @@ pub(crate) mod machine_file;
 pub(crate) mod measurements;
 pub(crate) mod origin;
 pub(crate) mod output;
+pub(crate) mod pager;
+pub(crate) mod pages;
 pub(crate) mod parameters;
 mod replace;
 pub(crate) mod stated_machine;

@@ -10,6 +10,7 @@ use ncfix_language::exec::apply_archive;
 use ncfix_machine::machine::file::{MachineFile, apply_setup, read_machine};
 use ncfix_machine::machine::origin::{defaults, written};
 use ncfix_machine::machine::{Machine, Setting, Tool};
+use ncfix_machine::saved::apply_saved;
 use ncfix_report::origin::{OriginFile, OriginFileKind, OriginRow, Origins};
 
 /// Sections that have values even if they are not written.
@@ -35,11 +36,14 @@ pub(crate) fn origins(source: &Source, found: FoundFile, setups: &[PathBuf]) -> 
             file: path.display().to_string(),
             found: "--setup".to_owned(),
         });
-        for Member { source, is_saved_data } in machine_file::members(path)?.1 {
-            if is_saved_data {
+        for Member { source, is_saved_data, format } in machine_file::members(path)?.1 {
+            if is_saved_data || format.is_some() {
                 let before = machine.clone();
                 // Errors in it were reported when the machine was read.
-                let _ = apply_archive(&source, &mut machine);
+                let _ = match format {
+                    Some(format) => apply_saved(format, &source, &mut machine),
+                    None => apply_archive(&source, &mut machine),
+                };
                 lay_over(&mut out.values, changes(&before, &machine, &source));
             } else if let Ok(file) = MachineFile::parse(&source) {
                 let _ = apply_setup(&source, &mut machine);

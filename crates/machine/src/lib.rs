@@ -1,4 +1,6 @@
-//! Data of the machine tool, and SNC, the flat stream of moves that is the result of executing a program. This crate does not contain error models or languages.
+//! Data of the machine tool, and SNC, the flat stream of moves that a program becomes; descriptions of new machines, and files in which controls save offsets and tools. This crate contains neither error models nor languages.
 
+pub mod describe;
 pub mod machine;
+pub mod saved;
 pub mod snc;

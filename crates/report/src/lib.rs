@@ -3,6 +3,7 @@
 //! The functions return text or serializable values, apart from the [`progress`] line. They do not open files and do not query the capabilities of a terminal.
 
 pub mod calibration;
+pub mod chain;
 mod component;
 pub mod correction;
 pub mod coverage;
@@ -15,6 +16,7 @@ pub mod inputs;
 pub mod json;
 pub mod load;
 pub mod machine;
+pub mod manual;
 pub mod markup;
 pub mod measured;
 pub mod origin;

@@ -177,7 +177,7 @@ fn travel(axis: &AxisData) -> String {
 }
 
 /// Formats a number with up to six decimals, without trailing zeros.
-fn decimal(value: f64) -> String {
+pub(super) fn decimal(value: f64) -> String {
     let text = format!("{value:.6}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".into() } else { text.to_owned() }

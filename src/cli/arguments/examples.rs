@@ -35,6 +35,15 @@ Examples:
   ncfix machine show mill.toml --at X100,Y50,Z-20 --state warm.toml --load 1700@0,0,-280 --json
   ncfix machine show --origin --setup job.toml";
 
+pub(in crate::cli) const NEW: &str = "\
+On a terminal, ncfix asks for travels, senses and pivots that no option states. Elsewhere it assumes the travels of the template, and marks them in the \
+file. It never assumes the sense of a rotary axis or a point on it.
+
+Examples:
+  ncfix machine new --list
+  ncfix machine new router.toml --like router --control grbl --travel X=-600..0 --travel Y=-900..0
+  ncfix machine new mill.toml --like trunnion-ac --from mill.ini --picture mill.svg";
+
 pub(in crate::cli) const PRESETS: &str = "\
 Examples:
   ncfix machine presets

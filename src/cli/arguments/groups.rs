@@ -9,7 +9,7 @@ use clap::builder::Styles;
 /// Groups in the order of the work: a program, measurements, the model fitted to them, the machine, a transfer.
 const GROUPS: &[(&str, &[&str])] = &[
     ("Program", &["fix", "check", "snc", "diff", "verify", "max-step"]),
-    ("Measure", &["plan", "simulate", "import", "correct-readings", "iso230", "weigh"]),
+    ("Measure", &["plan", "simulate", "import", "correct-readings", "iso230", "square", "weigh"]),
     ("Model", &["calibrate", "diagnose", "decompose", "sensors"]),
     ("Machine", &["machine", "tables"]),
     ("Live", &["feed", "resume", "realtime"]),

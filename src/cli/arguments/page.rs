@@ -1,8 +1,11 @@
 //! The arguments of all commands that write a page.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
+
+use crate::disk::pages::Pages;
+use crate::error::Error;
 
 /// Report page and its pictures.
 #[derive(Clone, Debug, Default, Args)]
@@ -16,6 +19,14 @@ pub(in crate::cli) struct PageChoice {
 }
 
 impl PageChoice {
+    /// The requested page and pictures, if any; `output` is the other file that is written.
+    ///
+    /// # Errors
+    /// If they cannot be written.
+    pub(in crate::cli) fn pages(&self, output: Option<&Path>, json: bool) -> Result<Option<Pages>, Error> {
+        Pages::new((self.report.as_deref(), self.svg.as_deref()), output, json)
+    }
+
     /// True if the page or its pictures are requested.
     pub(in crate::cli) fn is_wanted(&self) -> bool {
         self.report.is_some() || self.svg.is_some()

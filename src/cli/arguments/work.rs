@@ -1,6 +1,6 @@
 //! Commands that may run for long before they print anything.
 
-use super::Command;
+use super::{Command, MachineCommand};
 
 impl Command {
     /// Name of a command that may run for long before it prints anything; `None` if it prints as it goes.
@@ -25,6 +25,8 @@ impl Command {
             Command::Simulate(_) => "simulate",
             Command::Figures(_) => "iso230",
             Command::Tables(_) => "tables",
+            // A question of `machine new` must stay on its line.
+            Command::Machine(MachineCommand::New(_)) | Command::Square(_) => return None,
             Command::Machine(_) => "machine",
             Command::Snc(_) | Command::Sensors(_) => return None,
             Command::Explain(_) | Command::Completions(_) | Command::Import(_) | Command::Man(_) => return None,

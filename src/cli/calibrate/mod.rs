@@ -31,12 +31,12 @@ pub(in crate::cli) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, St
     let mut findings = Findings::default();
     let mut report = CalibrationReport { version: env!("CARGO_PKG_VERSION"), ..CalibrationReport::default() };
     report.found.model.clone_from(&arguments.model);
-    let page = Pages::new(&arguments.page, Some(&arguments.output), arguments.json)?;
+    let page = arguments.page.pages(Some(&arguments.output), arguments.json)?;
     let mut files = AtomicWrites::default();
     let mut result = calibrate(arguments, page.as_ref(), &mut files, &mut findings, &mut report);
     if let (Some(page), Ok(())) = (page.filter(|_| !report.inputs.is_empty()), &result) {
         report.diagnostics = findings.json();
-        result = page.add(&page::calibration::calibration(&report), &mut files);
+        result = page.add(&page::calibration::calibration(&report), &mut files).map_err(Stop::from);
         if result.is_ok() {
             report.report = arguments.page.report.as_ref().map(|path| path.display().to_string());
         }

@@ -30,12 +30,12 @@ pub(in crate::cli) fn run(arguments: &DecomposeArguments) -> Result<ExitCode, St
     let mut findings = Findings::default();
     let mut report = DecompositionReport::default();
     report.found.schema = SCHEMA;
-    let page = Pages::new(&arguments.page, arguments.output.as_deref(), arguments.json)?;
+    let page = arguments.page.pages(arguments.output.as_deref(), arguments.json)?;
     let mut files = AtomicWrites::default();
     let mut result = find(arguments, page.as_ref(), &mut files, &mut findings, &mut report);
     report.diagnostics = findings.json();
     if let (Some(page), Ok(())) = (page.filter(|_| !report.inputs.is_empty()), &result) {
-        result = page.add(&page::decomposition::decomposition(&report), &mut files);
+        result = page.add(&page::decomposition::decomposition(&report), &mut files).map_err(Stop::from);
         if result.is_ok() {
             report.report = arguments.page.report.as_ref().map(|path| path.display().to_string());
         }

@@ -31,12 +31,12 @@ pub(in crate::cli) fn run(arguments: &DiagnoseArguments) -> Result<ExitCode, Sto
     let mut report = DiagnosisReport::default();
     report.found.schema = SCHEMA;
     let mut shown = PageReadings { version: env!("CARGO_PKG_VERSION"), ..PageReadings::default() };
-    let page = Pages::new(&arguments.page, arguments.output.as_deref(), arguments.json)?;
+    let page = arguments.page.pages(arguments.output.as_deref(), arguments.json)?;
     let mut files = AtomicWrites::default();
     let mut result = find(arguments, (page.as_ref(), &mut files), &mut findings, &mut report, &mut shown);
     if let (Some(page), Ok(())) = (page.filter(|_| !shown.inputs.is_empty()), &result) {
         report.diagnostics = findings.json();
-        result = page.add(&page::diagnosis::diagnosis(&report, &shown), &mut files);
+        result = page.add(&page::diagnosis::diagnosis(&report, &shown), &mut files).map_err(Stop::from);
         if result.is_ok() {
             report.report = arguments.page.report.as_ref().map(|path| path.display().to_string());
         }

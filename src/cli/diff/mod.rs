@@ -3,7 +3,6 @@
 pub(in crate::cli) mod arguments;
 
 mod page;
-mod pager;
 mod text;
 
 use crate::cli::arguments::DiffArguments;
@@ -12,6 +11,7 @@ use crate::cli::findings::Findings;
 use crate::cli::stop::Stop;
 use crate::cli::{machine_choice, pages, print, program, progress, tell};
 use crate::compare::{CompareOptions, ComparedPrograms, Listing, Outcome, Pair, ROWS};
+use crate::disk::pager::Page;
 use crate::program::Program;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_path::review::ReviewTrace;
@@ -20,7 +20,6 @@ use ncfix_report::review::Review;
 use ncfix_report::verdict::Grade;
 
 pub(in crate::cli) use page::text as page;
-use pager::Page;
 
 /// Compares two programs.
 pub(in crate::cli) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {

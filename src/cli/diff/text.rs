@@ -1,12 +1,12 @@
 //! `ncfix diff --text`: the words of two programs as they are written.
 
-use super::pager::Page;
 use super::{names, wanted};
 use crate::cli::arguments::DiffArguments;
 use crate::cli::exit_code::ExitCode;
 use crate::cli::stop::Stop;
 use crate::cli::{print, program};
 use crate::compare::{ROWS, TextComparison};
+use crate::disk::pager::Page;
 use ncfix_report::json;
 
 /// Compares two programs.

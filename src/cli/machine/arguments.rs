@@ -1,6 +1,6 @@
 //! Arguments of the commands about one machine, and of its condition.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
@@ -8,6 +8,7 @@ use crate::cli::arguments::{MachineChoice, examples};
 use crate::datum::StatedZero;
 use crate::tool::ToolVector;
 use ncfix_base::geometry::AxisVector;
+use ncfix_machine::describe::{DescriptionRequest, StatedPivot, StatedSense, StatedTravel};
 use ncfix_machine::machine::{Load, State};
 
 /// Condition of the machine.
@@ -45,6 +46,56 @@ pub(in crate::cli) enum MachineCommand {
     /// List parameter sets for an error model, or show one with its values in a machine file
     #[command(after_help = examples::PRESETS)]
     Presets(PresetArguments),
+    /// Write a new machine file from a template, statements and data of the control
+    #[command(after_help = examples::NEW)]
+    New(Box<NewMachineArguments>),
+}
+
+/// `ncfix machine new`.
+#[derive(Clone, Debug, Args)]
+pub(in crate::cli) struct NewMachineArguments {
+    /// Machine file to write; the machine gets its name. - for standard output
+    #[arg(value_name = "NAME.toml", required_unless_present = "list")]
+    pub(in crate::cli) output: Option<PathBuf>,
+    /// Template of the chain
+    #[arg(long, value_name = "TEMPLATE", required_unless_present = "list")]
+    pub(in crate::cli) like: Option<String>,
+    /// List the templates with their chains
+    #[arg(long, conflicts_with_all = ["output", "like"])]
+    pub(in crate::cli) list: bool,
+    /// Control: sinumerik, 840d, fanuc, haas, linuxcnc, grbl, millplus … (default: that of --from, else sinumerik)
+    #[arg(long, value_name = "CONTROL")]
+    pub(in crate::cli) control: Option<String>,
+    /// Travel of an axis, machine coordinates, mm or degrees: X=0..600, C=modulo; repeatable
+    #[arg(long, value_name = "AXIS=LOW..HIGH", allow_hyphen_values = true)]
+    pub(in crate::cli) travel: Vec<StatedTravel>,
+    /// Sense of an axis: C=- if the part that it carries turns against the right-hand rule, or moves against its letter, for a positive command; repeatable
+    #[arg(long, value_name = "AXIS=+|-", allow_hyphen_values = true)]
+    pub(in crate::cli) sense: Vec<StatedSense>,
+    /// Point on a rotary axis, machine coordinates with all axes at zero, mm: C=300,-198,-440; repeatable
+    #[arg(long, value_name = "AXIS=X,Y,Z", allow_hyphen_values = true)]
+    pub(in crate::cli) pivot: Vec<StatedPivot>,
+    /// Data of the control: Sinumerik machine data, LinuxCNC INI, Grbl settings ($$); repeatable
+    #[arg(long, value_name = "FILE")]
+    pub(in crate::cli) from: Vec<PathBuf>,
+    /// Write a picture of the chain with the senses of its axes
+    #[arg(long, value_name = "PICTURE.svg")]
+    pub(in crate::cli) picture: Option<PathBuf>,
+}
+
+impl NewMachineArguments {
+    /// The statements of the command line.
+    pub(in crate::cli) fn request(&self) -> DescriptionRequest {
+        let stem = self.output.as_deref().and_then(Path::file_stem).map(|stem| stem.to_string_lossy().into_owned());
+        DescriptionRequest {
+            name: stem.filter(|stem| stem != "-").unwrap_or_else(|| "machine".to_owned()),
+            control: self.control.clone(),
+            travels: self.travel.clone(),
+            senses: self.sense.clone(),
+            pivots: self.pivot.clone(),
+            ..DescriptionRequest::default()
+        }
+    }
 }
 
 /// `ncfix machine presets`.

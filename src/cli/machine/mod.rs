@@ -1,6 +1,7 @@
 //! `ncfix machine check` and `ncfix machine show`: one machine file on its own, and its errors at a pose.
 
 pub(in crate::cli) mod arguments;
+mod new;
 mod presets;
 
 use std::path::Path;
@@ -19,12 +20,13 @@ use ncfix_report::json;
 use ncfix_report::machine::table;
 use ncfix_report::shares::Shares;
 
-/// Checks or shows a machine file, or the presets of its error model.
+/// Checks, shows or writes a machine file, or shows the presets of its error model.
 pub(in crate::cli) fn run(command: &MachineCommand) -> Result<ExitCode, Stop> {
     match command {
         MachineCommand::Check(arguments) => check(arguments),
         MachineCommand::Show(arguments) => show(arguments),
         MachineCommand::Presets(arguments) => presets::run(arguments),
+        MachineCommand::New(arguments) => new::run(arguments),
     }
 }
 

@@ -17,7 +17,7 @@ use ncfix_report::{json, page};
 /// Compares two programs.
 pub(in crate::cli) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Stop> {
     let mut findings = Findings::default();
-    let pages = Pages::new(&arguments.page, None, arguments.json)?;
+    let pages = arguments.page.pages(None, arguments.json)?;
     if let Some(target) = pages.as_ref().and_then(Pages::target) {
         program::protect(target, [&arguments.original, &arguments.corrected], &mut findings);
     }

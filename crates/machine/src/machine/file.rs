@@ -10,6 +10,7 @@ use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, Plane, Vector};
 use ncfix_base::source::Source;
 
 use super::condition::file::PLAUSIBLE_C;
+use super::controller::{ControllerMeaning, controller};
 use super::zero_offset::{check_name, common_name, read_zero_offsets};
 use super::{ActiveTables, AxisData, Control, Lever, Machine, Spindle, ToolChange, Topology};
 use super::{active, measured, opaque, orientation, servo, setting, strain, tool, uncertainty};
@@ -39,7 +40,6 @@ pub const SECTIONS: &[&str] = &[
 ];
 
 /// A Haas is a Fanuc with other meanings of some words.
-const HAAS: &str = "haas";
 const FANUC: &str = "fanuc";
 
 /// Maximum deviation of the direction of a linear axis from its direction of F.
@@ -183,9 +183,15 @@ struct Head {
 fn read_head(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Head {
     let name = section.required("name", "\"my machine\"", Section::text).map(str::to_owned);
     let written = section.required("topology", "\"wXYFZSt\"", Section::text);
-    let controller = section.text("controller").unwrap_or("sinumerik");
-    let is_haas = controller.eq_ignore_ascii_case(HAAS);
-    let controller = if is_haas { FANUC } else { controller }.to_owned();
+    let written_controller = section.text("controller").unwrap_or("sinumerik");
+    let meaning = controller(written_controller).map(|row| row.meaning);
+    let is_haas = meaning == Some(ControllerMeaning::Haas);
+    let controller = match meaning {
+        Some(ControllerMeaning::Language(language)) => language,
+        Some(ControllerMeaning::Haas) => FANUC,
+        _ => written_controller,
+    }
+    .to_owned();
     let reference_temperature_c = section.number("reference_temperature_C").unwrap_or(20.0);
     let active_tables = active::read(&mut section);
     let axis_order = active::read_axis_order(&mut section);

@@ -8,6 +8,7 @@ mod chain;
 mod clamp;
 pub mod condition;
 mod contour_control;
+pub mod controller;
 mod datum;
 mod document;
 pub mod edit;
@@ -26,6 +27,7 @@ pub mod range;
 mod section;
 mod servo;
 mod setting;
+pub mod squareness;
 mod state;
 mod strain;
 mod tip_path;
@@ -163,6 +165,8 @@ pub struct Control {
     pub grid: [f64; 2],
     /// True if the output is in inches; `None`: metric for programs that do not state their unit.
     pub output_inch: Option<bool>,
+    /// True if the files in which the control saves offsets and tools are in inches; `None` if the machine file does not state their unit.
+    pub saved_inch: Option<bool>,
     /// True if an inch has ten times as many increments as a millimeter, the grid of a Fanuc. LinuxCNC reads any decimals; there, a hundred times as many
     /// preserve the resolution of `increment_mm`.
     pub has_inch_grid: bool,
@@ -304,6 +308,7 @@ impl Default for Control {
             increment_rad: 1e-4_f64.to_radians(),
             grid: [1e-4, 1e-4_f64.to_radians()],
             output_inch: None,
+            saved_inch: None,
             has_inch_grid: true,
             increments_per_mm: None,
             last_block_number: None,

@@ -2,6 +2,7 @@
 
 use super::Control;
 use super::section::Section;
+use ncfix_base::diagnostic::Code;
 
 /// Returns the defaults for the language of the control, before the file is read.
 pub(super) fn of_controller(controller: &str) -> Control {
@@ -28,6 +29,16 @@ pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     let whole = |value: f64| (1.0..=1e9).contains(&value) && value.fract() == 0.0;
     if let Some(value) = section.number_where("increments_per_mm", "a whole number from 1 to 1000000000", whole) {
         control.increments_per_mm = Some(value);
+    }
+    match section.text("saved_unit") {
+        None => {}
+        Some("mm") => control.saved_inch = Some(false),
+        Some("inch") => control.saved_inch = Some(true),
+        Some(other) => {
+            let message = format!("saved_unit must be \"mm\" or \"inch\", found \"{other}\"");
+            let help = "write the unit of the files in which the control saves offsets and tools";
+            section.report(Code::BAD_VALUE, section.place_of("saved_unit"), message, help);
+        }
     }
     let block_number = |value: f64| (100.0..=99_999_999.0).contains(&value) && value.fract() == 0.0;
     if let Some(value) = section.number_where("last_block_number", "a whole number from 100 to 99999999", block_number)

@@ -16,6 +16,7 @@ pub mod plan;
 pub mod ranges;
 pub mod reading;
 pub mod simulate;
+pub mod squareness;
 pub mod strain;
 pub mod trace;
 pub mod weighing;

@@ -4,6 +4,7 @@
 //! register it in [`WRITERS`].
 
 mod block_number;
+mod check_cut;
 mod comment;
 mod flat;
 mod kept;
@@ -15,6 +16,7 @@ mod stops;
 mod words;
 
 pub use block_number::NumberSet;
+pub use check_cut::check_cut;
 pub use flat::flat;
 pub use number::Decimals;
 pub use stamp::{

@@ -3,39 +3,42 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::arguments::PageChoice;
 use super::atomic_writes::AtomicWrites;
-use super::input::is_standard_stream;
+use super::files::is_standard_stream;
+pub(crate) use super::hash::input_of as input;
 use super::output::{Target, is_same};
-use super::stop::Stop;
-pub(super) use crate::disk::hash::input_of as input;
+use crate::error::Error;
 use ncfix_report::page::apart::pictures;
 
 /// Requested page and pictures.
 #[derive(Debug)]
-pub(super) struct Pages {
+pub(crate) struct Pages {
     page: Option<Target>,
     pictures: Option<PathBuf>,
 }
 
 impl Pages {
-    /// The request, if any; `output` is the other file that is written.
+    /// The request for a page and a folder of pictures, if any; `output` is the other file that is written.
     ///
     /// # Errors
     /// If it cannot be written there.
-    pub(super) fn new(choice: &PageChoice, output: Option<&Path>, json: bool) -> Result<Option<Pages>, Stop> {
-        let page = target(choice.report.as_deref(), output, json)?;
-        let pictures = choice.svg.clone();
+    pub(crate) fn new(
+        (report, svg): (Option<&Path>, Option<&Path>),
+        output: Option<&Path>,
+        json: bool,
+    ) -> Result<Option<Pages>, Error> {
+        let page = target(report, output, json)?;
+        let pictures = svg.map(Path::to_path_buf);
         if let Some(folder) = pictures.as_deref().filter(|folder| folder.exists() && !folder.is_dir()) {
-            return Err(Stop::Usage(format!("--svg needs a folder, but {} is not a folder", folder.display())));
+            return Err(Error::usage(format!("--svg needs a folder, but {} is not a folder", folder.display())));
         }
         if pictures.as_deref().is_some_and(is_standard_stream) {
-            return Err(Stop::Usage("--svg needs a folder, not standard output: there are several pictures".into()));
+            return Err(Error::usage("--svg needs a folder, not standard output: there are several pictures".into()));
         }
         if let Some(folder) = &pictures {
             let is_folder = |path: &Path| is_same(folder, path) || path == folder;
-            if output.into_iter().chain(choice.report.as_deref()).any(is_folder) {
-                return Err(Stop::Usage(format!(
+            if output.into_iter().chain(report).any(is_folder) {
+                return Err(Error::usage(format!(
                     "--svg needs a folder of its own, but {} is also another output",
                     folder.display()
                 )));
@@ -45,7 +48,7 @@ impl Pages {
     }
 
     /// The file of the page, which must not be an input.
-    pub(super) fn target(&self) -> Option<&Target> {
+    pub(crate) fn target(&self) -> Option<&Target> {
         self.page.as_ref()
     }
 
@@ -53,37 +56,37 @@ impl Pages {
     ///
     /// # Errors
     /// If that is not possible.
-    pub(super) fn add(self, page: &str, to: &mut AtomicWrites) -> Result<(), Stop> {
+    pub(crate) fn add(self, page: &str, to: &mut AtomicWrites) -> Result<(), Error> {
         if let Some(folder) = &self.pictures {
-            let fault = |error: &io::Error| Stop::file("write", folder, error);
+            let fault = |error: &io::Error| Error::file("write", folder, error);
             std::fs::create_dir_all(folder).map_err(|error| fault(&error))?;
             for one in pictures(page) {
                 to.add(Target::new(&folder.join(one.name))?, one.text.as_bytes())?;
             }
         }
-        Ok(self.page.map_or(Ok(()), |target| to.add(target, page.as_bytes()))?)
+        self.page.map_or(Ok(()), |target| to.add(target, page.as_bytes()))
     }
 
     /// Writes the page and the pictures alone.
     ///
     /// # Errors
     /// If that is not possible.
-    pub(super) fn publish(self, page: &str) -> Result<(), Stop> {
+    pub(crate) fn publish(self, page: &str) -> Result<(), Error> {
         let mut together = AtomicWrites::default();
         self.add(page, &mut together)?;
-        Ok(together.publish()?)
+        together.publish()
     }
 }
 
 /// Target of the page.
-fn target(report: Option<&Path>, output: Option<&Path>, json: bool) -> Result<Option<Target>, Stop> {
+fn target(report: Option<&Path>, output: Option<&Path>, json: bool) -> Result<Option<Target>, Error> {
     let Some(path) = report else { return Ok(None) };
     if is_standard_stream(path) && (json || output.is_some_and(is_standard_stream)) {
-        return Err(Stop::Usage("standard output is already in use; give --report a file".into()));
+        return Err(Error::usage("standard output is already in use; give --report a file".into()));
     }
     let target = Target::new(path)?;
     if !is_standard_stream(path) && output.is_some_and(|output| target.is(output) || path == output) {
-        return Err(Stop::Usage("--report and -o name the same file".into()));
+        return Err(Error::usage("--report and -o name the same file".into()));
     }
     Ok(Some(target))
 }
@@ -92,19 +95,19 @@ fn target(report: Option<&Path>, output: Option<&Path>, json: bool) -> Result<Op
 ///
 /// # Errors
 /// If it cannot be written there.
-pub(super) fn file(path: &Path) -> Result<Target, Stop> {
+pub(crate) fn file(path: &Path) -> Result<Target, Error> {
     if is_standard_stream(path) {
-        return Err(Stop::Usage("a page needs a file, not standard output".into()));
+        return Err(Error::usage("a page needs a file, not standard output".into()));
     }
-    Ok(Target::new(path)?)
+    Target::new(path)
 }
 
 /// Writes a text as a whole.
 ///
 /// # Errors
 /// If it cannot be written.
-pub(super) fn publish(target: Target, text: &str) -> Result<(), Stop> {
+pub(crate) fn publish(target: Target, text: &str) -> Result<(), Error> {
     let mut together = AtomicWrites::default();
     together.add(target, text.as_bytes())?;
-    Ok(together.publish()?)
+    together.publish()
 }

@@ -3,8 +3,8 @@
 use std::io::{IsTerminal as _, Write};
 use std::process::{Child, Command, Stdio};
 
-use crate::cli::progress;
-use crate::cli::stop::Stop;
+use super::files;
+use crate::error::Error;
 use ncfix_report::review::Look;
 
 /// Columns if the terminal does not report its width.
@@ -13,7 +13,7 @@ const WIDTH: usize = 100;
 const LEAST: usize = 80;
 
 /// A page that is being written.
-pub(super) struct Page {
+pub(crate) struct Page {
     pager: Option<Child>,
     out: Box<dyn Write>,
     look: Look,
@@ -22,8 +22,8 @@ pub(super) struct Page {
 
 impl Page {
     /// Begins a page; `plain` keeps it from a pager.
-    pub(super) fn open(plain: bool) -> Page {
-        progress::end();
+    pub(crate) fn open(plain: bool) -> Page {
+        files::before_stream();
         let is_terminal = std::io::stdout().is_terminal();
         let columns = std::env::var("COLUMNS").ok().and_then(|text| text.trim().parse::<usize>().ok());
         let width = columns.unwrap_or(WIDTH).clamp(LEAST, 1000);
@@ -38,24 +38,27 @@ impl Page {
     }
 
     /// Appearance of rows.
-    pub(super) fn look(&self) -> Look {
+    pub(crate) fn look(&self) -> Look {
         self.look
     }
 
     /// Appends text. A pager that is closed early is not an error.
-    pub(super) fn write(&mut self, text: &str) -> Result<(), Stop> {
+    ///
+    /// # Errors
+    /// If standard output cannot be written.
+    pub(crate) fn write(&mut self, text: &str) -> Result<(), Error> {
         if self.is_over {
             return Ok(());
         }
         match self.out.write_all(text.as_bytes()) {
             Err(_) if self.pager.is_some() => self.is_over = true,
-            written => written.map_err(|error| Stop::output(&error))?,
+            written => written.map_err(|error| Error::output(&error))?,
         }
         Ok(())
     }
 
     /// Ends the page, and waits until the pager is closed.
-    pub(super) fn close(mut self) {
+    pub(crate) fn close(mut self) {
         // A reader that went away does not matter.
         let _ = self.out.flush();
         drop(self.out);

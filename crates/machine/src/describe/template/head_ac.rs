@@ -1,0 +1,17 @@
+//! Template `head-ac`.
+
+use super::{Template, TemplateRotary};
+use ncfix_base::geometry::Axis;
+
+/// Gantry mill with a fork head: Z carries C, C carries A, and A carries the spindle.
+pub(super) const HEAD_AC: Template = Template {
+    name: "head-ac",
+    topology: "wFXYZCASt",
+    line: "gantry mill with a fork head: Z carries C, C carries A, and A carries the spindle",
+    travels_mm: [[0.0, 3000.0], [0.0, 2000.0], [-1000.0, 0.0]],
+    rotary: &[
+        TemplateRotary { axis: Axis::C, line: [0.0, 0.0, 1.0], travel_deg: Some([-360.0, 360.0]) },
+        TemplateRotary { axis: Axis::A, line: [1.0, 0.0, 0.0], travel_deg: Some([-110.0, 110.0]) },
+    ],
+    lacks: "",
+};

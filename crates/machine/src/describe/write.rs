@@ -1,0 +1,160 @@
+//! Text of a machine file for a description: every value with its origin, and the errors that are not measured yet.
+
+use std::fmt::Write as _;
+
+use super::{AxisDescription, Description, Known, KnownOrigin, TravelRange};
+use crate::machine::controller::{ControllerMeaning, controller};
+use crate::machine::squareness::{pair, squareness};
+use ncfix_base::geometry::{Axis, Plane};
+
+/// Column at which comments begin.
+const COMMENT: usize = 36;
+
+/// Controls whose programs have three decimals.
+const THREE_DECIMALS: [&str; 3] = ["grbl", "grblhal", "fluidnc"];
+
+/// Returns the machine file of a description.
+#[must_use]
+pub fn text(description: &Description) -> String {
+    let mut out = String::new();
+    let control = &description.control;
+    let meaning = controller(&control.value).map(|row| row.meaning);
+    let language = match meaning {
+        Some(ControllerMeaning::Language(language)) => language,
+        Some(ControllerMeaning::Haas) => "haas",
+        _ => &control.value,
+    };
+    // Writing into a String cannot fail.
+    let _ = writeln!(out, "# {}: {}.", description.name.replace(char::is_control, " "), description.template.line);
+    let _ = writeln!(out, "# ASSUMED marks a value that nobody stated: check it at the machine.\n");
+    let _ = writeln!(out, "[machine]");
+    line(&mut out, &format!("name = {}", quoted(&description.name)), "");
+    line(
+        &mut out,
+        &format!("topology = \"{}\"", description.topology),
+        "bodies from the workpiece w over F to the tool t",
+    );
+    let name = if control.value.eq_ignore_ascii_case(language) {
+        String::new()
+    } else {
+        format!("language of {}", control.value)
+    };
+    let about = [name, origin(control)].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("; ");
+    line(&mut out, &format!("controller = \"{language}\""), &about);
+    for axis in &description.axes {
+        axis_section(&mut out, axis);
+    }
+    let has_three = THREE_DECIMALS.contains(&control.value.to_ascii_lowercase().as_str());
+    if has_three || description.saved_unit.is_some() {
+        let _ = writeln!(out, "\n[control]");
+    }
+    if has_three {
+        line(&mut out, "increment_mm = 0.001", "decimals of the output");
+    }
+    if let Some(unit) = &description.saved_unit {
+        let from = format!("unit of .var and tool.tbl; {}", origin(unit));
+        line(&mut out, &format!("saved_unit = \"{}\"", unit.value), &from);
+    }
+    unmeasured(&mut out, description);
+    if !description.notes.is_empty() {
+        let _ = writeln!(out, "\n# Read in the data of the control, and not in this file:");
+        for note in &description.notes {
+            let _ = writeln!(out, "# - {}", note.replace(char::is_control, " "));
+        }
+    }
+    out
+}
+
+/// A basic string of TOML.
+fn quoted(text: &str) -> String {
+    let plain: String = text.chars().filter(|letter| !letter.is_control()).collect();
+    format!("\"{}\"", plain.replace('\\', "\\\\").replace('"', "\\\""))
+}
+
+fn line(out: &mut String, key: &str, comment: &str) {
+    let _ = if comment.is_empty() { writeln!(out, "{key}") } else { writeln!(out, "{key:<COMMENT$} # {comment}") };
+}
+
+/// Comment about the origin of a value; empty if a person stated it.
+fn origin<T>(known: &Known<T>) -> String {
+    match &known.origin {
+        KnownOrigin::Stated | KnownOrigin::Convention => String::new(),
+        KnownOrigin::Assumed => "ASSUMED".to_owned(),
+        KnownOrigin::File(line) => line.replace(char::is_control, " "),
+    }
+}
+
+fn list(values: &[f64]) -> String {
+    format!("[{}]", values.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "))
+}
+
+fn axis_section(out: &mut String, described: &AxisDescription) {
+    let axis = described.axis;
+    let is_rotary = axis.is_rotary();
+    let carried = if described.branch == crate::machine::Branch::Tool { "the spindle" } else { "the workpiece" };
+    let _ = writeln!(out, "\n[axis.{axis}]");
+    let moves = if is_rotary {
+        format!("carries {carried} and turns it about this vector for {axis}+ (right-hand rule)")
+    } else {
+        format!("carries {carried} and moves it along this vector for {axis}+")
+    };
+    let from = origin(&described.direction);
+    let moves = if from.is_empty() { moves } else { format!("{moves}; {from}") };
+    line(out, &format!("direction = {}", list(&described.direction.value)), &moves);
+    if let Some(point) = &described.point_mm {
+        let from = origin(point);
+        let place = "point on the axis of rotation, all axes at zero";
+        line(
+            out,
+            &format!("point_mm = {}", list(&point.value)),
+            &if from.is_empty() { place.to_owned() } else { format!("{place}; {from}") },
+        );
+    }
+    let (travel, feed) = if is_rotary { ("travel_deg", "max_feed_deg_min") } else { ("travel_mm", "max_feed_mm_min") };
+    let from = origin(&described.travel);
+    match described.travel.value {
+        TravelRange::Ends(ends) => line(out, &format!("{travel} = {}", list(&ends)), &from),
+        TravelRange::Modulo => line(out, "modulo = true", &from),
+    }
+    if let Some(known) = &described.max_feed {
+        line(out, &format!("{feed} = {}", known.value), &origin(known));
+    }
+}
+
+/// Comments that name the errors of the chain, none of which is measured, and the next measurements.
+fn unmeasured(out: &mut String, description: &Description) {
+    let _ = writeln!(out, "\n# No error of this machine is measured yet. Without errors ncfix changes nothing.");
+    let _ = writeln!(out, "# Not measured, location errors, for [location] (angles in µrad, offsets in µm):");
+    let direction = |axis: Axis| description.axes.iter().find(|one| one.axis == axis).map(AxisDescription::vector);
+    for plane in [Plane::XY, Plane::ZX, Plane::YZ] {
+        if let Some(term) = squareness(&description.topology, plane, direction) {
+            let [first, second, _] = pair(plane);
+            let _ = writeln!(out, "#   {:<22} squareness of {first} and {second}", term.name);
+        }
+    }
+    let rotary: Vec<Axis> = description.axes.iter().map(|one| one.axis).filter(|axis| axis.is_rotary()).collect();
+    for axis in &rotary {
+        let names: Vec<String> = [b"XYZ", b"ABC"]
+            .iter()
+            .flat_map(|letters| letters.iter().enumerate())
+            .filter(|(dimension, _)| *dimension != axis.dimension())
+            .map(|(_, letter)| format!("E{}0{axis}", char::from(*letter)))
+            .collect();
+        let _ = writeln!(out, "#   {:<22} offsets and tilts of {axis}", names.join(" "));
+    }
+    let _ = writeln!(out, "# Not measured, motion errors, for [[motion]]:");
+    for one in &description.axes {
+        let axis = one.axis;
+        let names: Vec<String> =
+            ["X", "Y", "Z", "A", "B", "C"].iter().map(|letter| format!("E{letter}{axis}")).collect();
+        let _ = writeln!(out, "#   {}  and backlash", names.join(" "));
+    }
+    let _ = writeln!(out, "# Measure next:");
+    let _ = writeln!(out, "#   1. squareness of X and Y: two diagonals of a test square, `ncfix square`");
+    let _ = writeln!(out, "#   2. pitch and backlash of each axis: laser or gauge blocks, `ncfix calibrate`");
+    if rotary.is_empty() {
+        let _ = writeln!(out, "#   3. squareness and straightness: ball-bar circles, `ncfix plan ballbar`");
+    } else {
+        let _ = writeln!(out, "#   3. offsets and tilts of the rotary axes: probe and ball, `ncfix plan probe`");
+    }
+}

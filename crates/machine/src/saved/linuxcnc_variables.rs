@@ -1,0 +1,70 @@
+//! Variable file of LinuxCNC: `5221 100.000000`. G54 is in 5221 to 5230, each further system 20 numbers higher; the tenth number is the rotation about Z
+//! in degrees (LinuxCNC manual, *Parameters*).
+
+use super::lines::number;
+use super::{SavedFormat, SavedLine, SavedUnit, SavedValues};
+use crate::machine::Machine;
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::geometry::{Axis, FrameParts};
+use std::collections::BTreeMap;
+
+/// Variable file of LinuxCNC.
+pub(super) const FORMAT: SavedFormat = SavedFormat { name: "LinuxCNC variable file", language: "rs274", is, read };
+
+/// Axes in the order of the variables of a system.
+const AXES: [Axis; 9] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C, Axis::U, Axis::V, Axis::W];
+/// Systems with their first variables.
+const SYSTEMS: [(&str, u32); 9] = [
+    ("G54", 5221),
+    ("G55", 5241),
+    ("G56", 5261),
+    ("G57", 5281),
+    ("G58", 5301),
+    ("G59", 5321),
+    ("G59.1", 5341),
+    ("G59.2", 5361),
+    ("G59.3", 5381),
+];
+/// 1 if the G92 offset that follows is applied.
+const G92_APPLIED: u32 = 5210;
+/// Place of the rotation after the first variable of a system.
+const ROTATION: u32 = 9;
+/// Variables of users.
+const USER: std::ops::RangeInclusive<u32> = 31..=5000;
+
+fn pair(line: &SavedLine<'_>) -> Option<(u32, f64)> {
+    let mut parts = line.text.split_whitespace();
+    let pair = (parts.next()?.parse().ok()?, number(parts.next()?)?);
+    parts.next().is_none().then_some(pair)
+}
+
+fn is(lines: &[SavedLine<'_>]) -> bool {
+    let keys: Vec<u32> = lines.iter().filter_map(pair).map(|(key, _)| key).collect();
+    keys.len() >= 5 && keys.contains(&5220) && keys.contains(&5221)
+}
+
+fn read(lines: &[SavedLine<'_>], machine: &Machine) -> Result<SavedValues, Diagnostic> {
+    let values: BTreeMap<u32, (f64, &SavedLine<'_>)> =
+        lines.iter().filter_map(|line| pair(line).map(|(key, value)| (key, (value, line)))).collect();
+    let get = |key: u32| values.get(&key).map_or(0.0, |(value, _)| *value);
+    let Some(first) = lines.first() else { return Ok(SavedValues::default()) };
+    let unit = SavedUnit::required(machine, first)?;
+    if get(G92_APPLIED) != 0.0
+        && let Some((_, line)) =
+            (G92_APPLIED + 1..).take(AXES.len()).find_map(|key| values.get(&key).filter(|(value, _)| *value != 0.0))
+    {
+        return Err(line.fault("a G52 or G92 offset is applied", "cancel it with G92.1 and save the file again"));
+    }
+    let mut out = SavedValues::default();
+    for (name, start) in SYSTEMS {
+        let mut parts = FrameParts::default();
+        for (axis, key) in AXES.into_iter().zip(start..) {
+            let value = get(key);
+            parts.translation[axis] = if axis.is_rotary() { value.to_radians() } else { unit.mm(value) };
+        }
+        parts.rotation[2] = get(start + ROTATION).to_radians();
+        out.offsets.push((name.to_owned(), parts));
+    }
+    out.system = values.range(USER).map(|(key, (value, _))| (format!("#{key}"), *value)).collect();
+    Ok(out)
+}

@@ -1,0 +1,81 @@
+//! Squareness of two axes from two diagonals, or from a square and a dial gauge.
+//!
+//! γ is the angle between the positive motions of the tool relative to the workpiece, minus 90°. With sides a and b, the diagonal d1 from the corner with the
+//! smallest positions to the one with the largest, and d2 the other one, the law of cosines gives d1² = a² + b² − 2ab sin γ and d2² = a² + b² + 2ab sin γ. So
+//! sin γ = (d2² − d1²) / 4ab.
+
+/// Largest angle that counts as a squareness, rad: beyond it a number is wrong.
+const MOST_RAD: f64 = 0.05;
+/// Largest share by which the diagonals may be longer or shorter than the sides require.
+const MOST_SHARE: f64 = 0.02;
+
+/// Measured squareness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasuredSquareness {
+    /// Angle between the positive motions minus 90°, rad.
+    pub gamma_rad: f64,
+    /// Standard uncertainty by the readings, rad.
+    pub uncertainty_rad: f64,
+}
+
+/// Standard uncertainty of a reading within ± `limit`: all values in it are equally probable.
+fn standard(limit: f64) -> f64 {
+    limit / 3_f64.sqrt()
+}
+
+impl MeasuredSquareness {
+    /// Calculates the angle from the diagonals d1 and d2 and the sides, mm. Each diagonal is read within ± `read_to_mm`.
+    ///
+    /// # Errors
+    /// Returns a sentence if the lengths are not those of a parallelogram that is nearly a rectangle.
+    pub fn of_diagonals([d1, d2]: [f64; 2], [a, b]: [f64; 2], read_to_mm: f64) -> Result<MeasuredSquareness, String> {
+        let nominal = a.hypot(b);
+        let mean = ((d1 * d1 + d2 * d2) / 2.0).sqrt();
+        let share = mean / nominal - 1.0;
+        if share.is_nan() || share.abs() > MOST_SHARE {
+            return Err(format!(
+                "sides of {a} and {b} mm have diagonals of {nominal:.3} mm; {d1} and {d2} mm do not fit"
+            ));
+        }
+        let sine = (d2 * d2 - d1 * d1) / (4.0 * a * b);
+        Self::checked(sine.asin(), standard(read_to_mm) * mean / (2_f64.sqrt() * a * b))
+    }
+
+    /// Calculates the angle from a square whose first leg is aligned with the other axis: the reading of the dial gauge changes by `dial_mm` over the length
+    /// `leg_mm` of the second leg. `+` is a plunger that is pressed in and points in the positive direction of the other axis.
+    ///
+    /// # Errors
+    /// Returns a sentence if the angle is too large.
+    pub fn of_dial(leg_mm: f64, dial_mm: f64, read_to_mm: f64) -> Result<MeasuredSquareness, String> {
+        Self::checked((-dial_mm / leg_mm).atan(), standard(read_to_mm) * 2_f64.sqrt() / leg_mm)
+    }
+
+    fn checked(gamma_rad: f64, uncertainty_rad: f64) -> Result<MeasuredSquareness, String> {
+        if gamma_rad.is_nan() || gamma_rad.abs() > MOST_RAD {
+            return Err("the angle differs by more than 2.9° from 90°: a number is wrong".to_owned());
+        }
+        Ok(MeasuredSquareness { gamma_rad, uncertainty_rad })
+    }
+
+    /// Returns the diagonals d1 and d2 of a part with these sides, mm.
+    #[must_use]
+    pub fn diagonals_mm(&self, [a, b]: [f64; 2]) -> [f64; 2] {
+        let (squares, change) = (a * a + b * b, 2.0 * a * b * self.gamma_rad.sin());
+        [(squares - change).sqrt(), (squares + change).sqrt()]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_angle_of_a_published_example_is_found() {
+        // 400 x 300 mm with 100 µrad: d1 499.988, d2 500.012 mm by the law of cosines.
+        let made = MeasuredSquareness { gamma_rad: 1e-4, uncertainty_rad: 0.0 }.diagonals_mm([400.0, 300.0]);
+        assert!((made[0] - 499.988).abs() < 1e-6 && (made[1] - 500.012).abs() < 1e-6, "{made:?}");
+        let found = MeasuredSquareness::of_diagonals(made, [400.0, 300.0], 0.0).unwrap();
+        assert!((found.gamma_rad - 1e-4).abs() < 1e-12);
+        assert!(MeasuredSquareness::of_diagonals([500.0, 400.0], [400.0, 300.0], 0.0).is_err());
+    }
+}

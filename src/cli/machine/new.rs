@@ -1,0 +1,63 @@
+//! `ncfix machine new`: a machine file from a template, statements and data of the control.
+
+use std::io::{BufRead as _, IsTerminal as _};
+
+use crate::cli::arguments::NewMachineArguments;
+use crate::cli::atomic_writes::AtomicWrites;
+use crate::cli::exit_code::ExitCode;
+use crate::cli::findings::Findings;
+use crate::cli::output::Target;
+use crate::cli::stop::Stop;
+use crate::cli::{pages, print, say, tell};
+use crate::new_machine::describe;
+use ncfix_machine::describe::{Question, TEMPLATES};
+
+/// Lists the templates, or writes a machine file.
+pub(super) fn run(arguments: &NewMachineArguments) -> Result<ExitCode, Stop> {
+    if arguments.list {
+        let row = |one: &ncfix_machine::describe::Template| {
+            let chain = if one.topology.is_empty() { "not yet" } else { one.topology };
+            format!("{:<18} {chain:<11} {}\n", one.name, one.line)
+        };
+        print(&TEMPLATES.iter().map(row).collect::<String>())?;
+        return Ok(ExitCode::Done);
+    }
+    let (Some(output), Some(like)) = (&arguments.output, &arguments.like) else {
+        return Err(Stop::Usage(
+            "give the machine file to write, and --like TEMPLATE; --list lists the templates".into(),
+        ));
+    };
+    if output.exists() {
+        return Err(Stop::Usage(format!("{} exists already; choose another name", output.display())));
+    }
+    let target = Target::new(output)?;
+    let goes_out = !target.is_file();
+    let picture = arguments.picture.as_deref().map(pages::file).transpose()?;
+    let mut findings = Findings::default();
+    let made = describe(&arguments.request(), like, &arguments.from, &mut ask, &mut findings);
+    findings.draw();
+    let Some(made) = made? else { return Ok(findings.exit_code()) };
+    let mut together = AtomicWrites::default();
+    together.add(target, made.text.as_bytes())?;
+    if let Some(picture) = picture {
+        together.add(picture, made.picture.as_bytes())?;
+    }
+    together.publish()?;
+    if goes_out {
+        tell(&made.sketch)
+    } else {
+        print(&made.sketch)?
+    }
+    Ok(findings.exit_code())
+}
+
+/// Asks on a terminal; nobody answers elsewhere.
+fn ask(question: &Question) -> Option<String> {
+    if !std::io::stdin().is_terminal() || !std::io::stderr().is_terminal() {
+        return None;
+    }
+    say(&format!("{}: ", question.text));
+    let mut answer = String::new();
+    std::io::stdin().lock().read_line(&mut answer).ok()?;
+    Some(answer.trim().to_owned()).filter(|answer| !answer.is_empty())
+}

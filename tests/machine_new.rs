@@ -1,0 +1,296 @@
+//! `ncfix machine new`: every template as a machine file, its kinematics, and the data of controls.
+
+use nalgebra::{Matrix4, Point3, Rotation3, Translation3, Unit, Vector3};
+
+use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
+use ncfix_machine::describe::{StatedPivot, StatedSense, TEMPLATES, Template};
+
+use crate::machine_file::load;
+use crate::support::Shop;
+
+/// Pivots that differ in every component.
+const PIVOTS: [(&str, [f64; 3]); 3] =
+    [("A", [300.0, -210.0, -480.0]), ("B", [120.0, 250.0, -90.0]), ("C", [310.0, -198.0, -440.0])];
+
+fn usable() -> impl Iterator<Item = &'static Template> {
+    TEMPLATES.iter().filter(|template| template.lacks.is_empty())
+}
+
+/// Words that state the sense and the pivot of each rotary axis.
+fn stated(template: &Template, sense: char) -> Vec<String> {
+    let mut words = Vec::new();
+    for rotary in template.rotary {
+        let axis = rotary.axis.to_string();
+        let [x, y, z] = PIVOTS.iter().find(|row| row.0 == axis).unwrap().1;
+        words.extend([format!("--sense={axis}={sense}"), format!("--pivot={axis}={x},{y},{z}")]);
+    }
+    words
+}
+
+fn made(template: &Template, control: &str, sense: char, further: &[&str]) -> (Shop, String) {
+    let shop = Shop::new();
+    let mut words: Vec<String> = ["machine", "new", "m.toml", "--like", template.name, "--control", control]
+        .iter()
+        .map(|word| (*word).to_owned())
+        .collect();
+    words.extend(stated(template, sense));
+    words.extend(further.iter().map(|word| (*word).to_owned()));
+    let run = shop.run(&words).exits(0);
+    (shop, run.stdout)
+}
+
+#[test]
+fn every_template_is_listed_with_its_chain() {
+    let run = Shop::new().run(["machine", "new", "--list"]).exits(0);
+    assert!(TEMPLATES.len() >= 18);
+    for template in TEMPLATES {
+        let line = run.stdout.lines().find(|line| line.split_whitespace().next() == Some(template.name)).unwrap();
+        assert!(line.contains(template.topology) && line.contains(template.line), "{line}");
+    }
+}
+
+#[test]
+fn every_template_passes_the_check_and_corrects_a_program() {
+    for template in usable() {
+        let (shop, sketch) = made(template, "sinumerik", '-', &["--picture", "m.svg"]);
+        assert!(sketch.contains(template.topology), "{sketch}");
+        shop.run(["machine", "check", "m.toml"]).exits(0).says("m.toml: no diagnostics");
+        let text = shop.text("m.toml");
+        assert!(text.contains("ASSUMED") && text.contains("Not measured"), "{text}");
+        let svg = shop.text("m.svg");
+        roxmltree::Document::parse(&svg).unwrap();
+        for letter in template.topology.chars() {
+            assert!(svg.contains(&format!(">{letter}</text>")), "{}: {letter}", template.name);
+        }
+        // Every template has this point in its travel.
+        let [x, y, z] = template.travels_mm.map(|[low, high]| f64::midpoint(low, high));
+        let program =
+            format!("G17 G90 G71 G94 G500\nG0 X{x} Y{y} Z{z}\nG1 X{} F500\nG1 Y{}\nM30\n", x + 10.0, y + 10.0);
+        std::fs::write(shop.path("p.mpf"), program).unwrap();
+        let run = shop.run(["p.mpf", "-o", "out.mpf", "--machine", "m.toml"]).exits(0);
+        assert!(!run.stderr.contains("error["), "{}: {}", template.name, run.stderr);
+    }
+}
+
+/// Homogeneous matrix of an axis: the motion of its body in F.
+fn motion(axis: Axis, direction: [f64; 3], pivot: [f64; 3], command: f64) -> Matrix4<f64> {
+    let direction = Vector3::from(direction);
+    if !axis.is_rotary() {
+        return Translation3::from(direction * command).to_homogeneous();
+    }
+    let there = Translation3::from(Vector3::from(pivot)).to_homogeneous();
+    let back = Translation3::from(-Vector3::from(pivot)).to_homogeneous();
+    there * Rotation3::from_axis_angle(&Unit::new_normalize(direction), command).to_homogeneous() * back
+}
+
+#[test]
+fn the_kinematics_of_every_template_agree_with_matrices() {
+    // Directions by hand: a slide that carries the tool moves along its letter, one that carries the workpiece against it.
+    let tool = Vector3::new(1.5, -2.0, -117.0);
+    for template in usable() {
+        for sense in ['+', '-'] {
+            let (shop, _) = made(template, "sinumerik", sense, &[]);
+            let (loaded, findings) = load(&shop.text("m.toml"));
+            assert!(findings.is_empty(), "{}: {findings:?}", template.name);
+            let (machine, errors) = loaded.unwrap();
+            let model = ncfix_model::Model::new(&machine, &errors);
+            let (before, after) = template.topology.split_once('F').unwrap();
+            for seed in 1..=6 {
+                let mut command = AxisVector::ZERO;
+                for axis in AXES {
+                    let value = (f64::from(seed) * 1.7 + axis.slot() as f64).sin();
+                    command[axis] = if axis.is_rotary() { value * 1.4 } else { value * 200.0 };
+                }
+                let of = |letter: char| -> Matrix4<f64> {
+                    let axis = Axis::from_letter(letter as u8).unwrap();
+                    let rotary = template.rotary.iter().find(|one| one.axis == axis);
+                    let sign = match rotary {
+                        Some(_) => {
+                            if sense == '+' {
+                                1.0
+                            } else {
+                                -1.0
+                            }
+                        }
+                        None => {
+                            if before.contains(letter) {
+                                -1.0
+                            } else {
+                                1.0
+                            }
+                        }
+                    };
+                    let mut own = [0.0; 3];
+                    own[axis.dimension()] = 1.0;
+                    let line = rotary.map_or(own, |one| one.line).map(|part| part * sign);
+                    let pivot = PIVOTS.iter().find(|row| row.0 == letter.to_string()).map_or([0.0; 3], |row| row.1);
+                    motion(axis, line, pivot, command[axis])
+                };
+                // From F outwards: the topology of the workpiece is written towards F.
+                let workpiece = before
+                    .trim_start_matches('w')
+                    .chars()
+                    .rev()
+                    .map(of)
+                    .fold(Matrix4::<f64>::identity(), |all: Matrix4<f64>, one: Matrix4<f64>| all * one);
+                let spindle =
+                    after.trim_end_matches("St").chars().map(of).fold(Matrix4::<f64>::identity(), |all: Matrix4<f64>, one: Matrix4<f64>| all * one);
+                let relative = workpiece.try_inverse().unwrap() * spindle;
+                let tip = relative.transform_point(&Point3::from(tool));
+                let pose = model.nominal(&command, &Vector::from([tool.x, tool.y, tool.z]));
+                let far =
+                    (Vector3::new(pose.translation.x, pose.translation.y, pose.translation.z) - tip.coords).norm();
+                assert!(far < 1e-9, "{} {sense} {seed}: {far}", template.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn dangerous_values_are_never_assumed() {
+    let run = Shop::new().run(["machine", "new", "m.toml", "--like", "trunnion-ac"]).exits(2);
+    for text in ["sense of A", "sense of C", "a point on the axis of A", "a point on the axis of C", "--pivot C=X,Y,Z"]
+    {
+        assert!(run.stderr.contains(text), "{text}: {}", run.stderr);
+    }
+    Shop::new().run(["machine", "new", "m.toml", "--like", "lathe"]).exits(2).says("no machine file for a lathe yet");
+    Shop::new().run(["machine", "new", "m.toml", "--like", "lath"]).exits(2).says("is not a template");
+    Shop::new().run(["machine", "new", "m.toml", "--like", "vmc", "--sense", "C=+"]).exits(2).says("has no axis C");
+    let shop = Shop::new().file("m.toml", "");
+    shop.run(["machine", "new", "m.toml", "--like", "vmc"]).exits(2).says("exists already");
+}
+
+#[test]
+fn statements_are_read_as_they_are_written() {
+    assert!("C=-".parse::<StatedSense>().is_ok_and(|sense| !sense.is_positive));
+    assert!("C=1,2,3".parse::<StatedPivot>().is_ok_and(|pivot| pivot.point_mm == [1.0, 2.0, 3.0]));
+}
+
+#[test]
+fn settings_of_grbl_give_travels_and_feeds() {
+    let settings = "$0=10\n$3=1\n$13=0\n$22=1\n$23=3\n$100=80.000\n$101=80.000\n$102=400.000\n$110=5000.000\n$111=5000.000\n\
+                    $112=600.000\n$130=600.000\n$131=900.000\n$132=80.000\nok\n";
+    let shop = Shop::new().file("grbl.txt", settings);
+    let run = shop.run(["machine", "new", "m.toml", "--like", "router", "--from", "grbl.txt"]).exits(0);
+    assert!(run.stdout.contains("Grbl settings ($$)"), "{}", run.stdout);
+    let text = shop.text("m.toml");
+    for part in [
+        "travel_mm = [-600, 0]",
+        "max_feed_mm_min = 600",
+        "grbl.txt:12",
+        "controller = \"rs274\"",
+        "increment_mm = 0.001",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    // A motor that turns the other way does not turn the axis.
+    assert!(text.contains("direction = [1, 0, 0]") && text.contains("grbl.txt:2 $3 = 1"), "{text}");
+    shop.run(["machine", "check", "m.toml"]).exits(0);
+}
+
+#[test]
+fn an_ini_of_linuxcnc_gives_limits_in_its_unit() {
+    let ini = "[EMC]\nMACHINE = mill\n[KINS]\nKINEMATICS = trivkins coordinates=XYZ\n[TRAJ]\nCOORDINATES = X Y Z\n\
+               LINEAR_UNITS = inch\n[AXIS_X]\nMIN_LIMIT = -10\nMAX_LIMIT = 10.5\nMAX_VELOCITY = 2\n[JOINT_1]\n\
+               MIN_LIMIT = 0\nMAX_LIMIT = 8\nBACKLASH = 0.001\n[JOINT_2]\nMIN_LIMIT = -4\nMAX_LIMIT = 0\nCOMP_FILE = z.comp\n";
+    let shop = Shop::new().file("mill.ini", ini);
+    shop.run(["machine", "new", "m.toml", "--like", "vmc", "--from", "mill.ini"]).exits(0);
+    let text = shop.text("m.toml");
+    // 25.4 mm an inch; 2 inch/s are 3048 mm/min.
+    for part in [
+        "[-254, 266.7]",
+        "[0, 203.2]",
+        "[-101.6, 0]",
+        "max_feed_mm_min = 3048",
+        "BACKLASH = 0.001",
+        "COMP_FILE = z.comp",
+        "saved_unit = \"inch\"",
+        "mill.ini:9",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let shop = Shop::new().file("mill.ini", ini.replace("LINEAR_UNITS = inch\n", ""));
+    shop.run(["machine", "new", "m.toml", "--like", "vmc", "--from", "mill.ini"]).exits(2).says("LINEAR_UNITS");
+}
+
+/// Machine data of a swivel table, in the layout of an archive.
+const TRAORI: &str = "N10000 $MN_AXCONF_MACHAX_NAME_TAB[0]=\"X1\"\nN10000 $MN_AXCONF_MACHAX_NAME_TAB[1]=\"Y1\"\n\
+    N10000 $MN_AXCONF_MACHAX_NAME_TAB[2]=\"Z1\"\nN10000 $MN_AXCONF_MACHAX_NAME_TAB[3]=\"A1\"\nN10000 $MN_AXCONF_MACHAX_NAME_TAB[4]=\"C1\"\n\
+    N20080 $MC_AXCONF_CHANAX_NAME_TAB[3]=\"A\"\nN20080 $MC_AXCONF_CHANAX_NAME_TAB[4]=\"C\"\n\
+    N24100 $MC_TRAFO_TYPE_1=40\nN24110 $MC_TRAFO_AXES_IN_1[3]=4\nN24110 $MC_TRAFO_AXES_IN_1[4]=5\n\
+    N24500 $MC_TRAFO5_PART_OFFSET_1[0]=-300\nN24500 $MC_TRAFO5_PART_OFFSET_1[1]=198\nN24500 $MC_TRAFO5_PART_OFFSET_1[2]=440\n\
+    N24550 $MC_TRAFO5_BASE_TOOL_1[0]=300\nN24550 $MC_TRAFO5_BASE_TOOL_1[1]=-210\nN24550 $MC_TRAFO5_BASE_TOOL_1[2]=-480\n\
+    N24560 $MC_TRAFO5_JOINT_OFFSET_1[1]=12\nN24560 $MC_TRAFO5_JOINT_OFFSET_1[2]=40\n\
+    N24570 $MC_TRAFO5_AXIS1_1[0]=-1\nN24572 $MC_TRAFO5_AXIS2_1[2]=-1\n\
+    N30310 $MA_ROT_IS_MODULO[AX5]=1\nN32000 $MA_MAX_AX_VELO[AX1]=30000\nN32000 $MA_MAX_AX_VELO[AX4]=25\n\
+    N32100 $MA_AX_MOTION_DIR[AX1]=-1\nN36100 $MA_POS_LIMIT_MINUS[AX1]=0\nN36110 $MA_POS_LIMIT_PLUS[AX1]=600\n\
+    N36100 $MA_POS_LIMIT_MINUS[AX4]=-120\nN36110 $MA_POS_LIMIT_PLUS[AX4]=30\n";
+
+#[test]
+fn machine_data_of_a_sinumerik_give_the_chain_of_traori() {
+    // Points: BASE_TOOL and BASE_TOOL + JOINT_OFFSET, the worked example of the five-axis page.
+    let shop = Shop::new().file("md.ini", TRAORI);
+    shop.run(["machine", "new", "m.toml", "--like", "trunnion-ac", "--from", "md.ini"]).exits(0);
+    let text = shop.text("m.toml");
+    for part in [
+        "point_mm = [300, -210, -480]",
+        "point_mm = [300, -198, -440]",
+        "direction = [-1, 0, 0]",
+        "direction = [0, 0, -1]",
+        "modulo = true",
+        "travel_deg = [-120, 30]",
+        "travel_mm = [0, 600]",
+        "max_feed_deg_min = 9000",
+        "MD32100 of X is -1",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    assert!(!text.contains("not closed"), "{text}");
+    shop.run(["machine", "check", "m.toml"]).exits(0).says("no diagnostics");
+    // The data state two axes in the table.
+    shop.run(["machine", "new", "h.toml", "--like", "head-ac", "--from", "md.ini"])
+        .exits(2)
+        .says("choose another template");
+    // The same vectors in a swivel data record.
+    let record = "$TC_CARR4[1]=300\n$TC_CARR5[1]=-210\n$TC_CARR6[1]=-480\n$TC_CARR7[1]=-1\n$TC_CARR12[1]=-1\n$TC_CARR16[1]=12\n$TC_CARR17[1]=40\n\
+                  $TC_CARR18[1]=-300\n$TC_CARR19[1]=198\n$TC_CARR20[1]=440\n$TC_CARR21[1]=A\n$TC_CARR22[1]=C\n$TC_CARR23[1]=\"P\"\n";
+    let shop = Shop::new().file("carr.ini", record);
+    shop.run(["machine", "new", "m.toml", "--like", "trunnion-ac", "--from", "carr.ini"]).exits(0);
+    let text = shop.text("m.toml");
+    assert!(text.contains("point_mm = [300, -198, -440]") && text.contains("direction = [0, 0, -1]"), "{text}");
+}
+
+#[test]
+fn names_of_controls_are_understood_or_answered() {
+    let file = |name: &str| {
+        format!(
+            "[machine]\nname = \"m\"\ntopology = \"wFXYZSt\"\ncontroller = \"{name}\"\n\n[axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [0, 9]\n[axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [0, 9]\n[axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [0, 9]\n"
+        )
+    };
+    for name in ["grbl", "grblHAL", "linuxcnc", "840D sl", "828d", "Haas", "fanuc", "MillPlus"] {
+        Shop::new().file("m.toml", file(name)).run(["machine", "check", "m.toml"]).exits(0);
+    }
+    for (name, advice) in
+        [("mach3", "write controller = \"rs274\""), ("heidenhain", "ISO mode"), ("latin", "write one of")]
+    {
+        Shop::new().file("m.toml", file(name)).run(["machine", "check", "m.toml"]).exits(4).says(advice);
+    }
+}
+
+#[test]
+fn a_machine_is_described_measured_and_corrected_by_commands_alone() {
+    let shop = Shop::new();
+    shop.run(["machine", "new", "m.toml", "--like", "vmc", "--control", "linuxcnc", "--travel=Z=-200..0"]).exits(0);
+    // Readings of a laser: X goes 20 µm too far in 400 mm.
+    let readings =
+        "component,X,Y,Z,value_um\nEXX,0,0,0,0\nEXX,100,0,0,5\nEXX,200,0,0,10\nEXX,300,0,0,15\nEXX,400,0,0,20\n";
+    std::fs::write(shop.path("laser.csv"), readings).unwrap();
+    std::fs::write(shop.path("laser.toml"), "[measurement]\nkind = \"direct\"\nsigma_um = 0.1\n").unwrap();
+    std::fs::write(shop.path("model.txt"), "EXX1\n").unwrap();
+    shop.run(["calibrate", "laser.csv", "--machine", "m.toml", "--model", "model.txt", "-o", "c.toml"]).exits(0);
+    assert!(shop.text("c.toml").contains("ASSUMED"), "comments are kept");
+    std::fs::write(shop.path("p.ngc"), "G21 G17 G90 G94\nG53 G0 Z0\nG53 G0 X0 Y0\nG53 G1 X400 F500\nM2\n").unwrap();
+    shop.run(["p.ngc", "-o", "out.ngc", "--machine", "c.toml"]).exits(0);
+    let run = shop.run(["verify", "p.ngc", "out.ngc", "--machine", "c.toml"]).exits(0);
+    assert!(run.stdout.contains("error after"), "{}", run.stdout);
+}

@@ -1,0 +1,98 @@
+//! `--setup` with files that controls save: LinuxCNC, Grbl, Fanuc, Heidenhain, Haas.
+
+use crate::support::Shop;
+
+fn machine(controller: &str, control: &str) -> String {
+    let mut text = format!(
+        "[machine]\nname = \"m\"\ntopology = \"wFXYZSt\"\ncontroller = \"{controller}\"\n\n[control]\n{control}\n"
+    );
+    for (letter, direction) in [("X", "[1, 0, 0]"), ("Y", "[0, 1, 0]"), ("Z", "[0, 0, 1]")] {
+        text += &format!("\n[axis.{letter}]\ndirection = {direction}\ntravel_mm = [-1000, 1000]\n");
+    }
+    text
+}
+
+fn shown(controller: &str, control: &str, name: &str, saved: &str) -> crate::support::Run {
+    let shop = Shop::new().file("m.toml", machine(controller, control)).file(name, saved);
+    shop.run(["machine", "show", "m.toml", "--setup", name])
+}
+
+/// A variable file in the layout of the LinuxCNC manual, with own numbers.
+const VARIABLES: &str = "5161\t0.000000\n5210\t0.000000\n5211\t0.000000\n5220\t1.000000\n5221\t100.000000\n5222\t50.000000\n\
+                         5223\t-20.000000\n5230\t0.500000\n5241\t1.000000\n";
+
+#[test]
+fn variables_of_linuxcnc() {
+    let run = shown("rs274", "saved_unit = \"mm\"", "mill.var", VARIABLES).exits(0);
+    assert!(run.stdout.contains("G54   X100 Y50 Z-20 rotated 0 0 0.5 deg"), "{}", run.stdout);
+    assert!(run.stdout.contains("G55   X1 Y0 Z0"), "{}", run.stdout);
+    // 100 inches are 2540 mm.
+    let run = shown("rs274", "saved_unit = \"inch\"", "mill.var", VARIABLES).exits(0);
+    assert!(run.stdout.contains("G54   X2540 Y1270 Z-508"), "{}", run.stdout);
+    shown("rs274", "", "mill.var", VARIABLES).exits(4).says("LinuxCNC variable file").says("saved_unit");
+    let shifted = VARIABLES.replace("5210\t0.0", "5210\t1.0").replace("5211\t0.0", "5211\t7.0");
+    shown("rs274", "saved_unit = \"mm\"", "mill.var", &shifted).exits(4).says("G92.1");
+    shown("sinumerik", "", "mill.var", VARIABLES).exits(4).says("controller = \"rs274\"");
+}
+
+#[test]
+fn tools_of_linuxcnc_have_diameters() {
+    let table = "; my tools\nT1 P1 Z+50.25 D6.5 ;end mill\nT12 P3 X1 Y2 Z30 D3\n";
+    let run = shown("rs274", "saved_unit = \"mm\"", "tool.tbl", table).exits(0);
+    let row =
+        |number: &str| run.stdout.lines().find(|line| line.starts_with(&format!("{number} "))).unwrap().to_owned();
+    assert_eq!(row("1").split_whitespace().collect::<Vec<_>>(), ["1", "1", "50.25", "3.25"]);
+    assert_eq!(row("12").split_whitespace().collect::<Vec<_>>(), ["12", "1", "30", "1.5"]);
+}
+
+#[test]
+fn offsets_of_grbl() {
+    let report = "[G54:-250.000,-120.500,0.000]\n[G55:1.000,2.000,3.000]\n[G28:0.000,0.000,0.000]\n[G92:0.000,0.000,0.000]\n[TLO:0.000]\n\
+                  [PRB:0.000,0.000,0.000:0]\nok\n";
+    let run = shown("grbl", "", "offsets.txt", report).exits(0);
+    assert!(run.stdout.contains("G54   X-250 Y-120.5 Z0") && run.stdout.contains("G55   X1 Y2 Z3"), "{}", run.stdout);
+    let run = shown("grbl", "", "offsets.txt", &format!("$13=1\n{}", report.replace("-250.000", "-10.000"))).exits(0);
+    assert!(run.stdout.contains("G54   X-254 "), "{}", run.stdout);
+    shown("grbl", "", "o.txt", &report.replace("TLO:0.000", "TLO:5.000"))
+        .exits(4)
+        .says("Grbl offsets ($#)")
+        .says("TLO");
+    let tool = format!("[T:3|0.000,0.000,42.000|1.500|6,0,0|mill|0]\n{report}");
+    assert!(shown("grbl", "", "o.txt", &tool).exits(0).stdout.contains("42           1.5"));
+}
+
+#[test]
+fn offsets_of_a_fanuc() {
+    let punched = "%\nG21\nG10 L2 P0 X0. Y0. Z-1.\nG10L2P1X-250.Y-120.5Z0.\nG10 L20 P3 X5. Y6. Z7.\nG10 L10 P1 R120.5\nG10 L11 P1 R-0.5\n\
+                   G10 L12 P1 R5.\nG10 L13 P1 R0.02\n#500=12.5\n#501=\nG10 L50\nN1240 P1 R5\nG11\nM30\n%\n";
+    let run = shown("fanuc", "", "offsets.txt", punched).exits(0);
+    for text in ["EXT   X0 Y0 Z-1", "G54   X-250 Y-120.5 Z0", "G54.1 P3X5 Y6 Z7"] {
+        assert!(run.stdout.contains(text), "{text}: {}", run.stdout);
+    }
+    // 120.5 − 0.5 and 5 + 0.02.
+    assert!(run.stdout.contains("1     1     120          5.02"), "{}", run.stdout);
+    shown("fanuc", "", "o.txt", &punched.replace("G21\n", "")).exits(4).says("saved_unit");
+    shown("fanuc", "", "o.txt", &punched.replace("X-250.", "X-250000")).exits(4).says("no decimal point");
+    // A program that moves is still a program.
+    shown("fanuc", "", "o.nc", "%\nO1\nG10 L2 P1 X1. Y2. Z3.\nG0 X0.\nM30\n%\n").exits(3);
+}
+
+#[test]
+fn tools_of_a_heidenhain_are_read_by_their_columns() {
+    let table = "BEGIN TOOL.T MM\nT     NAME             L          R        DL       DR\n0\n5     MILL 10          +120.5     +5       -0.5     +0.01\n\
+                 7     DRILL            +80        +3\n[END]\n";
+    let run = shown("sinumerik", "", "TOOL.T", table).exits(0);
+    // 120.5 − 0.5 and 5 + 0.01; the name has a blank.
+    assert!(run.stdout.contains("5     1     120          5.01     MILL 10"), "{}", run.stdout);
+    assert!(run.stdout.contains("7     1     80           3        DRILL"), "{}", run.stdout);
+    let presets = "BEGIN PRESET.PR MM\nNO   DOC   X   Y   Z\n1          +10 +20 +30\n[END]\n";
+    shown("sinumerik", "", "PRESET.PR", presets).exits(4).says("Heidenhain table").says("presets");
+}
+
+#[test]
+fn numbered_blocks_of_a_haas_are_named() {
+    shown("haas", "", "off.txt", "%\nN0 V123456\nN1 V1000\nN2 V2000\n%\n")
+        .exits(4)
+        .says("Haas settings")
+        .says("G10 L2");
+}
