@@ -6,6 +6,7 @@
 mod block_number;
 mod comment;
 mod flat;
+mod growth;
 mod kept;
 mod line;
 mod number;
@@ -16,6 +17,7 @@ mod words;
 
 pub use block_number::NumberSet;
 pub use flat::flat;
+pub use growth::{growth, lines_with_words};
 pub use number::Decimals;
 pub use stamp::{
     Stamp, is_stamp_changed, is_stamped, is_stamped_for, stamped_model, stamped_promise, stamped_source, stamped_state,

@@ -23,6 +23,10 @@ pub struct Options {
     pub keeps_wear: bool,
     /// Leaves rigid tapping to the control, as its cycle at a corrected place. The output must have the coordinates of the program.
     pub keeps_tapping: bool,
+    /// Marks the holes of drilling cycles in the stream, so that a correction can leave them to the control.
+    pub keeps_cycles: bool,
+    /// Changes comments that a reader of the output would take for the marks of added lines: `;+` becomes `;+ .`.
+    pub hides_marks: bool,
     /// Splitting of rapid moves if the control orders its axes.
     pub rapid_order: RapidOrder,
 }

@@ -12,6 +12,8 @@ pub(in crate::exec) struct RunSettings<'a> {
     pub(in crate::exec) strict: bool,
     /// Leaves rigid tapping to the control.
     pub(in crate::exec) keeps_tapping: bool,
+    /// Marks the holes of drilling cycles.
+    pub(in crate::exec) keeps_cycles: bool,
     /// Radius for G41 and G42.
     pub(in crate::exec) radius: Radius,
     /// Splitting of rapid moves.
@@ -19,8 +21,13 @@ pub(in crate::exec) struct RunSettings<'a> {
 }
 
 impl<'a> RunSettings<'a> {
+    /// `true` if the output may have drilling cycles, with the words that end them.
+    pub(in crate::exec) fn writes_cycles(&self) -> bool {
+        self.keeps_cycles && self.strict
+    }
+
     pub(in crate::exec) fn new(machine: &'a Machine, options: &Options) -> Self {
-        let &Options { strict, keeps_tapping, radius, rapid_order, .. } = options;
-        RunSettings { machine, strict, keeps_tapping, radius, rapid_order }
+        let &Options { strict, keeps_tapping, keeps_cycles, radius, rapid_order, .. } = options;
+        RunSettings { machine, strict, keeps_tapping, keeps_cycles, radius, rapid_order }
     }
 }
