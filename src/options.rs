@@ -154,6 +154,10 @@ pub struct Options {
     pub feed_limit_mm: Option<f64>,
     /// True to refuse a program whose positions, tools or condition are outside the measured ranges of the machine.
     pub require_coverage: bool,
+    /// True to leave holes to the drilling cycles of the control where the correction allows it; false to write their moves.
+    pub keeps_cycles: bool,
+    /// A longer output is refused: written blocks per line with words of the source.
+    pub max_growth: Option<f64>,
     /// Number of threads, 1 to 3; `None`: as many as are useful. The output does not depend on it.
     pub threads: Option<usize>,
 }
@@ -175,6 +179,8 @@ impl Default for Options {
             compensation: Compensation::default(),
             feed_limit_mm: None,
             require_coverage: false,
+            keeps_cycles: false,
+            max_growth: None,
             threads: None,
         }
     }

@@ -102,7 +102,7 @@ pub(crate) fn correct_elements(
     for output in corrector.by_ref() {
         match output {
             Ok(Output::Piece(piece)) => pieces.push(piece),
-            Ok(Output::Element(_)) => {}
+            Ok(Output::Element(_) | Output::Cycle(_)) => {}
             Err(finding) => findings.push(finding),
         }
     }

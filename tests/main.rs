@@ -59,6 +59,7 @@ mod controls;
 mod correction;
 mod coverage;
 mod cycles;
+mod cycles_stay;
 mod datum;
 mod dead_band;
 mod decompose;

@@ -273,6 +273,12 @@ pub(super) struct FixArguments {
     /// Refuse the program if its positions, tools or condition are beyond the measured ranges of the machine file
     #[arg(long)]
     pub(super) require_coverage: bool,
+    /// Leave holes to the drilling cycles of the control: one line with the corrected position, planes and depth
+    #[arg(long)]
+    pub(super) keep_cycles: bool,
+    /// Largest output, in blocks per line of the program, such as 20x; a longer one is refused
+    #[arg(long, value_name = "FACTOR", value_parser = ncfix_base::number::factor)]
+    pub(super) max_growth: Option<f64>,
     /// Number of threads, 1 to 3 (default: automatic); the output does not depend on it
     #[arg(long, value_name = "N", value_parser = value::threads)]
     pub(super) threads: Option<usize>,
@@ -292,6 +298,8 @@ impl FixArguments {
             feed_limit_mm: self.feed_limit,
             threads: self.threads,
             require_coverage: self.require_coverage,
+            keeps_cycles: self.keep_cycles,
+            max_growth: self.max_growth,
             ..self.correction.options()
         }
     }

@@ -95,7 +95,8 @@ impl Pair<'_> {
             // If the control corrects the wear, the original contains none.
             let radius = if has_wear_alone && !is_stamped { Radius::Beside(0.0) } else { Radius::Whole };
             // With an unknown zero or tool, the errors of the machine at the cut are unknown, and so is any verdict.
-            let options = Options { rapid_order, radius, requires_values: true, keeps_tilt: true, ..Options::default() };
+            let (requires_values, keeps_tilt, keeps_cycles) = (true, true, true);
+            let options = Options { rapid_order, radius, requires_values, keeps_tilt, keeps_cycles, ..Options::default() };
             program.start_as(opened, &chosen.machine, options)
         };
         let mut promise = stamp::promise(sources, chosen, self.promised, findings);

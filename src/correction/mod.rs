@@ -1,6 +1,7 @@
 //! Correction of a program: execution, correction, output, evaluation.
 
 mod feed_limit;
+mod growth;
 mod pieces;
 mod pipeline;
 mod wear;
@@ -32,7 +33,7 @@ use ncfix_language::syntax;
 use ncfix_model::Model;
 use ncfix_path::emit::{self, NumberSet};
 use ncfix_path::path::{self, Prediction};
-use ncfix_report::correction::CorrectionReport;
+use ncfix_report::correction::{CorrectionReport, RepeatedBlock};
 use ncfix_report::json;
 use ncfix_report::number::micrometers;
 
@@ -268,11 +269,11 @@ pub(crate) struct Prepared<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    /// The program at its start, with the options of the output.
+    /// The program at its start, with the options of the output; `keeps_cycles` if holes may stay drilling cycles.
     ///
     /// # Errors
     /// If it cannot be written like that.
-    fn start(self) -> Result<(Running<'a>, Writing, NumberSet), Error> {
+    fn start(self, keeps_cycles: bool) -> Result<(Running<'a>, Writing, NumberSet), Error> {
         let Prepared { correction, opened, hash, .. } = self;
         let (program, options) = (correction.program, &correction.options);
         let bytes = (program.source(), hash);
@@ -290,6 +291,8 @@ impl<'a> Prepared<'a> {
             tells_compensation: true,
             radius,
             keeps_wear,
+            hides_marks: true,
+            keeps_cycles: keeps_cycles && !keeps_wear && writing.options.may_keep_cycles(),
             keeps_tapping: is_as_programmed,
             keeps_tilt: is_as_programmed && options.rotary != path::Rotary::Correct,
             ..exec::Options::default()
@@ -337,7 +340,7 @@ impl<'a> Prepared<'a> {
         let (correction, threads) = (self.correction, self.threads);
         let Correction { program, machine, model, options } = correction;
         let is_required = options.require_coverage;
-        let (running, writing, numbers) = self.start()?;
+        let (running, writing, numbers) = self.start(options.keeps_cycles && options.feed_limit_mm.is_none())?;
         let mut running = match watch {
             Some(watch) => running.watched(watch),
             None => running,
@@ -351,6 +354,7 @@ impl<'a> Prepared<'a> {
             Ok(blocks) => blocks,
             Err(error) => return Ok(Err(error)),
         };
+        found.extend(growth::check(program.source(), options.max_growth, report), &[]);
         if let Some((limit, limited)) = options.feed_limit_mm.zip(passed.limited) {
             report.feed_limit = Some(feed_limit::report(limit, &limited));
         }
@@ -389,7 +393,7 @@ impl<'a> Prepared<'a> {
     /// If the program cannot be written like that.
     fn pieces(self, found: Diagnostics) -> Result<Pieces<'a>, Error> {
         let correction = self.correction;
-        let (running, writing, _) = self.start()?;
+        let (running, writing, _) = self.start(false)?;
         Ok(Pieces::new(running, &correction.machine.machine, &correction.model, writing.options, found))
     }
 }
@@ -491,6 +495,14 @@ fn note(
         shortest_ms: (prediction.short_blocks.written > 0).then_some(prediction.short_blocks.shortest_s * 1e3),
     });
     report.blocks_in = running.blocks();
+    report.drilling_cycles = prediction.kept_holes;
+    report.drilled_by_moves = prediction.expanded_holes;
+    let name_of =
+        |file| running.sources().iter().find(|source| source.id() == file).map(|source| source.name().to_owned());
+    report.most_repeated = prediction
+        .repeated
+        .largest()
+        .and_then(|(file, line, times)| Some(RepeatedBlock { line, file: name_of(file)?, times }));
     if let Some(origin) = prediction.max_at() {
         report.max_at_line = Some(origin.line);
         let source = running.sources().iter().find(|source| source.id() == origin.file);

@@ -1,5 +1,15 @@
 //! Numbers for people: grouped thousands, µm with suitable decimals.
 
+/// Reads a factor, with or without `x`: `20x`.
+///
+/// # Errors
+/// If it is not a number above 0.
+pub fn factor(text: &str) -> Result<f64, String> {
+    let value =
+        text.trim_end_matches(['x', 'X']).parse().ok().filter(|factor: &f64| factor.is_finite() && *factor > 0.0);
+    value.ok_or_else(|| format!("'{text}' is not a factor above 0, such as 20x"))
+}
+
 /// Formats a count with its thousands separated: `1,234,567`.
 #[must_use]
 pub fn grouped(count: u64) -> String {

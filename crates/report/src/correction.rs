@@ -12,6 +12,9 @@ use super::prediction::PredictionReport;
 use super::verdict::Verdict;
 use ncfix_base::geometry::AxisKey;
 
+/// Growth from which the table states it; a smaller one is usual.
+const SHOWN_GROWTH: f64 = 2.0;
+
 /// Largest share of the form error in the error at which it is stated separately.
 pub(super) const MOST_FORM: f64 = 0.5;
 
@@ -45,6 +48,14 @@ pub struct CorrectionReport {
     pub blocks_in: u64,
     /// Written blocks.
     pub blocks_out: u64,
+    /// Written blocks per line with words of the source.
+    pub growth: f64,
+    /// The block that was executed most often; `null` if none was repeated.
+    pub most_repeated: Option<RepeatedBlock>,
+    /// Holes that stay a drilling cycle.
+    pub drilling_cycles: u64,
+    /// Holes of drilling cycles that are written as moves.
+    pub drilled_by_moves: u64,
     /// Wall time of the run.
     pub seconds: f64,
     /// Source line of the largest residual error.
@@ -150,7 +161,23 @@ impl CorrectionReport {
                 &format!("{} before, {} after", duration(limit.time_before_s), duration(limit.time_after_s)),
             );
         }
-        row("blocks", &format!("{} in, {} out", grouped(self.blocks_in), grouped(self.blocks_out)));
+        let growth = match self.growth {
+            growth if growth >= SHOWN_GROWTH => format!(", {growth:.1} times the lines of the source"),
+            _ => String::new(),
+        };
+        let repeated =
+            self.most_repeated.as_ref().filter(|_| !growth.is_empty()).map_or_else(String::new, |repeated| {
+                format!("; {}:{} runs {} times", repeated.file, repeated.line, grouped(repeated.times))
+            });
+        if self.drilling_cycles + self.drilled_by_moves > 0 {
+            let holes = counted(self.drilling_cycles, "hole");
+            let moves = match self.drilled_by_moves {
+                0 => String::new(),
+                count => format!(", {} as moves", grouped(count)),
+            };
+            row("cycles", &format!("{holes} kept{moves}"));
+        }
+        row("blocks", &format!("{} in, {} out{growth}{repeated}", grouped(self.blocks_in), grouped(self.blocks_out)));
         if let Some(short) = &self.short_blocks {
             row("block cycle", &short.words());
         }
@@ -294,6 +321,18 @@ fn largest(key: AxisKey, size: f64) -> String {
     format!("{} {} {}", key.letter(), significant(size), key.sign())
 }
 
+/// A block that was executed several times.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RepeatedBlock {
+    /// Its line.
+    pub line: u32,
+    /// Its file.
+    pub file: String,
+    /// Number of executions.
+    pub times: u64,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -313,6 +352,10 @@ mod tests {
             short_blocks: None,
             blocks_in: 1234,
             blocks_out: 2345,
+            growth: 2.5,
+            most_repeated: Some(RepeatedBlock { line: 7, file: "part.mpf".into(), times: 40 }),
+            drilling_cycles: 38,
+            drilled_by_moves: 2,
             seconds: 0.123,
             max_at_line: Some(17),
             max_at_file: Some("part.mpf".into()),
@@ -337,7 +380,8 @@ mod tests {
         interval     not known: the uncertainty of this machine file is not known
         correction   up to X 41.3 µm, C 3.00 µrad
         rapids       12 as programmed; there the tool is up to 35.2 µm off
-        blocks       1,234 in, 2,345 out
+        cycles       38 holes kept, 2 as moves
+        blocks       1,234 in, 2,345 out, 2.5 times the lines of the source; part.mpf:7 runs 40 times
         computed     in 0.12 s
         machine      demo
         coverage     within the measured ranges

@@ -112,23 +112,14 @@ impl CorrectionChoice {
         Options {
             tolerance_mm: self.tolerance,
             step_mm: self.step,
-            arcs: match self.arcs {
-                ArcChoice::Keep => Arcs::Keep,
-                ArcChoice::Chords => Arcs::Chords,
-            },
+            arcs: if self.arcs == ArcChoice::Chords { Arcs::Chords } else { Arcs::Keep },
             rapids: match self.rapids {
                 RapidChoice::Ends => Rapids::Ends,
                 RapidChoice::None => Rapids::None,
                 RapidChoice::All => Rapids::All,
             },
-            frame: match self.frame {
-                FrameChoice::Work => OutputFrame::Work,
-                FrameChoice::Machine => OutputFrame::Machine,
-            },
-            five_axis: match self.five_axis {
-                FiveAxisChoice::Tcp => FiveAxis::Tcp,
-                FiveAxisChoice::Axes => FiveAxis::Axes,
-            },
+            frame: if self.frame == FrameChoice::Machine { OutputFrame::Machine } else { OutputFrame::Work },
+            five_axis: if self.five_axis == FiveAxisChoice::Axes { FiveAxis::Axes } else { FiveAxis::Tcp },
             rotary: self.rotary.into(),
             increment_mm: self.increment,
             max_correction_mm: self.max_correction,

@@ -408,6 +408,10 @@ states the gap. Nothing was written. Measure the missing range and calibrate, ch
 --machine, verify, diff and snc use only this machine file. They search the nearest ncfix.toml, and the folders of the programs. A
 file that has changed since has another fingerprint. Name the machine file with --machine; if it has changed, correct the program
 again.";
+    GROWS_TOO_MUCH = "E0324" "output longer than allowed"
+"The written program would have more blocks per line of the source than --max-growth allows. Loops, subprograms, macros and milling
+cycles are written as moves; drilling cycles stay where the correction allows it. Nothing was written. Allow more, or a larger
+--tolerance, or correct the loops as programs of their own.";
 
     BAD_TOML = "E0401" "machine file is not TOML"
 "The file breaks the rules of TOML 1.0 at this place.";

@@ -146,6 +146,7 @@ impl<'a> Lines<'a> {
         let applied = self.live.applied();
         let (origin, busy_s) = match output {
             Output::Piece(piece) => (piece.origin, applied.time_s - std::mem::take(&mut self.waited_s)),
+            Output::Cycle(block) => (block.origin, 0.0),
             Output::Element(element) => {
                 let dwell_s = match element.kind {
                     Kind::Dwell(Dwell::Seconds(seconds)) => seconds.max(0.0),

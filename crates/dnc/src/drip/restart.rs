@@ -157,6 +157,8 @@ impl<'a> RestartSearch<'a> {
                 }
                 self.is_retracted = self.retracts(piece);
             }
+            // A transfer has the moves of a cycle.
+            Output::Cycle(_) => {}
             Output::Element(element) => {
                 if let Kind::Frame(FrameWords::Statement(_)) = &element.kind {
                     self.unsure.get_or_insert(element.origin.line);

@@ -4,6 +4,7 @@
 //! **axis commands** (mm, rad). The text form adds the tool vector, so it shows positions of the tool center point. Elements of one executed block follow
 //! each other; the first has [`Element::starts_block`].
 
+mod drilling;
 pub mod extent;
 mod feed_unit;
 mod motion_mode;
@@ -11,6 +12,7 @@ mod text;
 mod text_reader;
 mod written_zero;
 
+pub use drilling::{CycleArgument, DrillingCycle, Peck};
 pub use feed_unit::{FEED_MODES, FeedUnit};
 pub use motion_mode::{MotionMode, Thread, ThreadCode};
 pub use text::{TextWriter, stated_machine};
@@ -91,6 +93,8 @@ pub enum Kind {
     Label(Vec<u8>),
     /// A header line, written unchanged (`%_N_…_MPF`, `;$PATH=…`).
     Header(Vec<u8>),
+    /// The moves of one hole of a drilling cycle begin, or end with `None`. Not part of the text form.
+    Cycle(Option<sync::Arc<DrillingCycle>>),
     /// Only a place: a block with nothing but a number.
     Empty,
 }

@@ -7,6 +7,7 @@ mod block_number;
 mod check_cut;
 mod comment;
 mod flat;
+mod growth;
 mod kept;
 mod line;
 mod number;
@@ -18,6 +19,7 @@ mod words;
 pub use block_number::NumberSet;
 pub use check_cut::check_cut;
 pub use flat::flat;
+pub use growth::{growth, lines_with_words};
 pub use number::Decimals;
 pub use stamp::{
     Stamp, is_stamp_changed, is_stamped, is_stamped_for, stamped_model, stamped_promise, stamped_source, stamped_state,

@@ -126,6 +126,26 @@ where
         Some(item)
     }
 
+    /// `true` if the last taken move triggers a drilling cycle.
+    pub(super) fn triggers_cycle(&mut self) -> bool {
+        if self.held.is_empty() {
+            self.pull();
+        }
+        matches!(self.held.front(), Some(Ok(Element { kind: Kind::Cycle(Some(cycle)), .. })) if cycle.is_modal)
+    }
+
+    /// Puts elements that were taken back to the front.
+    pub(super) fn put_back(&mut self, elements: Vec<Element>) {
+        if !self.rotary.is_empty() {
+            self.seen += elements.len();
+        }
+        for element in elements.into_iter().rev() {
+            let item = Ok(element);
+            self.held_bytes += bytes(&item);
+            self.held.push_front(item);
+        }
+    }
+
     /// The successor of the last taken element.
     pub(super) fn next(&mut self) -> Upcoming {
         for at in 0..MOST_HELD {

@@ -3,15 +3,17 @@
 mod between;
 mod clamps;
 mod dead_band;
+mod hole;
 mod pace;
 mod write;
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::{AXIS_COUNT, AxisSet};
 use ncfix_machine::machine::Machine;
-use ncfix_machine::snc::{BlockNumber, Element, MotionMode, Move, Origin};
+use ncfix_machine::snc::{BlockNumber, Element, Kind, MotionMode, Move, Origin};
 use ncfix_model::Model;
 
 use super::ahead::Ahead;
@@ -57,6 +59,10 @@ pub struct Corrector<'a, I> {
     prediction: Prediction,
     poses: PoseSampler,
     pace: pace::Pace,
+    /// The initial level, if the last output was a drilling cycle.
+    initial: Option<hole::InitialLevel>,
+    /// Shift of the last hole along the drilling axis, increments.
+    last_shift: i64,
     scratch: Vec<f64>,
 }
 
@@ -132,6 +138,8 @@ where
             prediction: Prediction::default(),
             poses: PoseSampler::default(),
             pace: pace::Pace::default(),
+            initial: None,
+            last_shift: 0,
             scratch: Vec::with_capacity(64),
             options,
         }
@@ -416,7 +424,21 @@ where
                 return None;
             };
             match item {
-                Ok(element) => self.take_in(element),
+                Ok(element) => match &element.kind {
+                    Kind::Cycle(Some(cycle)) => self.take_hole(&Arc::clone(cycle), element, None),
+                    Kind::Move(motion) if motion.rapid && self.elements.triggers_cycle() => {
+                        if let Some(Ok(mark)) = self.elements.take()
+                            && let Kind::Cycle(Some(cycle)) = &mark.kind
+                        {
+                            self.take_hole(&Arc::clone(cycle), mark, Some(element));
+                        }
+                    }
+                    Kind::Move(_) => {
+                        self.initial = None;
+                        self.take_in(element);
+                    }
+                    _ => self.take_in(element),
+                },
                 Err(finding) => return Some(Err(finding)),
             }
         }

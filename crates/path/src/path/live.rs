@@ -103,6 +103,7 @@ impl<'a> Live<'a> {
         let element = match output {
             Output::Piece(piece) => return Output::Piece(self.shift(piece, now, doses)),
             Output::Element(element) => element,
+            Output::Cycle(_) => return output,
         };
         match &element.kind {
             Kind::Setup(setup) => {

@@ -14,6 +14,7 @@ mod compare;
 
 mod corrector;
 mod cut;
+mod cycle_block;
 mod extend;
 mod findings;
 mod held;
@@ -27,6 +28,7 @@ mod poses;
 mod prediction;
 mod reach;
 mod remaining;
+mod repeated_blocks;
 mod rotary_word;
 mod route;
 mod sampling;
@@ -48,6 +50,7 @@ pub use compare::{
     ProgramDifference, Promise, What, compare, compare_seeing,
 };
 pub use corrector::Corrector;
+pub use cycle_block::CycleBlock;
 pub use increment::Increments;
 pub use interval::{ErrorInterval, PredictedInterval, StationInterval, predict};
 pub use live::{Allows, Applied, Asked, Doses, Live};
@@ -56,6 +59,7 @@ pub use poses::{ErrorPlace, PoseSample};
 pub use prediction::{Prediction, ShortBlocks, Spread};
 pub use reach::ReachScan;
 pub use remaining::{Remaining, remaining};
+pub use repeated_blocks::RepeatedBlocks;
 pub use steps::{ResidualSteps, SeriesRow, StepResidual, StepTrial, Steps, StraightLine};
 pub use tips::Tips;
 pub use volume::volume;
@@ -91,6 +95,15 @@ pub struct CorrectionOptions {
     pub rotary: Rotary,
     /// Programmed position before the first block (mm, rad), if the program relies on one.
     pub start: Option<AxisVector>,
+}
+
+impl CorrectionOptions {
+    /// `true` if holes may stay drilling cycles.
+    #[must_use]
+    pub fn may_keep_cycles(&self) -> bool {
+        (self.frame, self.five_axis, self.subdivision) == (OutputFrame::Work, FiveAxis::Tcp, Subdivision::Adaptive)
+            && self.rapids != Rapids::None
+    }
 }
 
 impl Default for CorrectionOptions {
@@ -212,13 +225,15 @@ pub enum Rotary {
     Hold,
 }
 
-/// Output of the corrector: elements without motion in their places, and pieces of moves.
+/// Output of the corrector: elements without motion in their places, pieces of moves, and holes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Output {
     /// An element without motion, unchanged.
     Element(Element),
     /// A piece of a move.
     Piece(Piece),
+    /// A hole that stays a drilling cycle.
+    Cycle(Box<CycleBlock>),
 }
 
 /// A straight or circular piece of a move, its end a whole number of increments on every axis.

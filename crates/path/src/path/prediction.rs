@@ -8,6 +8,7 @@ use ncfix_base::geometry::AxisVector;
 use ncfix_machine::snc::Origin;
 
 use super::poses::{ErrorPlace, Thinned};
+use super::repeated_blocks::RepeatedBlocks;
 
 /// Mean, RMS and maximum of distances, mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -58,6 +59,12 @@ pub struct Prediction {
     pub moves: u64,
     /// Number of emitted pieces.
     pub pieces: u64,
+    /// Executions of the blocks of the program.
+    pub repeated: RepeatedBlocks,
+    /// Holes that stay a drilling cycle.
+    pub kept_holes: u64,
+    /// Holes of drilling cycles that are written as moves.
+    pub expanded_holes: u64,
     /// Number of rapid moves that stay as programmed.
     pub as_programmed: u64,
     /// Largest tip error at the ends of rapid moves that are not an approach to a cut, mm.

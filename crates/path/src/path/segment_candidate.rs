@@ -144,6 +144,14 @@ impl<'m> SegmentFitter<'_, 'm> {
         self.unplaced(standing, self.placer.partly(&ends.end.command, standing, moving, self.known))
     }
 
+    /// The whole move straight to an end, with the deviation along it.
+    pub(super) fn at_end(&self, standing: &PathState, end: Placed, scratch: &mut Vec<f64>) -> SegmentCandidate<'m> {
+        // Its ends are not at their places: they count too.
+        let mut trial = SegmentCandidate { begins_off: true, ..self.unplaced(standing, end) };
+        self.measure(standing, &mut trial, scratch);
+        trial
+    }
+
     /// The whole move straight to an end that is not placed for the full pose.
     fn unplaced(&self, standing: &PathState, end: Placed) -> SegmentCandidate<'m> {
         let state = self.led(standing, &[standing.command, end.command]);

@@ -53,6 +53,7 @@ impl<'a> Tips<'a> {
     pub fn take(&mut self, output: &Output) {
         match output {
             Output::Piece(piece) => self.stands = Some(piece.nominal),
+            Output::Cycle(block) => self.stands = Some(block.nominal),
             Output::Element(element) => {
                 if let Kind::Setup(setup) = &element.kind {
                     self.setup = Arc::clone(setup);

@@ -97,7 +97,7 @@ impl Waiting {
     pub(super) fn as_programmed(&self, output: &Output) -> Output {
         match output {
             Output::Piece(piece) => Output::Piece(Piece { feed: self.programmed, ..*piece }),
-            Output::Element(_) => output.clone(),
+            Output::Element(_) | Output::Cycle(_) => output.clone(),
         }
     }
 

@@ -119,6 +119,8 @@ impl<'a> Run<'a> {
     pub fn output(&mut self, output: &Output, block: u64, see: &mut dyn FnMut(&CycleState)) {
         match output {
             Output::Element(element) => self.element(element, block, see),
+            // A simulation has the moves of a cycle.
+            Output::Cycle(_) => {}
             Output::Piece(piece) => {
                 let order = self.order_of(piece);
                 self.order(&order, block, see);

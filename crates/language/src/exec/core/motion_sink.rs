@@ -50,6 +50,7 @@ pub(in crate::exec) struct MotionSink<'a> {
     /// `true` if the control handles the wear, and receives the words that begin and end compensation.
     pub(in crate::exec) keeps_wear: bool,
     tells_compensation: bool,
+    hides_marks: bool,
 }
 
 impl<'a> MotionSink<'a> {
@@ -69,6 +70,7 @@ impl<'a> MotionSink<'a> {
             registers: Vec::new(),
             keeps_wear: options.keeps_wear,
             tells_compensation: options.tells_compensation,
+            hides_marks: options.hides_marks,
         }
     }
 
@@ -107,6 +109,10 @@ impl<'a> MotionSink<'a> {
 
     /// Emits an element without motion.
     pub(in crate::exec) fn push(&mut self, kind: Kind) {
+        let kind = match kind {
+            Kind::Comment(text) if self.hides_marks => Kind::Comment(without_mark(text)),
+            kind => kind,
+        };
         let element = self.element(kind);
         self.pass(element);
     }
@@ -280,7 +286,40 @@ impl<'a> MotionSink<'a> {
     }
 }
 
+/// Texts of comments that mark added lines.
+const MARKS: [&[u8]; 3] = [b"+", b"~", b"+~"];
+
+/// A comment of the program that is not a mark of an added line.
+fn without_mark(mut text: Vec<u8>) -> Vec<u8> {
+    let whole = text.trim_ascii();
+    let (inner, is_closed) = match whole.strip_prefix(b"(") {
+        Some(inner) => (inner.strip_suffix(b")").unwrap_or(inner), true),
+        None => (whole.strip_prefix(b";").unwrap_or(whole), false),
+    };
+    if MARKS.contains(&inner.trim_ascii()) {
+        let mut plain = if is_closed { b"(".to_vec() } else { b";".to_vec() };
+        plain.extend_from_slice(inner.trim_ascii());
+        plain.extend_from_slice(if is_closed { b" .)" } else { b" ." });
+        text = plain;
+    }
+    text
+}
+
 /// The comment of lines that continue the motion of the previous line.
 fn further_line() -> Kind {
     Kind::Comment(b";+".to_vec())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::without_mark;
+
+    #[test]
+    fn a_comment_of_the_program_is_no_mark() {
+        for (text, plain) in
+            [(";+", ";+ ."), ("; ~", ";~ ."), ("(+)", "(+ .)"), ("(+~)", "(+~ .)"), ("; + 5", "; + 5"), ("(A)", "(A)")]
+        {
+            assert_eq!(without_mark(text.as_bytes().to_vec()), plain.as_bytes());
+        }
+    }
 }

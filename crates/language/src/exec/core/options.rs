@@ -28,6 +28,10 @@ pub struct Options {
     /// Takes positions within tilted planes of a head (G68.2 with G53.1) as the control does, in the coordinates of the plane. A strict run leaves these planes
     /// to the control: the output must have the coordinates of the program, and the rotary axes their programmed positions.
     pub keeps_tilt: bool,
+    /// Marks the holes of drilling cycles in the stream, so that a correction can leave them to the control.
+    pub keeps_cycles: bool,
+    /// Changes comments that a reader of the output would take for the marks of added lines: `;+` becomes `;+ .`.
+    pub hides_marks: bool,
     /// Splitting of rapid moves if the control orders its axes.
     pub rapid_order: RapidOrder,
 }

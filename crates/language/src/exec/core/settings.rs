@@ -16,6 +16,8 @@ pub(in crate::exec) struct RunSettings<'a> {
     pub(in crate::exec) keeps_tapping: bool,
     /// Leaves tilted planes to the control.
     pub(in crate::exec) keeps_tilt: bool,
+    /// Marks the holes of drilling cycles.
+    pub(in crate::exec) keeps_cycles: bool,
     /// Radius for G41 and G42.
     pub(in crate::exec) radius: Radius,
     /// Splitting of rapid moves.
@@ -23,9 +25,14 @@ pub(in crate::exec) struct RunSettings<'a> {
 }
 
 impl<'a> RunSettings<'a> {
+    /// `true` if the output may have drilling cycles, with the words that end them.
+    pub(in crate::exec) fn writes_cycles(&self) -> bool {
+        self.keeps_cycles && self.strict
+    }
+
     pub(in crate::exec) fn new(machine: &'a Machine, options: &Options) -> Self {
-        let &Options { strict, keeps_tapping, keeps_tilt, radius, rapid_order, .. } = options;
+        let &Options { strict, keeps_tapping, keeps_tilt, keeps_cycles, radius, rapid_order, .. } = options;
         let requires_values = strict || options.requires_values;
-        RunSettings { machine, strict, requires_values, keeps_tapping, keeps_tilt, radius, rapid_order }
+        RunSettings { machine, strict, requires_values, keeps_tapping, keeps_tilt, keeps_cycles, radius, rapid_order }
     }
 }

@@ -43,6 +43,8 @@ pub(super) struct Channel<'a> {
 pub(super) struct GrundigAtHand {
     /// `true` if the block has moved already.
     pub(super) has_moved: bool,
+    /// `true` if that was only a step of micrometers to a level: the next motion belongs to it.
+    pub(super) is_leveled: bool,
     /// `true` if the block names F.
     pub(super) feed_named: bool,
     /// S and M words of the block that act before its motion.

@@ -6,6 +6,7 @@ use super::channel::Channel;
 use super::cycles::{self, At, Cycle, CycleFault, CycleWords};
 use super::defined::Defined;
 use super::gathered::Gathered;
+use super::kept_cycle;
 use super::modal::Modal;
 use super::step;
 use super::target;
@@ -236,9 +237,14 @@ fn run_cycle(channel: &mut Channel<'_>, defined: &Defined, place: &Target, rotat
     }
     let cutting = cutting_feed(&channel.modal, defined, span)?;
     let plunging = defined.words.get(b'F', 2).unwrap_or(cutting);
+    let words: Vec<_> = allowed(defined.cycle.number).into_iter().map(|(letter, index, _)| (letter, index)).collect();
+    let is_marked = kept_cycle::begin(channel, defined, &words, cutting, at.surface);
     for step in steps {
         channel.modal.modes.feed = cutting;
         carry_out(channel, step, plunging)?;
+    }
+    if is_marked {
+        channel.outlet.push(Kind::Cycle(None));
     }
     Ok(())
 }

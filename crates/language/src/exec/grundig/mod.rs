@@ -16,6 +16,7 @@ mod flow;
 mod frames;
 mod gathered;
 mod geometry;
+mod kept_cycle;
 mod level;
 mod library;
 mod machining;

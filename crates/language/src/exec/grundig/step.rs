@@ -38,6 +38,9 @@ pub(super) const STILL: f64 = 1e-9;
 /// ordered move.
 pub(super) const ALONG: f64 = 0.2;
 
+/// A rapid step that is shorter belongs to the motion beside it, mm: corrected levels of two holes differ by it.
+const SAME_LEVEL_MM: f64 = 0.02;
+
 /// A straight motion in the active motion mode.
 pub(super) fn straight(channel: &mut Channel<'_>, target: Target) -> Result<(), Fault> {
     match channel.modal.modes.motion {
@@ -114,7 +117,9 @@ pub(super) fn elementary(
         let help = "name all axes of the rotation in a block before it; --start does so until the first tool change";
         return Err(fault(Code::UNKNOWN_START, span, message, help));
     }
-    if std::mem::replace(&mut channel.block.has_moved, true) {
+    let is_level = rapid && AXES_OF_MOTION.into_iter().all(|axis| (target[axis] - start[axis]).abs() < SAME_LEVEL_MM);
+    let is_leveled = std::mem::replace(&mut channel.block.is_leveled, is_level && !channel.block.has_moved);
+    if std::mem::replace(&mut channel.block.has_moved, true) && !is_level && !is_leveled {
         channel.outlet.begin_line();
     }
     setup::show_setup(&mut channel.standing, &mut channel.outlet);

@@ -2,6 +2,7 @@
 
 use super::channel::Cycles;
 use super::feed;
+use super::kept_cycle;
 use super::measure;
 use super::modal::Modal;
 use super::modes;
@@ -32,6 +33,9 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Plane, Vector};
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{Dwell, FeedUnit, Kind, MotionMode, Word, WordValue};
+
+/// A rapid step along the tool that is shorter belongs to the motion to the hole, mm: corrected levels of two holes differ by it.
+const SAME_LEVEL_MM: f64 = 0.02;
 
 /// `true` if a code in tenths is a canned cycle for holes.
 pub(super) fn is_cycle(code: u16, is_rs274: bool) -> bool {
@@ -167,25 +171,48 @@ pub(super) fn cycle_at(
         let help = "program Q, the depth of one peck (parameter 5103, bit 1: one stroke or alarm PS0045)";
         channel.outlet.warnings.push(fault(Code::UNUSUAL_MOTION, gathered.span, message, help));
     }
+    let holes = call.repeats.unwrap_or(1) as usize;
+    let may_stay = !is_tapping(code) || tapping::check(channel, gathered, code, span).is_ok();
+    let kept = (channel.settings.keeps_cycles && may_stay)
+        .then(|| kept_cycle::of(channel, &call, [here[abscissa], here[ordinate]], holes, &actions))
+        .flatten();
+    let writes_cycle = kept.is_some() && channel.settings.writes_cycles();
     if is_kept {
         tapping::check(channel, gathered, code, span)?;
-    } else if is_tapping(code) && modes::code_of_motion(channel.language, &channel.cycles, gathered) == Some(code) {
+    } else if !writes_cycle
+        && is_tapping(code)
+        && modes::code_of_motion(channel.language, &channel.cycles, gathered) == Some(code)
+    {
         let message = "tapping becomes feed moves with a spindle reversal between them";
         let help = "use a compensating tapping chuck; keep the override at 100 %";
         channel.outlet.warnings.push(fault(Code::TAPPING_BY_FEED, span, message, help));
     }
-    stop_exactly(channel.language, &channel.modal, &mut channel.cycles, &mut channel.outlet);
+    if !writes_cycle {
+        stop_exactly(channel.language, &channel.modal, &mut channel.cycles, &mut channel.outlet);
+    }
+    let mut is_leveled = false;
+    let mut starts = kept.iter().flat_map(|kept| kept.starts.iter().copied()).peekable();
     let mut feed_named = gathered.has(b'F');
     let mut is_brought = was_drawn_out;
     let mut tapped = 0;
     for (place, &action) in actions.iter().enumerate() {
-        if place > 0 {
+        let is_start = starts.next_if_eq(&place).is_some();
+        if is_start && place > 0 {
+            kept_cycle::end(channel);
+        }
+        let is_level = matches!(action, CycleStep::Rapid { plane: Some(plane), height: Some(height) }
+            if plane == [end[abscissa], end[ordinate]] && (height - end[applicate]).abs() < SAME_LEVEL_MM);
+        if place > 0 && !is_level && !std::mem::take(&mut is_leveled) {
             channel.outlet.begin_line();
+        }
+        is_leveled = is_level && place == 0;
+        if let Some(kept) = kept.as_ref().filter(|_| is_start) {
+            kept_cycle::begin(channel, kept);
         }
         if place < tapped {
             continue;
         }
-        if is_kept && !matches!(action, CycleStep::Rapid { .. } | CycleStep::Brought(_)) {
+        if is_kept && kept.is_none() && !matches!(action, CycleStep::Rapid { .. } | CycleStep::Brought(_)) {
             let steps = actions.get(place..).unwrap_or_default();
             let count = steps.iter().take_while(|step| !matches!(step, CycleStep::Rapid { .. })).count();
             tapped = place + count;
@@ -232,6 +259,9 @@ pub(super) fn cycle_at(
         let is_named = std::mem::take(&mut feed_named);
         let span = gathered.span;
         step::step(channel, Step { rapid, end, named, feed_named: is_named, motion_mode: MotionMode::Path, span })?;
+    }
+    if kept.is_some() {
+        kept_cycle::end(channel);
     }
     Ok(())
 }

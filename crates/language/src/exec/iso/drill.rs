@@ -101,6 +101,16 @@ impl Drill {
         self.q.filter(|_| Some(self.q_code) == self.code)
     }
 
+    /// Depth of one peck in mm; `None` if the pecks have words of a Haas.
+    pub(super) fn equal_pecks(&self) -> Option<f64> {
+        self.q.filter(|q| *q > 0.0 && self.pecks == PeckWords::default())
+    }
+
+    /// P of the last block or of one before it, s.
+    pub(super) fn dwell_s(&self) -> Option<f64> {
+        self.dwell_s
+    }
+
     /// `true` if the operator has determined the tool position along its axis.
     pub(super) fn is_drawn_out(&self) -> bool {
         self.is_drawn_out

@@ -29,6 +29,7 @@ mod gathered;
 mod haas;
 mod haas_codes;
 mod home;
+mod kept_cycle;
 mod length;
 mod level;
 mod library;

@@ -88,9 +88,13 @@ pub(super) fn code_of_motion(language: Language, cycles: &Cycles, gathered: &Gat
 
 /// Restores the path control of the program after a cycle, or drops it if the block names one.
 pub(super) fn leave_exact_stops(channel: &mut Channel<'_>, is_named: bool) {
-    if !std::mem::take(&mut channel.cycles.is_exact) || is_named {
-        return;
+    if std::mem::take(&mut channel.cycles.is_exact) && !is_named {
+        restore_path_control(channel);
     }
+}
+
+/// Emits the path control of the program.
+pub(super) fn restore_path_control(channel: &mut Channel<'_>) {
     match (channel.modal.code(Group::Control), channel.modal.path_tolerance_mm) {
         (611, _) => channel.push(Kind::Keep("G61.1")),
         (_, [None, None]) => channel.push(Kind::Keep("G64")),

@@ -12,6 +12,7 @@ use super::forbidden;
 use super::gathered::Gathered;
 use super::haas;
 use super::home;
+use super::kept_cycle;
 use super::length;
 use super::modal::Modal;
 use super::modes;
@@ -130,6 +131,7 @@ pub(super) fn move_axes(channel: &mut Channel<'_>, gathered: &Gathered, takes_ax
             done = Err(fault(Code::BAD_WORD_VALUE, gathered.span, message, help));
             gathered.use_up(b"XYZABCUVW");
         } else {
+            kept_cycle::note_end(channel, gathered);
             cycle::note_motion(channel, code);
             let moves = !takes_axes && (code > 30 && code != G80 || has_way(&channel.modal, gathered, code));
             if moves {

@@ -76,6 +76,9 @@ impl Interpreter<'_> {
         if kind == CallKind::Modal {
             self.own.modal_call = None;
             self.channel.system.modal_call = false;
+            if self.channel.settings.writes_cycles() && name.is_none() {
+                self.channel.push(Kind::Keep("MCALL"));
+            }
             if let Some(name) = name {
                 let entry = self.entry(&name, arguments, repeats, span)?;
                 self.channel.system.modal_call = true;
@@ -265,6 +268,7 @@ impl Interpreter<'_> {
     }
 
     fn enter(&mut self, entry: Entry, calls: u32) {
+        self.mark_hole(&entry);
         let Entry { program, section, arguments, repeats, is_modal, part, span, file } = entry;
         let cycle = self.cycle_of(program, is_modal, (file, span));
         let refused = self.under_compensation(cycle, span);
@@ -309,6 +313,7 @@ impl Interpreter<'_> {
         if let Some(saved) = level.own.saved.take() {
             save::restore(&mut self.channel, *saved);
         }
+        self.mark_hole_end(level.program);
         let caller = self.levels.last().map_or(0, |level| level.program);
         let given =
             parameters::give_back(&self.programs[caller], &mut self.channel, &level.own.arguments, level.own.span);

@@ -38,6 +38,7 @@ mod gatherer;
 mod groups;
 mod indexed_word;
 mod jump;
+mod kept_cycle;
 mod level;
 mod library;
 mod loaded;

@@ -2,6 +2,7 @@
 //!
 //! Further lines of a source block carry the comment `;+`, steps on the spot `;~`.
 
+mod cycle;
 mod motion;
 mod words;
 
@@ -51,6 +52,8 @@ fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {
         is_again: false,
         suppressing: None,
         motion: "",
+        modal_call: Vec::new(),
+        increment_mm: options.increments.linear_mm,
         feed: 0.0,
     }))
 }
@@ -73,6 +76,10 @@ struct Sinumerik {
     suppressing: Option<&'static str>,
     /// The active G word of motion; empty if none yet.
     motion: &'static str,
+    /// The modal call in force; empty without one.
+    modal_call: Vec<u8>,
+    /// Increment of heights, mm.
+    increment_mm: f64,
     feed: f64,
 }
 
@@ -89,7 +96,16 @@ impl Writer for Sinumerik {
                     self.begin(piece.starts_block, (&piece.origin, piece.number), out);
                 }
                 self.assume(out);
+                self.end_modal_call(out);
                 self.piece(piece);
+            }
+            Output::Cycle(block) => {
+                self.is_again = false;
+                if block.starts_block || self.line.has_motion {
+                    self.begin(block.starts_block, (&block.origin, block.number), out);
+                }
+                self.assume(out);
+                self.cycle(block, out);
             }
             Output::Element(element) => {
                 let switches = matches!(&element.kind, Kind::Verbatim(text) if is_compensation(text));

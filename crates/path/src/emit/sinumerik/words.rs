@@ -1,5 +1,6 @@
 //! Words without motion: modal codes, frames, tools, auxiliary functions, comments.
 
+use super::cycle::MODAL;
 use super::{ASSUMED, Sinumerik};
 use ncfix_base::units::push_integer;
 use ncfix_machine::snc::{Dwell, Element, FEED_MODES, FrameKind, FrameStatement, FrameWords, Kind, Word, WordValue};
@@ -20,7 +21,8 @@ impl Sinumerik {
         }
         self.stamp(out);
         match &element.kind {
-            Kind::Header(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Lost(_) | Kind::Empty => {}
+            Kind::Header(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Lost(_) | Kind::Cycle(_) | Kind::Empty => {}
+            Kind::Keep(MODAL) if std::mem::take(&mut self.modal_call).is_empty() => {}
             Kind::Comment(bytes) => self.line.note(&[bytes]),
             // Already active.
             Kind::Feed(feed) if *feed == self.feed && element.number.is_none() => {}
@@ -88,6 +90,7 @@ impl Sinumerik {
             | Kind::Move(_)
             | Kind::Setup(_)
             | Kind::Lost(_)
+            | Kind::Cycle(_)
             | Kind::Empty => {}
         }
     }

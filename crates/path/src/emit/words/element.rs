@@ -4,6 +4,7 @@ use super::super::comment::in_parentheses;
 use super::super::is_compensation;
 use super::super::line::FEED_WORDS;
 use super::super::number::push_value;
+use super::cycle::END;
 use super::{Language, Words};
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::units::push_integer;
@@ -30,10 +31,13 @@ impl Words {
         }
         self.stamp(out);
         if matches!(element.kind, Kind::Setup(_)) {
+            self.cycle = None;
             self.place = None;
         }
         match &element.kind {
-            Kind::Header(_) | Kind::Label(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Lost(_) | Kind::Empty => {}
+            Kind::Header(_) | Kind::Label(_) | Kind::Move(_) | Kind::Setup(_) => {}
+            Kind::Lost(_) | Kind::Cycle(_) | Kind::Empty => {}
+            Kind::Keep(END) => self.end_cycle(out),
             Kind::Comment(bytes) => self.comment(bytes),
             // Already active.
             Kind::Feed(feed) if *feed == self.feed && element.number.is_none() => {}

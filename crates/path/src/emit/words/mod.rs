@@ -3,6 +3,7 @@
 //! One writer, three flavors: differences are data of a [`Flavour`] or an arm over its [`Language`]. All coordinates are absolute, in millimeters or
 //! inches as in the program. The line before the first words states this; the program's own statements about it are left out.
 
+mod cycle;
 mod element;
 mod fanuc;
 mod grundig;
@@ -112,6 +113,11 @@ fn create(flavour: &'static Flavour, options: &WriterOptions) -> Option<Box<dyn 
         place: None,
         tapped_from: None,
         motion: "",
+        cycle: None,
+        definition: String::new(),
+        increment_mm: options.increments.linear_mm,
+        is_drilling: false,
+        has_ended: false,
         feed: 0.0,
         is_inverse_time: false,
     }))
@@ -139,6 +145,16 @@ struct Words {
     tapped_from: Option<[i64; AXIS_COUNT]>,
     /// The active G word of motion; empty if unknown.
     motion: &'static str,
+    /// Words of the drilling cycle that a further hole need not repeat.
+    cycle: Option<cycle::WrittenCycle>,
+    /// The defined cycle of a Grundig; empty if none was written.
+    definition: String,
+    /// Increment of heights, mm.
+    increment_mm: f64,
+    /// `true` if a drilling cycle is in force.
+    is_drilling: bool,
+    /// `true` if the line ends the drilling cycles; a motion needs its own line.
+    has_ended: bool,
     /// The active feed; NaN if unknown.
     feed: f64,
     /// Feed mode G93: every feed move states its inverse time.
@@ -159,11 +175,23 @@ impl Writer for Words {
                     self.line.end(out);
                     self.line.open();
                 }
-                if std::mem::take(&mut self.has_p) && piece.arc.is_some() {
+                let is_apart = std::mem::take(&mut self.has_p) && piece.arc.is_some();
+                if std::mem::take(&mut self.has_ended) || is_apart {
                     self.line.end(out);
                 }
                 self.assume(out);
                 self.piece(piece)
+            }
+            Output::Cycle(block) => {
+                if block.starts_block {
+                    self.begin_block(&block.origin, block.number, out);
+                } else if self.line.has_motion || std::mem::take(&mut self.has_ended) {
+                    self.line.end(out);
+                    self.line.open();
+                }
+                self.assume(out);
+                self.cycle(block, out);
+                Ok(())
             }
             Output::Element(element) => {
                 if element.starts_block {
@@ -200,6 +228,7 @@ impl Words {
     fn begin_block(&mut self, origin: &Origin, number: Option<BlockNumber>, out: &mut Vec<u8>) {
         self.end_block(out);
         self.has_p = false;
+        self.has_ended = false;
         self.stops.begin_block();
         self.line.open();
         self.line.kept.begin(origin);

@@ -21,6 +21,7 @@ impl Words {
             piece = &retraction;
         }
         self.place = Some(piece.counts);
+        (self.cycle, self.is_drilling) = (None, false);
         let motion = self.motion_word(piece)?;
         let is_circle = piece.arc.as_ref().is_some_and(|arc| is_full(arc, piece));
         if piece.words.is_empty() && piece.arc.is_none() {

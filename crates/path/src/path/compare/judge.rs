@@ -14,6 +14,9 @@ use super::promise::Promise;
 use super::step::ComparedMove;
 use crate::path::Increments;
 
+/// Largest distance of a rapid move of a drilling cycle from its corrected place, mm: the correction changes by less along a hole and above it.
+const BESIDE_HOLE_MM: f64 = 0.02;
+
 /// Allowance for the path between samples, as a share.
 const BETWEEN_SAMPLES: f64 = 0.05;
 /// Relative difference below which feeds are equal: feeds are written with few digits.
@@ -330,6 +333,10 @@ impl<'d> Judge<'d> {
         let is_stepped = self.promise.is_some_and(|promise| promise.is_stepped) && is_straight;
         let ends_only = step.rapid || step.is_uncut() || is_stepped;
         let off_mm = if ends_only { seen.end.norm() } else { seen.most_mm };
+        // The rapid moves of a cycle keep the place of its hole at other heights.
+        if step.rapid && piece.in_cycle && off_mm <= BESIDE_HOLE_MM {
+            return 0.0;
+        }
         let may_be_left = step.rapid || step.in_machine_frame || step.is_uncut();
         if off_mm > self.limit_of(piece) && may_be_left {
             self.beyond_left_mm(group, course, &seen.end)

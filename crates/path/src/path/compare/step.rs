@@ -50,6 +50,8 @@ pub(super) struct ComparedMove<'a> {
     pub(super) continues: bool,
     /// `true` if marked as a step on the spot.
     pub(super) on_the_spot: bool,
+    /// `true` for a move of a drilling cycle, or to its hole.
+    pub(super) in_cycle: bool,
     /// Motion mode.
     pub(super) motion_mode: MotionMode,
     /// Largest distance between the programmed path and this one, mm.
@@ -132,6 +134,10 @@ pub(super) struct Walk<'a, I> {
     ever_named: AxisSet,
     continues: bool,
     on_the_spot: bool,
+    /// `true` between the marks of a hole.
+    in_cycle: bool,
+    /// The element after the last move, if it was read already.
+    held: Option<Element>,
     /// `true` if the block has moved already.
     has_moved: bool,
     acts: Acts,
@@ -161,6 +167,8 @@ impl<'a, I> Walk<'a, I> {
             ever_named: AxisSet::EMPTY,
             continues: false,
             on_the_spot: false,
+            in_cycle: false,
+            held: None,
             has_moved: false,
             acts: Acts::default(),
             passing: Passing::of(machine),
@@ -191,12 +199,21 @@ impl<'a, I> Walk<'a, I> {
     }
 }
 
+impl<I: Iterator<Item = Element>> Walk<'_, I> {
+    /// `true` if the last move triggers a drilling cycle.
+    fn triggers_cycle(&mut self) -> bool {
+        self.held = self.held.take().or_else(|| self.elements.next());
+        let kind = self.held.as_ref().map(|element| &element.kind);
+        matches!(kind, Some(Kind::Cycle(Some(cycle))) if cycle.is_modal)
+    }
+}
+
 impl<'a, I: Iterator<Item = Element>> Iterator for Walk<'a, I> {
     type Item = ComparedMove<'a>;
 
     fn next(&mut self) -> Option<ComparedMove<'a>> {
         loop {
-            let Some(element) = self.elements.next() else {
+            let Some(element) = self.held.take().or_else(|| self.elements.next()) else {
                 self.tail.borrow_mut().append(&mut self.acts.0);
                 return None;
             };
@@ -226,6 +243,10 @@ impl<'a, I: Iterator<Item = Element>> Iterator for Walk<'a, I> {
                     self.setup = setup;
                     continue;
                 }
+                Kind::Cycle(mark) => {
+                    self.in_cycle = mark.is_some();
+                    continue;
+                }
                 Kind::Tool(word) => {
                     self.tool = Some(Arc::new(word));
                     continue;
@@ -242,6 +263,7 @@ impl<'a, I: Iterator<Item = Element>> Iterator for Walk<'a, I> {
                 _ => continue,
             };
             self.ever_named = self.ever_named.union(motion.named);
+            let in_cycle = self.in_cycle || motion.rapid && self.triggers_cycle();
             let step = ComparedMove {
                 origin: element.origin,
                 route: self.route(&motion),
@@ -260,6 +282,7 @@ impl<'a, I: Iterator<Item = Element>> Iterator for Walk<'a, I> {
                 // The moves of one executed block belong together.
                 continues: std::mem::take(&mut self.continues) | std::mem::replace(&mut self.has_moved, true),
                 on_the_spot: std::mem::take(&mut self.on_the_spot),
+                in_cycle,
                 motion_mode: motion.motion_mode,
                 off_curve_mm: motion.off_curve_mm,
                 acts: std::mem::take(&mut self.acts.0),

@@ -16,6 +16,9 @@ where
     /// Begins a move, or passes an element on.
     pub(super) fn take_in(&mut self, element: Element) {
         self.keep_pace(&element);
+        if element.starts_block {
+            self.prediction.repeated.note(&element.origin);
+        }
         match &element.kind {
             Kind::Move(motion) => {
                 self.begin(&element, motion);

@@ -19,6 +19,11 @@ pub(super) struct Clamps {
 }
 
 impl Clamps {
+    /// `true` if no axis is clamped.
+    pub(super) fn are_open(&self) -> bool {
+        self.closed.is_empty()
+    }
+
     /// The clamps of a machine, all open.
     pub(super) fn new(machine: &Machine) -> Clamps {
         let of_axis = |data: &ncfix_machine::machine::AxisData| {

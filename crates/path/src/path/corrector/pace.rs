@@ -58,6 +58,13 @@ impl Default for Pace {
     }
 }
 
+impl Pace {
+    /// `true` if the output states durations while the program states feeds.
+    pub(super) fn is_by_time(&self) -> bool {
+        self.by_time.is_some()
+    }
+}
+
 impl CommandSolver<'_> {
     /// The feed path between two commands: mm or degrees.
     fn counted(&self, feeds: Feeds, start: &AxisVector, end: &AxisVector) -> f64 {

@@ -1,0 +1,53 @@
+//! Drilling cycles that the output may keep: marks around the moves of each hole, with the words of the definition.
+
+use super::channel::Channel;
+use super::defined::Defined;
+use super::target;
+use ncfix_machine::snc::{CycleArgument, DrillingCycle, Kind};
+use std::fmt::Write as _;
+use std::sync::Arc as Shared;
+
+/// Drilling cycles without a motion of their own between spindle and axis.
+const DRILLING: [u16; 4] = [81, 83, 85, 86];
+
+/// Marks the beginning of a hole with this surface, mm in the coordinates of the program; `true` if it is marked.
+pub(super) fn begin(
+    channel: &mut Channel<'_>,
+    defined: &Defined,
+    words: &[(u8, u16)],
+    feed: f64,
+    surface_mm: f64,
+) -> bool {
+    let number = defined.cycle.number;
+    if !channel.settings.keeps_cycles || !DRILLING.contains(&number) || channel.modal.modes.scale() != 1.0 {
+        return false;
+    }
+    let along = channel.modal.modes.plane.axes()[2];
+    let mut place = target::here(&channel.modal, &channel.standing);
+    place[along] = surface_mm;
+    let shown_mm = channel.standing.shown.programmed(&channel.standing.setup.command(&place))[along];
+    let mut text = String::new();
+    for &(letter, index) in words {
+        let Some(value) = defined.words.get(letter, index) else { continue };
+        let letter = char::from(letter);
+        // Writing to a string cannot fail.
+        let _ = match index {
+            0 => write!(text, " {letter}{value}"),
+            _ => write!(text, " {letter}{index}={value}"),
+        };
+    }
+    let _ = write!(text, " F{feed}");
+    let cycle = DrillingCycle {
+        name: format!("G{number}"),
+        plane: channel.modal.modes.plane,
+        ends_at_reference: true,
+        peck: None,
+        arguments: vec![CycleArgument::Height(shown_mm), CycleArgument::Text(text.trim_start().to_owned())],
+        is_modal: false,
+    };
+    if channel.block.has_moved {
+        channel.outlet.begin_line();
+    }
+    channel.outlet.push(Kind::Cycle(Some(Shared::new(cycle))));
+    true
+}

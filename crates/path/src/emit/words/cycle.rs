@@ -1,0 +1,124 @@
+//! Holes that stay a drilling cycle: G73, G76, G81 to G89.
+
+use std::sync::Arc;
+
+use super::{Language, Words};
+use crate::path::CycleBlock;
+use ncfix_base::geometry::Axis;
+use ncfix_machine::snc::{CycleArgument, DrillingCycle};
+
+/// The end of the cycles.
+pub(super) const END: &str = "G80";
+
+/// The words of the cycle in force.
+#[derive(Debug)]
+pub(super) struct WrittenCycle {
+    cycle: Arc<DrillingCycle>,
+    reference: i64,
+    bottom: i64,
+    peck: Option<i64>,
+}
+
+/// An M function among the words of a cycle.
+fn function(argument: &CycleArgument) -> Option<&str> {
+    match argument {
+        CycleArgument::Text(text) if text.starts_with('M') => Some(text),
+        _ => None,
+    }
+}
+
+impl Words {
+    /// Writes a hole. Words in force are left out.
+    pub(super) fn cycle(&mut self, block: &CycleBlock, out: &mut Vec<u8>) {
+        if self.flavour.language == Language::Grundig {
+            self.defined_cycle(block, out);
+            return;
+        }
+        let CycleBlock { cycle, reference, bottom, peck, .. } = block;
+        let (reference, bottom, peck) = (*reference, *bottom, *peck);
+        let before = self.cycle.take().filter(|before| *before.cycle == **cycle);
+        // An M function of the cycle (M29) is in the block before it.
+        for text in cycle.arguments.iter().filter_map(function).filter(|_| before.is_none()) {
+            self.line.words_before(text.as_bytes(), out);
+        }
+        self.line.begin_motion();
+        if before.is_none() {
+            self.line.word(if cycle.ends_at_reference { b"G99" } else { b"G98" });
+            self.line.word(cycle.name.as_bytes());
+        }
+        let [abscissa, ordinate, along] = cycle.plane.axes();
+        // Without a word across the hole its depth triggers the cycle.
+        let is_there = block.words.is_empty();
+        let is_written = |axis: &Axis| !is_there && (before.is_none() || block.words.contains(*axis));
+        for axis in [abscissa, ordinate].into_iter().filter(is_written) {
+            self.cycle_word(axis.letter(), block.position[axis.slot()]);
+        }
+        if is_there || before.as_ref().is_none_or(|before| before.bottom != bottom) {
+            self.cycle_word(along.letter(), bottom);
+        }
+        if before.as_ref().is_none_or(|before| before.reference != reference) {
+            self.cycle_word(b'R', reference);
+        }
+        if let Some(count) = peck.filter(|_| before.as_ref().is_none_or(|before| before.peck != peck)) {
+            self.cycle_word(b'Q', count);
+        }
+        if before.is_none() {
+            for argument in &cycle.arguments {
+                if let CycleArgument::Text(text) = argument
+                    && function(argument).is_none()
+                {
+                    self.line.word(text.as_bytes());
+                }
+            }
+        }
+        if block.feed > 0.0 && (block.feed_named || block.feed != self.feed) {
+            self.feed_word(block.feed);
+        }
+        self.line.release();
+        self.place = Some(block.position);
+        self.motion = "";
+        self.is_drilling = true;
+        self.cycle = Some(WrittenCycle { cycle: Arc::clone(cycle), reference, bottom, peck });
+    }
+
+    /// Writes the definition if another one is in force, and its execution at the hole.
+    fn defined_cycle(&mut self, block: &CycleBlock, out: &mut Vec<u8>) {
+        let [CycleArgument::Height(surface_mm), CycleArgument::Text(words)] = &block.cycle.arguments[..] else {
+            return;
+        };
+        let definition = format!("{} {words}", block.cycle.name);
+        if self.definition != definition {
+            self.line.words_before(definition.as_bytes(), out);
+            self.definition = definition;
+            // The definition may leave its feed in force.
+            self.feed = f64::NAN;
+        }
+        self.line.begin_motion();
+        self.line.word(b"G79");
+        let [abscissa, ordinate, along] = block.cycle.plane.axes();
+        for axis in [abscissa, ordinate] {
+            self.cycle_word(axis.letter(), block.position[axis.slot()]);
+        }
+        let surface = (surface_mm / self.increment_mm).round() as i64 + block.shift;
+        self.cycle_word(along.letter(), surface);
+        self.line.release();
+        self.place = Some(block.position);
+        self.motion = "";
+    }
+
+    fn cycle_word(&mut self, letter: u8, count: i64) {
+        self.line.word(&[letter]);
+        self.numbers.linear.push(&mut self.line.text, count);
+    }
+
+    /// Writes the end of the cycles, if one is in force.
+    pub(super) fn end_cycle(&mut self, out: &mut Vec<u8>) {
+        self.cycle = None;
+        if std::mem::take(&mut self.is_drilling) {
+            self.leave_motion(out);
+            self.line.word(END.as_bytes());
+            self.has_ended = true;
+            self.motion = "";
+        }
+    }
+}

@@ -1,0 +1,440 @@
+//! Holes that stay a drilling cycle of the control.
+//!
+//! A cycle moves along one straight line at constant X and Y, and its pecks follow from its heights. So the moves of a hole are shifted as a whole: by
+//! the mean correction of both ends of the line across it, and by whole increments along it. If the tip of a feed move is then outside the
+//! tolerance, the hole is written as moves.
+
+use std::sync::Arc;
+
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector};
+use ncfix_machine::snc::{DrillingCycle, Element, FeedUnit, Kind, MotionMode, Move, Origin};
+
+use super::Corrector;
+use crate::path::Output;
+use crate::path::cycle_block::CycleBlock;
+use crate::path::place::Placed;
+use crate::path::route::Route;
+use crate::path::segment_candidate::{SAME_PLACE_MM, SegmentCandidate, SegmentFitter};
+use crate::path::standing::PathState;
+use crate::path::treatment::MoveTreatment;
+
+/// Maximum number of elements of one hole that are held; a longer hole is written as moves.
+const MOST_HELD: usize = 10_000;
+
+/// Cycles in which the spindle turns with the motion along the hole: moves cannot replace them.
+const TAPPING: [&str; 4] = ["G74", "G84", "G84.2", "G84.3"];
+
+/// The initial level of the cycles, along the drilling axis: of the program and of the output, mm.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct InitialLevel {
+    nominal_mm: f64,
+    command_mm: f64,
+}
+
+/// The straight line of a hole, from its reference plane to its bottom, as axis commands of the program.
+#[derive(Clone, Copy, Debug)]
+struct HoleLine {
+    axes: [Axis; 3],
+    top: AxisVector,
+    bottom: AxisVector,
+    /// `true` if a rapid move in the plane leads to the hole.
+    has_approach: bool,
+    initial: InitialLevel,
+}
+
+/// Shift of the moves of a hole: axis commands minus those of the program, mm.
+#[derive(Clone, Copy, Debug)]
+struct HoleShift {
+    /// Across the hole; `None` if the tool stays.
+    plane: Option<[f64; 2]>,
+    /// Along the hole, in increments.
+    along: i64,
+}
+
+impl<'a, I> Corrector<'a, I>
+where
+    I: Iterator<Item = Result<Element, Diagnostic>>,
+{
+    /// Takes a hole of a drilling cycle from the stream, after the mark of its beginning; `approach` is the move that triggers the cycle.
+    pub(super) fn take_hole(&mut self, cycle: &Arc<DrillingCycle>, mark: Element, approach: Option<Element>) {
+        let has_approach = approach.is_some();
+        let mut hole: Vec<Element> = approach.into_iter().collect();
+        let place = |element: Element| Element { kind: Kind::Empty, ..element };
+        hole.extend(mark.starts_block.then(|| place(mark)));
+        let mut is_complete = false;
+        while hole.len() < MOST_HELD && !is_complete {
+            match self.elements.take() {
+                None => break,
+                Some(Err(finding)) => self.pending.push_back(Err(finding)),
+                Some(Ok(element)) => {
+                    is_complete = matches!(element.kind, Kind::Cycle(None));
+                    if !matches!(element.kind, Kind::Cycle(_)) {
+                        hole.push(element);
+                    } else if element.starts_block {
+                        hole.push(place(element));
+                    }
+                }
+            }
+        }
+        // Words before the first move belong to the block.
+        let lead = hole.iter().position(|element| matches!(element.kind, Kind::Move(_))).unwrap_or(hole.len());
+        let moves = hole.split_off(lead);
+        let mut first = None;
+        for element in hole {
+            // An exact stop is for the single moves.
+            if matches!(element.kind, Kind::Keep("G61")) {
+                first = Some(element);
+            } else {
+                self.take_in(element);
+            }
+        }
+        if let Some(block) = is_complete.then(|| self.kept_hole(cycle, &moves)).flatten() {
+            // Without an approach the hole is in the block of its mark.
+            let starts_block = block.starts_block && has_approach;
+            let number = block.number.filter(|_| has_approach);
+            self.pending.push_back(Ok(Output::Cycle(Box::new(CycleBlock { starts_block, number, ..block }))));
+            self.pending.extend(self.findings.take().map(Err));
+            return;
+        }
+        if let Some(first) = moves.first().filter(|_| is_complete && taps(cycle)) {
+            self.pending.push_back(Err(cannot_stay(cycle, &first.origin)));
+        }
+        self.initial = None;
+        self.prediction.expanded_holes += u64::from(is_complete);
+        self.elements.put_back(first.into_iter().chain(moves).collect());
+    }
+
+    /// Corrects a hole as one cycle; `None` if it must be written as moves.
+    fn kept_hole(&mut self, cycle: &Arc<DrillingCycle>, hole: &[Element]) -> Option<CycleBlock> {
+        let line = self.line_of(cycle, hole)?;
+        let (shift, pecks) = self.shift_of(cycle, &line, hole)?;
+        let moves = || {
+            hole.iter().filter_map(|element| match &element.kind {
+                Kind::Move(motion) => Some(motion),
+                _ => None,
+            })
+        };
+        let first = hole.first()?;
+        let along = line.axes[2];
+        let mut block = CycleBlock {
+            origin: first.origin,
+            starts_block: first.starts_block,
+            number: first.number,
+            cycle: Arc::clone(cycle),
+            words: AxisSet::EMPTY,
+            position: self.standing.counts,
+            reference: 0,
+            bottom: 0,
+            shift: shift.along,
+            peck: pecks,
+            // The feed in force before the cycle, which may have feeds of its own.
+            feed: moves().next()?.feed,
+            unit: moves().next()?.unit,
+            feed_named: false,
+            command: self.standing.command,
+            nominal: self.standing.nominal,
+        };
+        let (before, written) = (self.standing.counts, self.standing.written);
+        let mut is_cut = false;
+        for element in hole {
+            let Kind::Move(motion) = &element.kind else {
+                self.keep_pace(element);
+                continue;
+            };
+            if !motion.rapid && !is_cut {
+                self.standing = self.leveled(&line, &shift, self.standing);
+                block.reference = self.standing.counts[along.slot()];
+            }
+            self.begin(element, motion);
+            let Some(mut active) = self.active.take() else { continue };
+            active.treatment = MoveTreatment::End;
+            active.settled = Default::default();
+            let standing = self.standing;
+            let placed = self.shifted(&line, &shift, motion, &standing);
+            let mut trial = self.hole_candidate(&active.route, active.motion.known, &standing, placed);
+            if motion.rapid {
+                // Only the end of a rapid move has a place.
+                trial.deviation_mm = 0.0;
+            } else {
+                if !is_cut {
+                    block.bottom = placed.counts[along.slot()];
+                    block.position = placed.counts;
+                    is_cut = true;
+                }
+                if motion.target[along] == line.bottom[along] {
+                    block.bottom = placed.counts[along.slot()];
+                }
+            }
+            block.feed_named |= motion.feed_named;
+            (block.command, block.nominal) = (placed.command, motion.target);
+            self.accept(&mut active, &trial);
+            self.standing.known = active.motion.known;
+            self.idle = Some(active);
+        }
+        let across: AxisSet = line.axes.into_iter().take(2).collect();
+        let changes = |axis: &Axis| !written.contains(*axis) || block.position[axis.slot()] != before[axis.slot()];
+        if line.has_approach {
+            block.words = across.iter().filter(changes).collect();
+            if block.words.is_empty() {
+                block.words = across;
+            }
+        }
+        if self.initial.is_none() {
+            self.initial = Some(line.initial);
+        }
+        self.last_shift = shift.along;
+        self.prediction.kept_holes += 1;
+        Some(block)
+    }
+
+    /// The line of a hole; `None` if its moves are not those of a cycle along a linear axis of the machine.
+    fn line_of(&mut self, cycle: &DrillingCycle, hole: &[Element]) -> Option<HoleLine> {
+        let setup = &self.placer.setup;
+        let is_straight = self.placer.is_parallel() && setup.transform.is_none() && setup.plane == cycle.plane;
+        if !self.options.may_keep_cycles() || !is_straight || self.pace.is_by_time() || !self.clamps.are_open() {
+            return None;
+        }
+        let axes = cycle.plane.axes();
+        let own: AxisSet = axes.into_iter().collect();
+        let mut at = self.standing.nominal;
+        let initial = InitialLevel { nominal_mm: at[axes[2]], command_mm: self.standing.command[axes[2]] };
+        let initial = self.initial.unwrap_or(initial);
+        let mut line: Option<HoleLine> = None;
+        let mut has_approach = false;
+        let mut first = None;
+        for element in hole {
+            let motion = match &element.kind {
+                Kind::Move(motion) => motion,
+                Kind::Setup(_) | Kind::Frame(_) | Kind::Lost(_) | Kind::Tool(_) | Kind::Label(_) => return None,
+                _ => continue,
+            };
+            first.get_or_insert(motion);
+            let is_axis_move = motion.arc.is_none()
+                && motion.tip.is_none()
+                && !motion.in_machine_frame
+                && motion.off_curve_mm == 0.0
+                && motion.unit != FeedUnit::InverseTime
+                && matches!(motion.motion_mode, MotionMode::Path | MotionMode::Thread(_));
+            let others_move = AXES.iter().any(|&axis| !own.contains(axis) && motion.target[axis] != at[axis]);
+            if !is_axis_move || others_move || !own.difference(motion.known).is_empty() {
+                return None;
+            }
+            let moves_across = axes[..2].iter().any(|&axis| (motion.target[axis] - at[axis]).abs() > SAME_PLACE_MM);
+            if motion.rapid {
+                has_approach |= line.is_none() && moves_across;
+            } else {
+                let line = line.get_or_insert(HoleLine { axes, top: at, bottom: motion.target, has_approach, initial });
+                let is_at_hole = |place: &AxisVector| {
+                    axes[..2].iter().all(|&axis| (place[axis] - line.top[axis]).abs() <= SAME_PLACE_MM)
+                };
+                if moves_across || !is_at_hole(&motion.target) {
+                    return None;
+                }
+                let depth = |place: &AxisVector| (place[axes[2]] - line.top[axes[2]]).abs();
+                if depth(&motion.target) > depth(&line.bottom) {
+                    line.bottom = motion.target;
+                }
+            }
+            at = motion.target;
+        }
+        let line = line?;
+        // Before the first move the position along the hole must be known: the initial level depends on it.
+        let is_known = self.standing.known.contains(axes[2])
+            && (line.has_approach || own.difference(self.standing.known).is_empty());
+        let ends_there = cycle.ends_at_reference || (at[axes[2]] - line.initial.nominal_mm).abs() <= SAME_PLACE_MM;
+        self.fix(first?, AxisSet::EMPTY);
+        (is_known && ends_there && (line.has_approach || !cycle.is_modal) && self.placer.turning().is_empty())
+            .then_some(line)
+    }
+
+    /// The shift with which all feed moves of a hole are within the tolerance, and the depth of one peck, increments.
+    fn shift_of(
+        &mut self,
+        cycle: &DrillingCycle,
+        line: &HoleLine,
+        hole: &[Element],
+    ) -> Option<(HoleShift, Option<i64>)> {
+        let standing = self.standing;
+        let mut state = standing.state;
+        state.note_stated(standing.sensed, &standing.nominal, &line.top);
+        state.note_motion(&line.top, &line.bottom);
+        let known = standing.known.union(line.axes.into_iter().collect());
+        let mut corrections = [AxisVector::ZERO; 2];
+        for (correction, place) in corrections.iter_mut().zip([&line.top, &line.bottom]) {
+            *correction = self.placer.exact(place, known, &state, &standing.correction, 0.0).ok()? - *place;
+        }
+        let [top, bottom] = corrections;
+        let [abscissa, ordinate, along] = line.axes;
+        let middle = |axis: Axis| 0.5 * (top[axis] + bottom[axis]);
+        let plane = line.has_approach.then(|| [middle(abscissa), middle(ordinate)]);
+        let count = |mm: f64| self.placer.increments.count(along, mm);
+        // The shift of the hole before saves words; the one of the bottom is the best; the mean is for a deep hole.
+        let best = count(bottom[along]);
+        for along in [self.last_shift, best, count(middle(along))] {
+            let shift = HoleShift { plane, along };
+            if let Some(pecks) = self.fits_hole(cycle, line, &shift, hole) {
+                return Some((shift, pecks));
+            }
+        }
+        // No moves can replace it; the error along it is reported.
+        taps(cycle).then_some((HoleShift { plane, along: best }, None))
+    }
+
+    /// The depth of one peck, increments, if the tip is within the tolerance on all feed moves; `None` if not.
+    fn fits_hole(
+        &mut self,
+        cycle: &DrillingCycle,
+        line: &HoleLine,
+        shift: &HoleShift,
+        hole: &[Element],
+    ) -> Option<Option<i64>> {
+        let along = line.axes[2];
+        let mut standing = self.standing;
+        let mut cuts = 0;
+        let mut heights = [None; 2];
+        let (increments, tolerance_mm) = (&self.placer.increments, self.options.tolerance_mm);
+        // Rounding that exceeds the tolerance is no reason for moves: they have it too.
+        let is_coarse = increments.rounding_mm() > tolerance_mm;
+        let allowed_mm = if is_coarse { increments.allowed_mm(tolerance_mm) } else { tolerance_mm };
+        for motion in hole.iter().filter_map(|element| match &element.kind {
+            Kind::Move(motion) => Some(motion),
+            _ => None,
+        }) {
+            if !motion.rapid && cuts == 0 {
+                standing = self.leveled(line, shift, standing);
+            }
+            let placed = self.shifted(line, shift, motion, &standing);
+            let route = self.placer.nominal(standing.nominal, motion);
+            let trial = self.hole_candidate(&route, motion.known, &standing, placed);
+            if !motion.rapid {
+                cuts += 1;
+                let is_open = |axis: &Axis| trial.sense[axis.slot()] == 0;
+                if trial.deviation_mm > allowed_mm || self.sampler.backlash.iter().any(|axis| is_open(&axis)) {
+                    return None;
+                }
+                heights[0].get_or_insert(standing.counts[along.slot()]);
+                if motion.target[along] == line.bottom[along] {
+                    heights[1] = Some(placed.counts[along.slot()]);
+                }
+            }
+            self.lead.along(&mut standing.band, &trial.emitted, standing.sensed, [0.0, 1.0]);
+            standing.nominal = motion.target;
+            standing.command = placed.command;
+            standing.counts = placed.counts;
+            standing.correction = placed.command - motion.target;
+            standing.state.direction = trial.sense;
+            standing.sensed = motion.known;
+            standing.known = motion.known;
+        }
+        let Some(peck) = cycle.peck else { return Some(None) };
+        let [Some(from), Some(to)] = heights else { return None };
+        let increment_mm = self.placer.increments.linear_mm;
+        let own = (peck.depth_mm / increment_mm).round() as i64;
+        // Rounding may add a peck of nothing.
+        (own..=own + 1).find(|&count| pecks(from, to, count, increment_mm, peck.slack_mm) == cuts).map(Some)
+    }
+
+    /// The state at the reference plane of the call: a tool at that of another hole moves by the difference first.
+    fn leveled(&self, line: &HoleLine, shift: &HoleShift, mut standing: PathState) -> PathState {
+        let along = line.axes[2];
+        let mut command = standing.command;
+        command[along] = line.top[along] + self.placer.increments.position(along, shift.along);
+        let placed = self.placer.round(&command, standing.known);
+        standing.state.note_motion(&standing.command, &placed.command);
+        (standing.command, standing.counts) = (placed.command, placed.counts);
+        standing
+    }
+
+    /// The end of a move of a hole, shifted.
+    fn shifted(&self, line: &HoleLine, shift: &HoleShift, motion: &Move, standing: &PathState) -> Placed {
+        let [abscissa, ordinate, along] = line.axes;
+        let mut command = motion.target;
+        let keeps = |axis: Axis| (motion.target[axis] - standing.nominal[axis]).abs() <= SAME_PLACE_MM;
+        let stays_across = keeps(abscissa) && keeps(ordinate);
+        for axis in AXES {
+            if axis != abscissa && axis != ordinate && standing.known.contains(axis) && keeps(axis) {
+                command[axis] = standing.command[axis];
+            }
+        }
+        for (place, axis) in [abscissa, ordinate].into_iter().enumerate() {
+            match shift.plane {
+                Some(plane) if !stays_across => command[axis] += plane[place],
+                _ => command[axis] += standing.command[axis] - standing.nominal[axis],
+            }
+        }
+        if !keeps(along) || !standing.known.contains(along) {
+            let is_initial = motion.rapid && (motion.target[along] - line.initial.nominal_mm).abs() <= SAME_PLACE_MM;
+            if is_initial {
+                command[along] = line.initial.command_mm;
+            } else {
+                command[along] += self.placer.increments.position(along, shift.along);
+            }
+        }
+        self.placer.round(&command, motion.known)
+    }
+
+    /// A move of a hole to a position, measured along its path.
+    fn hole_candidate(
+        &mut self,
+        route: &Route<'a>,
+        known: AxisSet,
+        standing: &PathState,
+        end: Placed,
+    ) -> SegmentCandidate<'a> {
+        let mut scratch = std::mem::take(&mut self.scratch);
+        let fitter = SegmentFitter {
+            placer: &self.placer,
+            sampler: &self.sampler,
+            lead: &self.lead,
+            control: &self.machine.control,
+            route,
+            samples: self.sampler.whole(route),
+            known,
+            tolerance_mm: self.options.tolerance_mm,
+            takes_up: false,
+            limits_turns: false,
+            settled: Default::default(),
+        };
+        let trial = fitter.at_end(standing, end, &mut scratch);
+        self.scratch = scratch;
+        trial
+    }
+}
+
+fn taps(cycle: &DrillingCycle) -> bool {
+    TAPPING.contains(&cycle.name.as_str())
+}
+
+/// The error for a tapping cycle that cannot stay.
+fn cannot_stay(cycle: &DrillingCycle, origin: &Origin) -> Diagnostic {
+    let message = format!("{} stays a cycle, which needs a known position and axes that may move", cycle.name);
+    let help = "state all axes before it, and open the clamps of the linear axes";
+    Diagnostic::at(Code::NOT_SUPPORTED, Place { file: origin.file, span: origin.span }, message, help)
+}
+
+/// Number of feed moves that a control makes of a depth, in increments.
+fn pecks(from: i64, to: i64, peck: i64, increment_mm: f64, slack_mm: f64) -> u32 {
+    let [from_mm, to_mm, peck_mm] = [from, to, peck].map(|count| count as f64 * increment_mm);
+    let towards = (to_mm - from_mm).signum();
+    let mut depth_mm = from_mm + towards * peck_mm;
+    let mut count = 1;
+    while peck > 0 && (to_mm - depth_mm) * towards > slack_mm && count < MOST_HELD as u32 {
+        depth_mm += towards * peck_mm;
+        count += 1;
+    }
+    count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pecks_are_counted_as_the_control_counts_them() {
+        assert_eq!(pecks(2000, -28000, 5000, 1e-3, 1e-6), 6);
+        assert_eq!(pecks(2001, -28000, 5000, 1e-3, 1e-6), 7);
+        assert_eq!(pecks(2001, -28000, 5001, 1e-3, 1e-6), 6);
+        assert_eq!(pecks(-28000, 2000, 40000, 1e-3, 1e-6), 1);
+    }
+}

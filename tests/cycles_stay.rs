@@ -1,0 +1,359 @@
+//! Drilling cycles that stay cycles in a corrected program.
+//!
+//! The judge here shares nothing with the program: a reader of the written lines, an expansion into the tool positions at the bottom of each hole and
+//! at its reference plane, and the errors of the test machine by hand. A hole is where the tool really is: the written position plus the error there.
+
+use std::fmt::Write as _;
+
+use crate::support::Shop;
+
+/// G54 in machine coordinates, and the length of tool 2, mm.
+const ZERO: [f64; 3] = [40.0, 30.0, 100.0];
+const LENGTH_MM: f64 = 80.0;
+/// Tolerance and half an increment on three axes, mm.
+const ALLOWED_MM: f64 = 1.0e-3 + 0.5e-4 * 1.8;
+
+/// PlateErrors of the test machine.
+#[derive(Clone, Copy)]
+struct PlateErrors {
+    /// Inclination of Z towards X, µrad: the place of a hole changes with its depth.
+    lean_urad: f64,
+}
+
+const UPRIGHT: PlateErrors = PlateErrors { lean_urad: 4.0 };
+const LEANING: PlateErrors = PlateErrors { lean_urad: 160.0 };
+
+impl PlateErrors {
+    /// The machine file: all axes carry the tool, X first.
+    fn machine(self, control: &str) -> String {
+        let mut text = format!("[machine]\nname = \"plate\"\ntopology = \"wFXYZSt\"\ncontroller = \"{control}\"\n\n");
+        for (axis, high) in [("X", 700), ("Y", 500), ("Z", 500)] {
+            let direction = ["X", "Y", "Z"].map(|other| i32::from(other == axis));
+            let _ = write!(text, "[axis.{axis}]\ndirection = {direction:?}\ntravel_mm = [0, {high}]\n\n");
+        }
+        text.push_str("[spindle]\norigin_mm = [0, 0, 0]\naxis = [0, 0, 1]\n\n");
+        text.push_str("[control]\nincrement_mm = 0.0001\n");
+        if control == "fanuc" {
+            text.push_str(
+                "increment_system = \"IS-C\"\norient_shift = \"+X\"\nrigid_tapping = false\nword_meaning = \"fanuc\"\n",
+            );
+        }
+        let _ = write!(text, "[location]\nEC0Y = 30.0\nEA0Z = -5.0\nEB0Z = {}\n\n", self.lean_urad);
+        text.push_str("[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0, 5.0e-5]\n");
+        text.push_str("[[motion]]\ncomponent = \"EYX\"\nkind = \"polynomial\"\ncoefficients = [0, 0, 4.0e-8]\n");
+        text.push_str("[[motion]]\ncomponent = \"EZY\"\nkind = \"polynomial\"\ncoefficients = [0, 2.0e-5]\n");
+        text.push_str("[[motion]]\ncomponent = \"EZZ\"\nkind = \"polynomial\"\ncoefficients = [0, 1.0e-5]\n\n");
+        let zero = ZERO.map(|value| format!("{value:.1}"));
+        let _ = write!(
+            text,
+            "[zero_offset.G54]\nX_mm = {}\nY_mm = {}\nZ_mm = {}\nset = \"absolute\"\n\n",
+            zero[0], zero[1], zero[2]
+        );
+        let _ = write!(text, "[[tool]]\nnumber = 2\nlength_mm = {LENGTH_MM:.1}\nradius_mm = 4.0\n");
+        text
+    }
+
+    /// The place of the tool in the coordinates of the program, for a written position.
+    fn real(self, written: [f64; 3]) -> [f64; 3] {
+        let [x, y, z] = [0, 1, 2].map(|axis| written[axis] + ZERO[axis]);
+        // The position of the Z slide, and of the tip below it.
+        let slide = z + LENGTH_MM;
+        [
+            written[0] + 5.0e-5 * x - 30.0e-6 * y + self.lean_urad * 1e-6 * z,
+            written[1] + 4.0e-8 * x * x + 5.0e-6 * z,
+            written[2] + 2.0e-5 * y + 1.0e-5 * slide,
+        ]
+    }
+}
+
+/// A hole: the position of the tool at the reference plane and at the bottom.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Drilled {
+    reference: [f64; 3],
+    bottom: [f64; 3],
+}
+
+/// The value of a word of a line.
+fn word(line: &str, letter: char) -> Option<f64> {
+    line.split_whitespace().find_map(|word| word.strip_prefix(letter)?.parse().ok())
+}
+
+/// Holes of the lines with G81 to G89, G73 and G76: X Y Z R stay in force until G80, G0 or G1.
+fn iso_holes(text: &str) -> Vec<Drilled> {
+    let (mut holes, mut at, mut depth, mut r, mut is_on) = (Vec::new(), [0.0; 3], 0.0, 0.0, false);
+    for line in text.lines() {
+        let line = line.split(['(', ';']).next().unwrap();
+        let codes: Vec<f64> = line.split_whitespace().filter_map(|word| word.strip_prefix('G')?.parse().ok()).collect();
+        if codes.iter().any(|code| [0.0, 1.0, 80.0].contains(code)) {
+            is_on = false;
+        }
+        is_on |= codes.iter().any(|&code| (81.0..90.0).contains(&code) || code == 73.0 || code == 76.0);
+        let names_plane = word(line, 'X').is_some() || word(line, 'Y').is_some();
+        at[0] = word(line, 'X').unwrap_or(at[0]);
+        at[1] = word(line, 'Y').unwrap_or(at[1]);
+        if is_on {
+            depth = word(line, 'Z').unwrap_or(depth);
+            r = word(line, 'R').unwrap_or(r);
+            if names_plane {
+                holes.push(Drilled { reference: [at[0], at[1], r], bottom: [at[0], at[1], depth] });
+            }
+        }
+    }
+    holes
+}
+
+/// Holes of the modal calls and the calls at a position.
+fn sinumerik_holes(text: &str) -> Vec<Drilled> {
+    let (mut holes, mut at, mut call) = (Vec::new(), [0.0; 2], None);
+    for line in text.lines() {
+        let line = line.split(';').next().unwrap().trim();
+        let line =
+            line.strip_prefix('N').map_or(line, |rest| rest.trim_start_matches(|c: char| c.is_ascii_digit()).trim());
+        let heights = |text: &str| -> [f64; 2] {
+            let inside = text.split_once('(').unwrap().1.trim_end_matches(')');
+            let values: Vec<f64> = inside.split(',').map(|value| value.parse().unwrap_or(0.0)).collect();
+            [values[1] + values[2], values[3]]
+        };
+        let hole = |at: [f64; 2], [reference, bottom]: [f64; 2]| Drilled {
+            reference: [at[0], at[1], reference],
+            bottom: [at[0], at[1], bottom],
+        };
+        if let Some(rest) = line.strip_prefix("MCALL") {
+            call = rest.contains('(').then(|| heights(rest));
+            continue;
+        }
+        if line.starts_with("CYCLE8") {
+            holes.push(hole(at, heights(line)));
+            continue;
+        }
+        let names_plane = word(line, 'X').is_some() || word(line, 'Y').is_some();
+        at = [word(line, 'X').unwrap_or(at[0]), word(line, 'Y').unwrap_or(at[1])];
+        if let Some(heights) = call.filter(|_| names_plane) {
+            holes.push(hole(at, heights));
+        }
+    }
+    holes
+}
+
+/// Corrects a program; returns the written text.
+fn corrected(control: &str, name: &str, program: &str, errors: PlateErrors) -> String {
+    let shop = Shop::new().file(name, program).file("m.toml", errors.machine(control));
+    let out = format!("out_{name}");
+    let run = shop.run(["fix", name, "-o", &out, "--machine", "m.toml", "--keep-cycles"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let text = shop.text(&out);
+    let verify = shop.run(["verify", name, &out, "--machine", "m.toml"]);
+    assert_eq!(verify.code, 0, "{}\n{}\n{text}", verify.stderr, verify.stdout);
+    text
+}
+
+/// The largest distance between drilled and wanted holes, mm.
+#[track_caller]
+fn judge(errors: PlateErrors, found: &[Drilled], wanted: &[Drilled], text: &str) -> f64 {
+    assert_eq!(found.len(), wanted.len(), "{text}");
+    let mut worst = 0.0_f64;
+    for (found, wanted) in found.iter().zip(wanted) {
+        for (found, wanted) in [(found.reference, wanted.reference), (found.bottom, wanted.bottom)] {
+            let real = errors.real(found);
+            let off = (0..3).map(|axis| (real[axis] - wanted[axis]).powi(2)).sum::<f64>().sqrt();
+            assert!(off <= ALLOWED_MM, "{off} {found:?} {wanted:?}\n{text}");
+            worst = worst.max(off);
+        }
+    }
+    worst
+}
+
+/// A grid of holes, row by row.
+fn grid(reference: f64, bottom: f64) -> Vec<Drilled> {
+    let mut holes = Vec::new();
+    for row in 0..5 {
+        for column in 0..8 {
+            let [x, y] = [20.0 + 60.0 * f64::from(column), 20.0 + 70.0 * f64::from(row)];
+            holes.push(Drilled { reference: [x, y, reference], bottom: [x, y, bottom] });
+        }
+    }
+    holes
+}
+
+/// 40 pecked holes: on a Fanuc in a few lines, with increments and K.
+fn iso_grid(is_fanuc: bool) -> String {
+    let mut text = String::from(if is_fanuc { "%\nO3000 (PLATE)\n" } else { "" });
+    text.push_str("N10 G21 G17 G90 G40 G49 G80 G94 G54\nN20 T2 M6\nN30 G0 X0. Y0. S2000 M3\nN40 G43 H2 Z50.\n");
+    for row in 0..5 {
+        let y = 20 + 70 * row;
+        let words = if row == 0 { "G99 G83 Z-30. R2. Q5. F150." } else { "G90" };
+        let _ = writeln!(text, "{words} X20. Y{y}.");
+        if is_fanuc {
+            let _ = writeln!(text, "G91 X60. K7");
+        } else {
+            (1..8).for_each(|column| text.push_str(&format!("X{}.\n", 20 + 60 * column)));
+        }
+    }
+    text.push_str("N90 G90 G80\nN100 G0 Z50.\nN110 M30\n");
+    text.push_str(if is_fanuc { "%\n" } else { "" });
+    text
+}
+
+#[test]
+fn forty_pecked_holes_of_linuxcnc_stay_forty_lines() {
+    let text = corrected("rs274", "plate.ngc", &iso_grid(false), UPRIGHT);
+    let worst_mm = judge(UPRIGHT, &iso_holes(&text), &grid(2.0, -30.0), &text);
+    assert!(text.lines().count() <= 60, "{text}");
+    assert!(text.contains("G83") && text.contains(" Q5") && text.contains("G80") && !text.contains("G1 "), "{text}");
+    eprintln!("worst {:.2} µm, {} lines", worst_mm * 1e3, text.lines().count());
+}
+
+#[test]
+fn forty_pecked_holes_of_a_fanuc_stay_forty_lines() {
+    let text = corrected("fanuc", "plate.nc", &iso_grid(true), UPRIGHT);
+    judge(UPRIGHT, &iso_holes(&text), &grid(2.0, -30.0), &text);
+    assert!(text.lines().count() <= 60, "{text}");
+}
+
+#[test]
+fn forty_pecked_holes_of_a_sinumerik_stay_positions() {
+    let mut program = String::from(
+        "; plate\nN10 G17 G90 G71 G94 G54\nN20 T2 M6\nN30 D1 S2000 M3\nN40 G0 X0 Y0 Z50\nN50 F150\nN60 MCALL CYCLE83(20,0,2,-30,,-5,,2,0.5,0,1,0)\n",
+    );
+    for row in 0..5 {
+        let _ = writeln!(program, "N{} HOLES1(20,{},0,0,60,8)", 70 + 10 * row, 20 + 70 * row);
+    }
+    program.push_str("N120 MCALL\nN130 G0 Z50\nN140 M30\n");
+    let text = corrected("sinumerik", "plate.mpf", &program, UPRIGHT);
+    let found = sinumerik_holes(&text);
+    let mut wanted = grid(2.0, -30.0);
+    // A row begins at the end that is nearer to the tool.
+    for row in [1, 3] {
+        wanted[8 * row..8 * row + 8].reverse();
+    }
+    judge(UPRIGHT, &found, &wanted, &text);
+    assert!(text.lines().count() <= 75, "{text}");
+}
+
+#[test]
+fn a_hole_that_changes_its_place_with_the_depth_is_written_as_moves() {
+    // 160 µrad over 32 mm are 5 µm.
+    let text = corrected("rs274", "plate.ngc", &iso_grid(false), LEANING);
+    assert_eq!(iso_holes(&text), []);
+    assert!(text.contains("G1 "), "{text}");
+}
+
+#[test]
+fn the_other_cycles_keep_their_words() {
+    let head = "%\nO1\nN10 G21 G17 G90 G40 G49 G80 G94 G54\nN20 T2 M6\nN30 G0 X0. Y0. S2000 M3\nN40 G43 H2 Z50.\n";
+    let tail = "N90 G80\nN100 G0 Z50.\nN110 M30\n%\n";
+    for (words, wanted) in [
+        ("G98 G81 X20. Y20. Z-10. R2. F100.", "G98 G81"),
+        ("G98 G82 X20. Y20. Z-10. R2. P500 F100.", "P500"),
+        ("G99 G73 X20. Y20. Z-10. R2. Q3. F100.", "Q3."),
+        ("G98 G85 X20. Y20. Z-10. R2. F100.", "G85"),
+        ("G98 G86 X20. Y20. Z-10. R2. F100.", "G86"),
+        ("G98 G89 X20. Y20. Z-10. R2. P300 F100.", "P300"),
+        ("G98 G76 X20. Y20. Z-10. R2. Q0.5 P300 F100.", "Q0.5"),
+    ] {
+        let text = corrected("fanuc", "one.nc", &format!("{head}{words}\n{tail}"), UPRIGHT);
+        let at = |z: f64| [20.0, 20.0, z];
+        judge(UPRIGHT, &iso_holes(&text), &[Drilled { reference: at(2.0), bottom: at(-10.0) }], &text);
+        assert!(text.contains(wanted), "{wanted}\n{text}");
+        assert!(text.contains("G80"), "{text}");
+    }
+}
+
+#[test]
+fn the_other_cycles_of_a_sinumerik_keep_their_arguments() {
+    let head = "N10 G17 G90 G71 G94 G54\nN20 T2 M6\nN30 D1 S2000 M3\nN40 G0 X20 Y20 Z50\nN50 F150\n";
+    for (call, wanted) in [
+        ("CYCLE81(20,0,2,-10)", "CYCLE81("),
+        ("CYCLE82(20,0,2,-10,,0.5)", ",0.5)"),
+        ("CYCLE83(20,0,2,-10,,-4,,1,0,0,1,1)", ",1,0,0,1,1)"),
+        ("CYCLE85(20,0,2,-10,,0.5,100,200)", ",100,200)"),
+        ("CYCLE86(20,0,2,-10,,0.5,3,0.2,0,0.1,45)", ",45)"),
+        ("CYCLE89(20,0,2,-10,,0.5)", "CYCLE89("),
+        ("CYCLE84(20,0,2,-10,,0,3,,1.25,0,300,300)", "CYCLE84("),
+    ] {
+        let text = corrected("sinumerik", "one.mpf", &format!("{head}N60 {call}\nN70 M30\n"), UPRIGHT);
+        let at = |z: f64| [20.0, 20.0, z];
+        judge(UPRIGHT, &sinumerik_holes(&text), &[Drilled { reference: at(2.0), bottom: at(-10.0) }], &text);
+        assert!(text.contains(wanted), "{wanted}\n{text}");
+    }
+}
+
+#[test]
+fn a_longer_output_than_allowed_is_refused() {
+    let machine = LEANING.machine("rs274");
+    let shop = Shop::new().file("plate.ngc", iso_grid(false)).file("m.toml", machine);
+    let fix = |growth: &str| {
+        shop.run(["fix", "plate.ngc", "-o", "out.ngc", "--machine", "m.toml", "--json", "--max-growth", growth])
+    };
+    let run = fix("10x").exits(4);
+    assert!(run.stdout.contains("E0324"), "{}", run.stdout);
+    assert!(!shop.names().contains(&"out.ngc".to_owned()));
+    let report = fix("500x").exits(0).json();
+    // 40 holes of 7 pecks: each is at least 3 moves, except the first of a hole.
+    let growth = report["growth"].as_f64().unwrap();
+    assert!((10.0..500.0).contains(&growth), "{growth}");
+    let lines = iso_grid(false).lines().count() as f64;
+    assert!((growth - report["blocks_out"].as_f64().unwrap() / lines).abs() < 1e-9, "{growth}");
+}
+
+/// Holes of the executions G79 of the last definition: heights count from the surface, the Z of G79.
+fn grundig_holes(text: &str) -> Vec<Drilled> {
+    let (mut holes, mut heights) = (Vec::new(), [0.0; 2]);
+    for line in text.lines() {
+        let line = line.split('(').next().unwrap();
+        let has = |code: &str| line.split_whitespace().any(|word| word == code);
+        if has("G81") || has("G83") || has("G85") || has("G86") {
+            heights = [word(line, 'Y').unwrap(), word(line, 'Z').unwrap()];
+        }
+        if has("G79") {
+            let [x, y, surface] = ['X', 'Y', 'Z'].map(|letter| word(line, letter).unwrap());
+            let [reference, bottom] = heights.map(|height| surface + height);
+            holes.push(Drilled { reference: [x, y, reference], bottom: [x, y, bottom] });
+        }
+    }
+    holes
+}
+
+#[test]
+fn pecked_holes_of_a_grundig_stay_executions() {
+    let mut program = String::from(
+        "%PM1\nN1 G17 G71 G90\nN2 G54\nN3 T2 M6\nN4 G0 X0 Y0 Z50 S1100 M3\nN5 G83 Y2 Z-30 K5 I1 J1 F140\n",
+    );
+    let mut number = 5;
+    let mut wanted = Vec::new();
+    for hole in grid(2.0, -30.0).into_iter().take(16) {
+        number += 1;
+        let [x, y, _] = hole.bottom;
+        let _ = writeln!(program, "N{number} G79 X{x} Y{y} Z0");
+        wanted.push(hole);
+    }
+    let _ = write!(program, "N{} G0 Z100\nN{} M30\n", number + 1, number + 2);
+    let text = corrected("grundig", "plate.pm", &program, UPRIGHT);
+    judge(UPRIGHT, &grundig_holes(&text), &wanted, &text);
+    assert!(text.contains("K5") && text.contains("J1"), "{text}");
+    assert!(text.lines().count() <= 50, "{text}");
+}
+
+#[test]
+fn rigid_tapping_stays_at_the_corrected_place_and_depth() {
+    let head = "%\nO1\nN10 G21 G17 G90 G40 G49 G80 G94 G54\nN20 T2 M6\nN30 G0 X0. Y0. S500 M3\nN40 G43 H2 Z50.\n";
+    let tail = "N90 G80\nN100 G0 Z50.\nN110 M30\n%\n";
+    let text = corrected(
+        "fanuc",
+        "tap.nc",
+        &format!("{head}M29 S500\nG98 G84 X20. Y20. Z-10. R5. F500.\nX80.\n{tail}"),
+        UPRIGHT,
+    );
+    let hole = |x: f64| Drilled { reference: [x, 20.0, 5.0], bottom: [x, 20.0, -10.0] };
+    judge(UPRIGHT, &iso_holes(&text), &[hole(20.0), hole(80.0)], &text);
+    assert!(text.contains("M29 S500\n"), "{text}");
+    assert_eq!(text.matches("G84").count(), 1, "{text}");
+}
+
+#[test]
+fn a_comment_of_a_program_is_no_mark() {
+    let program =
+        "N10 G17 G90 G71 G94 G54\nN20 T2 M6\nN30 D1\nN40 G0 X20 Y20 Z50\nN50 G1 X120 F500 ;+\nN60 X300 ;~\nN70 M30\n";
+    let text = corrected("sinumerik", "marks.mpf", program, UPRIGHT);
+    assert!(text.contains(";+ .") && text.contains(";~ ."), "{text}");
+}
