@@ -41,8 +41,8 @@ use clap::{ArgGroup, Args, FromArgMatches as _, Subcommand};
 
 use super::verbosity::Verbosity;
 use super::{
-    calibrate, decompose, diagnose, diff, feed, figures, import, load, measured, plan, realtime, sensors, simulate, square,
-    steps, tables, value,
+    calibrate, decompose, diagnose, diff, feed, figures, import, load, measured, plan, realtime, sensors, simulate,
+    square, steps, tables, value,
 };
 use crate::options::{Compensation, Options};
 use ncfix_base::geometry::AxisVector;

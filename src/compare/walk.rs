@@ -96,7 +96,8 @@ impl Pair<'_> {
             let radius = if has_wear_alone && !is_stamped { Radius::Beside(0.0) } else { Radius::Whole };
             // With an unknown zero or tool, the errors of the machine at the cut are unknown, and so is any verdict.
             let (requires_values, keeps_tilt, keeps_cycles) = (true, true, true);
-            let options = Options { rapid_order, radius, requires_values, keeps_tilt, keeps_cycles, ..Options::default() };
+            let options =
+                Options { rapid_order, radius, requires_values, keeps_tilt, keeps_cycles, ..Options::default() };
             program.start_as(opened, &chosen.machine, options)
         };
         let mut promise = stamp::promise(sources, chosen, self.promised, findings);

@@ -6,18 +6,15 @@ mod page;
 mod text;
 
 use crate::cli::arguments::DiffArguments;
-use crate::cli::exit_code::ExitCode;
-use crate::cli::findings::Findings;
 use crate::cli::stop::Stop;
+use crate::cli::{exit_code::ExitCode, findings::Findings};
 use crate::cli::{machine_choice, pages, print, program, progress, tell};
 use crate::compare::{CompareOptions, ComparedPrograms, Listing, Outcome, Pair, ROWS};
 use crate::disk::pager::Page;
 use crate::program::Program;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_path::review::ReviewTrace;
-use ncfix_report::json;
-use ncfix_report::review::Review;
-use ncfix_report::verdict::Grade;
+use ncfix_report::{json, review::Review, verdict::Grade};
 
 pub(in crate::cli) use page::text as page;
 

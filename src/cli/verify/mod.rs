@@ -3,16 +3,13 @@
 pub(in crate::cli) mod arguments;
 
 use crate::cli::arguments::VerifyArguments;
-use crate::cli::exit_code::ExitCode;
-use crate::cli::findings::Findings;
 use crate::cli::pages::Pages;
 use crate::cli::stop::Stop;
+use crate::cli::{exit_code::ExitCode, findings::Findings};
 use crate::cli::{machine_choice, print, program, progress};
 use crate::compare::{ErrorsAlong, Outcome, Pair, verification};
 use ncfix_path::path::Follow;
-use ncfix_report::correction::feed_rows;
-use ncfix_report::verdict::Grade;
-use ncfix_report::{json, page};
+use ncfix_report::{correction::feed_rows, json, page, verdict::Grade};
 
 /// Compares two programs.
 pub(in crate::cli) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Stop> {
@@ -32,10 +29,8 @@ pub(in crate::cli) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Stop>
         pages.publish(&page::verification::verification(&along.verification(outcome, &findings)))?;
     }
     let result = verification(outcome.as_ref(), &findings);
-    let exit_code = match &result.verdict {
-        Some(verdict) if verdict.grade == Grade::Bad && !findings.has_errors() => ExitCode::Refused,
-        _ => findings.exit_code(),
-    };
+    let is_bad = result.verdict.as_ref().is_some_and(|verdict| verdict.grade == Grade::Bad);
+    let exit_code = if is_bad && !findings.has_errors() { ExitCode::Refused } else { findings.exit_code() };
     if arguments.json {
         print(&json::line(&result).map_err(Stop::Usage)?)?;
         return Ok(exit_code);
