@@ -30,6 +30,7 @@ const MORE: &[(&str, &[&str])] = &[
     ("simulate", &["reference/data-files", "reference/servo"]),
     ("correct-readings", &["how-to/correct-readings", "reference/output"]),
     ("iso230", &["reference/figures"]),
+    ("square", &["how-to/describe-a-new-machine", "how-to/hobby-router-out-of-square"]),
     ("weigh", &["how-to/correct-for-the-weight", "reference/load"]),
     (
         "calibrate",

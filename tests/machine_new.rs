@@ -133,8 +133,11 @@ fn the_kinematics_of_every_template_agree_with_matrices() {
                     .rev()
                     .map(of)
                     .fold(Matrix4::<f64>::identity(), |all: Matrix4<f64>, one: Matrix4<f64>| all * one);
-                let spindle =
-                    after.trim_end_matches("St").chars().map(of).fold(Matrix4::<f64>::identity(), |all: Matrix4<f64>, one: Matrix4<f64>| all * one);
+                let spindle = after
+                    .trim_end_matches("St")
+                    .chars()
+                    .map(of)
+                    .fold(Matrix4::<f64>::identity(), |all: Matrix4<f64>, one: Matrix4<f64>| all * one);
                 let relative = workpiece.try_inverse().unwrap() * spindle;
                 let tip = relative.transform_point(&Point3::from(tool));
                 let pose = model.nominal(&command, &Vector::from([tool.x, tool.y, tool.z]));
