@@ -234,8 +234,7 @@ fn a_length_offset_without_its_number_is_refused() {
         [&["check", "a.nc", "--machine", "m.toml"][..], &["fix", "a.nc", "--machine", "m.toml", "-o", "o.nc"]]
     {
         let run = shop.run(command).exits(4);
-        run.says("E0307");
-        run.says("without H");
+        run.says("E0307").says("without H");
     }
     // After H1 the number holds.
     let later = CIRCLE.replace("N60 G0 Z50.", "N55 G49\nN60 G43 G0 Z50.");

@@ -31,6 +31,7 @@ const MORE: &[(&str, &[&str])] = &[
     ("import", &["how-to/import-an-instruments-file", "reference/instrument-files", "reference/data-files"]),
     ("correct-readings", &["how-to/correct-readings", "reference/output"]),
     ("iso230", &["reference/figures"]),
+    ("square", &["how-to/describe-a-new-machine", "how-to/hobby-router-out-of-square"]),
     ("weigh", &["how-to/correct-for-the-weight", "reference/load"]),
     (
         "calibrate",

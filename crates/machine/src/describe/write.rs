@@ -2,7 +2,9 @@
 
 use std::fmt::Write as _;
 
-use super::{AxisDescription, Description, Known, KnownOrigin, TravelRange};
+use super::description::{AxisDescription, Description};
+use super::known::{Known, KnownOrigin};
+use super::stated::TravelRange;
 use crate::machine::controller::{ControllerMeaning, controller};
 use crate::machine::squareness::{pair, squareness};
 use ncfix_base::geometry::{Axis, Plane};

@@ -50,7 +50,7 @@ struct SavedValues {
     system: Vec<(String, f64)>,
 }
 
-/// Returns the format of a file; `None` if it is none of [`FORMATS`].
+/// Returns the format of a file; `None` if no row of [`FORMATS`] fits.
 #[must_use]
 pub fn recognized(source: &Source) -> Option<&'static SavedFormat> {
     let lines = lines(source);

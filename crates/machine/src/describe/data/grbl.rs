@@ -3,7 +3,8 @@
 //! `$130` to `$132` are the travels in mm, `$110` to `$112` the maximum rates in mm/min. After homing Grbl counts from the positive end of each axis, so
 //! positions are from -travel to 0 (Grbl 1.1 wiki, *Configuration*). These settings are always in mm.
 
-use super::{ControlDataFormat, ControlFacts, TravelRange, known, number};
+use super::{ControlDataFormat, ControlFacts, known, number};
+use crate::describe::stated::TravelRange;
 use ncfix_base::geometry::Axis;
 
 /// Settings of Grbl.

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::{ControlDataFormat, ControlFacts, TravelRange, known, number, rounded};
+use super::{ControlDataFormat, ControlFacts, known, number, rounded};
+use crate::describe::stated::TravelRange;
 use ncfix_base::geometry::Axis;
 
 /// INI file of LinuxCNC.

@@ -6,7 +6,8 @@ mod sinumerik;
 
 use std::collections::BTreeMap;
 
-use super::{Known, KnownOrigin, TravelRange};
+use crate::describe::known::{Known, KnownOrigin};
+use crate::describe::stated::TravelRange;
 use crate::machine::{Branch, Topology};
 use ncfix_base::geometry::Axis;
 

@@ -5,7 +5,8 @@
 
 use std::collections::BTreeMap;
 
-use super::{ControlDataFormat, ControlFacts, TravelRange, known, number, rounded};
+use super::{ControlDataFormat, ControlFacts, known, number, rounded};
+use crate::describe::stated::TravelRange;
 use crate::machine::Branch;
 use ncfix_base::geometry::Axis;
 
@@ -278,7 +279,7 @@ impl Geometry<'_> {
             let own = facts.axis_mut(axis);
             own.point_mm = Some(known(point, place, remark));
             if let Some(direction) = direction {
-                own.direction = Some(known(super::super::signed(direction, is_plus), place, remark));
+                own.direction = Some(known(crate::describe::known::signed(direction, is_plus), place, remark));
             } else {
                 facts.notes.push(format!("{name} has no vector of {axis}: give --sense"));
             }

@@ -74,7 +74,7 @@ pub const TEMPLATES: &[Template] = &[
 /// Returns the template of a name.
 ///
 /// # Errors
-/// Returns a sentence that names the templates if there is none of this name, or the parts that the machine file lacks for it.
+/// Returns a sentence that names the templates if the name is unknown, or the parts that the machine file lacks for it.
 pub fn template(name: &str) -> Result<&'static Template, String> {
     let Some(found) = TEMPLATES.iter().find(|template| template.name.eq_ignore_ascii_case(name)) else {
         let names: Vec<&str> = TEMPLATES.iter().map(|template| template.name).collect();
