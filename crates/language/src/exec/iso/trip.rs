@@ -3,6 +3,9 @@
 use super::cycles::HoleStep;
 use crate::exec::core::step::{Place, Step};
 
+/// Distance below which there is no motion, mm: an active length leaves a rounding error.
+const SAME_MM: f64 = 1e-9;
+
 /// The path of the tool.
 pub(super) struct Trip<'a> {
     pub(super) here: Place,
@@ -29,7 +32,8 @@ impl Trip<'_> {
 
     /// Moves at rapid, if the distance is not zero.
     pub(super) fn rapid(&mut self, to: Place) {
-        if to != self.here {
+        let steps = [to.plane[0] - self.here.plane[0], to.plane[1] - self.here.plane[1], to.height - self.here.height];
+        if steps.iter().any(|step| step.abs() > SAME_MM) {
             self.out.push(Step::rapid(to));
             self.here = to;
         }

@@ -41,6 +41,8 @@ struct HoleLine {
     /// `true` if a rapid move in the plane leads to the hole.
     has_approach: bool,
     initial: InitialLevel,
+    /// `true` if the tool returns to the initial level (G98).
+    returns: bool,
 }
 
 /// Shift of the moves of a hole: axis commands minus those of the program, mm.
@@ -200,6 +202,7 @@ where
         let mut at = self.standing.nominal;
         let initial = InitialLevel { nominal_mm: at[axes[2]], command_mm: self.standing.command[axes[2]] };
         let initial = self.initial.unwrap_or(initial);
+        let returns = !cycle.ends_at_reference;
         let mut line: Option<HoleLine> = None;
         let mut has_approach = false;
         let mut first = None;
@@ -224,7 +227,14 @@ where
             if motion.rapid {
                 has_approach |= line.is_none() && moves_across;
             } else {
-                let line = line.get_or_insert(HoleLine { axes, top: at, bottom: motion.target, has_approach, initial });
+                let line = line.get_or_insert(HoleLine {
+                    axes,
+                    top: at,
+                    bottom: motion.target,
+                    has_approach,
+                    initial,
+                    returns,
+                });
                 let is_at_hole = |place: &AxisVector| {
                     axes[..2].iter().all(|&axis| (place[axis] - line.top[axis]).abs() <= SAME_PLACE_MM)
                 };
@@ -364,7 +374,8 @@ where
             }
         }
         if !keeps(along) || !standing.known.contains(along) {
-            let is_initial = motion.rapid && (motion.target[along] - line.initial.nominal_mm).abs() <= SAME_PLACE_MM;
+            let is_level = |height_mm: f64| (height_mm - line.initial.nominal_mm).abs() <= SAME_PLACE_MM;
+            let is_initial = line.returns && is_level(motion.target[along]) && !is_level(line.top[along]);
             if is_initial {
                 command[along] = line.initial.command_mm;
             } else {
