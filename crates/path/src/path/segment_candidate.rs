@@ -353,7 +353,9 @@ impl<'m> SegmentFitter<'_, 'm> {
                 trial.middle_mm = Some(deviation);
             }
         }
-        if !self.placer.turning().is_empty() && self.route.turned_rad(to - from) > LEAST_TURN_RAD {
+        // Next to a singularity a correction that is held back tilts the tool, whatever the length.
+        let turns = !self.placer.turning().is_empty() && self.route.turned_rad(to - from) > LEAST_TURN_RAD;
+        if turns && !trial.end.is_held_back {
             trial.tilt_share = self.tilt_share(trial, &state, scratch);
         }
         if trial.deviation_mm > trial.allowed_mm {
