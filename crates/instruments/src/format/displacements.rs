@@ -21,7 +21,10 @@ pub(super) const FORMAT: InstrumentFormat = InstrumentFormat {
 };
 
 /// Columns of the axes, and of dx, dy, dz.
-fn columns(table: &GridTable) -> Option<(Vec<(usize, Axis)>, Vec<(usize, usize)>)> {
+type Columns = (Vec<(usize, Axis)>, Vec<(usize, usize)>);
+
+/// Columns of the axes, and of dx, dy, dz.
+fn columns(table: &GridTable) -> Option<Columns> {
     let axes: Vec<(usize, Axis)> = table
         .headings
         .iter()

@@ -63,8 +63,11 @@ pub(super) const MARLIN: InstrumentFormat = InstrumentFormat {
 /// Point and its line.
 type Probed = ([f64; 3], usize);
 
+/// Points of a log with certainty, and the unit with its line if the log states it.
+type ProbedLog = (Vec<Probed>, u8, Option<(ReadingUnit, usize)>);
+
 /// Points of a log with certainty and unit.
-fn points(text: &DecodedText) -> Option<(Vec<Probed>, u8, Option<(ReadingUnit, usize)>)> {
+fn points(text: &DecodedText) -> Option<ProbedLog> {
     let grbl: Vec<Probed> = text.lines().filter_map(|(number, line, _)| Some((grbl_point(line)?, number))).collect();
     if grbl.len() >= 3 {
         return Some((grbl, 3, None));

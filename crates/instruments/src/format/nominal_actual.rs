@@ -139,8 +139,11 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     displacement(inquiry, features, unit)
 }
 
+/// Features, and the unit with its line if the file states it.
+type StatedFeatures = (Vec<Feature>, Option<(ReadingUnit, usize)>);
+
 /// Features of a DMIS output.
-fn dmis(inquiry: &mut Inquiry<'_>) -> Result<(Vec<Feature>, Option<(ReadingUnit, usize)>), ImportStop> {
+fn dmis(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
     let mut unit = None;
     for (number, line, _) in inquiry.text.lines() {
         if let Some(rest) = line.trim().to_uppercase().strip_prefix("UNITS/") {
@@ -190,7 +193,7 @@ fn dmis(inquiry: &mut Inquiry<'_>) -> Result<(Vec<Feature>, Option<(ReadingUnit,
 
 /// Features of a report in blocks: `DIM NAME= LOCATION OF … UNITS=MM`, a heading, and rows that begin with X, Y or Z. The user sets the order of the columns, so the
 /// heading decides.
-fn report(inquiry: &mut Inquiry<'_>) -> Result<(Vec<Feature>, Option<(ReadingUnit, usize)>), ImportStop> {
+fn report(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
     let mut features: Vec<Feature> = Vec::new();
     let mut unit = None;
     let mut heading: Vec<String> = Vec::new();
@@ -236,7 +239,7 @@ fn report(inquiry: &mut Inquiry<'_>) -> Result<(Vec<Feature>, Option<(ReadingUni
 }
 
 /// Features of a table.
-fn tabular(inquiry: &mut Inquiry<'_>) -> Result<(Vec<Feature>, Option<(ReadingUnit, usize)>), ImportStop> {
+fn tabular(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
     let mut table = grid::table(inquiry.text)?;
     if !inquiry.answers.columns.is_empty() {
         if inquiry.answers.columns.len() != table.width() {

@@ -26,7 +26,10 @@ pub(super) const FORMAT: InstrumentFormat = InstrumentFormat {
 const FEWEST: usize = 4;
 
 /// Columns of the label, of X Y Z, and of the rotary axes.
-fn columns(table: &GridTable) -> Option<(usize, [usize; 3], Vec<(usize, Axis)>)> {
+type Columns = (usize, [usize; 3], Vec<(usize, Axis)>);
+
+/// Columns of the label, of X Y Z, and of the rotary axes.
+fn columns(table: &GridTable) -> Option<Columns> {
     let label = table.headings.iter().position(|heading| words::role(&heading.words) == ColumnRole::Name)?;
     let axes: Vec<(usize, Axis)> = table
         .headings
@@ -179,32 +182,15 @@ fn sphere(touches: &[Vector]) -> Option<(Vector, f64)> {
         .then_some((center, radius))
 }
 
-/// Solves four equations by elimination with pivots; `None` if they are singular.
-fn solve(mut rows: [[f64; 4]; 4], mut right: [f64; 4]) -> Option<[f64; 4]> {
-    let scale = rows.iter().flatten().fold(0.0_f64, |most, value| most.max(value.abs()));
-    for i in 0..4 {
-        let pivot = (i..4).max_by(|&a, &b| rows[a][i].abs().total_cmp(&rows[b][i].abs()))?;
-        // Touches within a millionth of a plane do not determine a center.
-        if !(rows[pivot][i].abs() > 1e-9 * scale) {
-            return None;
-        }
-        rows.swap(i, pivot);
-        right.swap(i, pivot);
-        for j in i + 1..4 {
-            let factor = rows[j][i] / rows[i][i];
-            for k in i..4 {
-                rows[j][k] -= factor * rows[i][k];
-            }
-            right[j] -= factor * right[i];
-        }
-    }
-    for i in (0..4).rev() {
-        for k in i + 1..4 {
-            right[i] -= rows[i][k] * right[k];
-        }
-        right[i] /= rows[i][i];
-    }
-    Some(right)
+/// Solves four equations; `None` if they are singular.
+fn solve(rows: [[f64; 4]; 4], right: [f64; 4]) -> Option<[f64; 4]> {
+    /// Ratio of the singular values below which touches lie in a plane and determine no center.
+    const SINGULAR: f64 = 1e-9;
+    let values = nalgebra::Matrix4::from_fn(|i, j| rows[i][j]).svd(true, true);
+    let [least, most] = [values.singular_values.min(), values.singular_values.max()];
+    let is_regular = least > SINGULAR * most;
+    let solved = values.solve(&nalgebra::Vector4::from(right), 0.0).ok().filter(|_| is_regular)?;
+    Some(solved.into())
 }
 
 #[cfg(test)]
