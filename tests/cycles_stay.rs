@@ -4,6 +4,7 @@
 //! at its reference plane, and the errors of the test machine by hand. A hole is where the tool really is: the written position plus the error there.
 
 use std::fmt::Write as _;
+use std::io::Write as _;
 
 use crate::support::Shop;
 
@@ -200,7 +201,7 @@ fn forty_pecked_holes_of_linuxcnc_stay_forty_lines() {
     let worst_mm = judge(UPRIGHT, &iso_holes(&text), &grid(2.0, -30.0), &text);
     assert!(text.lines().count() <= 60, "{text}");
     assert!(text.contains("G83") && text.contains(" Q5") && text.contains("G80") && !text.contains("G1 "), "{text}");
-    eprintln!("worst {:.2} µm, {} lines", worst_mm * 1e3, text.lines().count());
+    let _ = writeln!(std::io::stderr(), "worst {:.2} µm, {} lines", worst_mm * 1e3, text.lines().count());
 }
 
 #[test]

@@ -2,6 +2,7 @@
 //! the errors; files that leave something open end in a question or a refusal.
 
 use std::fmt::Write as _;
+use std::io::Write as _;
 
 use crate::support::{Run, Shop, repository};
 
@@ -42,7 +43,7 @@ fn demand(found: &[(String, f64, f64)], expected: &[(&str, f64)], floor: f64) {
     for (name, value) in expected {
         let (_, estimate, sigma) =
             found.iter().find(|(own, ..)| own == name).unwrap_or_else(|| panic!("{name}: {found:?}"));
-        eprintln!("{name}: true {value}, found {estimate:.3} ± {sigma:.3}");
+        let _ = writeln!(std::io::stderr(), "{name}: true {value}, found {estimate:.3} ± {sigma:.3}");
         assert!((estimate - value).abs() <= 2.0 * sigma + floor, "{name}: true {value}, found {estimate} ± {sigma}");
     }
 }

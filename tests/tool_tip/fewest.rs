@@ -1,6 +1,7 @@
 //! The fewest pieces of a line of the tip, by dynamic programming, against the number that a correction writes.
 
 use std::fmt::Write as _;
+use std::io::Write as _;
 
 use super::{Rig, TipBlock, blocks, fixed, judged, minus, rigs, size};
 
@@ -89,7 +90,7 @@ fn pieces_of_the_tip_are_within_a_fifth_of_the_fewest_possible() {
             assert!(all + counts.len() >= fewest, "{table}");
         }
     }
-    eprintln!("{table}");
+    let _ = writeln!(std::io::stderr(), "{table}");
 }
 
 /// With a bend that is the same everywhere, the fewest pieces are the equal ones.
