@@ -63,7 +63,7 @@ fn the_help_of_every_command_says_its_statuses_and_ends_with_examples() {
     let mut commands: Vec<Vec<String>> = vec![Vec::new()];
     commands.extend(all.into_iter().map(|command| vec![command]));
     let machine = crate::command_pages::commands(&shop.run(["machine", "--help"]).exits(0).stdout);
-    assert_eq!(machine, ["check", "show", "presets"]);
+    assert_eq!(machine, ["check", "show", "presets", "new"]);
     commands.extend(machine.into_iter().map(|command| vec!["machine".to_owned(), command]));
     for command in commands {
         let help = shop.run(command.iter().map(String::as_str).chain(["--help"])).exits(0).stdout;

@@ -138,7 +138,7 @@ fn every_page_names_every_option_and_what_a_status_means() {
 #[test]
 fn pages_are_set_without_a_warning() {
     let shop = Shop::new();
-    shop.run(["man", "-o", "pages"]).exits(0).says("29 pages written into pages");
+    shop.run(["man", "-o", "pages"]).exits(0).says("30 pages written into pages");
     let names: Vec<_> = std::fs::read_dir(shop.path("pages")).unwrap().map(|entry| entry.unwrap().path()).collect();
     assert_eq!(names.len(), 29);
     for name in ["ncfix.1", "ncfix-fix.1", "ncfix-machine-show.1", "ncfix-tables.1"] {

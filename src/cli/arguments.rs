@@ -189,7 +189,7 @@ pub(super) enum Command {
     /// Make, check and read compensation tables
     #[command(after_help = tables::arguments::AFTER_HELP)]
     Tables(Box<TablesArguments>),
-    /// Check or show a machine file
+    /// Check, show or write a machine file
     #[command(subcommand, after_help = examples::MACHINE)]
     Machine(MachineCommand),
     /// Explain a diagnostic code such as E0203

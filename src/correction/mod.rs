@@ -400,11 +400,8 @@ impl<'a> Prepared<'a> {
 
 /// The diagnostic for a correction whose residual exceeds the original error by more than the permitted value, mm.
 fn worse(prediction: &Prediction, tolerance_mm: f64) -> Option<Diagnostic> {
-    /// Error that a tolerance may add to a program without errors, mm: ten times the default tolerance. A larger tolerance is for machines with larger
-    /// errors.
-    const MOST_ADDED_MM: f64 = 0.01;
     let [before_mm, after_mm] = [prediction.before(), prediction.after()].map(|spread| spread.rms_mm());
-    if after_mm <= before_mm.max(tolerance_mm.min(MOST_ADDED_MM)) {
+    if after_mm <= before_mm.max(tolerance_mm) {
         return None;
     }
     let [before, after] = [before_mm, after_mm].map(|mm| micrometers(um_from_mm(mm)));

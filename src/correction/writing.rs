@@ -47,11 +47,12 @@ impl Writing {
             )));
         }
         // The path may leave the exact one by the tolerance, so one beyond every plausible correction permits any path.
-        if choice.tolerance_mm > choice.max_correction_mm {
+        let largest_mm = path::CorrectionOptions::default().max_correction_mm.max(choice.max_correction_mm);
+        if choice.tolerance_mm > largest_mm {
             return Err(Error::usage(format!(
-                "--tolerance {} is larger than --max-correction {}: cuts could be omitted; check the unit",
+                "--tolerance {} is larger than {}, the largest correction that is permitted (--max-correction): cuts could be omitted; check the unit",
                 micrometers(um_from_mm(choice.tolerance_mm)),
-                micrometers(um_from_mm(choice.max_correction_mm))
+                micrometers(um_from_mm(largest_mm))
             )));
         }
         let machine = &chosen.machine;

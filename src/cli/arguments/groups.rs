@@ -62,7 +62,7 @@ pub(super) fn in_groups(definition: Command) -> Command {
 /// Text printed by `ncfix` without arguments: one line per command, no options.
 pub(in crate::cli) fn overview(definition: &Command) -> String {
     let width = width();
-    let mut out = "Corrects part programs for the measured errors of one machine tool.\n\n  \
+    let mut out = "Corrects part programs for the measured errors of one machine tool.\n  \
                    ncfix part.mpf -o corrected.mpf --machine mill.toml\n"
         .to_owned();
     for (group, names) in GROUPS {
