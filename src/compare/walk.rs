@@ -89,7 +89,7 @@ impl Pair<'_> {
         let chosen = self.machine;
         let sources = &self.programs.map(|program| program.source().clone());
         let has_wear_alone = is_wear_alone(&sources[1]);
-        let start = |opened: run::Opened, program: &Program| {
+        let start = |opened: run::Opened, program: &Program, requires_values: bool| {
             let is_stamped = emit::is_stamped(opened.source.bytes());
             let rapid_order = if is_stamped { RapidOrder::None } else { RapidOrder::Stated };
             // If the control corrects the wear, the original contains none.
