@@ -94,8 +94,7 @@ impl Pair<'_> {
             let rapid_order = if is_stamped { RapidOrder::None } else { RapidOrder::Stated };
             // If the control corrects the wear, the original contains none.
             let radius = if has_wear_alone && !is_stamped { Radius::Beside(0.0) } else { Radius::Whole };
-            // With an unknown zero or tool, the errors of the machine at the cut are unknown, and so is any verdict.
-            let (requires_values, keeps_tilt, keeps_cycles) = (true, true, true);
+            let (keeps_tilt, keeps_cycles) = (true, true);
             let options =
                 Options { rapid_order, radius, requires_values, keeps_tilt, keeps_cycles, ..Options::default() };
             program.start_as(opened, &chosen.machine, options)
@@ -116,9 +115,11 @@ impl Pair<'_> {
         let (filler, ahead) = channel();
         std::thread::scope(|scope| {
             // One thread executes the corrected program ahead; the other one executes the original and compares.
-            let run = move || send(start(corrected, self.programs[1]), filler);
+            let run = move || send(start(corrected, self.programs[1], false), filler);
             let thread = scope.spawn(run);
-            let mut original = start(original, self.programs[0]);
+            // With an unknown zero or tool, the errors of the machine at the cut are unknown, and so is any verdict. Another one in the corrected
+            // program is a difference.
+            let mut original = start(original, self.programs[0], true);
             if let Some(watch) = self.watch {
                 original = original.watched(watch());
             }
