@@ -10,7 +10,7 @@ use super::review::Review;
 use ncfix_base::diagnostic::{Code, Severity};
 use ncfix_base::source::shown;
 
-/// Growth of the largest error that a correction within the default tolerance can cause where there was hardly any error, µm.
+/// Growth of the largest error that is no degradation, µm: the default tolerance of a correction, or an increment where there was no error.
 const MOST_GROWTH_UM: f64 = 1.0;
 
 /// Grade of a verdict or reason; a larger one is worse.
@@ -107,13 +107,11 @@ impl Verdict {
         }
         if let (Some(before), Some(after)) = (review.before, review.after) {
             let [from, to] = [before.max_um, after.max_um].map(micrometers);
-            // A residual of one increment where there was no error is not a degradation.
-            let grows = after.max_um > before.max_um && after.rms_um > before.rms_um;
-            let (grade, verb) = match after.max_um - before.max_um {
-                _ if grows => (Grade::Bad, "increases"),
+            let (grade, verb) = match (after.max_um - before.max_um > MOST_GROWTH_UM, after.rms_um > before.rms_um) {
+                (false, _) => (Grade::Ok, "changes"),
+                (true, true) => (Grade::Bad, "increases"),
                 // The mean improves, but a place becomes worse.
-                more_um if more_um > MOST_GROWTH_UM => (Grade::Warn, "increases"),
-                _ => (Grade::Ok, "changes"),
+                (true, false) => (Grade::Warn, "increases"),
             };
             say(grade, format!("the largest error on the error model {verb} from {from} to {to}"));
         }
