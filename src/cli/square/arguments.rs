@@ -74,7 +74,7 @@ pub(in crate::cli) struct SquareArguments {
     #[command(flatten)]
     /// Machine file and set-up files.
     pub(in crate::cli) machine: MachineChoice,
-    /// Machine file to write, with the squareness in [location]; comments are kept
+    /// Machine file to write, with the squareness as a location error; comments are kept
     #[arg(short, long, value_name = "M.toml")]
     pub(in crate::cli) output: Option<PathBuf>,
     /// Add to the existing value: the part was cut with the correction

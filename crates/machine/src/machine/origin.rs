@@ -234,6 +234,8 @@ mod tests {
             "clamp_codes",
             "unclamp_codes",
             "increments_per_mm",
+            "block_cycle_ms",
+            "saved_unit",
             "rollover",
             "one_axis_in_rotation",
             "codes_within_rotation",
