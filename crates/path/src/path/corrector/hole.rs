@@ -320,17 +320,11 @@ where
             if !motion.rapid {
                 cuts += 1;
                 let is_open = |axis: &Axis| trial.sense[axis.slot()] == 0;
-                let is_bottom = motion.target[along] == line.bottom[along];
-                // With backlash the bodies lag behind their axes, and all of the deviation counts.
-                let deviation_mm = match self.sampler.backlash.is_empty() {
-                    true => self.off_hole_mm(line, &route, &trial, is_bottom),
-                    false => trial.deviation_mm,
-                };
-                if deviation_mm > allowed_mm || self.sampler.backlash.iter().any(|axis| is_open(&axis)) {
+                if trial.deviation_mm > allowed_mm || self.sampler.backlash.iter().any(|axis| is_open(&axis)) {
                     return None;
                 }
                 heights[0].get_or_insert(standing.counts[along.slot()]);
-                if is_bottom {
+                if motion.target[along] == line.bottom[along] {
                     heights[1] = Some(placed.counts[along.slot()]);
                 }
             }
@@ -349,22 +343,6 @@ where
         let own = (peck.depth_mm / increment_mm).round() as i64;
         // Rounding may add a peck of nothing.
         (own..=own + 1).find(|&count| pecks(from, to, count, increment_mm, peck.slack_mm) == cuts).map(Some)
-    }
-
-    /// The largest distance of the tip from the line of a hole on a feed move, mm, and at the bottom from its end: the place at which the tip is on
-    /// the line at a moment has no effect on the hole.
-    fn off_hole_mm(&self, line: &HoleLine, route: &Route<'_>, trial: &SegmentCandidate<'_>, is_bottom: bool) -> f64 {
-        /// Parts of a move at whose ends the tip is examined: the errors along a hole are smooth.
-        const PARTS: u32 = 8;
-        let (model, tool_mm) = (self.placer.model, &self.placer.setup.tool_mm);
-        let [top, bottom] = [&line.top, &line.bottom].map(|place| model.nominal(place, tool_mm).translation);
-        let along = (bottom - top).normalize();
-        let off = |part: u32| {
-            let share = f64::from(part) / f64::from(PARTS);
-            let error = model.tip_error_mm(&route.at(share), &trial.emitted.at(share), tool_mm, &trial.state());
-            if is_bottom && part == PARTS { error.norm() } else { (error - along * error.dot(&along)).norm() }
-        };
-        (0..=PARTS).map(off).fold(0.0, f64::max)
     }
 
     /// The state at the reference plane of the call: a tool at that of another hole moves by the difference first.
