@@ -311,7 +311,10 @@ mod tests {
         let grades: Vec<Grade> = verdict.reasons.iter().map(|reason| reason.grade).collect();
         assert_eq!(grades, [Grade::Bad, Grade::Warn, Grade::Ok, Grade::Ok]);
         assert!(verdict.reasons[0].text.contains("more than the 10.0 µm"), "{verdict:?}");
+        // Growth by the tolerance of a correction is none.
         review.after = Some(spread(41.0));
+        assert_eq!(Verdict::of(&review).reasons.iter().filter(|one| one.grade == Grade::Bad).count(), 1);
+        review.after = Some(spread(41.1));
         assert_eq!(Verdict::of(&review).reasons.iter().filter(|one| one.grade == Grade::Bad).count(), 2);
     }
 }
