@@ -410,8 +410,8 @@ file that has changed since has another fingerprint. Name the machine file with 
 again.";
     GROWS_TOO_MUCH = "E0324" "output longer than allowed"
 "The written program would have more blocks per line of the source than --max-growth allows. Loops, subprograms, macros and milling
-cycles are written as moves; drilling cycles stay where the correction allows it. Nothing was written. Allow more, or a larger
---tolerance, or correct the loops as programs of their own.";
+cycles are written as moves, and so are drilling cycles without --keep-cycles. Nothing was written. Allow a larger growth, choose a
+larger --tolerance, or correct the repeated part as a separate program.";
 
     BAD_TOML = "E0401" "machine file is not TOML"
 "The file breaks the rules of TOML 1.0 at this place.";

@@ -4,7 +4,7 @@
 
 use ncfix_base::geometry::Axis;
 
-use super::InstrumentFormat;
+use super::{InstrumentFormat, axis_columns};
 use crate::grid::{self, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
@@ -25,12 +25,7 @@ type Columns = (Vec<(usize, Axis)>, Vec<(usize, usize)>);
 
 /// Columns of the axes, and of dx, dy, dz.
 fn columns(table: &GridTable) -> Option<Columns> {
-    let axes: Vec<(usize, Axis)> = table
-        .headings
-        .iter()
-        .enumerate()
-        .filter_map(|(index, heading)| Some((index, words::axis(&heading.words)?)))
-        .collect();
+    let axes = axis_columns(table);
     let reading = |words: &str| match words {
         "dx" | "delta x" | "error x" | "dev x" | "abw x" | "x error" => Some(0),
         "dy" | "delta y" | "error y" | "dev y" | "abw y" | "y error" => Some(1),

@@ -12,11 +12,20 @@ mod spheres;
 mod targets;
 
 use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::Axis;
 use ncfix_base::register::{Register, Registered};
 
+use crate::grid::GridTable;
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::ImportedReadings;
 use crate::text::DecodedText;
+use crate::words;
+
+/// Columns whose headings name an axis.
+fn axis_columns(table: &GridTable) -> Vec<(usize, Axis)> {
+    let headings = table.headings.iter().enumerate();
+    headings.filter_map(|(index, heading)| Some((index, words::axis(&heading.words)?))).collect()
+}
 
 /// Format of a file.
 #[derive(Clone, Copy, Debug)]

@@ -5,8 +5,8 @@
 
 use ncfix_base::geometry::{Axis, Vector};
 
-use super::InstrumentFormat;
 use super::nominal_actual::position_unit;
+use super::{InstrumentFormat, axis_columns};
 use crate::grid::{self, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
@@ -31,12 +31,7 @@ type Columns = (usize, [usize; 3], Vec<(usize, Axis)>);
 /// Columns of the label, of X Y Z, and of the rotary axes.
 fn columns(table: &GridTable) -> Option<Columns> {
     let label = table.headings.iter().position(|heading| words::role(&heading.words) == ColumnRole::Name)?;
-    let axes: Vec<(usize, Axis)> = table
-        .headings
-        .iter()
-        .enumerate()
-        .filter_map(|(index, heading)| Some((index, words::axis(&heading.words)?)))
-        .collect();
+    let axes = axis_columns(table);
     let of = |wanted: Axis| axes.iter().find(|(_, axis)| *axis == wanted).map(|(index, _)| *index);
     let linear = [of(Axis::X)?, of(Axis::Y)?, of(Axis::Z)?];
     Some((label, linear, axes.into_iter().filter(|(_, axis)| axis.is_rotary()).collect()))

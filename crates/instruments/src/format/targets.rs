@@ -162,6 +162,21 @@ fn targets_in_row(table: &GridTable) -> Option<Vec<f64>> {
     targets.filter(|targets| is_head(head) && targets.len() >= 2 && rest.iter().any(is_series))
 }
 
+/// The readings of one series, as target, value and line, in the order of the motion: a series in the negative direction begins at the last target.
+fn series_of(run: u32, sense: i8, mut own: Vec<(f64, f64, usize)>) -> impl Iterator<Item = TargetReading> {
+    if sense < 0 {
+        own.reverse();
+    }
+    own.into_iter().map(move |(target, value, line)| TargetReading {
+        run: run.to_string(),
+        target,
+        sense: (sense != 0).then_some(sense),
+        value,
+        component: None,
+        line,
+    })
+}
+
 /// Collects the readings of a table with the targets in its first row.
 fn collect_rows(
     inquiry: &mut Inquiry<'_>,
@@ -192,21 +207,9 @@ fn collect_rows(
         }
         let mut own = Vec::new();
         for (index, target) in targets.iter().enumerate() {
-            let Some(value) = table.value(row, index + 1)? else { continue };
-            let sense = (sense != 0).then_some(sense);
-            own.push(TargetReading {
-                run: run.to_string(),
-                target: *target,
-                sense,
-                value,
-                component: None,
-                line: row.number,
-            });
+            own.extend(table.value(row, index + 1)?.map(|value| (*target, value, row.number)));
         }
-        if sense < 0 {
-            own.reverse();
-        }
-        found.extend(own);
+        found.extend(series_of(run, sense, own));
     }
     if !unread.is_empty() {
         inquiry.note(format!("rows that are not read: {}", unread.join(", ")), 0);
@@ -282,22 +285,9 @@ fn collect(
             let mut own = Vec::new();
             for row in &table.rows {
                 let Some(value) = table.value(row, index)? else { continue };
-                let at = table.needed(row, target)?;
-                let sense = (sense != 0).then_some(sense);
-                own.push(TargetReading {
-                    run: run.to_string(),
-                    target: at,
-                    sense,
-                    value,
-                    component: None,
-                    line: row.number,
-                });
+                own.push((table.needed(row, target)?, value, row.number));
             }
-            // The rows are written in the order of the motion.
-            if sense < 0 {
-                own.reverse();
-            }
-            found.extend(own);
+            found.extend(series_of(run, sense, own));
         }
         return Ok(found);
     }
