@@ -373,13 +373,9 @@ fn rigs() -> Vec<Rig> {
     ]
 }
 
-/// A program of seven cuts: four lines and a turn about the tip, an arc with a turning tool, a helix with a standing one.
-fn program(rig: &Rig, control: &str) -> String {
+/// A program of a control that follows the tip during `cuts`.
+fn framed(rig: &Rig, control: &str, cuts: &str) -> String {
     let [a, b] = rig.rotary.map(char::from);
-    let cuts = format!(
-        "N50 G0 X-50 Y-30 Z40 {a}4 {b}12\nN60 G1 Z3 F2000\nN70 X55 Y-25 Z1 {a}18 {b}40\nN80 X45 Y35 Z6 {a}30 {b}85\nN90 X-45 Y40 {a}10 \
-         {b}150\nN100 {a}16 {b}165\nN110 G2 X45 Y40 I45 J0 {a}14 {b}190\nN120 G3 X45 Y40 I-15 J0 Z3\nN130 G0 Z60 {a}20 {b}120\n"
-    );
     match control {
         "fanuc" => format!(
             "%\nO7\nN10 G21 G17 G90 G40 G49 G80 G94\nN20 T1 M6\nN30 G54 G0 X-50. Y-30. {a}0. {b}0. S8000 M3\nN40 G43.4 H1 \
@@ -390,6 +386,16 @@ fn program(rig: &Rig, control: &str) -> String {
              TRAFOOF\nN150 G0 Z400\nN160 M30\n"
         ),
     }
+}
+
+/// A program of seven cuts: four lines and a turn about the tip, an arc with a turning tool, a helix with a standing one.
+fn program(rig: &Rig, control: &str) -> String {
+    let [a, b] = rig.rotary.map(char::from);
+    let cuts = format!(
+        "N50 G0 X-50 Y-30 Z40 {a}4 {b}12\nN60 G1 Z3 F2000\nN70 X55 Y-25 Z1 {a}18 {b}40\nN80 X45 Y35 Z6 {a}30 {b}85\nN90 X-45 Y40 {a}10 \
+         {b}150\nN100 {a}16 {b}165\nN110 G2 X45 Y40 I45 J0 {a}14 {b}190\nN120 G3 X45 Y40 I-15 J0 Z3\nN130 G0 Z60 {a}20 {b}120\n"
+    );
+    framed(rig, control, &cuts)
 }
 
 fn fixed(rig: &Rig, control: &str, text: &str, has_errors: bool) -> (Shop, String) {

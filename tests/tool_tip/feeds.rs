@@ -1,6 +1,6 @@
 //! The time of short ways beside a large turn: that of the source, by the words of the output alone.
 
-use super::{TipBlock, blocks, fixed, minus, rigs, size};
+use super::{TipBlock, blocks, fixed, framed, minus, rigs, size};
 
 /// Largest relative difference of a time: that of the feed that is written, and of rounded ways.
 const SAME_TIME: f64 = 0.01;
@@ -25,16 +25,7 @@ fn a_short_way_beside_a_large_turn_takes_its_time() {
              Y-28 {b}60\nN110 G3 X-48 Y-26 I0 J1 {a}24\nN120 G1 X-47.9 {a}10 {b}200 F3\nN130 G0 Z60\n"
         );
         for control in ["sinumerik", "fanuc"] {
-            let text = match control {
-                "fanuc" => format!(
-                    "%\nO7\nN10 G21 G17 G90 G40 G49 G80 G94\nN20 T1 M6\nN30 G54 G0 X-50. Y-30. {a}0. {b}0. S8000 M3\nN40 G43.4 H1 \
-                     Z250.\n{cuts}N140 G49\nN150 G53 G0 Z500.\nN160 M30\n%\n"
-                ),
-                _ => format!(
-                    "N10 G17 G90 G71 G94 G54\nN20 T1 M6\nN30 D1 S8000 M3\nN35 G0 X-50 Y-30 Z250 {a}0 {b}0\nN40 TRAORI\nN45 ORIAXES\n{cuts}N140 \
-                     TRAFOOF\nN150 G0 Z400\nN160 M30\n"
-                ),
-            };
+            let text = framed(&rig, control, &cuts);
             let (shop, out) = fixed(&rig, control, &text, true);
             let run = shop.run(["verify", "part.nc", "out.nc", "--machine", "rig.toml"]);
             assert_eq!(run.code, 0, "{} {control}: {}{}\n{out}", rig.name, run.stdout, run.stderr);

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::io::Write as _;
 
-use super::{Rig, TipBlock, blocks, fixed, judged, minus, rigs, size};
+use super::{Rig, TipBlock, blocks, fixed, framed, judged, minus, rigs, size};
 
 /// Places of a line at which its error is known; a piece may end at each of them.
 const PLACES: usize = 300;
@@ -56,16 +56,7 @@ fn program(rig: &Rig, control: &str) -> String {
         "N50 G0 X-60 Y-50 Z40 {a}5 {b}10\nN60 G1 X60 Y-40 Z35 {a}20 {b}40 F2000\nN70 X50 Y50 Z42 {a}35 {b}95\nN80 X-55 Y45 Z30 {a}12 \
          {b}130\nN90 X-40 Y-45 Z45 {a}28 {b}150\nN100 X0 Y0 {a}6 {b}120\nN110 G0 Z80\n"
     );
-    match control {
-        "fanuc" => format!(
-            "%\nO7\nN10 G21 G17 G90 G40 G49 G80 G94\nN20 T1 M6\nN30 G54 G0 X-50. Y-30. {a}0. {b}0. S8000 M3\nN40 G43.4 H1 \
-             Z250.\n{cuts}N140 G49\nN150 G53 G0 Z500.\nN160 M30\n%\n"
-        ),
-        _ => format!(
-            "N10 G17 G90 G71 G94 G54\nN20 T1 M6\nN30 D1 S8000 M3\nN35 G0 X-50 Y-30 Z250 {a}0 {b}0\nN40 TRAORI\nN45 ORIAXES\n{cuts}N140 \
-             TRAFOOF\nN150 G0 Z400\nN160 M30\n"
-        ),
-    }
+    framed(rig, control, &cuts)
 }
 
 #[test]
