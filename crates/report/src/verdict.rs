@@ -10,7 +10,7 @@ use super::review::Review;
 use ncfix_base::diagnostic::{Code, Severity};
 use ncfix_base::source::shown;
 
-/// Growth of the largest error that is no degradation, µm: the default tolerance of a correction, or an increment where there was no error.
+/// Growth of the largest error, µm, up to which a person decides: the default tolerance of a correction, or an increment where there was no error.
 const MOST_GROWTH_UM: f64 = 1.0;
 
 /// Grade of a verdict or reason; a larger one is worse.
@@ -107,11 +107,12 @@ impl Verdict {
         }
         if let (Some(before), Some(after)) = (review.before, review.after) {
             let [from, to] = [before.max_um, after.max_um].map(micrometers);
-            let (grade, verb) = match (after.max_um - before.max_um > MOST_GROWTH_UM, after.rms_um > before.rms_um) {
-                (false, _) => (Grade::Ok, "changes"),
+            let grows = after.max_um > before.max_um && after.rms_um > before.rms_um;
+            let (grade, verb) = match (after.max_um - before.max_um > MOST_GROWTH_UM, grows) {
                 (true, true) => (Grade::Bad, "increases"),
-                // The mean improves, but a place becomes worse.
-                (true, false) => (Grade::Warn, "increases"),
+                // The mean improves, but a place becomes worse; or the growth is that of rounding or of the tolerance.
+                (true, false) | (false, true) => (Grade::Warn, "increases"),
+                (false, false) => (Grade::Ok, "changes"),
             };
             say(grade, format!("the largest error on the error model {verb} from {from} to {to}"));
         }
@@ -311,7 +312,7 @@ mod tests {
         let grades: Vec<Grade> = verdict.reasons.iter().map(|reason| reason.grade).collect();
         assert_eq!(grades, [Grade::Bad, Grade::Warn, Grade::Ok, Grade::Ok]);
         assert!(verdict.reasons[0].text.contains("more than the 10.0 µm"), "{verdict:?}");
-        // Growth by the tolerance of a correction is none.
+        // Growth by no more than the tolerance of a correction is for a person to judge.
         review.after = Some(spread(41.0));
         assert_eq!(Verdict::of(&review).reasons.iter().filter(|one| one.grade == Grade::Bad).count(), 1);
         review.after = Some(spread(41.1));
