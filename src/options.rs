@@ -179,7 +179,7 @@ impl Default for Options {
             compensation: Compensation::default(),
             feed_limit_mm: None,
             require_coverage: false,
-            keeps_cycles: false,
+            keeps_cycles: true,
             max_growth: None,
             threads: None,
         }

@@ -90,6 +90,7 @@ fn json_has_the_documented_keys() {
         "most_repeated",
         "drilling_cycles",
         "drilled_by_moves",
+        "cycles_need_um",
         "rapids_as_programmed",
         "off_at_rapids_um",
         "remaining",

@@ -140,7 +140,7 @@ fn sinumerik_holes(text: &str) -> Vec<Drilled> {
 fn corrected(control: &str, name: &str, program: &str, errors: PlateErrors) -> String {
     let shop = Shop::new().file(name, program).file("m.toml", errors.machine(control));
     let out = format!("out_{name}");
-    let run = shop.run(["fix", name, "-o", &out, "--machine", "m.toml", "--keep-cycles"]);
+    let run = shop.run(["fix", name, "-o", &out, "--machine", "m.toml"]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     let text = shop.text(&out);
     let verify = shop.run(["verify", name, &out, "--machine", "m.toml"]);

@@ -273,9 +273,9 @@ pub(super) struct FixArguments {
     /// Refuse the program if its positions, tools or condition are beyond the measured ranges of the machine file
     #[arg(long)]
     pub(super) require_coverage: bool,
-    /// Leave holes to the drilling cycles of the control: one line with the corrected position, planes and depth
+    /// Write the moves of drilling cycles, where otherwise a hole stays a cycle of the control with corrected position and depth
     #[arg(long)]
-    pub(super) keep_cycles: bool,
+    pub(super) expand_cycles: bool,
     /// Largest output, in blocks per line of the program, such as 20x; a longer one is refused
     #[arg(long, value_name = "FACTOR", value_parser = ncfix_base::number::factor)]
     pub(super) max_growth: Option<f64>,
@@ -298,7 +298,7 @@ impl FixArguments {
             feed_limit_mm: self.feed_limit,
             threads: self.threads,
             require_coverage: self.require_coverage,
-            keeps_cycles: self.keep_cycles,
+            keeps_cycles: !self.expand_cycles,
             max_growth: self.max_growth,
             ..self.correction.options()
         }

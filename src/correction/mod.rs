@@ -494,6 +494,8 @@ fn note(
     report.blocks_in = running.blocks();
     report.drilling_cycles = prediction.kept_holes;
     report.drilled_by_moves = prediction.expanded_holes;
+    let needed_um = um_from_mm(prediction.expanded_hole_mm);
+    report.cycles_need_um = (needed_um > 0.0).then(|| needed_um.ceil());
     let name_of =
         |file| running.sources().iter().find(|source| source.id() == file).map(|source| source.name().to_owned());
     report.most_repeated = prediction

@@ -56,6 +56,8 @@ pub struct CorrectionReport {
     pub drilling_cycles: u64,
     /// Holes of drilling cycles that are written as moves.
     pub drilled_by_moves: u64,
+    /// Tolerance with which these holes could stay cycles, µm; `null` if they are moves for another reason.
+    pub cycles_need_um: Option<f64>,
     /// Wall time of the run.
     pub seconds: f64,
     /// Source line of the largest residual error.
@@ -173,7 +175,13 @@ impl CorrectionReport {
             let holes = counted(self.drilling_cycles, "hole");
             let moves = match self.drilled_by_moves {
                 0 => String::new(),
-                count => format!(", {} as moves", grouped(count)),
+                count => {
+                    let way = self
+                        .cycles_need_um
+                        .map(|needed_um| format!(" (--tolerance {needed_um:.0}um keeps cycles)"))
+                        .unwrap_or_default();
+                    format!(", {} as moves{way}", grouped(count))
+                }
             };
             row("cycles", &format!("{holes} kept{moves}"));
         }
@@ -356,6 +364,7 @@ mod tests {
             most_repeated: Some(RepeatedBlock { line: 7, file: "part.mpf".into(), times: 40 }),
             drilling_cycles: 38,
             drilled_by_moves: 2,
+            cycles_need_um: Some(3.0),
             seconds: 0.123,
             max_at_line: Some(17),
             max_at_file: Some("part.mpf".into()),

@@ -410,7 +410,7 @@ file that has changed since has another fingerprint. Name the machine file with 
 again.";
     GROWS_TOO_MUCH = "E0324" "output longer than allowed"
 "The written program would have more blocks per line of the source than --max-growth allows. Loops, subprograms, macros and milling
-cycles are written as moves, and so are drilling cycles without --keep-cycles. Nothing was written. Allow a larger growth, choose a
+cycles are written as moves, and so are holes that turn beyond the tolerance. Nothing was written. Allow a larger growth, choose a
 larger --tolerance, or correct the repeated part as a separate program.";
 
     BAD_TOML = "E0401" "machine file is not TOML"

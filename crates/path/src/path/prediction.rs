@@ -65,6 +65,8 @@ pub struct Prediction {
     pub kept_holes: u64,
     /// Holes of drilling cycles that are written as moves.
     pub expanded_holes: u64,
+    /// Largest distance of the tip from the path with which these holes could stay cycles, mm; 0 if they are moves for another reason.
+    pub expanded_hole_mm: f64,
     /// Number of rapid moves that stay as programmed.
     pub as_programmed: u64,
     /// Largest tip error at the ends of rapid moves that are not an approach to a cut, mm.

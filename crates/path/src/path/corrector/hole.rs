@@ -54,6 +54,15 @@ struct HoleShift {
     along: i64,
 }
 
+/// A hole as a cycle with one shift.
+#[derive(Clone, Copy, Debug)]
+struct HoleFit {
+    /// Largest distance of the tip from the programmed path on the feed moves, mm.
+    deviation_mm: f64,
+    /// Depth of one peck, increments; `None` if the cycle has none.
+    peck: Option<i64>,
+}
+
 impl<'a, I> Corrector<'a, I>
 where
     I: Iterator<Item = Result<Element, Diagnostic>>,
@@ -281,32 +290,44 @@ where
         let count = |mm: f64| self.placer.increments.count(along, mm);
         // The shift of the hole before saves words; the one of the bottom is the best; the mean is for a deep hole.
         let best = count(bottom[along]);
+        let mut nearest_mm = f64::INFINITY;
         for along in [self.last_shift, best, count(middle(along))] {
             let shift = HoleShift { plane, along };
-            if let Some(pecks) = self.fits_hole(cycle, line, &shift, hole) {
-                return Some((shift, pecks));
+            let Some(HoleFit { deviation_mm, peck }) = self.fit_hole(cycle, line, &shift, hole) else { continue };
+            if deviation_mm <= self.allowed_at_hole_mm() {
+                return Some((shift, peck));
             }
+            nearest_mm = nearest_mm.min(deviation_mm);
         }
-        // No moves can replace it; the error along it is reported.
-        taps(cycle).then_some((HoleShift { plane, along: best }, None))
+        if taps(cycle) {
+            // No moves can replace it; the error along it is reported.
+            return Some((HoleShift { plane, along: best }, None));
+        }
+        if nearest_mm.is_finite() {
+            self.prediction.expanded_hole_mm = self.prediction.expanded_hole_mm.max(nearest_mm);
+        }
+        None
     }
 
-    /// The depth of one peck, increments, if the tip is within the tolerance on all feed moves; `None` if not.
-    fn fits_hole(
+    /// Largest deviation of a hole that stays a cycle, mm. Rounding that exceeds the tolerance is no reason for moves: they have it too.
+    fn allowed_at_hole_mm(&self) -> f64 {
+        let (increments, tolerance_mm) = (&self.placer.increments, self.options.tolerance_mm);
+        if increments.rounding_mm() > tolerance_mm { increments.allowed_mm(tolerance_mm) } else { tolerance_mm }
+    }
+
+    /// A hole as a cycle with a shift; `None` if the cycle makes other moves, or an axis beside it reverses.
+    fn fit_hole(
         &mut self,
         cycle: &DrillingCycle,
         line: &HoleLine,
         shift: &HoleShift,
         hole: &[Element],
-    ) -> Option<Option<i64>> {
+    ) -> Option<HoleFit> {
         let along = line.axes[2];
         let mut standing = self.standing;
         let mut cuts = 0;
         let mut heights = [None; 2];
-        let (increments, tolerance_mm) = (&self.placer.increments, self.options.tolerance_mm);
-        // Rounding that exceeds the tolerance is no reason for moves: they have it too.
-        let is_coarse = increments.rounding_mm() > tolerance_mm;
-        let allowed_mm = if is_coarse { increments.allowed_mm(tolerance_mm) } else { tolerance_mm };
+        let mut deviation_mm = 0.0_f64;
         for motion in hole.iter().filter_map(|element| match &element.kind {
             Kind::Move(motion) => Some(motion),
             _ => None,
@@ -320,9 +341,10 @@ where
             if !motion.rapid {
                 cuts += 1;
                 let is_open = |axis: &Axis| trial.sense[axis.slot()] == 0;
-                if trial.deviation_mm > allowed_mm || self.sampler.backlash.iter().any(|axis| is_open(&axis)) {
+                if self.sampler.backlash.iter().any(|axis| is_open(&axis)) {
                     return None;
                 }
+                deviation_mm = deviation_mm.max(trial.deviation_mm);
                 heights[0].get_or_insert(standing.counts[along.slot()]);
                 if motion.target[along] == line.bottom[along] {
                     heights[1] = Some(placed.counts[along.slot()]);
@@ -337,12 +359,13 @@ where
             standing.sensed = motion.known;
             standing.known = motion.known;
         }
-        let Some(peck) = cycle.peck else { return Some(None) };
+        let Some(peck) = cycle.peck else { return Some(HoleFit { deviation_mm, peck: None }) };
         let [Some(from), Some(to)] = heights else { return None };
         let increment_mm = self.placer.increments.linear_mm;
         let own = (peck.depth_mm / increment_mm).round() as i64;
         // Rounding may add a peck of nothing.
-        (own..=own + 1).find(|&count| pecks(from, to, count, increment_mm, peck.slack_mm) == cuts).map(Some)
+        (own..=own + 1).find(|&count| pecks(from, to, count, increment_mm, peck.slack_mm) == cuts)
+            .map(|count| HoleFit { deviation_mm, peck: Some(count) })
     }
 
     /// The state at the reference plane of the call: a tool at that of another hole moves by the difference first.
