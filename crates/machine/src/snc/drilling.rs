@@ -15,8 +15,19 @@ pub struct DrillingCycle {
     pub peck: Option<Peck>,
     /// Further words or arguments in their order.
     pub arguments: Vec<CycleArgument>,
-    /// True if the motion to a hole triggers the cycle (MCALL), false if the call contains the position or is made at the position.
-    pub is_modal: bool,
+    /// What makes a hole.
+    pub trigger: HoleTrigger,
+}
+
+/// What makes a hole of a drilling cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HoleTrigger {
+    /// The motion to the position of the hole (MCALL).
+    Motion,
+    /// A call with the position of the hole (G81, G79).
+    Position,
+    /// A call without position: the hole is where the tool is (CYCLE81 without MCALL).
+    Call,
 }
 
 /// Pecks of one depth.

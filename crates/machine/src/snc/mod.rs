@@ -12,7 +12,7 @@ mod text;
 mod text_reader;
 mod written_zero;
 
-pub use drilling::{CycleArgument, DrillingCycle, Peck};
+pub use drilling::{CycleArgument, DrillingCycle, HoleTrigger, Peck};
 pub use feed_unit::{FEED_MODES, FeedUnit};
 pub use motion_mode::{MotionMode, Thread, ThreadCode};
 pub use text::{TextWriter, stated_machine};

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Matrix, ROTARY_AXES};
 use ncfix_machine::machine::Machine;
-use ncfix_machine::snc::{Element, Kind, Move};
+use ncfix_machine::snc::{Element, HoleTrigger, Kind, Move};
 
 use super::lost_axes;
 use super::tip_divider::{DividedTips, TipDivider};
@@ -131,7 +131,7 @@ where
         if self.held.is_empty() {
             self.pull();
         }
-        matches!(self.held.front(), Some(Ok(Element { kind: Kind::Cycle(Some(cycle)), .. })) if cycle.is_modal)
+        matches!(self.held.front(), Some(Ok(Element { kind: Kind::Cycle(Some(cycle)), .. })) if cycle.trigger == HoleTrigger::Motion)
     }
 
     /// Puts elements that were taken back to the front.

@@ -3,7 +3,7 @@
 use super::channel::Channel;
 use super::defined::Defined;
 use super::target;
-use ncfix_machine::snc::{CycleArgument, DrillingCycle, Kind};
+use ncfix_machine::snc::{CycleArgument, DrillingCycle, HoleTrigger, Kind};
 use std::fmt::Write as _;
 use std::sync::Arc as Shared;
 
@@ -43,7 +43,7 @@ pub(super) fn begin(
         ends_at_reference: true,
         peck: None,
         arguments: vec![CycleArgument::Height(shown_mm), CycleArgument::Text(text.trim_start().to_owned())],
-        is_modal: false,
+        trigger: HoleTrigger::Position,
     };
     if channel.block.has_moved {
         channel.outlet.begin_line();

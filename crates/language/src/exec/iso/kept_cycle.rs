@@ -8,7 +8,7 @@ use super::gathered::Gathered;
 use super::modes;
 use super::text;
 use crate::exec::core::step::{Flat, Step};
-use ncfix_machine::snc::{CycleArgument, DrillingCycle, Kind, Peck};
+use ncfix_machine::snc::{CycleArgument, DrillingCycle, HoleTrigger, Kind, Peck};
 use std::sync::Arc as Shared;
 
 /// Largest remainder of the depth that a Fanuc does not drill as a peck, mm.
@@ -65,7 +65,7 @@ pub(super) fn of(channel: &Channel<'_>, call: &Call, from: Flat, holes: usize, s
         ends_at_reference: call.to_r,
         peck,
         arguments,
-        is_modal: false,
+        trigger: HoleTrigger::Position,
     };
     Some(KeptCycle { cycle: Shared::new(cycle), starts: starts(from, holes, steps)? })
 }

@@ -4,7 +4,7 @@ use super::argument::Argument;
 use super::channel::Channel;
 use super::level::{Entry, Interpreter};
 use super::value::Value;
-use ncfix_machine::snc::{CycleArgument, DrillingCycle, Kind};
+use ncfix_machine::snc::{CycleArgument, DrillingCycle, HoleTrigger, Kind};
 use std::sync::Arc as Shared;
 
 /// Places of the retraction plane, the reference plane, the depth and the relative depth in the arguments of all drilling cycles.
@@ -83,6 +83,6 @@ fn cycle_of(
         ends_at_reference: true,
         peck: None,
         arguments: arguments.collect(),
-        is_modal,
+        trigger: if is_modal { HoleTrigger::Motion } else { HoleTrigger::Call },
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Sinumerik;
 use crate::path::CycleBlock;
-use ncfix_machine::snc::CycleArgument;
+use ncfix_machine::snc::{CycleArgument, HoleTrigger};
 
 /// The modal call, without a name its end.
 pub(super) const MODAL: &str = "MCALL";
@@ -11,7 +11,7 @@ impl Sinumerik {
     /// Writes a hole: the call, or the position that triggers the modal call.
     pub(super) fn cycle(&mut self, block: &CycleBlock, out: &mut Vec<u8>) {
         let call = self.call_of(block);
-        if !block.cycle.is_modal {
+        if block.cycle.trigger == HoleTrigger::Call {
             if self.needs_cycle_feed(block) {
                 self.feed_word(block.feed);
                 self.line.end(out);

@@ -13,7 +13,9 @@ use super::acts::{Act, Acts, Passing};
 use super::{CONTINUES, CONTINUES_ON_THE_SPOT, ON_THE_SPOT};
 use ncfix_base::geometry::{AXES, AxisSet, AxisVector, Vector};
 use ncfix_machine::machine::{Kinematics, Machine, TipPath};
-use ncfix_machine::snc::{BlockNumber, Element, FeedUnit, Kind, MotionMode, Move, Origin, Setup, Turning, WordValue};
+use ncfix_machine::snc::{
+    BlockNumber, Element, FeedUnit, HoleTrigger, Kind, MotionMode, Move, Origin, Setup, Turning, WordValue,
+};
 use ncfix_model::DeadBand;
 
 /// Share of a move at its end that determines its final direction.
@@ -204,7 +206,7 @@ impl<I: Iterator<Item = Element>> Walk<'_, I> {
     fn triggers_cycle(&mut self) -> bool {
         self.held = self.held.take().or_else(|| self.elements.next());
         let kind = self.held.as_ref().map(|element| &element.kind);
-        matches!(kind, Some(Kind::Cycle(Some(cycle))) if cycle.is_modal)
+        matches!(kind, Some(Kind::Cycle(Some(cycle))) if cycle.trigger == HoleTrigger::Motion)
     }
 }
 

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector};
-use ncfix_machine::snc::{DrillingCycle, Element, FeedUnit, Kind, MotionMode, Move, Origin};
+use ncfix_machine::snc::{DrillingCycle, Element, FeedUnit, HoleTrigger, Kind, MotionMode, Move, Origin};
 
 use super::Corrector;
 use crate::path::Output;
@@ -40,6 +40,8 @@ struct HoleLine {
     bottom: AxisVector,
     /// `true` if a rapid move in the plane leads to the hole.
     has_approach: bool,
+    /// `true` if the call names the position, also where the tool is.
+    is_positioned: bool,
     initial: InitialLevel,
     /// `true` if the tool returns to the initial level (G98).
     returns: bool,
@@ -148,6 +150,7 @@ where
         };
         let (before, written) = (self.standing.counts, self.standing.written);
         let mut is_cut = false;
+        self.standing = self.positioned(&line, &shift, self.standing);
         for element in hole {
             let Kind::Move(motion) = &element.kind else {
                 self.keep_pace(element);
@@ -185,7 +188,7 @@ where
         }
         let across: AxisSet = line.axes.into_iter().take(2).collect();
         let changes = |axis: &Axis| !written.contains(*axis) || block.position[axis.slot()] != before[axis.slot()];
-        if line.has_approach {
+        if line.is_positioned {
             block.words = across.iter().filter(changes).collect();
             if block.words.is_empty() {
                 block.words = across;
@@ -241,6 +244,7 @@ where
                     top: at,
                     bottom: motion.target,
                     has_approach,
+                    is_positioned: has_approach || cycle.trigger != HoleTrigger::Call,
                     initial,
                     returns,
                 });
@@ -263,8 +267,7 @@ where
             && (line.has_approach || own.difference(self.standing.known).is_empty());
         let ends_there = cycle.ends_at_reference || (at[axes[2]] - line.initial.nominal_mm).abs() <= SAME_PLACE_MM;
         self.fix(first?, AxisSet::EMPTY);
-        (is_known && ends_there && (line.has_approach || !cycle.is_modal) && self.placer.turning().is_empty())
-            .then_some(line)
+        (is_known && ends_there && self.placer.turning().is_empty()).then_some(line)
     }
 
     /// The shift with which all feed moves of a hole are within the tolerance, and the depth of one peck, increments.
@@ -286,7 +289,7 @@ where
         let [top, bottom] = corrections;
         let [abscissa, ordinate, along] = line.axes;
         let middle = |axis: Axis| 0.5 * (top[axis] + bottom[axis]);
-        let plane = line.has_approach.then(|| [middle(abscissa), middle(ordinate)]);
+        let plane = line.is_positioned.then(|| [middle(abscissa), middle(ordinate)]);
         let count = |mm: f64| self.placer.increments.count(along, mm);
         // The shift of the hole before saves words; the one of the bottom is the best; the mean is for a deep hole.
         let best = count(bottom[along]);
@@ -324,7 +327,7 @@ where
         hole: &[Element],
     ) -> Option<HoleFit> {
         let along = line.axes[2];
-        let mut standing = self.standing;
+        let mut standing = self.positioned(line, shift, self.standing);
         let mut cuts = 0;
         let mut heights = [None; 2];
         let mut deviation_mm = 0.0_f64;
@@ -364,7 +367,8 @@ where
         let increment_mm = self.placer.increments.linear_mm;
         let own = (peck.depth_mm / increment_mm).round() as i64;
         // Rounding may add a peck of nothing.
-        (own..=own + 1).find(|&count| pecks(from, to, count, increment_mm, peck.slack_mm) == cuts)
+        (own..=own + 1)
+            .find(|&count| pecks(from, to, count, increment_mm, peck.slack_mm) == cuts)
             .map(|count| HoleFit { deviation_mm, peck: Some(count) })
     }
 
@@ -373,6 +377,19 @@ where
         let along = line.axes[2];
         let mut command = standing.command;
         command[along] = line.top[along] + self.placer.increments.position(along, shift.along);
+        let placed = self.placer.round(&command, standing.known);
+        standing.state.note_motion(&standing.command, &placed.command);
+        (standing.command, standing.counts) = (placed.command, placed.counts);
+        standing
+    }
+
+    /// The state at the position of the call: a tool that is at the programmed place moves by the difference first.
+    fn positioned(&self, line: &HoleLine, shift: &HoleShift, mut standing: PathState) -> PathState {
+        let Some(plane) = shift.plane.filter(|_| !line.has_approach) else { return standing };
+        let mut command = standing.command;
+        for (axis, shift_mm) in line.axes.into_iter().zip(plane) {
+            command[axis] = line.top[axis] + shift_mm;
+        }
         let placed = self.placer.round(&command, standing.known);
         standing.state.note_motion(&standing.command, &placed.command);
         (standing.command, standing.counts) = (placed.command, placed.counts);
