@@ -231,6 +231,60 @@ fn forty_pecked_holes_of_a_sinumerik_stay_positions() {
     assert!(text.lines().count() <= 75, "{text}");
 }
 
+/// Over 100 mm above the hole the tool is 4 µm beside it: the call must name the place, although the program is already there.
+#[test]
+fn a_hole_below_the_tool_is_positioned_by_its_call() {
+    let errors = PlateErrors { lean_urad: 40.0 };
+    for (control, name, program) in [
+        (
+            "rs274",
+            "below.ngc",
+            "G21 G17 G90 G40 G49 G80 G94 G54\nT2 M6\nG0 X20. Y20. S2000 M3\nG43 H2 Z100.\nG98 G81 X20. Y20. Z-10. R2. F100.\nG80\nM2\n",
+        ),
+        (
+            "fanuc",
+            "below.nc",
+            "%\nO1\nG21 G17 G90 G40 G49 G80 G94 G54\nT2 M6\nG0 X20. Y20. S2000 M3\nG43 H2 Z100.\nG98 G81 Z-10. R2. F100.\nG80\nM30\n%\n",
+        ),
+        (
+            "grundig",
+            "below.pm",
+            "%PM1\nN1 G17 G71 G90\nN2 G54\nN3 T2 M6\nN4 G0 X20 Y20 Z100 S1100 M3\nN5 G81 Y2 Z-10 F140\nN6 G79 X20 Y20 Z0\nN7 G0 Z100\nN8 M30\n",
+        ),
+        (
+            "sinumerik",
+            "below.mpf",
+            "G17 G90 G71 G94 G54\nT2 M6\nD1 S2000 M3\nG0 X20 Y20 Z100\nF150\nMCALL CYCLE81(100,0,2,-10)\nX20 Y20\nMCALL\nM30\n",
+        ),
+    ] {
+        let text = corrected(control, name, program, errors);
+        let found = match control {
+            "sinumerik" => sinumerik_holes(&text),
+            "grundig" => grundig_holes(&text),
+            _ => iso_holes(&text),
+        };
+        let at = |z: f64| [20.0, 20.0, z];
+        judge(errors, &found, &[Drilled { reference: at(2.0), bottom: at(-10.0) }], &text);
+    }
+}
+
+#[test]
+fn the_summary_names_the_tolerance_that_keeps_cycles() {
+    // 160 µrad over 32 mm are 5.1 µm: 2.6 µm to each side of the middle, and at most 0.1 µm of rounding.
+    let shop = Shop::new().file("plate.ngc", iso_grid(false)).file("m.toml", LEANING.machine("rs274"));
+    let fix = |more: &[&str]| {
+        let arguments = ["fix", "plate.ngc", "-o", "out.ngc", "--machine", "m.toml", "--json"];
+        shop.run(arguments.into_iter().chain(more.iter().copied())).exits(0).json()
+    };
+    let report = fix(&[]);
+    assert_eq!((&report["drilling_cycles"], &report["drilled_by_moves"]), (&0.into(), &40.into()), "{report}");
+    assert_eq!(report["cycles_need_um"].as_f64(), Some(3.0), "{report}");
+    let report = fix(&["--tolerance", "3um"]);
+    assert_eq!((&report["drilling_cycles"], &report["drilled_by_moves"]), (&40.into(), &0.into()), "{report}");
+    let report = fix(&["--tolerance", "3um", "--expand-cycles"]);
+    assert_eq!(report["drilling_cycles"], 0, "{report}");
+}
+
 #[test]
 fn a_hole_that_changes_its_place_with_the_depth_is_written_as_moves() {
     // 160 µrad over 32 mm are 5 µm.

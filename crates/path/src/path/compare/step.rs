@@ -10,8 +10,9 @@ use super::super::sampling::LedPath;
 use super::super::way::counts_turns;
 use super::super::{Feeds, lost_axes};
 use super::acts::{Act, Acts, Passing};
+use super::judge::BESIDE_HOLE_MM;
 use super::{CONTINUES, CONTINUES_ON_THE_SPOT, ON_THE_SPOT};
-use ncfix_base::geometry::{AXES, AxisSet, AxisVector, Vector};
+use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector, Plane, Vector};
 use ncfix_machine::machine::{Kinematics, Machine, TipPath};
 use ncfix_machine::snc::{
     BlockNumber, Element, FeedUnit, HoleTrigger, Kind, MotionMode, Move, Origin, Setup, Turning, WordValue,
@@ -136,8 +137,8 @@ pub(super) struct Walk<'a, I> {
     ever_named: AxisSet,
     continues: bool,
     on_the_spot: bool,
-    /// `true` between the marks of a hole.
-    in_cycle: bool,
+    /// Plane of the drilling cycle between the marks of a hole.
+    hole: Option<Plane>,
     /// The element after the last move, if it was read already.
     held: Option<Element>,
     /// `true` if the block has moved already.
@@ -169,7 +170,7 @@ impl<'a, I> Walk<'a, I> {
             ever_named: AxisSet::EMPTY,
             continues: false,
             on_the_spot: false,
-            in_cycle: false,
+            hole: None,
             held: None,
             has_moved: false,
             acts: Acts::default(),
@@ -210,6 +211,21 @@ impl<I: Iterator<Item = Element>> Walk<'_, I> {
     }
 }
 
+impl<I> Walk<'_, I> {
+    /// `true` if a move of a cycle leads a tool that is nearly at the hole to the place of the call. The call of the program need not name that place.
+    fn is_at_hole(&self, motion: &Move) -> bool {
+        let Some([abscissa, ordinate, _]) = self.hole.map(Plane::axes) else { return false };
+        let off_mm = |axis: Axis| motion.target[axis] - self.position[axis];
+        let across_mm = off_mm(abscissa).hypot(off_mm(ordinate));
+        motion.rapid
+            && motion.arc.is_none()
+            && motion.known == self.known
+            && across_mm > 0.0
+            && across_mm <= BESIDE_HOLE_MM
+            && AXES.iter().all(|&axis| axis == abscissa || axis == ordinate || off_mm(axis) == 0.0)
+    }
+}
+
 impl<'a, I: Iterator<Item = Element>> Iterator for Walk<'a, I> {
     type Item = ComparedMove<'a>;
 
@@ -246,7 +262,7 @@ impl<'a, I: Iterator<Item = Element>> Iterator for Walk<'a, I> {
                     continue;
                 }
                 Kind::Cycle(mark) => {
-                    self.in_cycle = mark.is_some();
+                    self.hole = mark.map(|cycle| cycle.plane);
                     continue;
                 }
                 Kind::Tool(word) => {
@@ -265,7 +281,13 @@ impl<'a, I: Iterator<Item = Element>> Iterator for Walk<'a, I> {
                 _ => continue,
             };
             self.ever_named = self.ever_named.union(motion.named);
-            let in_cycle = self.in_cycle || motion.rapid && self.triggers_cycle();
+            if self.is_at_hole(&motion) {
+                let route = self.route(&motion);
+                self.lead.along(&mut self.band, &route, self.known, [0.0, 1.0]);
+                self.position = motion.target;
+                continue;
+            }
+            let in_cycle = self.hole.is_some() || motion.rapid && self.triggers_cycle();
             let step = ComparedMove {
                 origin: element.origin,
                 route: self.route(&motion),
