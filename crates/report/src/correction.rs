@@ -185,7 +185,8 @@ impl CorrectionReport {
             };
             row("cycles", &format!("{holes} kept{moves}"));
         }
-        row("blocks", &format!("{} in, {} out{growth}{repeated}", grouped(self.blocks_in), grouped(self.blocks_out)));
+        row("executed", &format!("{}{repeated}", counted(self.blocks_in, "block")));
+        row("output", &format!("{}{growth}", counted(self.blocks_out, "block")));
         if let Some(short) = &self.short_blocks {
             row("block cycle", &short.words());
         }
