@@ -156,6 +156,8 @@ pub struct Options {
     pub require_coverage: bool,
     /// True to leave holes to the drilling cycles of the control where the correction allows it; false to write their moves.
     pub keeps_cycles: bool,
+    /// True to begin the output with words that compare zero offsets and tools of the control with those of the correction.
+    pub guard: bool,
     /// A longer output is refused: written blocks per line with words of the source.
     pub max_growth: Option<f64>,
     /// Number of threads, 1 to 3; `None`: as many as are useful. The output does not depend on it.
@@ -180,6 +182,7 @@ impl Default for Options {
             feed_limit_mm: None,
             require_coverage: false,
             keeps_cycles: true,
+            guard: false,
             max_growth: None,
             threads: None,
         }

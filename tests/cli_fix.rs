@@ -91,6 +91,7 @@ fn json_has_the_documented_keys() {
         "drilling_cycles",
         "drilled_by_moves",
         "cycles_need_um",
+        "guard",
         "rapids_as_programmed",
         "off_at_rapids_um",
         "remaining",

@@ -110,6 +110,7 @@ mod grundig_hostile;
 mod grundig_laws;
 mod grundig_output;
 mod grundig_requirements;
+mod guard;
 mod hostile;
 mod import;
 mod instruments;

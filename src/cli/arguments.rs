@@ -276,6 +276,9 @@ pub(super) struct FixArguments {
     /// Write the moves of drilling cycles, where otherwise a hole stays a cycle of the control with corrected position and depth
     #[arg(long)]
     pub(super) expand_cycles: bool,
+    /// Begin the output with a check by the control: another zero offset or tool length than in this correction stops it
+    #[arg(long)]
+    pub(super) guard: bool,
     /// Largest output, in blocks per line of the program, such as 20x; a longer one is refused
     #[arg(long, value_name = "FACTOR", value_parser = ncfix_base::number::factor)]
     pub(super) max_growth: Option<f64>,
@@ -299,6 +302,7 @@ impl FixArguments {
             threads: self.threads,
             require_coverage: self.require_coverage,
             keeps_cycles: !self.expand_cycles,
+            guard: self.guard,
             max_growth: self.max_growth,
             ..self.correction.options()
         }

@@ -2,6 +2,7 @@
 
 mod feed_limit;
 mod growth;
+mod guard;
 mod pieces;
 mod pipeline;
 mod wear;
@@ -34,6 +35,7 @@ use ncfix_model::Model;
 use ncfix_path::emit::{self, NumberSet};
 use ncfix_path::path::{self, Prediction};
 use ncfix_report::correction::{CorrectionReport, RepeatedBlock};
+use ncfix_report::guard::GuardReport;
 use ncfix_report::json;
 use ncfix_report::number::micrometers;
 
@@ -325,7 +327,7 @@ impl<'a> Prepared<'a> {
     }
 
     /// Executes, corrects and writes. After the first error the output stops, but all diagnostics are collected.
-    /// `guard` reports other reasons against the output when the list of read files is complete.
+    /// `also` reports other reasons against the output when the list of read files is complete.
     ///
     /// # Errors
     /// If the program cannot be written like that; inside, where the text is refused.
@@ -335,7 +337,7 @@ impl<'a> Prepared<'a> {
         watch: Option<Box<dyn Watch>>,
         found: &mut Diagnostics,
         report: &mut CorrectionReport,
-        guard: impl FnOnce(&[PathBuf], &mut Diagnostics),
+        also: impl FnOnce(&[PathBuf], &mut Diagnostics),
     ) -> Result<io::Result<WrittenText>, Error> {
         let (correction, threads) = (self.correction, self.threads);
         let Correction { program, machine, model, options } = correction;
@@ -347,6 +349,11 @@ impl<'a> Prepared<'a> {
         };
         let mut writer = writing.writer()?;
         writer.keep_free(numbers);
+        if options.guard {
+            let words = guard::of_program(program, machine, &writing)?;
+            report.guard = Some(GuardReport { checked: words.checked, left: words.left });
+            writer.begin_with(words.lines);
+        }
         let feed_limit = options.feed_limit_mm.zip(machine.machine.servo.as_ref());
         let pipeline = Pipeline { machine: &machine.machine, model, options: &writing.options, feed_limit };
         let passed = pipeline.pass(&mut running, writer.as_mut(), sink, threads);
@@ -363,7 +370,7 @@ impl<'a> Prepared<'a> {
         if !running.moves() && !found.has_errors() {
             found.add(run::without_motion(program.source(), Code::NO_MOTION), running.sources());
         }
-        guard(&running.files(), found);
+        also(&running.files(), found);
         let sources = running.sources();
         for stamped in sources.iter().skip(1).filter(|source| emit::is_stamped(source.bytes())) {
             found.add(corrected_before(stamped), sources);

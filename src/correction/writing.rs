@@ -15,7 +15,7 @@ use ncfix_report::number::micrometers;
 pub(crate) struct Writing {
     /// Options of the correction.
     pub(crate) options: path::CorrectionOptions,
-    dialect: &'static str,
+    pub(super) dialect: &'static str,
     entry: &'static emit::WriterEntry,
     writer: emit::WriterOptions,
     program: Source,

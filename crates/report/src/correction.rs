@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::coverage::CoverageReport;
+use super::guard::GuardReport;
 use super::json::{AtFeed, FeedLimit, Finding, RemainingReport, SpreadReport, VerificationReport, ZeroReport};
 use super::number::{counted, duration, grouped, micrometers, significant};
 use super::prediction::PredictionReport;
@@ -58,6 +59,8 @@ pub struct CorrectionReport {
     pub drilled_by_moves: u64,
     /// Tolerance with which these holes could stay cycles, µm; `null` if they are moves for another reason.
     pub cycles_need_um: Option<f64>,
+    /// What the control checks at the start of the output; `null` without --guard.
+    pub guard: Option<GuardReport>,
     /// Wall time of the run.
     pub seconds: f64,
     /// Source line of the largest residual error.
@@ -184,6 +187,9 @@ impl CorrectionReport {
                 }
             };
             row("cycles", &format!("{holes} kept{moves}"));
+        }
+        if let Some(guard) = &self.guard {
+            row("guard", &guard.words());
         }
         row("executed", &format!("{}{repeated}", counted(self.blocks_in, "block")));
         row("output", &format!("{}{growth}", counted(self.blocks_out, "block")));
@@ -366,6 +372,7 @@ mod tests {
             drilling_cycles: 38,
             drilled_by_moves: 2,
             cycles_need_um: Some(3.0),
+            guard: None,
             seconds: 0.123,
             max_at_line: Some(17),
             max_at_file: Some("part.mpf".into()),

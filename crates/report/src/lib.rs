@@ -12,6 +12,7 @@ pub mod diagnosis;
 mod excerpt;
 pub mod feed;
 pub mod figures;
+pub mod guard;
 pub mod inputs;
 pub mod json;
 pub mod load;

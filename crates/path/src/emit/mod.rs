@@ -8,6 +8,7 @@ mod check_cut;
 mod comment;
 mod flat;
 mod growth;
+mod guard;
 mod kept;
 mod line;
 mod number;
@@ -20,6 +21,7 @@ pub use block_number::NumberSet;
 pub use check_cut::check_cut;
 pub use flat::flat;
 pub use growth::{growth, lines_with_words};
+pub use guard::{Guard, GuardWords, GuardedData, GuardedTool, GuardedZero};
 pub use number::Decimals;
 pub use stamp::{
     Stamp, is_stamp_changed, is_stamped, is_stamped_for, stamped_model, stamped_promise, stamped_source, stamped_state,
@@ -60,6 +62,8 @@ pub trait Writer: Send {
     fn finish(&mut self, out: &mut Vec<u8>);
     /// Reserves the block numbers of the source, if every line needs a number.
     fn keep_free(&mut self, _numbers: NumberSet) {}
+    /// Writes lines before the first words of the program.
+    fn begin_with(&mut self, _lines: Vec<String>) {}
     /// Keeps the bytes of lines of the main program in which no word changes.
     fn keep_lines(&mut self, _program: Source) {}
     /// The number of lines with words written so far, without comments and headers.
@@ -83,6 +87,8 @@ pub struct WriterEntry {
     pub has_machine_frame: bool,
     /// Words before the first move of every program, for millimeters: they define the coordinates.
     pub assumed: &'static str,
+    /// Words that compare data of the control; `None` if the language has none.
+    pub guard: Option<GuardWords>,
 }
 
 /// All dialects that can be written.

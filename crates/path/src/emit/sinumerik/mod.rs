@@ -34,6 +34,7 @@ pub(super) const ENTRY: WriterEntry = WriterEntry {
     feeds: Feeds::OfLinear,
     has_machine_frame: true,
     assumed: ASSUMED,
+    guard: Some(super::guard::sinumerik),
 };
 
 /// The writer of the dialect.
@@ -44,6 +45,7 @@ fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {
         in_machine_frame: options.frame == OutputFrame::Machine,
         stamp: options.stamp.text(),
         is_stamped: false,
+        guard: Vec::new(),
         has_assumed: false,
         line: LineBuilder::new(options.crlf, KeptLines::new(&["G90"], false, false)),
         stops: Stops::new(ncfix_dialect::sinumerik().block_ends),
@@ -64,6 +66,8 @@ struct Sinumerik {
     in_machine_frame: bool,
     stamp: String,
     is_stamped: bool,
+    /// Lines after the stamp.
+    guard: Vec<String>,
     has_assumed: bool,
     line: LineBuilder,
     stops: Stops,
@@ -123,6 +127,10 @@ impl Writer for Sinumerik {
         self.stamp(out);
     }
 
+    fn begin_with(&mut self, lines: Vec<String>) {
+        self.guard = lines;
+    }
+
     fn keep_lines(&mut self, program: Source) {
         self.line.kept.of(program);
     }
@@ -162,6 +170,7 @@ impl Sinumerik {
     fn stamp(&mut self, out: &mut Vec<u8>) {
         if !std::mem::replace(&mut self.is_stamped, true) {
             self.line.header(format!("; {}", self.stamp).as_bytes(), out);
+            self.guard.iter().for_each(|line| self.line.header(line.as_bytes(), out));
         }
     }
 

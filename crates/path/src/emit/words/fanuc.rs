@@ -22,6 +22,7 @@ pub(super) const FLAVOUR: Flavour = Flavour {
     turns: Turns::One,
     centers: Centers::AsWritten,
     feeds: Feeds::OfAll,
+    guard: Some(crate::emit::guard::fanuc),
 };
 
 pub(super) fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {

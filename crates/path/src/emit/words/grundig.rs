@@ -25,6 +25,7 @@ pub(super) const FLAVOUR: Flavour = Flavour {
     turns: Turns::OneFlat,
     centers: Centers::OnBisector,
     feeds: Feeds::OfLinearOnly,
+    guard: None,
 };
 
 pub(super) fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {

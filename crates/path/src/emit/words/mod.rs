@@ -21,6 +21,7 @@ use ncfix_base::source::Source;
 use ncfix_machine::snc::{BlockNumber, Origin};
 
 use super::block_number::{BlockNumbers, NumberSet};
+use super::guard::GuardWords;
 use super::kept::KeptLines;
 use super::line::LineBuilder;
 use super::number::{AxisNumbers, push_pointed, push_value, to_digits};
@@ -64,6 +65,8 @@ struct Flavour {
     centers: Centers,
     /// The path to which the feed refers.
     feeds: Feeds,
+    /// Words that compare data of the control.
+    guard: Option<GuardWords>,
 }
 
 impl Flavour {
@@ -76,6 +79,7 @@ impl Flavour {
             feeds: self.feeds,
             has_machine_frame: false,
             assumed: self.assumed,
+            guard: self.guard,
         }
     }
 }
@@ -103,6 +107,7 @@ fn create(flavour: &'static Flavour, options: &WriterOptions) -> Option<Box<dyn 
         numbers,
         stamp: if flavour.is_plain { format!("({})", stamp.capital_text()) } else { format!("; {}", stamp.text()) },
         is_stamped: false,
+        guard: Vec::new(),
         has_assumed: false,
         is_tape: false,
         unit_mm: options.increments.unit_mm,
@@ -129,6 +134,8 @@ struct Words {
     /// The stamp, as text of the first comment.
     stamp: String,
     is_stamped: bool,
+    /// Lines after the assumptions.
+    guard: Vec<String>,
     has_assumed: bool,
     /// The length unit of the output, mm.
     unit_mm: f64,
@@ -214,6 +221,10 @@ impl Writer for Words {
         self.line.keep_free(numbers);
     }
 
+    fn begin_with(&mut self, lines: Vec<String>) {
+        self.guard = lines;
+    }
+
     fn keep_lines(&mut self, program: Source) {
         self.line.kept.of(program);
     }
@@ -269,6 +280,7 @@ impl Words {
             let inch = if self.unit_mm == 1.0 { None } else { assumed.strip_prefix("G21") };
             let text = inch.map_or_else(|| assumed.to_owned(), |rest| format!("G20{rest}"));
             self.line.words_before(text.as_bytes(), out);
+            self.guard.iter().for_each(|line| self.line.header(line.as_bytes(), out));
         }
     }
 

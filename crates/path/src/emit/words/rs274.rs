@@ -22,6 +22,7 @@ pub(super) const FLAVOUR: Flavour = Flavour {
     turns: Turns::Several,
     centers: Centers::AsWritten,
     feeds: Feeds::OfLinear,
+    guard: Some(crate::emit::guard::rs274),
 };
 
 pub(super) fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {

@@ -1,0 +1,80 @@
+//! A guard at the start of the output: the control stops if its zero offset or tool is another than that of the correction.
+//!
+//! The interpreter plays the control: with a machine file of other values the corrected program must end before it moves.
+
+use crate::support::Shop;
+
+/// A machine of three axes with a pitch error of 50 µm/m.
+fn machine(control: &str, zero_x_mm: f64, length_mm: f64) -> String {
+    let mut text = format!("[machine]\nname = \"guarded\"\ntopology = \"wFXYZSt\"\ncontroller = \"{control}\"\n\n");
+    for axis in ["X", "Y", "Z"] {
+        let direction = ["X", "Y", "Z"].map(|other| i32::from(other == axis));
+        text.push_str(&format!("[axis.{axis}]\ndirection = {direction:?}\ntravel_mm = [0, 700]\n\n"));
+    }
+    text.push_str("[spindle]\norigin_mm = [0, 0, 0]\naxis = [0, 0, 1]\n\n");
+    text.push_str("[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0, 5.0e-5]\n\n");
+    for (name, x_mm) in [("G54", zero_x_mm), ("G55", 300.0)] {
+        text.push_str(&format!(
+            "[zero_offset.{name}]\nX_mm = {x_mm}\nY_mm = 30.25\nZ_mm = 100\nset = \"absolute\"\n\n"
+        ));
+    }
+    for (number, length_mm) in [(2, length_mm), (3, 91.5)] {
+        text.push_str(&format!("[[tool]]\nnumber = {number}\nlength_mm = {length_mm}\nradius_mm = 4.0\n\n"));
+    }
+    text
+}
+
+const SINUMERIK: &str =
+    "; part\nN10 G17 G90 G71 G94 G54\nN20 T2 M6\nN30 D1 S2000 M3\nN40 G0 X10 Y20 Z20\nN50 G1 X110 F500\nN60 M30\n";
+const FANUC: &str = "%\nO0007 (PART)\nN10 G21 G17 G90 G40 G49 G80 G94 G54\nN20 T2 M6\nN30 G0 X10. Y20. S2000 M3\nN40 G43 H2 Z20.\nN50 G1 X110. F500.\nN60 M30\n%\n";
+const RS274: &str = "G21 G17 G90 G40 G49 G80 G94 G54\nT2 M6\nG0 X10 Y20 S2000 M3\nG43 H2 Z20\nG1 X110 F500\nM2\n";
+
+/// The flat stream of a program on a machine: its lines, and its diagnostics.
+fn executed(shop: &Shop, program: &str, machine: &str) -> (String, String) {
+    let run = shop.run(["snc", program, "--machine", machine]);
+    (run.stdout, run.stderr)
+}
+
+fn moves(stream: &str) -> usize {
+    stream.lines().filter(|line| line.starts_with("G0 ") || line.starts_with("G1 ")).count()
+}
+
+#[test]
+fn another_zero_or_tool_stops_the_program_before_it_moves() {
+    for (control, name, program, checks_tools) in [
+        ("sinumerik", "part.mpf", SINUMERIK, true),
+        ("fanuc", "part.nc", FANUC, true),
+        ("rs274", "part.ngc", RS274, false),
+    ] {
+        let shop = Shop::new()
+            .file(name, program)
+            .file("m.toml", machine(control, 40.125, 80.0))
+            .file("zero.toml", machine(control, 40.127, 80.0))
+            .file("tool.toml", machine(control, 40.125, 80.002));
+        let out = format!("out_{name}");
+        let run = shop.run(["fix", name, "-o", &out, "--machine", "m.toml", "--guard", "--json"]).exits(0);
+        let guard = &run.json()["guard"];
+        let names: Vec<&str> = guard["checked"].as_array().unwrap().iter().filter_map(|name| name.as_str()).collect();
+        // G55 and tool 3 are in the machine file, but not in the program.
+        let tool = if control == "fanuc" { "H2" } else { "T2 D1" };
+        assert_eq!(names, if checks_tools { vec!["G54", tool] } else { vec!["G54"] }, "{control}");
+        assert_eq!(guard["left"].as_array().unwrap().len(), usize::from(!checks_tools), "{control}");
+        shop.run(["verify", name, &out, "--machine", "m.toml"]).exits(0);
+        let (plain, _) = executed(&shop, name, "m.toml");
+        let (guarded, errors) = executed(&shop, &out, "m.toml");
+        assert!(moves(&guarded) >= moves(&plain), "{control}: {guarded}\n{errors}");
+        for (other, stops) in [("zero.toml", true), ("tool.toml", checks_tools)] {
+            let (stream, errors) = executed(&shop, &out, other);
+            assert_eq!(moves(&stream) == 0, stops, "{control} {other}: {stream}\n{errors}\n{}", shop.text(&out));
+        }
+    }
+}
+
+#[test]
+fn a_language_without_such_words_refuses_the_guard() {
+    let program = "%PM1\nN1 G17 G71 G90\nN2 G54\nN3 T2 M6\nN4 G0 X20 Y20 Z100 S1100 M3\nN5 G1 X40 F200\nN6 M30\n";
+    let shop = Shop::new().file("part.pm", program).file("m.toml", machine("grundig", 40.125, 80.0));
+    let run = shop.run(["fix", "part.pm", "-o", "out.pm", "--machine", "m.toml", "--guard"]).exits(2);
+    assert!(run.stderr.contains("--guard"), "{}", run.stderr);
+    assert!(!shop.names().contains(&"out.pm".to_owned()));
+}
