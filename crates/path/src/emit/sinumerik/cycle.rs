@@ -41,6 +41,19 @@ impl Sinumerik {
         self.line.release();
     }
 
+    /// Writes a new modal call into the line of its own block, which has no words yet.
+    pub(super) fn call_in_own_block(&mut self, block: &CycleBlock) {
+        if block.cycle.trigger != HoleTrigger::Motion || !self.line.is_open() || self.line.has_words() {
+            return;
+        }
+        let call = self.call_of(block);
+        if self.modal_call != call {
+            self.word(MODAL.as_bytes());
+            self.word(&call);
+            self.modal_call = call;
+        }
+    }
+
     /// `true` if the feed of a hole must be written.
     fn needs_cycle_feed(&self, block: &CycleBlock) -> bool {
         block.feed > 0.0 && block.feed != self.feed

@@ -89,6 +89,7 @@ struct Sinumerik {
 
 impl Writer for Sinumerik {
     fn write(&mut self, output: &Output, out: &mut Vec<u8>) -> Result<(), Diagnostic> {
+        eprintln!("OUT {output:?}");
         match output {
             // Nothing moves: the line above ends the move, and stops if the program stops.
             Output::Piece(piece) if piece.stands_still() && !self.needs_feed(piece) => {}
@@ -105,6 +106,7 @@ impl Writer for Sinumerik {
             }
             Output::Cycle(block) => {
                 self.is_again = false;
+                self.call_in_own_block(block);
                 if block.starts_block || self.line.has_motion {
                     self.begin(block.starts_block, (&block.origin, block.number), out);
                 }
