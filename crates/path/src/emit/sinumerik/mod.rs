@@ -89,7 +89,6 @@ struct Sinumerik {
 
 impl Writer for Sinumerik {
     fn write(&mut self, output: &Output, out: &mut Vec<u8>) -> Result<(), Diagnostic> {
-        eprintln!("OUT {output:?}");
         match output {
             // Nothing moves: the line above ends the move, and stops if the program stops.
             Output::Piece(piece) if piece.stands_still() && !self.needs_feed(piece) => {}
