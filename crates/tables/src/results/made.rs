@@ -1,7 +1,7 @@
 //! Makes compensation tables for a format, and rejects tables that increase the error or have no effect.
 
 use super::request::TablesRequest;
-use super::result::{TablesCheck, TablesResult, TriedScheme};
+use super::result::{ReversalRow, TablesCheck, TablesResult, TriedScheme};
 use crate::tables::format::Holds;
 use crate::tables::scheme::{self, Scheme, Schemes, Task};
 use crate::tables::{Format, Tables, Wiring};
@@ -75,6 +75,9 @@ pub fn make(
             (scheme.name, tables)
         }
     };
+    if !filling.format.can_hold(Holds::Senses) {
+        result.reversals = reversals(&task);
+    }
     result.machine.clone_from(&request.machine.name);
     name.clone_into(&mut result.scheme);
     filling.format.name.clone_into(&mut result.format);
@@ -91,6 +94,21 @@ pub fn make(
     }
     result.ranges = request.asked_ranges();
     Ok(MadeTables { tables, scheme: name, checked })
+}
+
+/// The reversal values of the axes, with their names and numbers at the control.
+fn reversals(task: &Task<'_>) -> Vec<ReversalRow> {
+    let row = |one: &scheme::Reversal| {
+        let unit = |value: f64| if one.axis.is_rotary() { value.to_degrees() } else { value };
+        ReversalRow {
+            axis: one.axis.to_string(),
+            name: task.wiring.name(one.axis),
+            joint: task.wiring.axes().position(|axis| axis == one.axis).unwrap_or_default(),
+            value: unit(one.mean),
+            spread: unit(one.spread),
+        }
+    };
+    scheme::reversals(task).iter().map(row).collect()
 }
 
 /// The limits of a format's control that tables exceed, one diagnostic each.
