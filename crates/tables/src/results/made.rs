@@ -178,6 +178,13 @@ fn help(task: &Task<'_>, advice: &str) -> String {
     help
 }
 
+/// The machine data of the backlash, with their values.
+fn settings(task: &Task<'_>) -> String {
+    let rows = reversals(task);
+    let words = |text: String| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    rows.iter().flat_map(ReversalRow::settings).map(words).collect::<Vec<_>>().join("; ")
+}
+
 /// The reason for all-zero tables, and the help text.
 fn idle(checked: &TablesCheck, task: &Task<'_>) -> (String, String) {
     let before = checked.before;
@@ -190,8 +197,9 @@ fn idle(checked: &TablesCheck, task: &Task<'_>) -> (String, String) {
     if !plays.is_empty() {
         let why = format!("all values would be 0: the {left} depend only on the direction of motion of {plays}");
         let help = format!(
-            "{} has no tables for a direction of motion: enter the backlash in the control's backlash parameter, or choose cec, comp, ssfk or heidenhain",
-            task.format.title
+            "{} has no tables for a direction of motion: enter the backlash in the control's backlash parameter ({}), or choose cec, comp, ssfk or heidenhain",
+            task.format.title,
+            settings(task)
         );
         return (why, help);
     }
