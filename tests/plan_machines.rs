@@ -35,6 +35,8 @@ const CASES: &[(&[&str], &[&str])] = &[
     (&["probe", "--variant", "rumba-check", "--tool", "74"], &["esmaeili_huron"]),
     (&["laser"], &["all"]),
     (&["laser", "--axis", "Z", "--component", "EAZ"], &["all"]),
+    (&["diagonal", "--runs", "1"], &["all"]),
+    (&["diagonal", "--variant", "all", "--points", "3", "--runs", "2"], &["all"]),
     (&["drift", "--hours", "1"], &["all"]),
     (&["drift", "--variant", "pseudo-din"], &["all"]),
     (&["drift", "--variant", "random", "--hours", "3"], &["all"]),

@@ -22,6 +22,8 @@ Kinds:
            --ball --radius --variant --points --tilt --clearance --feed --dwell --line
   laser    an axis in steps, forward and backward (ISO 230-2); --variant equal: equal steps
            --axis --component --range --points --runs --centre --feed --dwell --variant --seed
+  diagonal  body and face diagonals with a laser (ISO 230-6); --variant body, face, all
+           --variant --plane --points --runs --feed --dwell
   drift    spindle speeds; --variant din (DIN 8602), pseudo-din, random (Spaan 1995)
            --variant --hours --speed --seed --centre --feed
   plate    grid of holes in a plane; a set-up for every --tool and --centre
@@ -40,7 +42,7 @@ Examples:
 /// `ncfix plan`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct PlanArguments {
-    /// Kind of measurement: ballbar, sphere, probe, laser, drift, plate or load
+    /// Kind of measurement: ballbar, sphere, probe, laser, diagonal, drift, plate or load
     #[arg(value_name = "KIND", value_parser = kind)]
     pub(in crate::cli) kind: &'static PlanKind,
     /// Table of poses; its description (.toml) goes into the same folder

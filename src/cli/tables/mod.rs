@@ -12,6 +12,7 @@ use crate::cli::machine_choice::{self, Chosen};
 use crate::cli::output::Target;
 use crate::cli::stop::Stop;
 use crate::cli::{input, print, program, tell};
+use crate::disk::machine_file::is_toml;
 use crate::registry::Registry;
 use crate::tables::reread::Reread;
 use crate::tables::{Tables, itself, scheme_of};
@@ -64,10 +65,6 @@ fn text(arguments: &TablesArguments, findings: &mut Findings) -> Result<String, 
 /// The file beside which the machine file is searched.
 fn beside(arguments: &TablesArguments) -> &Path {
     arguments.output.as_deref().or(arguments.read.first().map(PathBuf::as_path)).unwrap_or(Path::new("."))
-}
-
-fn is_toml(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
 }
 
 fn make(arguments: &TablesArguments, report: &mut TablesReport, findings: &mut Findings) -> Result<(), Stop> {

@@ -6,6 +6,7 @@
 
 mod ballbar;
 pub mod builder;
+mod diagonal;
 mod drift;
 mod laser;
 mod load;
@@ -53,7 +54,7 @@ pub enum RowSpacing {
 
 /// All kinds of plans.
 pub const PLANS: &[PlanKind] =
-    &[ballbar::PLAN, sphere::PLAN, probe::PLAN, laser::PLAN, drift::PLAN, plate::PLAN, load::PLAN];
+    &[ballbar::PLAN, sphere::PLAN, probe::PLAN, laser::PLAN, diagonal::PLAN, drift::PLAN, plate::PLAN, load::PLAN];
 
 /// The plan with a name.
 #[must_use]
