@@ -146,7 +146,7 @@ fn a_hobbyist_with_a_square_and_a_dial_gauge() {
         ("part.ngc", "G21 G90 G17 G94 G54\nG0 X0 Y0\nZ5\nG1 Z-1 F300\nX200 F1000\nY200\nX0\nY0\nG0 Z10\nM2\n".into()),
     ]);
     person.runs(
-        "machine new router.toml --like gantry-router --control grbl --from settings.txt --travel X=0..600 --travel Y=0..900 --travel Z=-80..0",
+        "machine new router.toml --like router --control grbl --from settings.txt --travel X=0..600 --travel Y=0..900 --travel Z=-80..0",
     );
     person.runs("square --machine router.toml --square 300 --dial 0.15 -o fitted.toml");
     let [before, after] = person.corrects(

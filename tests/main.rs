@@ -153,6 +153,7 @@ mod plan_diagonal;
 mod plan_joint;
 mod plan_machines;
 mod plan_programs;
+mod plan_rotary;
 mod plan_tables;
 mod plant;
 mod plant_at_speed;

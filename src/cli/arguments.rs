@@ -172,7 +172,7 @@ pub(super) enum Command {
     #[command(after_help = feed::arguments::RESUME_HELP)]
     Resume(ResumeArguments),
     /// Plan a measurement and write its program
-    #[command(after_help = plan::arguments::AFTER_HELP)]
+    #[command(after_help = plan::arguments::after_help())]
     Plan(Box<PlanArguments>),
     /// Turn the file of an instrument into a measurement
     #[command(after_help = import::arguments::AFTER_HELP)]

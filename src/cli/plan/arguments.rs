@@ -8,29 +8,11 @@ use crate::cli::arguments::MachineChoice;
 use crate::tool::ToolVector;
 use ncfix_base::geometry::{Axis, Plane, Vector};
 use ncfix_machine::machine::Machine;
-use ncfix_metrology::measure::plan::{PLANS, PlanKind, RowSpacing, Wishes, find};
+use ncfix_metrology::measure::plan::{PLANS, PlanKind, RowSpacing, Wishes, find, kinds_help};
 use ncfix_model::ErrorName;
 
 /// End of `ncfix plan --help`.
-pub(in crate::cli) const AFTER_HELP: &str = "\
-Kinds:
-  ballbar  circles in XY, YZ, ZX, both directions, with overlap (ISO 230-4)
-           --centre --radius --feed --plane --every --sweep --overlap --dwell
-  sphere   hemisphere of five meridians; --variant esmaeili: forward and backward, spaan: eight spheres (Spaan 1995, Table 3.1)
-           --centre --radius --feed --every --chord --variant
-  probe    balls on the table; --variant samba (Table 4-1), rumba (Table 5-3), rumba-check (Table 5-4), or generated poses
-           --ball --radius --variant --points --tilt --clearance --feed --dwell --line
-  laser    an axis in steps, forward and backward (ISO 230-2); --variant equal: equal steps
-           --axis --component --range --points --runs --centre --feed --dwell --variant --seed
-  diagonal  body and face diagonals with a laser (ISO 230-6); --variant body, face, all
-           --variant --plane --points --runs --feed --dwell
-  drift    spindle speeds; --variant din (DIN 8602), pseudo-din, random (Spaan 1995)
-           --variant --hours --speed --seed --centre --feed
-  plate    grid of holes in a plane; a set-up for every --tool and --centre
-           --plane --centre --points --every --clearance --feed --dwell --line
-  load     weights on the table; --variant level: an axis, plate: grid of holes
-           --force --place --variant --axis --component --range --points --runs --centre --plane --every --clearance --feed --dwell --line
-
+const AFTER_KINDS: &str = "
 PLAN.csv gets the poses with empty readings, PLAN.toml in the same folder gets the description. The program has axis positions in machine coordinates, without \
 zero offset and tool length compensation; it stops (M0) for mounting the instrument. Run it first without an instrument.
 
@@ -39,10 +21,15 @@ Examples:
   ncfix plan probe --variant rumba --machine five.toml --tool 200 --model 81 -o balls.csv --program BALLS.MPF
   ncfix plan plate --plane YZ --tool 150 --tool 0,-80,-100 --machine mill.toml --model spaan-21 --with xy.csv --with zx.csv -o yz.csv";
 
+/// End of `ncfix plan --help`, with all kinds.
+pub(in crate::cli) fn after_help() -> String {
+    format!("Kinds:\n{}{AFTER_KINDS}", kinds_help())
+}
+
 /// `ncfix plan`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct PlanArguments {
-    /// Kind of measurement: ballbar, sphere, probe, laser, diagonal, drift, plate or load
+    /// Kind of measurement; see Kinds below
     #[arg(value_name = "KIND", value_parser = kind)]
     pub(in crate::cli) kind: &'static PlanKind,
     /// Table of poses; its description (.toml) goes into the same folder
