@@ -62,7 +62,7 @@ fn an_r_test_gives_the_place_of_a_rotary_axis() {
     for k in 0..c.len() {
         let (sin, cos) = c[k].to_radians().sin_cos();
         // The ball is 120 mm from the axis, the gauge point 100 mm above it.
-        let place = [300.0 + 120.0 * cos, 200.0 + 120.0 * sin, 60.0 - 100.0];
+        let place = [300.0 + 120.0 * cos, 200.0 + 120.0 * sin, 60.0 + 100.0];
         let off = [x[k] - place[0], y[k] - place[1], z[k] - place[2]];
         assert!(off.iter().all(|off| off.abs() < 1.1e-3), "C{}: {off:?}", c[k]);
     }
@@ -129,7 +129,7 @@ fn a_ball_bar_on_a_turning_table_gives_the_place_of_its_axis() {
     }
     // The first row of each: 100 mm farther out, 100 mm along +Y, 100 mm higher.
     let [x, y, z] = ["X", "Y", "Z"].map(|name| column(&csv, name));
-    for (row, place) in [(0, [450.0, 200.0, -30.0]), (72, [350.0, 300.0, -30.0]), (144, [350.0, 200.0, 70.0])] {
+    for (row, place) in [(0, [450.0, 200.0, 130.0]), (72, [350.0, 300.0, 130.0]), (144, [350.0, 200.0, 230.0])] {
         let off = [x[row] - place[0], y[row] - place[1], z[row] - place[2]];
         assert!(off.iter().all(|off| off.abs() < 1.1e-3), "{row}: {off:?}");
     }

@@ -55,12 +55,12 @@ pub(super) fn turns(machine: &Machine, wishes: &Wishes) -> Result<Vec<Turn>, Pla
     }
     let wraps = |turn: &&Turn| {
         let is_endless = machine.axis(turn.axis).is_some_and(|data| data.modulo);
-        is_endless && !(turn.range[0] >= 0.0 && turn.range[1] < TAU)
+        is_endless && (turn.range[0] < 0.0 || turn.range[1] >= TAU)
     };
     if let Some(turn) = turns.iter().find(wraps) {
         return Err(PlanRefused(format!("{} turns without end: give --range within 0 to 359 degrees", turn.axis)));
     }
-    match turns.iter().find(|turn| !(turn.range[1] - turn.range[0] > CHORD)) {
+    match turns.iter().find(|turn| turn.range[1] - turn.range[0] <= CHORD) {
         Some(turn) => Err(PlanRefused(format!("the range of {} is empty; give --range FROM,TO", turn.axis))),
         None => Ok(turns),
     }

@@ -112,8 +112,8 @@ fn round(tables: &mut Tables) {
         } else {
             let interval = own.unwrap_or_else(|| interval_of(range[1] - range[0], points));
             // The reference position lies inside, with a section on either side of it.
-            let low = (range[0] / interval - 1e-6).floor().min(-1.0) * interval;
-            (interval, low, (range[1] / interval + 1e-6).ceil().max(1.0) * interval)
+            let low = (range[0] / interval + 1e-6).floor().min(-1.0) * interval;
+            (interval, low, (range[1] / interval - 1e-6).ceil().max(1.0) * interval)
         };
         let count = ((high - low) / interval).round();
         if !(1.0..=MOST_POINTS as f64).contains(&count) {
@@ -187,7 +187,7 @@ impl PitchTable {
         let points = || format!("the points of {axis} are not multiples of an interval from the machine position 0");
         let Nodes::Even { start, step, .. } = one.nodes else { return Err(points()) };
         let first = (start / step).round();
-        if !(step > 0.0) || (first * step - start).abs() > UNIT / 2.0 || first.abs() > MOST_POINTS as f64 {
+        if step <= 0.0 || !first.is_finite() || (first * step - start).abs() > UNIT / 2.0 || first.abs() > MOST_POINTS as f64 {
             return Err(points());
         }
         if one.values.len() > MOST_VALUES + 1 {
