@@ -19,13 +19,13 @@ const TILT: f64 = PI / 3.0;
 
 /// A rotary axis with its first and last angle, rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Turn {
+pub(super) struct TurnedAxis {
     pub(super) axis: Axis,
     pub(super) range: [f64; 2],
 }
 
 /// The rotary axes that a plan turns, one after the other: the stated one, or all.
-pub(super) fn turns(machine: &Machine, wishes: &Wishes) -> Result<Vec<Turn>, PlanRefused> {
+pub(super) fn turns(machine: &Machine, wishes: &Wishes) -> Result<Vec<TurnedAxis>, PlanRefused> {
     if let Some(axis) = wishes.axis
         && (!axis.is_rotary() || machine.axis(axis).is_none())
     {
@@ -47,13 +47,13 @@ pub(super) fn turns(machine: &Machine, wishes: &Wishes) -> Result<Vec<Turn>, Pla
         } else {
             [-tilt, tilt]
         };
-        Some(Turn { axis, range: wishes.range.unwrap_or([most[0].max(low), most[1].min(high)]) })
+        Some(TurnedAxis { axis, range: wishes.range.unwrap_or([most[0].max(low), most[1].min(high)]) })
     };
-    let turns: Vec<Turn> = all.filter_map(turn).collect();
+    let turns: Vec<TurnedAxis> = all.filter_map(turn).collect();
     if turns.is_empty() {
         return Err(PlanRefused(format!("{} has no rotary axis", machine.name)));
     }
-    let wraps = |turn: &&Turn| {
+    let wraps = |turn: &&TurnedAxis| {
         let is_endless = machine.axis(turn.axis).is_some_and(|data| data.modulo);
         is_endless && (turn.range[0] < 0.0 || turn.range[1] >= TAU)
     };
@@ -100,7 +100,7 @@ pub(super) struct Following {
 
 impl Following {
     /// Turns an axis forward and back, with a row every so many radians.
-    pub(super) fn run(&self, plan: &mut Builder, turn: Turn, wishes: &Wishes) -> Result<(), PlanRefused> {
+    pub(super) fn run(&self, plan: &mut Builder, turn: TurnedAxis, wishes: &Wishes) -> Result<(), PlanRefused> {
         let every = every(wishes);
         let chord = wishes.chord.unwrap_or(CHORD).clamp(1e-4, 0.2).min(every);
         let [low, high] = turn.range;

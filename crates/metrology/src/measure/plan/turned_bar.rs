@@ -2,7 +2,7 @@
 //! the axis. The reading is the error of the distance along the bar.
 
 use super::builder::Builder;
-use super::follow::{Following, Turn, pose, turns};
+use super::follow::{Following, TurnedAxis, pose, turns};
 use super::{PlanRefused, Wishes, empty, kind, probe};
 use crate::measure::data::{Free, Setup};
 use ncfix_base::geometry::Vector;
@@ -27,7 +27,7 @@ pub(super) fn build(machine: &Machine, wishes: &Wishes) -> Option<Result<Builder
 }
 
 /// Unit vectors along the radius, the tangent and the axis at a place, in the workpiece frame with all axes at zero.
-fn directions(machine: &Machine, turn: Turn, place_mm: &Vector) -> Option<[Vector; 3]> {
+fn directions(machine: &Machine, turn: TurnedAxis, place_mm: &Vector) -> Option<[Vector; 3]> {
     let data = machine.axis(turn.axis)?;
     let axis = data.direction.try_normalize(f64::EPSILON)?;
     let off = place_mm - data.point_mm;

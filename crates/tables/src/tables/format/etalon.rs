@@ -66,8 +66,8 @@ fn is_mine(_: &str, bytes: &[u8]) -> bool {
     MARK.is_match(bytes)
 }
 
-/// Content of a section.
-enum Content {
+/// What a section has.
+enum SectionContent {
     /// Nothing yet.
     Empty,
     Value(f64),
@@ -76,15 +76,15 @@ enum Content {
 }
 
 /// A section.
-struct Section<'a> {
+struct EtalonSection<'a> {
     name: ErrorName,
     line: ScannedLine<'a>,
-    content: Content,
+    content: SectionContent,
 }
 
 fn read(source: &Source, _: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
     let mut report = Report::new(source);
-    let mut sections: Vec<Section<'_>> = Vec::new();
+    let mut sections: Vec<EtalonSection<'_>> = Vec::new();
     for line in lines(source) {
         if report.is_hopeless() {
             break;
@@ -119,9 +119,9 @@ fn read(source: &Source, _: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
 fn section<'a>(
     line: &ScannedLine<'a>,
     name: &str,
-    sections: &[Section<'_>],
+    sections: &[EtalonSection<'_>],
     report: &mut Report<'_>,
-) -> Option<Section<'a>> {
+) -> Option<EtalonSection<'a>> {
     let Some(error) = isg::error_of(&name.to_ascii_uppercase()) else {
         let help = "the variant Vendor has names of ISO 230-1: [EXX], [C0Y]";
         report.fault(line, line.text, format!("'{}' is not the name of an error", shown(name)), help);
@@ -131,13 +131,13 @@ fn section<'a>(
         report.fault(line, line.text, format!("{error} is given twice"), "write each error once");
         return None;
     }
-    Some(Section { name: error, line: *line, content: Content::Empty })
+    Some(EtalonSection { name: error, line: *line, content: SectionContent::Empty })
 }
 
 /// A line of a section.
-fn statement(line: &ScannedLine<'_>, text: &str, section: &mut Section<'_>, report: &mut Report<'_>) {
-    let is_open = matches!(section.content, Content::Points(_, true));
-    if let (true, Content::Points(points, open)) = (is_open, &mut section.content) {
+fn statement(line: &ScannedLine<'_>, text: &str, section: &mut EtalonSection<'_>, report: &mut Report<'_>) {
+    let is_open = matches!(section.content, SectionContent::Points(_, true));
+    if let (true, SectionContent::Points(points, open)) = (is_open, &mut section.content) {
         let row = text.trim_end_matches('}').trim();
         let pair: Vec<f64> = cells(row).take(3).filter_map(|cell| report.number(line, cell)).collect();
         match pair[..] {
@@ -153,12 +153,12 @@ fn statement(line: &ScannedLine<'_>, text: &str, section: &mut Section<'_>, repo
     }
     let (key, value) = text.split_once('=').unwrap_or((text, ""));
     let is_key = |name: &str| key.trim().eq_ignore_ascii_case(name);
-    if !matches!(section.content, Content::Empty) {
+    if !matches!(section.content, SectionContent::Empty) {
         report.fault(line, text, format!("{} has a second value", section.name), "write VALUE or Gridpoints once");
     } else if is_key("VALUE") {
-        section.content = report.number(line, value).map_or(Content::Empty, Content::Value);
+        section.content = report.number(line, value).map_or(SectionContent::Empty, SectionContent::Value);
     } else if is_key("Gridpoints") && value.trim() == "{" {
-        section.content = Content::Points(Vec::new(), true);
+        section.content = SectionContent::Points(Vec::new(), true);
     } else {
         let message = format!("'{}' is not known here", shown(text));
         report.fault(line, text, message, "write VALUE = number, or Gridpoints = { and lines of position and value");
@@ -166,20 +166,20 @@ fn statement(line: &ScannedLine<'_>, text: &str, section: &mut Section<'_>, repo
 }
 
 /// Adds the errors of all sections. The errors of an axis get the points of all of them: between points they are linear, so this changes nothing.
-fn take(sections: &[Section<'_>], errors: &mut ErrorTables, report: &mut Report<'_>) {
+fn take(sections: &[EtalonSection<'_>], errors: &mut ErrorTables, report: &mut Report<'_>) {
     let mut functions: Vec<(ErrorName, Axis, &[[f64; 2]])> = Vec::new();
     for section in sections {
-        let Section { name, line, content } = section;
+        let EtalonSection { name, line, content } = section;
         let mut fault = |message: String, help: &str| report.fault(line, line.text, message, help);
         match (content, name.kind, name.axis()) {
-            (Content::Value(value), ErrorKind::Location, _) => {
+            (SectionContent::Value(value), ErrorKind::Location, _) => {
                 if errors.location.iter().any(|(other, _)| other == name) {
                     fault(format!("{name} is given twice"), "write each error once");
                 } else {
                     errors.location.push((*name, *value));
                 }
             }
-            (Content::Points(points, false), ErrorKind::Motion, Some(axis)) if !points.is_empty() => {
+            (SectionContent::Points(points, false), ErrorKind::Motion, Some(axis)) if !points.is_empty() => {
                 if points.windows(2).any(|pair| pair[0][0] >= pair[1][0]) {
                     fault(format!("the positions of {name} do not increase"), "sort the points by position");
                 } else if errors.axes.iter().any(|one| one.axis == axis) {
@@ -191,7 +191,7 @@ fn take(sections: &[Section<'_>], errors: &mut ErrorTables, report: &mut Report<
                     functions.push((*name, axis, points));
                 }
             }
-            (Content::Points(_, true), ..) => {
+            (SectionContent::Points(_, true), ..) => {
                 fault(format!("the points of {name} have no end"), "close them with a brace: }");
             }
             _ => {

@@ -187,7 +187,11 @@ impl PitchTable {
         let points = || format!("the points of {axis} are not multiples of an interval from the machine position 0");
         let Nodes::Even { start, step, .. } = one.nodes else { return Err(points()) };
         let first = (start / step).round();
-        if step <= 0.0 || !first.is_finite() || (first * step - start).abs() > UNIT / 2.0 || first.abs() > MOST_POINTS as f64 {
+        if step <= 0.0
+            || !first.is_finite()
+            || (first * step - start).abs() > UNIT / 2.0
+            || first.abs() > MOST_POINTS as f64
+        {
             return Err(points());
         }
         if one.values.len() > MOST_VALUES + 1 {
@@ -275,7 +279,7 @@ fn is_mine(_: &str, bytes: &[u8]) -> bool {
 
 /// What a file says of an axis.
 #[derive(Default)]
-struct Raw {
+struct PitchEntries {
     parameters: BTreeMap<usize, f64>,
     /// Value and stated position by number.
     values: BTreeMap<usize, (f64, f64)>,
@@ -284,7 +288,7 @@ struct Raw {
 
 fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
     let mut report = Report::new(source);
-    let mut axes: BTreeMap<Axis, Raw> = BTreeMap::new();
+    let mut axes: BTreeMap<Axis, PitchEntries> = BTreeMap::new();
     let mut in_values = false;
     for line in lines(source) {
         let text = line.before('#').trim();
@@ -323,7 +327,7 @@ fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic
     report.findings
 }
 
-impl Raw {
+impl PitchEntries {
     /// Its numbers of points, as far as they are known.
     fn range(&self, axis: Axis) -> Option<(usize, usize, Axis)> {
         let [low, high] = [self.values.keys().next()?, self.values.keys().next_back()?];
@@ -337,7 +341,7 @@ fn row(
     text: &str,
     in_values: bool,
     wiring: &Wiring,
-    axes: &mut BTreeMap<Axis, Raw>,
+    axes: &mut BTreeMap<Axis, PitchEntries>,
     report: &mut Report<'_>,
 ) {
     let head = if in_values { VALUE_HEAD } else { PARAMETER_HEAD };
@@ -363,7 +367,7 @@ fn row(
     };
     let numbers: Option<Vec<f64>> = parts[2..].iter().map(|part| report.number(line, part)).collect();
     let Some(numbers) = numbers else { return };
-    let raw = axes.entry(axis).or_insert_with(|| Raw { span: line.span(text), ..Raw::default() });
+    let raw = axes.entry(axis).or_insert_with(|| PitchEntries { span: line.span(text), ..PitchEntries::default() });
     let is_twice = match numbers[..] {
         [position, value] => raw.values.insert(number, (position, value)).is_some(),
         [value] => raw.parameters.insert(number, value).is_some(),
@@ -375,7 +379,7 @@ fn row(
 }
 
 /// The table of an axis.
-fn lookup(axis: Axis, raw: &Raw, report: &mut Report<'_>) -> Option<Lookup> {
+fn lookup(axis: Axis, raw: &PitchEntries, report: &mut Report<'_>) -> Option<Lookup> {
     let lacking: Vec<String> =
         PARAMETERS.iter().filter(|one| !raw.parameters.contains_key(one)).map(ToString::to_string).collect();
     if !lacking.is_empty() {
