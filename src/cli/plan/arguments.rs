@@ -68,7 +68,7 @@ pub(in crate::cli) struct PlanArguments {
     /// Plane: XY, YZ or ZX; repeatable
     #[arg(long, value_name = "PLANE", value_parser = plane)]
     pub(in crate::cli) plane: Vec<Plane>,
-    /// Spacing of rows, deg (default: 2 for ballbar, 5 for sphere), or of holes, mm (default: 50)
+    /// Spacing of rows, deg (default: 2 for ballbar, 5 for sphere, 10 with a turning table), or of holes, mm (default: 50)
     #[arg(long, value_name = "DEG|MM", value_parser = above_zero)]
     pub(in crate::cli) every: Option<f64>,
     /// Evaluated arc, deg (default: 360 in the plane perpendicular to the spindle, else 220)
@@ -77,7 +77,7 @@ pub(in crate::cli) struct PlanArguments {
     /// Angle before and after the evaluated arc, deg (default: 180 with full circles, else 20)
     #[arg(long, value_name = "DEG", value_parser = not_negative)]
     pub(in crate::cli) overlap: Option<f64>,
-    /// Angle of a straight piece on the sphere, deg (default: 0.1)
+    /// Angle of a straight piece, deg (default: 0.1 on a sphere, 0.5 with a turning table)
     #[arg(long, value_name = "DEG", value_parser = above_zero)]
     pub(in crate::cli) chord: Option<f64>,
     /// Variant; see Kinds below
@@ -101,10 +101,10 @@ pub(in crate::cli) struct PlanArguments {
     /// First and last position of the axis, mm or deg (default: the travel)
     #[arg(long, value_name = "FROM,TO", value_parser = range, allow_hyphen_values = true)]
     pub(in crate::cli) range: Option<[f64; 2]>,
-    /// Number of targets of an axis (default: 11 for laser, 8 for load), angles of the rotary axes (42), holes per side (5)
+    /// Number of targets of an axis (default: 11 for laser, 8 for load, 5 for diagonal), angles of the rotary axes (42), holes per side (5)
     #[arg(long, value_name = "N")]
     pub(in crate::cli) points: Option<usize>,
-    /// Number of forward and backward runs (default: 5 for laser, 1 for load)
+    /// Number of forward and backward runs (default: 5 for laser and diagonal, else 1)
     #[arg(long, value_name = "N")]
     pub(in crate::cli) runs: Option<usize>,
     /// Dwell at a pose, s (default: 4 for laser and level, 3 for plate, 2 before a circle; probe stops with M0)
