@@ -14,7 +14,7 @@ use ncfix_base::units::{shown_position, um_from_mm};
 use ncfix_language::exec;
 use ncfix_machine::machine::State;
 use ncfix_machine::machine::condition::Condition;
-use ncfix_machine::saved::shifted_zeros;
+use ncfix_machine::saved::zero_shift::shifted_zeros;
 use ncfix_machine::snc::{Element, Kind};
 use ncfix_model::{Model, Solve};
 use ncfix_path::emit::stamped_state;
@@ -54,7 +54,7 @@ pub(crate) fn find(
     variables: Option<&str>,
     found: &mut Diagnostics,
 ) -> Result<Option<ZeroShift>, Error> {
-    if chosen.state.is_none() {
+    if !chosen.condition.has_temperatures() && chosen.condition.loads().is_empty() {
         return Err(Error::usage("--zero-shift needs the temperatures: give --state".into()));
     }
     if let Some(state) = stamped_state(program.bytes()) {
@@ -113,13 +113,18 @@ fn state_of(chosen: &Machine) -> &str {
 fn cut_volume(program: &Program, chosen: &Machine, found: &mut Diagnostics) -> Result<Option<CutVolume>, Error> {
     let Some(opened) = program.open(Some(chosen), found)?.filter(|_| !found.has_errors()) else { return Ok(None) };
     let mut running = program.start_as(opened, &chosen.machine, exec::Options::default());
-    let mut count = 0;
+    let (mut count, mut is_assumed) = (0, false);
     while let Some(element) = running.next() {
         count += 1;
         match element {
             Ok(_) if count > MOST_ELEMENTS => return Err(Error::usage("the program has no end".into())),
             Ok(element) => {
-                if let Some(why) = obstacle(&element) {
+                if let Kind::Setup(setup) = &element.kind {
+                    is_assumed = setup.assumed;
+                }
+                let is_unknown = is_assumed && matches!(&element.kind, Kind::Move(one) if !one.rapid);
+                let unknown = is_unknown.then_some("the zero offset or the tool has no value where the program cuts");
+                if let Some(why) = unknown.or(obstacle(&element)) {
                     return Err(Error::usage(format!("{why}; correct the program for this --state instead")));
                 }
             }

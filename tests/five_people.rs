@@ -56,10 +56,10 @@ fn near(found: &[(String, f64)], name: &str, expected: f64, by: f64) {
 
 /// A square of 200 mm in the language of Sinumerik, Fanuc and RS274.
 fn square(dialect: &str) -> String {
-    let path = "G0 X0 Y0\nZ5\nG1 Z-1 F300\nX200 F1000\nY200\nX0\nY0\nG0 Z50\n";
+    let path = "G0 X0. Y0.\nZ5.\nG1 Z-1. F300\nX200. F1000\nY200.\nX0.\nY0.\nG0 Z50.\n";
     match dialect {
-        "sinumerik" => format!("T1 D1\nG54 G90 G17 G71 G94\n{path}M30\n"),
-        "fanuc" => format!("%\nO1\nG21 G90 G17 G94 G54\nT1 M6\nG43 H1 Z50\n{path}M30\n%\n"),
+        "sinumerik" => format!("T1 M6\nD1\nG54 G90 G17 G71 G94\n{path}M30\n"),
+        "fanuc" => format!("%\nO1\nG21 G90 G17 G94 G54\nT1 M6\nG43 H1 Z50.\n{path}M30\n%\n"),
         _ => format!("G21 G90 G17 G94 G54\nT1 M6\nG43 H1\n{path}M2\n"),
     }
 }
@@ -115,7 +115,7 @@ fn a_metrologist_with_a_laser() {
     let mut person = Person::with(&[
         ("laser.csv", laser),
         ("part.nc", square("fanuc")),
-        ("OFFSETS.NC", "%\nG10 L2 P1 X100. Y80. Z-300.\nG10 L10 P1 R100.\nM30\n%\n".into()),
+        ("OFFSETS.NC", "%\nG21\nG10 L2 P1 X100. Y80. Z-300.\nG10 L10 P1 R100.\nM30\n%\n".into()),
     ]);
     person.runs(
         "machine new mill.toml --like vmc --control fanuc --travel X=0..600 --travel Y=0..400 --travel Z=-500..0",
@@ -167,11 +167,13 @@ fn a_researcher_with_a_probe() {
         let (sin, cos) = (-c).to_radians().sin_cos();
         let center = [300.020 + 100.0 * cos, 199.985 + 100.0 * sin, 150.0];
         for direction in [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]] {
-            let touch: Vec<f64> = (0..3).map(|i| center[i] + 12.5 * direction[i]).collect();
+            // A probe scatters by some tenths of a micrometer.
+            let scatter = |i: usize| 0.0003 * (f64::from(37 * k + 11) * (i as f64 + 1.0)).sin();
+            let touch: Vec<f64> = (0..3).map(|i| center[i] + 12.5 * direction[i] + scatter(i)).collect();
             let _ = writeln!(balls, "b1;{:.4};{:.4};{:.4};{c}", touch[0], touch[1], touch[2]);
         }
     }
-    let program = "T1 D1\nG54 G90 G17 G71 G94\nG0 C0\nG0 X0 Y0 Z50\nG1 Z0 F300\nX50 F1000\nC90\nX0\nG0 Z50\nM30\n";
+    let program = "T1 M6\nD1\nG54 G90 G17 G71 G94\nG0 C0\nG0 X0 Y0 Z50\nG1 Z0 F300\nX50 F1000\nC90\nX0\nG0 Z50\nM30\n";
     let mut files = vec![("balls.csv", balls), ("part.mpf", program.to_owned())];
     files.extend(sinumerik_data([300.0, 200.0, 150.0], 100.0));
     let mut person = Person::with(&files);
@@ -182,8 +184,8 @@ fn a_researcher_with_a_probe() {
     person.runs("import balls.csv --machine table.toml --unit mm --tool 0 --at A0 --as ball-touches -o place");
     let found = person.calibrates("calibrate place.csv --machine table.toml --model EX0C,EY0C -o fitted.toml");
     assert_eq!(found.len(), 2);
-    near(&found, "EX0C", 20.0, 0.3);
-    near(&found, "EY0C", -15.0, 0.3);
+    near(&found, "EX0C", 20.0, 0.5);
+    near(&found, "EY0C", -15.0, 0.5);
     let [before, after] = person.corrects(
         "fix part.mpf -o out.mpf --machine fitted.toml --setup UFR.INI --setup TOA.INI --zero G54=absolute",
         "page.html",
@@ -221,5 +223,5 @@ fn a_dnc_operator_with_linuxcnc() {
         "page.html",
     );
     assert!(before > 60.0 && after < 1.5, "{before} {after}");
-    person.runs("check out.ngc --machine fitted.toml --setup mill.var --setup tool.tbl");
+    person.runs("verify part.ngc out.ngc --machine fitted.toml --setup mill.var --setup tool.tbl --zero G54=absolute");
 }

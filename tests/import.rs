@@ -527,7 +527,7 @@ fn all_questions_come_in_one_round() {
     let run = shop.run(["import", "laser.csv", "-o", "out"]).exits(4);
     assert_eq!(asked(&run), [&all[..], &["machine"]].concat(), "{}", run.stderr);
     // A table with headings that say nothing.
-    let shop = shop.file("mute.csv", text.replace("Target;1+;1-;2+;2-;3+;3-", "a;b;c;d;e;f;g"));
+    let shop = shop.file("mute.csv", text.replace("Target;1+;1-;2+;2-;3+;3-", "pp;qq;rr;ss;tt;kk;ll"));
     let run = import(&shop, "mute.csv", "tool.toml", &["--as", "targets"]).exits(4);
     assert_eq!(asked(&run), columns, "{}", run.stderr);
 }

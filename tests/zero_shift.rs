@@ -19,8 +19,8 @@ fn machine(controller: &str, more: &str) -> String {
     )
 }
 
-const MPF: &str = "T1 D1\nG54 G90 G0 X0 Y0 Z50\nG1 Z0 F500\nG1 X60 Y10\nG3 X80 Y30 CR=20\nG0 Z50\nM30\n";
-const FANUC: &str = "%\nO1\nT1 M6\nG90 G55 G0 X0 Y0\nG43 H1 Z50\nG1 Z0 F500\nG1 X60 Y10\nG0 Z50\nM30\n%\n";
+const MPF: &str = "T1 M6\nD1\nG54 G90 G0 X0 Y0 Z50\nG1 Z0 F500\nG1 X60 Y10\nG3 X80 Y30 CR=20\nG0 Z50\nM30\n";
+const FANUC: &str = "%\nO1\nT1 M6\nG90 G55 G0 X0. Y0.\nG43 H1 Z50.\nG1 Z0. F500\nG1 X60. Y10.\nG0 Z50.\nM30\n%\n";
 
 fn shop(controller: &str, program: &str, more: &str) -> Shop {
     Shop::new()

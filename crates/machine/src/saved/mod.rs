@@ -9,14 +9,12 @@ mod heidenhain;
 mod lines;
 mod linuxcnc_tools;
 mod linuxcnc_variables;
-mod zero_shift;
+pub mod zero_shift;
 
 use crate::machine::{Machine, Setting, Tool};
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::FrameParts;
 use ncfix_base::source::Source;
-
-pub use zero_shift::shifted_zeros;
 
 use lines::{SavedLine, SavedUnit, lines};
 

@@ -62,8 +62,8 @@ pub fn shifted_zeros(
             };
             return changed(variables, &values, unit_mm);
         }
-        ("fanuc" | "rs274", _) => {
-            let is_fanuc = machine.controller == "fanuc";
+        (control @ ("fanuc" | "rs274"), _) => {
+            let is_fanuc = matches!(control, "fanuc");
             if is_fanuc {
                 text.push_str("%\n");
             }
@@ -96,11 +96,14 @@ fn sinumerik(name: &str) -> Option<u32> {
     }
 }
 
+/// The external offset of a Fanuc, which shifts all others, and its words in G10.
+const EXTERNAL: [(&str, &str); 1] = [("EXT", "L2 P0")];
+
 /// The words that name an offset in G10.
 fn system(name: &str, is_fanuc: bool) -> Option<String> {
     if is_fanuc {
-        if name == "EXT" {
-            return Some("L2 P0".into());
+        if let Some((_, words)) = EXTERNAL.iter().find(|(known, _)| *known == name) {
+            return Some((*words).to_owned());
         }
         if let Some(number) = name.strip_prefix("G54.1 P").or(name.strip_prefix("G154 P")) {
             return Some(format!("L20 P{}", number.parse::<u32>().ok()?));
