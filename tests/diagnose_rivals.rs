@@ -32,7 +32,8 @@ fn is_open(table: &str, description: &str, rivals: &[&str]) {
     for one in &all {
         assert!(number(one, "probability") <= SHARED, "{one:#}");
         assert!(one["certain"] == false && one["correctable"] == "no" && one["extends"] == false, "{one:#}");
-        let named: Vec<&str> = one["rivals"].as_array().unwrap().iter().map(|one| one["cause"].as_str().unwrap()).collect();
+        let named: Vec<&str> =
+            one["rivals"].as_array().unwrap().iter().map(|one| one["cause"].as_str().unwrap()).collect();
         let own = name(one);
         let told = |rival: &&&str| own == ***rival || named.contains(**rival);
         assert_eq!(rivals.iter().filter(told).count(), rivals.len(), "{one:#}");

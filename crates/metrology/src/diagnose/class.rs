@@ -10,12 +10,7 @@ const ROUNDED: f64 = 1e6;
 
 /// Returns the candidates that explain nearly as much in place of one, itself first. `gains` are those of all candidates beside the other findings, `noise`
 /// is the variance of the readings.
-pub(super) fn class(
-    field: &Field<'_, '_>,
-    gains: &[Gain],
-    number: usize,
-    noise: f64,
-) -> Vec<usize> {
+pub(super) fn class(field: &Field<'_, '_>, gains: &[Gain], number: usize, noise: f64) -> Vec<usize> {
     let own = gains.get(number).map_or(0.0, |gain| gain.squares);
     let mut rivals: Vec<(f64, usize)> = gains
         .iter()

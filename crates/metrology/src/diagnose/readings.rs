@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::fold::counts;
 use super::far::drop_far;
+use super::fold::counts;
 use super::scene::{NO_ROW, Scene};
 use super::search::{Field, Weights};
 

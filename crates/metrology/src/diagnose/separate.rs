@@ -236,7 +236,10 @@ fn by_nature(pair: [EffectKind; 2]) -> Option<(&'static str, SeparatingPlan)> {
             SeparatingPlan::Line,
         ))
     } else if is(Nature::Sense, Nature::Speed) {
-        Some(("the same path at another feed: a lag changes with the feed, a reversal error does not", SeparatingPlan::SlowCircles))
+        Some((
+            "the same path at another feed: a lag changes with the feed, a reversal error does not",
+            SeparatingPlan::SlowCircles,
+        ))
     } else {
         None
     }

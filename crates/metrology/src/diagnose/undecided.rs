@@ -6,13 +6,13 @@
 //! the probability by their likelihood alone. The corrections of different natures differ: one that is not certain must not be written.
 
 use super::cause::{Candidate, EffectKind};
+use super::contest::{ExplanationSummary, MOST_SHOWN};
 use super::doubt::ExtrapolationRisk;
 use super::entrant::group;
 use super::nature::Nature;
 use super::search::Field;
 use super::separate::separating;
 use ncfix_base::numeric::{Gain, Series};
-use super::contest::{ExplanationSummary, MOST_SHOWN};
 
 /// A cause with at least this probability is certain.
 pub(super) const CERTAIN: f64 = 0.95;

@@ -14,8 +14,8 @@ use crate::diagnose::cause::Correctable;
 use crate::diagnose::extend::extension;
 use crate::diagnose::fault::{Checks, DefectKind};
 use crate::diagnose::{
-    self, Causes, Compared, DiagnosedCauses, ExplanationSummary, FAR_OUT, Gate, NoiseSource, RivalCause, Scene, fault, freedom_of,
-    reads_angles, shape, stated,
+    self, Causes, Compared, DiagnosedCauses, ExplanationSummary, FAR_OUT, Gate, NoiseSource, RivalCause, Scene, fault,
+    freedom_of, reads_angles, shape, stated,
 };
 use crate::measure::data::DataSet;
 use ncfix_base::diagnostic::{Code, Diagnostic};

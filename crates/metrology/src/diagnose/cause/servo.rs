@@ -102,8 +102,7 @@ fn mismatch_at_usual_feed(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         let by = -factor * sense;
         (through, Weight::new(move |row| by * row.assumed_velocity.map_or(0.0, |velocity| velocity[axis])))
     };
-    let moves =
-        |row: &SceneRow, axis: Axis| row.assumed_velocity.is_some_and(|velocity| velocity[axis].abs() > 1e-3);
+    let moves = |row: &SceneRow, axis: Axis| row.assumed_velocity.is_some_and(|velocity| velocity[axis].abs() > 1e-3);
     let pairs = axes.iter().flat_map(|&one| axes.iter().map(move |&other| (one, other)));
     for (one, other) in pairs.filter(|(one, other)| other.dimension() == (one.dimension() + 1) % 3) {
         if scene.rows.iter().any(|row| moves(row, one) && moves(row, other)) {

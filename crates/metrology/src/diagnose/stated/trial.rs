@@ -6,6 +6,7 @@
 //! who states the hypothesis.
 
 use super::super::cause::{Candidate, Causes, Correctable};
+use super::super::class::class;
 use super::super::entrant::group;
 use super::super::explain::contest::evidences;
 use super::super::extend::{self, Change};
@@ -16,7 +17,6 @@ use super::super::row::SceneRow;
 use super::super::scene::Scene;
 use super::super::search::Taken;
 use super::super::shape::{Driver, driver};
-use super::super::class::class;
 use super::super::verdict::{DiagnosedCauses, Settled, diagnose_then};
 use super::form::{StatedHypothesis, TermAmount};
 use super::subject::{StatedSubject, amounts, subject};
