@@ -78,6 +78,7 @@ mod diagnose_mixes;
 mod diagnose_plays;
 mod diagnose_rates;
 mod diagnose_report;
+mod diagnose_rivals;
 mod diagnose_safe;
 mod diagnose_targets;
 mod diagnose_thermal;
