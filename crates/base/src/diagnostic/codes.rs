@@ -333,7 +333,7 @@ machine are smaller: check the units in the machine file before raising the limi
     UNKNOWN_START = "E0304" "motion from an unknown position"
 "An incremental move or an arc starts from a position that the program has not stated: at its beginning, or after a tool change. The
 corrected program is absolute, so it would move to another position than the original. Or the plane is tilted, and the positions of
-the axes are not known. Begin with an absolute position of all axes, or give --start X0,Y0,Z0 for the beginning.";
+the axes are not known. Program an absolute position of all axes; --start X0,Y0,Z0 helps only before the first block.";
     UNITS_DOUBT = "E0305" "ambiguous units"
 "Positions were programmed before the unit was stated, and the program switches between inch (G70, G700) and metric (G71, G710) later.
 Whether the first positions are mm or inch depends on what was active on the control before. State the unit in the first block.";
