@@ -159,7 +159,8 @@ center is not determined; use I, J, K.";
     BAD_ARC = "E0205" "invalid arc"
 "The center coincides with the start, center words lie outside the working plane, or center and CR were given together.";
     UNDEFINED_VARIABLE = "E0206" "variable not defined"
-"The name is not a variable defined with DEF in this program, an R parameter or a known function.";
+"The name is not a variable defined with DEF in this program, an R parameter or a known function. In data that the control saved, every
+value is a number, a text or a known name.";
     BAD_INDEX = "E0207" "index outside the array or parameter range"
 "R parameters run from R0 to R9999; an array index from 0 to its length minus 1.";
     TYPE_MISMATCH = "E0208" "value of the wrong type"
@@ -506,8 +507,8 @@ grammar.";
     DRIFT_NOT_TOLD = "E0613" "drift that cannot be separated from backlash"
 "A drift that is a straight line in time within a back-and-forth cycle makes the backward and forward readings differ more, the
 farther a position is from the turning point; backlash or lateral play makes them differ equally everywhere. A drift is removed only
-where there is no backlash: the model has none for the component (EXXb, or for a reading of a length EBXb too, which acts with its
-Abbe arm), and the readings show none by Student's t-test at the 0.1 % level. Each cycle must run in both directions. Remove
+where there is no backlash: the model has none for the component (EXXb; for length readings also EBXb, through its Abbe
+offset), and the readings show none by Student's t-test at the 0.1 % level. Each cycle must run in both directions. Remove
 \"drift\" from free and let the machine warm up first, measure faster, or remove the backlash from the model if there is none.";
 
     IMPORT_QUESTION = "E0616" "import needs an answer"
@@ -520,7 +521,8 @@ If the file may have two formats, --as names one.";
     IMPORT_FORMAT = "E0617" "file of no format that import reads"
 "The content of the file matches no format of `ncfix import --list`, or the file is not text. Project files of instruments are usually
 binary or databases: export the readings as text or CSV from the software of the instrument. A table with unusual headings can be read
-with --as targets and --columns.";
+with --as targets and --columns. If commas separate the cells, numbers need a decimal point: a comma in each of them has this code, or
+E0601 if the rows then differ in their cells.";
     IMPORT_CONTRADICTION = "E0618" "file contradicts what it seems to be"
 "The content of the file does not agree with the options of `ncfix import`, or with itself. Examples are a position outside of the travel
 of the machine, a deviation that is not actual minus nominal, an axis that the machine lacks, a unit that the heading contradicts. Correct
@@ -654,7 +656,8 @@ in skip blocks, or the file is truncated.";
 above it, so the embedded demo machine was used. The output is only a demonstration, not for a real machine.";
     TOLERANCE_NOT_REACHED = "W0305" "tolerance not reached"
 "Somewhere the pieces became as short as 0.01 mm, or as the increment, and still deviate by more than --tolerance. The tolerance is
-finer than the increment, or the error model has a step there, or the increment keeps an axis within its backlash.";
+finer than the increment, or the error model has a step there, or the increment keeps an axis within its backlash. Tapping stays one
+cycle even if the tip leaves the tolerance, because pieces would lose the synchronism of spindle and axis.";
     OTHER_STAMP = "W0306" "corrected for another machine or model"
 "The stamp of the corrected program names another model than the one it is compared on. Each correction is valid for one machine in
 one state: the numbers state what this program would do on the given machine.";
