@@ -512,7 +512,7 @@ offset), and the readings show none by Student's t-test at the 0.1 % level. Each
 \"drift\" from free and let the machine warm up first, measure faster, or remove the backlash from the model if there is none.";
 
     IMPORT_QUESTION = "E0616" "import needs an answer"
-"No file of an instrument contains all that a calibration needs. `ncfix import` asks for the rest on a terminal. Elsewhere it names the
+"No file of an instrument contains all that a calibration needs. `ncfix import` asks for the rest on a terminal. In a script it names the
 option that answers the question, and writes nothing. Nothing is guessed: a wrong sign doubles an error instead of removing it.
 
   ncfix import laser.csv --axis X --at Y200,Z100 --sign + --unit um --tool 120 --material 20C -o laser
@@ -741,7 +741,7 @@ them. All sensors are assumed to be at their reference temperature: no drift, no
 "The error model has effects of the weight on the table, and neither --load nor --state states the load. The table is assumed to be
 empty. Or, conversely, a weight is given, and the machine file does not describe its effects.";
     LOAD_TURNS = "W0503" "load off the center of a table that turns"
-"The effect of a weight depends on its position in the machine. A rotary axis under the table moves a load that is not on its axis;
+"The effect of a weight depends on its position in the machine. A rotary axis on the workpiece side moves a load that is not on its axis;
 the effect is computed for the position that was given, whatever the position of the axis. That is correct for a table that does not
 move while one side of the workpiece is machined: give the position of the load for this pose, along the axes of the machine.";
     LOAD_ASSUMED = "W0601" "load only partly determined"
