@@ -494,10 +494,11 @@ machine really has such errors, give a larger --max.";
 motion error, EXXb its backlash, EXX2@150 a truncated power that begins at 150 mm; load.EAX, drift.Y or expansion.X.scale are those
 of effects, which the machine file must have. The axis must exist, too, and each parameter may occur only once.";
     DATA_FAULT = "E0614" "readings inconsistent with the measurement"
-"Before ncfix diagnose searches for causes it checks the data for faults. Here all readings of a measurement are wrong by a factor of
-units (1000, 25.4), agree with the model only if two axes are exchanged or one is reversed, fit only a machine with another order of
-the axes than the file has, or lack exactly those errors that the machine file has, because a table of the control was active while
-measuring. Causes found in such readings would be meaningless; the message gives the evidence and what to change.";
+"Before ncfix diagnose searches for causes it checks the data for faults. Here all readings of a measurement have one of these faults:
+they are wrong by a factor of units (1000, 25.4); they agree with the model only if two axes are exchanged or one is reversed; they fit
+only a machine with another order of the axes; or they lack exactly the errors of the machine file, because a compensation table of
+the control was active during the measurement. Causes found in such readings would be meaningless. The message gives the evidence, and
+what to change.";
     BAD_HYPOTHESIS = "E0615" "hypothesis that cannot be read"
 "ncfix diagnose --hypothesis tests a term: a deviation and what it depends on, such as EXX ~ Y^2 or EYY ~ T_head_C lag 600s, or a cause
 by the name that findings have, such as backlash EXX. Here the text is not complete, or it names an axis that the machine lacks, or a
@@ -771,11 +772,12 @@ writes them as its search found them.";
 scatter of a parameter differs from its standard uncertainty by more than 25 %, beyond the statistical spread of the repetitions, or
 repetitions could not be fitted. Reasons are few readings, weights that follow the noise, or unknowns with large changes.";
     FAULTY_DATA = "W0607" "fault of the data"
-"The data have a fault between machine and file: a temperature sensor that is dead, stuck, exchanged with another one, moved or in
-degrees Fahrenheit; a pulse of a few minutes, a first cycle before the machine had settled, a step in all later readings, single
-outliers, or the resolution of a display. The message gives the rows and the evidence, and the help the consequence: faulty data are
-excluded from the search for causes, or get their own zero or noise. The file is not changed. Where the log of temperatures ends or
-pauses, only these rows are excluded. In held-out data all other rows are kept, so that the test data are not selected.";
+"The data have a fault that the machine did not cause. A temperature sensor is dead, stuck, exchanged with another one, moved, or in
+degrees Fahrenheit. Or the readings have a pulse of a few minutes, a first cycle before the machine had settled, a step from one row
+on, single outliers, or the coarse resolution of a display. The message gives the rows and the evidence. The help gives the
+consequence: ncfix excludes faulty rows from the search for causes, or gives them their own zero or noise. The file does not change.
+If the temperature log ends or pauses, ncfix excludes only the rows without temperatures. In held-out data it keeps all other rows, so
+that the test data are not selected.";
     STARVING = "W0701" "the link is too slow in places"
 "In some places the control waits briefly for lines (see E0702), but not long enough to forbid the transfer.";
     SERIAL_SETTINGS = "W0702" "port with different settings or a name that may change"
