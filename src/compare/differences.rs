@@ -109,7 +109,8 @@ pub(crate) fn assigned(corrected: &Source) -> Vec<Diagnostic> {
     let mut at = 0;
     let mut out = Vec::new();
     for (number, line) in corrected.bytes().split(|&byte| byte == corrected.line_end()).enumerate() {
-        if let Some(name) = assigned_in(line).filter(|_| out.len() < MOST) {
+        // An alarm is no value: it ends the program.
+        if let Some(name) = assigned_in(line).filter(|name| name != "#3000" && out.len() < MOST) {
             let place = Place { file: corrected.id(), span: Span::new(at, at + line.len()) };
             let message = format!(
                 "variable: {name} (line {} of {}) is new: it is assigned a value",

@@ -47,3 +47,14 @@ pub enum CycleArgument {
     /// Written unchanged; empty for an omitted argument.
     Text(String),
 }
+
+impl CycleArgument {
+    /// Returns an M function, which is in the block before the call: `M29 S500`.
+    #[must_use]
+    pub fn function(&self) -> Option<&str> {
+        match self {
+            CycleArgument::Text(text) if text.starts_with('M') => Some(text),
+            _ => None,
+        }
+    }
+}

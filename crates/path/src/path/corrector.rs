@@ -433,7 +433,8 @@ where
                             self.take_hole(&Arc::clone(cycle), mark, Some(element));
                         }
                     }
-                    Kind::Move(_) => {
+                    // The next cycle returns to where it begins.
+                    Kind::Move(_) | Kind::Keep("G80") => {
                         self.initial = None;
                         self.take_in(element);
                     }

@@ -179,7 +179,7 @@ pub(super) fn cycle_at(
     let writes_cycle = kept.is_some() && channel.settings.writes_cycles();
     if is_kept {
         tapping::check(channel, gathered, code, span)?;
-    } else if !writes_cycle
+    } else if kept.is_none()
         && is_tapping(code)
         && modes::code_of_motion(channel.language, &channel.cycles, gathered) == Some(code)
     {

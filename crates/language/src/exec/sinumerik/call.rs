@@ -82,6 +82,10 @@ impl Interpreter<'_> {
             if let Some(name) = name {
                 let entry = self.entry(&name, arguments, repeats, span)?;
                 self.channel.system.modal_call = true;
+                // The output has the call again, with the number of this block.
+                if self.channel.settings.writes_cycles() && self.makes_holes(&entry) {
+                    self.channel.push(Kind::Empty);
+                }
                 self.own.modal_call = Some(Entry { is_modal: true, ..entry });
             }
             return Ok(());

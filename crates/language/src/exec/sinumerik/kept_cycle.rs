@@ -28,6 +28,12 @@ const DRILLING: [(&str, Option<usize>); 10] = [
 ];
 
 impl Interpreter<'_> {
+    /// `true` if a call is that of a drilling cycle.
+    pub(super) fn makes_holes(&self, entry: &Entry) -> bool {
+        let built_in = self.programs.get(entry.program).and_then(|loaded| loaded.own.built_in);
+        built_in.and_then(drilling).is_some()
+    }
+
     /// Marks the beginning of a hole if the program is a drilling cycle.
     pub(super) fn mark_hole(&mut self, entry: &Entry) {
         let built_in = self.programs.get(entry.program).and_then(|loaded| loaded.own.built_in);

@@ -20,9 +20,15 @@ impl Sinumerik {
             return;
         }
         if self.modal_call != call {
-            self.line.words_before(&[MODAL.as_bytes(), b" ", &call].concat(), out);
+            let mut text = std::mem::take(&mut self.bare_block);
+            if !text.is_empty() {
+                text.push(b' ');
+            }
+            text.extend_from_slice(&[MODAL.as_bytes(), b" ", &call].concat());
+            self.line.words_before(&text, out);
             self.modal_call = call;
         }
+        self.end_bare_block(out);
         self.line.begin_motion();
         if self.motion != "G0" {
             self.word(b"G0");
@@ -39,6 +45,22 @@ impl Sinumerik {
             self.feed_word(block.feed);
         }
         self.line.release();
+    }
+
+    /// Holds back the line under construction if it is only a number: the next modal call may belong to it.
+    pub(super) fn set_bare_block_aside(&mut self, out: &mut Vec<u8>) {
+        if self.line.is_open() && !self.line.has_words() && !self.line.has_comment() && !self.line.text.is_empty() {
+            self.end_bare_block(out);
+            std::mem::swap(&mut self.bare_block, &mut self.line.text);
+        }
+    }
+
+    /// Writes the number that was held back as its own line.
+    pub(super) fn end_bare_block(&mut self, out: &mut Vec<u8>) {
+        if !self.bare_block.is_empty() {
+            self.line.header(&self.bare_block, out);
+            self.bare_block.clear();
+        }
     }
 
     /// `true` if the feed of a hole must be written.

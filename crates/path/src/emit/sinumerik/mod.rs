@@ -55,6 +55,7 @@ fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {
         suppressing: None,
         motion: "",
         modal_call: Vec::new(),
+        bare_block: Vec::new(),
         increment_mm: options.increments.linear_mm,
         feed: 0.0,
     }))
@@ -82,6 +83,8 @@ struct Sinumerik {
     motion: &'static str,
     /// The modal call in force; empty without one.
     modal_call: Vec<u8>,
+    /// Number of a block without words that may be the one of the next modal call.
+    bare_block: Vec<u8>,
     /// Increment of heights, mm.
     increment_mm: f64,
     feed: f64,
@@ -89,6 +92,14 @@ struct Sinumerik {
 
 impl Writer for Sinumerik {
     fn write(&mut self, output: &Output, out: &mut Vec<u8>) -> Result<(), Diagnostic> {
+        let leads_to_hole = match output {
+            Output::Piece(_) => false,
+            Output::Cycle(_) => true,
+            Output::Element(element) => matches!(element.kind, Kind::Setup(_) | Kind::Keep(_) | Kind::Empty),
+        };
+        if !leads_to_hole {
+            self.end_bare_block(out);
+        }
         match output {
             // Nothing moves: the line above ends the move, and stops if the program stops.
             Output::Piece(piece) if piece.stands_still() && !self.needs_feed(piece) => {}
@@ -123,6 +134,7 @@ impl Writer for Sinumerik {
     }
 
     fn finish(&mut self, out: &mut Vec<u8>) {
+        self.end_bare_block(out);
         self.end_block(out);
         self.stamp(out);
     }
@@ -144,6 +156,7 @@ impl Sinumerik {
     /// Ends the previous line and begins another.
     fn begin(&mut self, is_block: bool, (origin, number): (&Origin, Option<BlockNumber>), out: &mut Vec<u8>) {
         if is_block {
+            self.set_bare_block_aside(out);
             self.end_block(out);
             self.suppressing = None;
             self.stops.begin_block();

@@ -19,14 +19,6 @@ pub(super) struct WrittenCycle {
     peck: Option<i64>,
 }
 
-/// An M function among the words of a cycle.
-fn function(argument: &CycleArgument) -> Option<&str> {
-    match argument {
-        CycleArgument::Text(text) if text.starts_with('M') => Some(text),
-        _ => None,
-    }
-}
-
 impl Words {
     /// Writes a hole. Words in force are left out.
     pub(super) fn cycle(&mut self, block: &CycleBlock, out: &mut Vec<u8>) {
@@ -38,7 +30,7 @@ impl Words {
         let (reference, bottom, peck) = (*reference, *bottom, *peck);
         let before = self.cycle.take().filter(|before| *before.cycle == **cycle);
         // An M function of the cycle (M29) is in the block before it.
-        for text in cycle.arguments.iter().filter_map(function).filter(|_| before.is_none()) {
+        for text in cycle.arguments.iter().filter_map(CycleArgument::function).filter(|_| before.is_none()) {
             self.line.words_before(text.as_bytes(), out);
         }
         self.line.begin_motion();
@@ -65,7 +57,7 @@ impl Words {
         if before.is_none() {
             for argument in &cycle.arguments {
                 if let CycleArgument::Text(text) = argument
-                    && function(argument).is_none()
+                    && argument.function().is_none()
                 {
                     self.line.word(text.as_bytes());
                 }

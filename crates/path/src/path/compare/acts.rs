@@ -7,7 +7,7 @@ use super::difference::ActSubject;
 use super::same_text::is_same_text;
 use ncfix_dialect::{BlockEnd, BlockEnds};
 use ncfix_machine::machine::Machine;
-use ncfix_machine::snc::{Dwell, Element, FrameWords, Kind, Origin, Word, WordValue};
+use ncfix_machine::snc::{CycleArgument, Dwell, Element, FrameWords, Kind, Origin, Word, WordValue};
 
 /// Relative and absolute tolerance of equal numbers.
 const SAME_NUMBER: [f64; 2] = [1e-6, 1e-9];
@@ -115,6 +115,11 @@ impl Acts {
             Kind::Message(text) => {
                 let text = format!("MSG(\"{}\")", String::from_utf8_lossy(text));
                 self.0.push(Act::new(origin, ActSubject::Message, text));
+            }
+            Kind::Cycle(Some(cycle)) => {
+                // M29 S500 announces rigid tapping; the moves of the cycle do not show it.
+                let words = cycle.arguments.iter().filter_map(CycleArgument::function);
+                self.0.extend(words.map(|word| Act::new(origin, ActSubject::Statement, word.to_owned())));
             }
             Kind::Frame(FrameWords::Settable(name)) => {
                 self.0.push(Act::new(origin, ActSubject::WorkOffset, name.clone()));

@@ -15,7 +15,7 @@ use super::step::ComparedMove;
 use crate::path::Increments;
 
 /// Largest distance of a rapid move of a drilling cycle from its corrected place, mm: the correction changes by less along a hole and above it.
-pub(super) const BESIDE_HOLE_MM: f64 = 0.02;
+const BESIDE_HOLE_MM: f64 = 0.02;
 
 /// Allowance for the path between samples, as a share.
 const BETWEEN_SAMPLES: f64 = 0.05;

@@ -10,7 +10,6 @@ use super::super::sampling::LedPath;
 use super::super::way::counts_turns;
 use super::super::{Feeds, lost_axes};
 use super::acts::{Act, Acts, Passing};
-use super::judge::BESIDE_HOLE_MM;
 use super::{CONTINUES, CONTINUES_ON_THE_SPOT, ON_THE_SPOT};
 use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector, Plane, Vector};
 use ncfix_machine::machine::{Kinematics, Machine, TipPath};
@@ -19,6 +18,8 @@ use ncfix_machine::snc::{
 };
 use ncfix_model::DeadBand;
 
+/// More than a plausible correction of a position, mm: the last rapid move before a hole may be as programmed.
+const MOST_CORRECTION_MM: f64 = 1.0;
 /// Share of a move at its end that determines its final direction.
 const NEAR_END: f64 = 1e-4;
 /// Weight of rotary axes in directions, mm per rad.
@@ -221,7 +222,7 @@ impl<I> Walk<'_, I> {
             && motion.arc.is_none()
             && motion.known == self.known
             && across_mm > 0.0
-            && across_mm <= BESIDE_HOLE_MM
+            && across_mm <= MOST_CORRECTION_MM
             && AXES.iter().all(|&axis| axis == abscissa || axis == ordinate || off_mm(axis) == 0.0)
     }
 }

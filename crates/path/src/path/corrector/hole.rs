@@ -99,7 +99,10 @@ where
             if matches!(element.kind, Kind::Keep("G61")) {
                 first = Some(element);
             } else {
-                self.take_in(element);
+                // A state without words has no line between the number of the block and its call.
+                let has_line = element.number.is_some() || !matches!(element.kind, Kind::Setup(_));
+                let starts_block = element.starts_block && has_line;
+                self.take_in(Element { starts_block, ..element });
             }
         }
         if let Some(block) = is_complete.then(|| self.kept_hole(cycle, &moves)).flatten() {
