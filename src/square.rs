@@ -60,11 +60,12 @@ pub(crate) fn find(
         // Writing into a String cannot fail.
         let _ = writeln!(page, "{name:<12}{text}");
     };
-    let side = if gamma_urad < 0.0 { "less" } else { "more" };
+    let side = if gamma_urad < 0.0 { "−" } else { "+" };
     row(
         "angle",
         format!(
-            "{first}+ to {second}+ is {side} than 90°: {gamma_urad:.1} ± {half_urad:.1} µrad (95 %), {:.3} mm/m",
+            "{first}+ to {second}+ is 90° {side} {:.1} µrad ± {half_urad:.1} µrad (95 %), {:.3} mm/m",
+            gamma_urad.abs(),
             gamma_urad / 1e3
         ),
     );

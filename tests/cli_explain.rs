@@ -28,7 +28,7 @@ fn an_unknown_code_is_wrong_usage() {
 #[test]
 fn help_names_examples_and_exit_statuses() {
     let run = Shop::new().run(["--help"]).exits(0);
-    for text in ["Examples:", "ncfix part.mpf -o", "Exit status:", "not understood", "verify"] {
+    for text in ["Examples:", "ncfix part.mpf -o", "Exit status:", "cannot execute", "verify"] {
         assert!(run.stdout.contains(text), "{text}: {}", run.stdout);
     }
     assert_eq!(Shop::new().run(["--version"]).exits(0).stdout, format!("ncfix {}\n", env!("CARGO_PKG_VERSION")));

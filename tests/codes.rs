@@ -15,11 +15,17 @@ fn page() -> String {
     let mut text = String::from(
         "# G and M codes\n\nThis page lists the codes of each language, and the words of a Sinumerik that are not codes. It is generated from the tables in \
          [`grammars`](../../grammars/) that the program itself reads. Diagnostic codes are not on this page: `ncfix explain E0203` explains one.\n\n\
-         The column *effect* states what ncfix does. It executes `execute` codes, so the output has only their positions. It passes on `keep` codes in \
-         their place,\nbecause they change no position. It omits `display` codes, which concern only the screen. It refuses `refuse` codes, because they change \
-         positions or feeds in a way\nthat ncfix does not execute. Other effects (`motion`, `frame` …) name the part that ncfix executes. `axes` are all \
-         axes. M codes that are not\nlisted belong to the machine builder; ncfix passes them on.\n",
+         The column *effect* states what ncfix does. It passes on `keep` codes in their place, because they change no position. It omits `display` codes, \
+         which concern only\nthe screen. It refuses `refuse` codes, because they change positions or feeds in a way that ncfix does not execute. Every other \
+         effect (`execute`, `motion`, `frame` …)\nis executed: the output has the resulting positions. `axes` are all axes. M codes that are not listed belong \
+         to the machine builder; ncfix passes them on.\n\n",
     );
+    for dialect in DIALECTS {
+        // The anchor of a heading: lower case, `-` for a blank, other signs left out.
+        let lower = dialect.title.to_lowercase();
+        let anchor: String = lower.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).collect();
+        writeln!(text, "- [{}](#{})", dialect.title, anchor.replace(' ', "-")).unwrap();
+    }
     for dialect in DIALECTS {
         writeln!(text, "\n## {}\n", dialect.title).unwrap();
         writeln!(text, "| code | group | effect | words used | meaning |\n| --- | --- | --- | --- | --- |").unwrap();

@@ -22,7 +22,7 @@ const MORE: &[(&str, &[&str])] = &[
         ],
     ),
     ("check", &["how-to/refused-program", "reference/languages", "reference/codes"]),
-    ("snc", &["reference/languages", "reference/output"]),
+    ("snc", &["reference/languages", "reference/output", "reference/snc"]),
     ("diff", &["how-to/review-and-release", "reference/review"]),
     ("verify", &["how-to/review-and-release", "reference/review"]),
     ("max-step", &["explanation/speed", "reference/output"]),

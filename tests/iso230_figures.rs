@@ -80,7 +80,7 @@ fn a_reading_of_unknown_direction_is_left_out_and_counted() {
     // Where no direction is known at a target, there are no figures, and the reason names it.
     let lone = "X,Y,Z,component,value_um\n7,0,0,EXX,1\n0,0,0,EXX,2\n100,0,0,EXX,3\n0,0,0,EXX,4\n100,0,0,EXX,5\n";
     let found = figures(lone.to_owned(), "[measurement]\nkind = \"direct\"\n");
-    assert!(found[0]["reason"].as_str().unwrap().contains("7 was approached is not known"), "{found:?}");
+    assert!(found[0]["reason"].as_str().unwrap().contains("X 7 mm was approached is not known"), "{found:?}");
 }
 
 /// A circle of 1° steps in XY about (200, 100, 50), from the exact distance of an error (x, y).

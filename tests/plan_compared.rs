@@ -452,7 +452,7 @@ fn page(compared: &Compared, tools: &[Told<'_>]) -> String {
          `NCFIX_WRITE_DOCS=1 cargo test plan_compared` writes this page.\n\n\
          The machine is `samples/machines/maho700s.toml` without weight and drift, with all 18 component errors. It also has errors that no cubic\n\
          function can represent:\n\n\
-         - pitch errors of 1.5 µm (X) and 1 µm (Z) with a period of 12 mm;\n\
+         - periodic screw-lead errors of 1.5 µm (X) and 1 µm (Z) with a period of 12 mm;\n\
          - bows of the fourth order of 4 µm in EYX and EXZ;\n\
          - the tilt of Y that depends on X.\n\n\
          The model is the same for all methods: cubic functions of the 18 components, with the squareness errors as slopes of Y and Z. It has\n\

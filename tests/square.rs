@@ -40,7 +40,7 @@ fn the_worked_example_is_half_a_millimeter_in_a_meter() {
     // sin γ = (848.316² − 848.740²)/(4 · 600²) = −(0.424 · 1697.056)/1440000 = −4.99689e-4.
     let shop = Shop::new().file("m.toml", machine("wFXYZSt"));
     let run = square(&shop, &["--d1", "848.740", "--d2", "848.316", "--side", "600", "--read-to", "0.5"]).exits(0);
-    assert!(run.stdout.contains("less than 90°: -499.7 ± "), "{}", run.stdout);
+    assert!(run.stdout.contains("X+ to Y+ is 90° − 499.7 µrad ± "), "{}", run.stdout);
     assert!(run.stdout.contains("EC0Y = -499.7 µrad on wFXYZSt"), "{}", run.stdout);
     // u(γ) = u·D/(√2·a·b), u = 0.5/√3 = 0.28868: 0.28868·848.528/(1.41421·360000) = 4.8113e-4; twice that is 962.3 µrad.
     assert!(run.stdout.contains("± 962.3 µrad (95 %)"), "{}", run.stdout);

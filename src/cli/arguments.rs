@@ -129,7 +129,7 @@ pub(super) enum Command {
     /// Correct a program for the errors of the machine (the default command)
     #[command(after_help = AFTER_HELP)]
     Fix(FixArguments),
-    /// Execute a program and report what is wrong with it
+    /// Execute and correct a program without writing it; report what is wrong
     #[command(after_help = examples::CHECK)]
     Check(CheckArguments),
     /// Print the moves of a program (SNC)
@@ -183,7 +183,7 @@ pub(super) enum Command {
     /// Simulate the readings of instruments
     #[command(after_help = simulate::arguments::AFTER_HELP)]
     Simulate(SimulateArguments),
-    /// Compute the figures of ISO 230 from measured data
+    /// Compute the parameters of ISO 230-2 and 230-4 from measured data
     #[command(name = "iso230", alias = "figures", after_help = figures::arguments::AFTER_HELP)]
     Figures(FiguresArguments),
     /// Make, check and read compensation tables
@@ -277,7 +277,7 @@ pub(super) struct FixArguments {
     /// Refuse the program if its positions, tools or condition are beyond the measured ranges of the machine file
     #[arg(long)]
     pub(super) require_coverage: bool,
-    /// Write the moves of drilling cycles, where otherwise a hole stays a cycle of the control with corrected position and depth
+    /// Write out drilling cycles as single moves. Default: holes stay cycles, with corrected position and depth
     #[arg(long)]
     pub(super) expand_cycles: bool,
     /// Begin the output with a check by the control: another zero offset or tool length than in this correction stops it

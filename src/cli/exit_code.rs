@@ -29,7 +29,10 @@ pub enum ExitCode {
 const OF_ALL: &[(ExitCode, &str)] = &[
     (ExitCode::Done, "success (possibly with warnings)"),
     (ExitCode::Usage, "usage error, or a file cannot be read or written"),
-    (ExitCode::NotUnderstood, "program or control data not understood; no result file was written"),
+    (
+        ExitCode::NotUnderstood,
+        "the program, or control data given with --setup, has a syntax error or a statement that ncfix cannot execute; no result file was written",
+    ),
     (ExitCode::Refused, "refused because of another error; no result file was written"),
 ];
 
@@ -41,7 +44,10 @@ const OF_TEXTS: &[(ExitCode, &str)] =
 const OF_VERIFY: &[(ExitCode, &str)] = &[
     (ExitCode::Done, "nothing against running the corrected program, or warnings that a person should read"),
     (ExitCode::Usage, "usage error, or a file cannot be read"),
-    (ExitCode::NotUnderstood, "program not understood"),
+    (
+        ExitCode::NotUnderstood,
+        "the program, or control data given with --setup, has a syntax error or a statement that ncfix cannot execute",
+    ),
     (ExitCode::Refused, "the corrected program should not run"),
 ];
 
@@ -50,7 +56,10 @@ const OF_DIFF: &[(ExitCode, &str)] = &[
     (ExitCode::Done, "no difference, or none above --fail-above"),
     (ExitCode::Different, "different, with or without a reason not to run the program"),
     (ExitCode::Usage, "usage error, or a file cannot be read"),
-    (ExitCode::NotUnderstood, "program not understood"),
+    (
+        ExitCode::NotUnderstood,
+        "the program, or control data given with --setup, has a syntax error or a statement that ncfix cannot execute",
+    ),
     (
         ExitCode::Refused,
         "with --fail-above: a change above it, or one that is not a correction; or the corrected program does not follow the original",

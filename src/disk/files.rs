@@ -46,11 +46,15 @@ pub(crate) fn read_written(path: &Path, id: FileId, role: &str) -> Result<Source
 }
 
 fn read_up_to(path: &Path, id: FileId, role: &str, most: usize) -> Result<Source, Error> {
-    // An option that named the file is named in turn, and a description, which no option names.
-    let is_option = role.contains("--") || role.contains("NCFIX_") || role == DESCRIPTION;
+    // An option that named the file is named in turn. No option names a description, so its role is the help.
+    let is_option = role.contains("--") || role.contains("NCFIX_");
     let fault = |error: io::Error| {
         let sentence = Error::file("read", path, &error).message().to_owned();
-        Error::usage(if is_option { format!("{sentence} ({role})") } else { sentence })
+        Error::usage(match role {
+            DESCRIPTION => format!("{sentence}\n  = help: this file is {role}"),
+            _ if is_option => format!("{sentence} ({role})"),
+            _ => sentence,
+        })
     };
     let (name, bytes) = if is_standard_stream(path) {
         before_stream();

@@ -181,9 +181,9 @@ impl CorrectionReport {
                 count => {
                     let way = self
                         .cycles_need_um
-                        .map(|needed_um| format!(" (--tolerance {needed_um:.0}um keeps cycles)"))
+                        .map(|needed_um| format!("; with --tolerance {needed_um:.0}um they would stay"))
                         .unwrap_or_default();
-                    format!(", {} as moves{way}", grouped(count))
+                    format!(", {} written as moves{way}", grouped(count))
                 }
             };
             row("cycles", &format!("{holes} kept{moves}"));
@@ -397,8 +397,9 @@ mod tests {
         interval     not known: the uncertainty of this machine file is not known
         correction   up to X 41.3 µm, C 3.00 µrad
         rapids       12 as programmed; there the tool is up to 35.2 µm off
-        cycles       38 holes kept, 2 as moves
-        blocks       1,234 in, 2,345 out, 2.5 times the lines of the source; part.mpf:7 runs 40 times
+        cycles       38 holes kept, 2 written as moves
+        executed     1,234 blocks; part.mpf:7 runs 40 times
+        output       2,345 blocks, 2.5 times the lines of the source
         computed     in 0.12 s
         machine      demo
         coverage     within the measured ranges

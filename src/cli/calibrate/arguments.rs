@@ -67,7 +67,7 @@ pub(in crate::cli) struct CalibrateArguments {
     /// Measurements held out of the fit, to test the result
     #[arg(long, alias = "holdout", value_name = "DATA.csv", num_args = 1..)]
     pub(in crate::cli) hold_out: Vec<PathBuf>,
-    /// Drop parameters that the data cannot separate from others, the least simple first, and list them (docs/reference/calibrate.md)
+    /// Drop parameters that the data cannot separate from others, the most complex first, and list them (docs/reference/calibrate.md)
     #[arg(long)]
     pub(in crate::cli) reduce: bool,
     /// Weight all readings equally, even those that do not fit the others

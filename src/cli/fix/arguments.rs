@@ -23,7 +23,7 @@ pub(in crate::cli) enum ArcChoice {
 /// Rapid moves in the output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum RapidChoice {
-    /// Correct the end point if a cut begins there; otherwise move only the programmed axes
+    /// Correct the end point if a cut begins there; otherwise correct only the axes named in the block
     #[default]
     Ends,
     /// Leave rapid moves unchanged
@@ -58,7 +58,7 @@ pub(in crate::cli) enum CompensationChoice {
     /// Tool center path: radius and wear at the control have no effect
     #[default]
     Center,
-    /// Tool center path with G41 and G42 for wear: the control must have the radius 0 plus wear
+    /// Tool center path with G41 and G42 for wear: set the radius to 0 at the control and enter only the wear
     Wear,
 }
 

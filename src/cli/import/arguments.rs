@@ -9,8 +9,8 @@ use ncfix_instruments::answers::{ImportAnswers, OPTIONS};
 
 /// End of `ncfix import --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
-On a terminal, ncfix asks for what the file does not state, shows what it understood, and writes after a confirmation. Elsewhere it asks nothing, and writes \
-only if nothing is open. Without -o it only shows what it understood.
+On a terminal, ncfix asks for what the file does not state, shows what it understood, and writes after a confirmation. In a script it asks nothing, and writes \
+only if no question remains. Without -o it only shows what it understood.
 
 Examples:
   ncfix import --list

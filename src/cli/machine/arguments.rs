@@ -29,7 +29,7 @@ pub(in crate::cli) struct StateChoice {
     /// Method by which a zero offset was set: G54=touched, probed or absolute, with the axis positions of the touch (mm, deg); repeatable
     #[arg(long, value_name = "G54=touched[@X..,Y..,Z..]")]
     pub(in crate::cli) zero: Vec<StatedZero>,
-    /// Weight on the table, N, and its position from the center of the table, mm: 1700 or 1700@0,0,-280; overrides --state
+    /// Weight on the table, in newtons, and its position from the center of the table, mm: 1700 or 1700@0,0,-280; overrides --state
     #[arg(long, value_name = "N[@X,Y,Z]", allow_hyphen_values = true)]
     pub(in crate::cli) load: Option<Load>,
 }

@@ -41,13 +41,13 @@ pub(in crate::cli) struct PlanArguments {
     #[command(flatten)]
     /// Machine file and set-up files.
     pub(in crate::cli) machine: MachineChoice,
-    /// Preset or file of parameters that the measurement must determine; those it cannot are reported
+    /// Preset, file of parameters or terms that the measurement must determine; those it cannot are reported
     #[arg(long, value_name = "PRESET|FILE")]
     pub(in crate::cli) model: Option<String>,
     /// Existing measurement or plan, used together with this one to determine the model; repeatable
     #[arg(long, value_name = "OTHER.csv", requires = "model")]
     pub(in crate::cli) with: Vec<PathBuf>,
-    /// Add the N poses that improve the model most
+    /// Add the N poses that improve the condition of the model most
     #[arg(long, value_name = "N", requires = "model")]
     pub(in crate::cli) improve: Option<usize>,
     /// Tool length along the spindle, mm, or X,Y,Z from gauge point to tip along the axes of F, mm; repeatable
@@ -110,7 +110,7 @@ pub(in crate::cli) struct PlanArguments {
     /// Dwell at a pose, s (default: 4 for laser and level, 3 for plate, 2 before a circle; probe stops with M0)
     #[arg(long, value_name = "S", value_parser = not_negative)]
     pub(in crate::cli) dwell: Option<f64>,
-    /// Weight on the table, N; repeatable
+    /// Weight on the table, in newtons; repeatable
     #[arg(long, value_name = "N", value_parser = above_zero)]
     pub(in crate::cli) force: Vec<f64>,
     /// Position of the weights, mm (default: 0,0,0); repeatable

@@ -159,7 +159,8 @@ center is not determined; use I, J, K.";
     BAD_ARC = "E0205" "invalid arc"
 "The center coincides with the start, center words lie outside the working plane, or center and CR were given together.";
     UNDEFINED_VARIABLE = "E0206" "variable not defined"
-"The name is not a variable defined with DEF in this program, an R parameter or a known function.";
+"The name is not a variable defined with DEF in this program, an R parameter or a known function. In data that the control saved, every
+value is a number, a text or a known name.";
     BAD_INDEX = "E0207" "index outside the array or parameter range"
 "R parameters run from R0 to R9999; an array index from 0 to its length minus 1.";
     TYPE_MISMATCH = "E0208" "value of the wrong type"
@@ -333,7 +334,7 @@ machine are smaller: check the units in the machine file before raising the limi
     UNKNOWN_START = "E0304" "motion from an unknown position"
 "An incremental move or an arc starts from a position that the program has not stated: at its beginning, or after a tool change. The
 corrected program is absolute, so it would move to another position than the original. Or the plane is tilted, and the positions of
-the axes are not known. Begin with an absolute position of all axes, or give --start X0,Y0,Z0 for the beginning.";
+the axes are not known. Program an absolute position of all axes; --start X0,Y0,Z0 helps only before the first block.";
     UNITS_DOUBT = "E0305" "ambiguous units"
 "Positions were programmed before the unit was stated, and the program switches between inch (G70, G700) and metric (G71, G710) later.
 Whether the first positions are mm or inch depends on what was active on the control before. State the unit in the first block.";
@@ -498,10 +499,11 @@ machine really has such errors, give a larger --max.";
 motion error, EXXb its backlash, EXX2@150 a truncated power that begins at 150 mm; load.EAX, drift.Y or expansion.X.scale are those
 of effects, which the machine file must have. The axis must exist, too, and each parameter may occur only once.";
     DATA_FAULT = "E0614" "readings inconsistent with the measurement"
-"Before ncfix diagnose searches for causes it checks the data for faults. Here all readings of a measurement are wrong by a factor of
-units (1000, 25.4), agree with the model only if two axes are exchanged or one is reversed, fit only a machine with another order of
-the axes than the file has, or lack exactly those errors that the machine file has, because a table of the control was active while
-measuring. Causes found in such readings would be meaningless; the message gives the evidence and what to change.";
+"Before ncfix diagnose searches for causes it checks the data for faults. Here all readings of a measurement have one of these faults:
+they are wrong by a factor of units (1000, 25.4); they agree with the model only if two axes are exchanged or one is reversed; they fit
+only a machine with another order of the axes; or they lack exactly the errors of the machine file, because a compensation table of
+the control was active during the measurement. Causes found in such readings would be meaningless. The message gives the evidence, and
+what to change.";
     BAD_HYPOTHESIS = "E0615" "hypothesis that cannot be read"
 "ncfix diagnose --hypothesis tests a term: a deviation and what it depends on, such as EXX ~ Y^2 or EYY ~ T_head_C lag 600s, or a cause
 by the name that findings have, such as backlash EXX. Here the text is not complete, or it names an axis that the machine lacks, or a
@@ -511,12 +513,12 @@ grammar.";
     DRIFT_NOT_TOLD = "E0613" "drift that cannot be separated from backlash"
 "A drift that is a straight line in time within a back-and-forth cycle makes the backward and forward readings differ more, the
 farther a position is from the turning point; backlash or lateral play makes them differ equally everywhere. A drift is removed only
-where there is no backlash: the model has none for the component (EXXb, or for a reading of a length EBXb too, which acts with its
-Abbe arm), and the readings show none by Student's t-test at the 0.1 % level. Each cycle must run in both directions. Remove
+where there is no backlash: the model has none for the component (EXXb; for length readings also EBXb, through its Abbe
+offset), and the readings show none by Student's t-test at the 0.1 % level. Each cycle must run in both directions. Remove
 \"drift\" from free and let the machine warm up first, measure faster, or remove the backlash from the model if there is none.";
 
     IMPORT_QUESTION = "E0616" "import needs an answer"
-"No file of an instrument contains all that a calibration needs. `ncfix import` asks for the rest on a terminal. Elsewhere it names the
+"No file of an instrument contains all that a calibration needs. `ncfix import` asks for the rest on a terminal. In a script it names the
 option that answers the question, and writes nothing. Nothing is guessed: a wrong sign doubles an error instead of removing it.
 
   ncfix import laser.csv --axis X --at Y200,Z100 --sign + --unit um --tool 120 --material 20C -o laser
@@ -525,7 +527,8 @@ If the file may have two formats, --as names one.";
     IMPORT_FORMAT = "E0617" "file of no format that import reads"
 "The content of the file matches no format of `ncfix import --list`, or the file is not text. Project files of instruments are usually
 binary or databases: export the readings as text or CSV from the software of the instrument. A table with unusual headings can be read
-with --as targets and --columns.";
+with --as targets and --columns. If commas separate the cells, numbers need a decimal point: a comma in each of them has this code, or
+E0601 if the rows then differ in their cells.";
     IMPORT_CONTRADICTION = "E0618" "file contradicts what it seems to be"
 "The content of the file does not agree with the options of `ncfix import`, or with itself. Examples are a position outside of the travel
 of the machine, a deviation that is not actual minus nominal, an axis that the machine lacks, a unit that the heading contradicts. Correct
@@ -659,7 +662,8 @@ in skip blocks, or the file is truncated.";
 above it, so the embedded demo machine was used. The output is only a demonstration, not for a real machine.";
     TOLERANCE_NOT_REACHED = "W0305" "tolerance not reached"
 "Somewhere the pieces became as short as 0.01 mm, or as the increment, and still deviate by more than --tolerance. The tolerance is
-finer than the increment, or the error model has a step there, or the increment keeps an axis within its backlash.";
+finer than the increment, or the error model has a step there, or the increment keeps an axis within its backlash. Tapping stays one
+cycle even if the tip leaves the tolerance, because pieces would lose the synchronism of spindle and axis.";
     OTHER_STAMP = "W0306" "corrected for another machine or model"
 "The stamp of the corrected program names another model than the one it is compared on. Each correction is valid for one machine in
 one state: the numbers state what this program would do on the given machine.";
@@ -743,7 +747,7 @@ them. All sensors are assumed to be at their reference temperature: no drift, no
 "The error model has effects of the weight on the table, and neither --load nor --state states the load. The table is assumed to be
 empty. Or, conversely, a weight is given, and the machine file does not describe its effects.";
     LOAD_TURNS = "W0503" "load off the center of a table that turns"
-"The effect of a weight depends on its position in the machine. A rotary axis under the table moves a load that is not on its axis;
+"The effect of a weight depends on its position in the machine. A rotary axis on the workpiece side moves a load that is not on its axis;
 the effect is computed for the position that was given, whatever the position of the axis. That is correct for a table that does not
 move while one side of the workpiece is machined: give the position of the load for this pose, along the axes of the machine.";
     LOAD_ASSUMED = "W0601" "load only partly determined"
@@ -773,11 +777,12 @@ writes them as its search found them.";
 scatter of a parameter differs from its standard uncertainty by more than 25 %, beyond the statistical spread of the repetitions, or
 repetitions could not be fitted. Reasons are few readings, weights that follow the noise, or unknowns with large changes.";
     FAULTY_DATA = "W0607" "fault of the data"
-"The data have a fault between machine and file: a temperature sensor that is dead, stuck, exchanged with another one, moved or in
-degrees Fahrenheit; a pulse of a few minutes, a first cycle before the machine had settled, a step in all later readings, single
-outliers, or the resolution of a display. The message gives the rows and the evidence, and the help the consequence: faulty data are
-excluded from the search for causes, or get their own zero or noise. The file is not changed. Where the log of temperatures ends or
-pauses, only these rows are excluded. In held-out data all other rows are kept, so that the test data are not selected.";
+"The data have a fault that the machine did not cause. A temperature sensor is dead, stuck, exchanged with another one, moved, or in
+degrees Fahrenheit. Or the readings have a pulse of a few minutes, a first cycle before the machine had settled, a step from one row
+on, single outliers, or the coarse resolution of a display. The message gives the rows and the evidence. The help gives the
+consequence: ncfix excludes faulty rows from the search for causes, or gives them their own zero or noise. The file does not change.
+If the temperature log ends or pauses, ncfix excludes only the rows without temperatures. In held-out data it keeps all other rows, so
+that the test data are not selected.";
     STARVING = "W0701" "the link is too slow in places"
 "In some places the control waits briefly for lines (see E0702), but not long enough to forbid the transfer.";
     SERIAL_SETTINGS = "W0702" "port with different settings or a name that may change"

@@ -100,7 +100,7 @@ pub fn recognize(
             {
                 return Err(found);
             }
-            let message = format!("{} has no layout that import knows", text.source().name());
+            let message = format!("ncfix import does not recognize the layout of {}", text.source().name());
             let is_markup = text
                 .lines()
                 .map(|(_, line, _)| line.trim())
@@ -109,7 +109,8 @@ pub fn recognize(
             let help = if is_markup {
                 "export the readings as CSV; `ncfix decompose` reads traces of a Sinumerik as they are"
             } else {
-                "`ncfix import --list` lists the formats; name one with --as, and the columns with --columns"
+                "`ncfix import --list` lists the formats; name one with --as, and the columns with --columns; in a file with commas \
+                 between the cells, numbers need a decimal point"
             };
             Err(Box::new(Diagnostic::nowhere(Code::IMPORT_FORMAT, message, help)))
         }

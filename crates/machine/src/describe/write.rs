@@ -34,7 +34,7 @@ pub fn text(description: &Description) -> String {
     line(
         &mut out,
         &format!("topology = \"{}\"", description.topology),
-        "bodies from the workpiece w over F to the tool t",
+        "bodies from the workpiece w through F to the tool t",
     );
     let name = if control.value.eq_ignore_ascii_case(language) {
         String::new()

@@ -1,6 +1,6 @@
 //! The order of the bodies from the workpiece through the foundation to the tool.
 //!
-//! A topology is written from the workpiece `w` over the foundation `F` to the tool `t`. Example: in `wCBXFZYSt`, F carries X, X carries B, B carries C, and
+//! A topology is written from the workpiece `w` through the foundation `F` to the tool `t`. Example: in `wCBXFZYSt`, F carries X, X carries B, B carries C, and
 //! C carries the workpiece; F carries Z, Z carries Y, Y carries the spindle S, and S carries the tool. A lower-case `f` is read as `F`; `S` may be omitted.
 
 use std::fmt;

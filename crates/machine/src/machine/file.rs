@@ -200,7 +200,7 @@ fn read_head(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Head {
         Ok(topology) => Some((topology, place)),
         Err(fault) => {
             let help =
-                "write the bodies from the workpiece w over the foundation F to the tool t, for example wCBXFZYSt";
+                "write the bodies from the workpiece w through the foundation F to the tool t, for example wCBXFZYSt";
             section.report(Code::BAD_TOPOLOGY, place, format!("topology {text}: {fault}"), help);
             None
         }

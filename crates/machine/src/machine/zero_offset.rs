@@ -30,7 +30,7 @@ const NAMES: &[Names] = &[
     },
     Names {
         controller: "fanuc",
-        help: "settable zero offsets are G54 to G59, \"G54.1 P1\" to \"G54.1 P300\" (of a Haas \"G154 P1\" to \"G154 P99\") and \
+        help: "settable zero offsets are G54 to G59, \"G54.1 P1\" to \"G54.1 P300\" (on a Haas \"G154 P1\" to \"G154 P99\") and \
                EXT, which shifts them all",
         is_name: |name| {
             name == EXTERNAL

@@ -88,7 +88,7 @@ fn sentence(gap: &CoverageGap) -> Option<(String, String)> {
     let used = decimal(gap.shown(if gap.beyond > 0.0 { gap.used[1] } else { gap.used[0] }));
     let far = decimal(gap.shown(gap.beyond.abs()));
     let size = gap.size_mm.map(um_from_mm).filter(|um| *um >= LEAST_UM);
-    let size = size.map_or_else(String::new, |um| format!("; {} of the error there are extrapolated", micrometers(um)));
+    let size = size.map_or_else(String::new, |um| format!("; {} of the error is extrapolated", micrometers(um)));
     let unit = gap.unit();
     Some(match gap.kind {
         GapKind::NoErrors | GapKind::RangeNotStated => return None,

@@ -142,9 +142,9 @@ pub(super) fn dwell_of_p(
         let message = format!("P of {name} with a decimal point: seconds on a Haas, and a Fanuc stops with an alarm");
         let help = match name {
             "G4" => {
-                "write milliseconds without a point, P1000, or seconds with X, X1.; of a Haas set controller = \"haas\""
+                "write milliseconds without a point, P1000, or seconds with X, X1.; if the control is a Haas, set controller = \"haas\""
             }
-            _ => "write milliseconds without a point, P1000; of a Haas set controller = \"haas\"",
+            _ => "write milliseconds without a point, P1000; if the control is a Haas, set controller = \"haas\"",
         };
         return Err(fault(Code::TWO_MEANINGS, gathered.span_of(b'P'), message, help));
     }

@@ -96,10 +96,13 @@ fn g_code(scope: &Scope<'_, '_>, value: f64, span: Span, out: &mut Gathered) -> 
         return Ok(());
     }
     if let Some(entry) = dialect.codes().g_tenths(tenths.into()).filter(|entry| entry.effect == CodeEffect::Refuse) {
-        let message = format!("{} ({}) is not supported", entry.name, entry.meaning);
+        let message = match of_haas {
+            Some(_) => format!("{} is a code of Haas and not supported for controller = \"fanuc\"", entry.name),
+            None => format!("{} ({}) is not supported", entry.name, entry.meaning),
+        };
         let help = match of_haas {
             Some(_) => {
-                "if the control is a Haas set controller = \"haas\" in the machine file; otherwise program it another way"
+                "if the control is a Haas, set controller = \"haas\" in the machine file; otherwise program it another way"
             }
             None => haas_codes::advice(tenths).unwrap_or("program it another way"),
         };

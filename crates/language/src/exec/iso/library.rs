@@ -59,16 +59,17 @@ impl Interpreter<'_> {
     fn not_found(&mut self, shown: &str, span: Span) -> Fault {
         let message =
             self.library.refusal().unwrap_or_else(|| format!("{shown} is neither in this file nor in its folder"));
-        let help = match self.channel.language {
-            Language::Rs274 => {
-                "put the file NAME.ngc next to the program, or add its folder to control.search_path; name a program that the \
-                 control runs itself under [[opaque]]"
-            }
-            _ => {
-                "put the file O1234, O1234.NC or 1234.NC next to the program, or add its folder to control.search_path; name a \
-                 program that the control runs itself under [[opaque]]"
-            }
+        // `O7777 (2 times)` is in the file O7777.
+        let name = shown.split(' ').next().unwrap_or(shown);
+        let files = match (self.channel.language, name.strip_prefix('O')) {
+            (Language::Rs274, _) => "the file NAME.ngc".to_owned(),
+            (_, Some(number)) => format!("the file {name}, {name}.NC or {number}.NC"),
+            (_, None) => "its file".to_owned(),
         };
+        let help = format!(
+            "put {files} next to the program, or add its folder to control.search_path; name a program that the control runs \
+             itself under [[opaque]]"
+        );
         fault(Code::NO_SUBPROGRAM, span, message, help)
     }
 

@@ -65,7 +65,7 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
                     for word in loaded.program.words_of(block) {
                         let found = reader.word(word);
                         is_data |= found.is_ok() && word.address != Address::Letter(b'M');
-                        findings.extend(found.err().map(|found| found.in_file(source.id())));
+                        findings.extend(found.err().map(|found| fitting(found.in_file(source.id()))));
                     }
                 }
                 Body::Empty | Body::Faulty | Body::Define { .. } => {}
@@ -107,6 +107,14 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
     machine.parameters.extend(channel.variables.parameters_in_use());
     machine.gud.extend(data.globals.into_iter().map(|(name, elements)| (name, nested(&elements))));
     findings
+}
+
+/// A diagnostic of a word with a help that fits saved data, which have no definitions.
+fn fitting(mut found: Diagnostic) -> Diagnostic {
+    if found.code == Code::UNDEFINED_VARIABLE {
+        "write the number that the control has; names have no value in saved data".clone_into(&mut found.help);
+    }
+    found
 }
 
 /// Data other than frames and tools.

@@ -115,7 +115,8 @@ fn components(data: &DataSet) -> Vec<MeasuredFigures> {
                 left_out,
             })
         });
-        let figures = figures.map_err(|fault| fault.to_string());
+        let figures =
+            figures.map_err(|fault| component.axis().map_or_else(|| fault.to_string(), |axis| fault.words(axis)));
         Some(MeasuredFigures { setup: label(data, setup), of: of.clone(), figures })
     };
     groups.into_iter().filter_map(one).collect()

@@ -108,6 +108,31 @@ pub enum FiguresError {
     Backlash(f64, f64),
 }
 
+impl FiguresError {
+    /// The reason in words, with the axis of the component and the unit of the target.
+    #[must_use]
+    pub fn words(&self, axis: Axis) -> String {
+        let place = |target: f64| {
+            let (value, unit) = if axis.is_rotary() { (target.to_degrees(), "°") } else { (target, " mm") };
+            // A target in degrees comes back from radians.
+            format!("{axis} {}{unit}", (value * 1e6).round() / 1e6)
+        };
+        match *self {
+            FiguresError::NoSense(target) => {
+                format!(
+                    "the direction in which {} was approached is not known: give it in the column {axis}_dir",
+                    place(target)
+                )
+            }
+            FiguresError::Once(target) => format!(
+                "target {} was approached only once in one direction: at least two runs are needed, the standard requires five",
+                place(target)
+            ),
+            _ => self.to_string(),
+        }
+    }
+}
+
 impl fmt::Display for FiguresError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
