@@ -14,8 +14,8 @@ use crate::support::Shop;
 const LINE: &str = "[measurement]\nkind = \"direct\"\nfree = [\"offset\"]\nsigma_um = 0.3\n";
 const CIRCLE: &str = "[measurement]\nkind = \"ballbar\"\nfree = [\"centre\"]\nsigma_um = 0.5\n\
                       [setup.A]\ncentre_mm = [350, 250, 100]\nlength_mm = 150\n";
-/// Of equal rivals, none has more than three times the share of another by the noise of these readings.
-const SHARED: f64 = 0.75;
+/// Two equal rivals have a half each but for the noise of the readings, and neither may come near the 95 % of a certain cause.
+const SHARED: f64 = 0.85;
 
 /// The report of a diagnosis that may write, and whether it did.
 fn diagnosed(table: &str, description: &str) -> (Value, bool) {
@@ -35,8 +35,9 @@ fn is_open(table: &str, description: &str, rivals: &[&str]) {
         let named: Vec<&str> =
             one["rivals"].as_array().unwrap().iter().map(|one| one["cause"].as_str().unwrap()).collect();
         let own = name(one);
-        let told = |rival: &&&str| own == ***rival || named.contains(**rival);
-        assert_eq!(rivals.iter().filter(told).count(), rivals.len(), "{one:#}");
+        for rival in rivals {
+            assert!(own == *rival || named.contains(rival), "{rival}: {one:#}");
+        }
         assert!(one["separate_by"].as_str().is_some_and(|how| how.len() > 20), "{one:#}");
     }
     // The explanations share alike.
@@ -100,8 +101,13 @@ fn a_drift_along_the_rows_is_no_backlash_to_correct() {
         let table = line(seed, (21, &[1.0, -1.0]), "", |_| String::new(), |_, _, row| 0.5 * row);
         let (report, is_written) = diagnosed(&table, LINE);
         let all = findings(&report);
-        assert!(all.len() == 1 && name(&all[0]) == "drift X" && !is_written, "seed {seed}: {report:#}");
-        assert!((number(&all[0], "value").abs() - 0.5 * 41.0).abs() < 2.0 * number(&all[0], "u95"), "{report:#}");
+        assert!(all.len() == 1 && !is_written, "seed {seed}: {report:#}");
+        // A backlash that grows along the axis has the same gap; it needs one number more, so it is rarely named before the drift.
+        if name(&all[0]) == "drift X" {
+            assert!((number(&all[0], "value").abs() - 0.5 * 41.0).abs() < 2.0 * number(&all[0], "u95"), "{report:#}");
+        } else {
+            assert!(all[0]["rivals"][0]["cause"] == "drift X" && all[0]["certain"] == false, "{report:#}");
+        }
         // A constant gap of 6 µm over the same rows is a backlash.
         let table = line(seed, (21, &[1.0, -1.0]), "", |_| String::new(), |_, way, _| 3.0 * way);
         let (report, is_written) = diagnosed(&table, LINE);
