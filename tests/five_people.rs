@@ -127,7 +127,8 @@ fn a_metrologist_with_a_laser() {
     near(&found, "EXXb", -3.0, 0.2);
     let [before, after] = person
         .corrects("fix part.nc -o out.nc --machine fitted.toml --setup OFFSETS.NC --zero G54=absolute", "page.html");
-    assert!(before > 10.0 && after < 1.1, "{before} {after}");
+    // Until X has moved once, its position within the backlash is unknown: half of the reversal value is left there.
+    assert!(before > 10.0 && after < 3.1, "{before} {after}");
 }
 
 /// A router with Grbl and a square with a dial gauge: over the leg of 300 mm the gauge is pressed in by 0.15 mm, so the axes lean by 0.5 mrad.
@@ -161,15 +162,19 @@ fn a_hobbyist_with_a_square_and_a_dial_gauge() {
 #[test]
 fn a_researcher_with_a_probe() {
     let mut balls = "ball;X;Y;Z;C\n".to_owned();
+    let mut seed = 37_u64;
     for k in 0..8 {
         let c = 45.0 * f64::from(k);
         // The table turns against the right-hand rule.
         let (sin, cos) = (-c).to_radians().sin_cos();
         let center = [300.020 + 100.0 * cos, 199.985 + 100.0 * sin, 150.0];
         for direction in [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]] {
-            // A probe scatters by some tenths of a micrometer.
-            let scatter = |i: usize| 0.0003 * (f64::from(37 * k + 11) * (i as f64 + 1.0)).sin();
-            let touch: Vec<f64> = (0..3).map(|i| center[i] + 12.5 * direction[i] + scatter(i)).collect();
+            // A probe scatters by half a micrometer: uniform, of a known sequence.
+            let mut scatter = || {
+                seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                ((seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * 0.0005 * 12_f64.sqrt()
+            };
+            let touch: Vec<f64> = (0..3).map(|i| center[i] + 12.5 * direction[i] + scatter()).collect();
             let _ = writeln!(balls, "b1;{:.4};{:.4};{:.4};{c}", touch[0], touch[1], touch[2]);
         }
     }
@@ -184,8 +189,8 @@ fn a_researcher_with_a_probe() {
     person.runs("import balls.csv --machine table.toml --unit mm --tool 0 --at A0 --as ball-touches -o place");
     let found = person.calibrates("calibrate place.csv --machine table.toml --model EX0C,EY0C -o fitted.toml");
     assert_eq!(found.len(), 2);
-    near(&found, "EX0C", 20.0, 0.5);
-    near(&found, "EY0C", -15.0, 0.5);
+    near(&found, "EX0C", 20.0, 0.8);
+    near(&found, "EY0C", -15.0, 0.8);
     let [before, after] = person.corrects(
         "fix part.mpf -o out.mpf --machine fitted.toml --setup UFR.INI --setup TOA.INI --zero G54=absolute",
         "page.html",

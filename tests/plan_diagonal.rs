@@ -83,7 +83,7 @@ fn four_body_diagonals_give_three_squarenesses() {
         let (_, expected) = truth.iter().find(|(own, _)| *own == name).unwrap();
         assert!((value - expected).abs() < 0.02 + 2.0 * sigma, "{name}: {value} ± {sigma}, {expected}");
     }
-    // A common scale of the three axes cannot be told apart on four equal diagonals.
+    // A common scale of the three axes is not identifiable on four equal diagonals.
     let shop = shop.file("scales.txt", "EXX1\nEYY1\nEZZ1\n");
     let plan = ["plan", "diagonal", "--machine", "mill.toml", "--margin", "0", "--model", "scales.txt", "-o", "s.csv"];
     shop.run(plan).exits(0).says("cannot determine");

@@ -151,5 +151,5 @@ fn a_ball_bar_on_a_turning_table_gives_the_place_of_its_axis() {
     with(&["--axis", "C"]).says("is for a turning table");
     with(&["--variant", "oval"]).says("radial, tangential, axial");
     with(&["--variant", "radial", "--axis", "X"]).says("no rotary axis");
-    with(&["--variant", "radial", "--axis", "C", "--range", "10,400"]).says("turns without end");
+    with(&["--variant", "radial", "--axis", "C", "--range", "10,400"]).says("is a modulo axis");
 }

@@ -26,7 +26,7 @@ const DECIMALS: i32 = 7;
 pub fn machine_text(text: &str, machine: &Machine, tables: &Tables) -> Result<(String, usize), String> {
     let mut edit = Edit::parse(text).ok_or("the machine file is not TOML")?;
     if tables.grid.is_some() {
-        return Err("a grid of corrections is the sum of the errors of three axes, which cannot be told apart from it; measure the axes".into());
+        return Err("a grid of corrections is the sum of the errors of three axes, which it does not separate; measure the axes".into());
     }
     let mut lookups = tables.lookups.clone();
     lookups.extend(of_matrix(machine, tables)?);

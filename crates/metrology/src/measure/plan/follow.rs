@@ -58,7 +58,7 @@ pub(super) fn turns(machine: &Machine, wishes: &Wishes) -> Result<Vec<TurnedAxis
         is_endless && (turn.range[0] < 0.0 || turn.range[1] >= TAU)
     };
     if let Some(turn) = turns.iter().find(wraps) {
-        return Err(PlanRefused(format!("{} turns without end: give --range within 0 to 359 degrees", turn.axis)));
+        return Err(PlanRefused(format!("{} is a modulo axis: give --range within 0 to 359 degrees", turn.axis)));
     }
     match turns.iter().find(|turn| turn.range[1] - turn.range[0] <= CHORD) {
         Some(turn) => Err(PlanRefused(format!("the range of {} is empty; give --range FROM,TO", turn.axis))),
@@ -99,7 +99,7 @@ pub(super) struct Following {
 }
 
 impl Following {
-    /// Turns an axis forward and back, with a row every so many radians.
+    /// Turns an axis forward and back, with rows at equal angles.
     pub(super) fn run(&self, plan: &mut Builder, turn: TurnedAxis, wishes: &Wishes) -> Result<(), PlanRefused> {
         let every = every(wishes);
         let chord = wishes.chord.unwrap_or(CHORD).clamp(1e-4, 0.2).min(every);

@@ -66,7 +66,7 @@ fn is_mine(_: &str, bytes: &[u8]) -> bool {
     MARK.is_match(bytes)
 }
 
-/// What a section has.
+/// Value or points of a section.
 enum SectionContent {
     /// Nothing yet.
     Empty,

@@ -277,7 +277,7 @@ fn is_mine(_: &str, bytes: &[u8]) -> bool {
     MARK.is_match(bytes)
 }
 
-/// What a file says of an axis.
+/// Parameters and values of an axis, as in the file.
 #[derive(Default)]
 struct PitchEntries {
     parameters: BTreeMap<usize, f64>,
