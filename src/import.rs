@@ -56,6 +56,29 @@ impl InstrumentFile {
         }
     }
 
+    /// Asks for a machine file, which no file of an instrument contains, and for all else that is open: the questions come in one round. `demo` stands in
+    /// for the machine.
+    pub(crate) fn ask_without_machine(
+        &self,
+        format: Option<&str>,
+        answers: &ImportAnswers,
+        demo: &Machine,
+        findings: &mut Diagnostics,
+    ) {
+        let message = "no machine file was found, and the readings depend on the axes and their order";
+        findings.add(Diagnostic::nowhere(Code::IMPORT_QUESTION, message, "give --machine M.toml"), &[]);
+        let outcome = import(&self.text, format, answers, &demo.machine, &demo.registry().instrument_formats);
+        let Ok(ImportOutcome::Questions(questions)) = outcome else { return };
+        for mut question in questions {
+            if question.option == "at" {
+                // Which axes these are, only the machine file says.
+                question.sentence = "the file does not state the positions of the other axes, or of its zero".into();
+                question.advice = "machine coordinates, such as Y200,Z100".into();
+            }
+            findings.add(question.refusal(), &[]);
+        }
+    }
+
     /// Writes both files, or none.
     ///
     /// # Errors
@@ -98,10 +121,4 @@ fn pair(output: &Path) -> Result<[PathBuf; 2], Error> {
         return Err(Error::usage("a measurement is two files; give -o their common name, such as laser".into()));
     }
     Ok([PathBuf::from(format!("{stem}.csv")), PathBuf::from(format!("{stem}.toml"))])
-}
-
-/// The question for a machine file, which no file of an instrument contains.
-pub(crate) fn without_machine() -> Diagnostic {
-    let message = "no machine file was found, and the readings depend on the axes and their order";
-    Diagnostic::nowhere(Code::IMPORT_QUESTION, message, "give --machine M.toml")
 }

@@ -64,6 +64,7 @@ mod tables;
 mod tool;
 mod travel_trial;
 mod watch;
+mod zero_shift;
 
 #[doc(hidden)]
 pub mod cli;

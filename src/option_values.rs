@@ -2,9 +2,13 @@
 
 use std::time::Duration;
 
+use clap::ValueEnum;
+
 use crate::correction::MOST_THREADS;
+use ncfix_base::geometry::Axis;
 use ncfix_base::units::parse_length_mm;
 use ncfix_machine::machine::range::range_of;
+use ncfix_tables::tables::{Multiplication, Orientation};
 
 /// Skipped levels of `/` blocks; `/` alone is level 0.
 pub(crate) type SkipLevels = [bool; 10];
@@ -91,6 +95,82 @@ pub(crate) fn skip_levels(text: &str) -> Result<SkipLevels, String> {
             true;
     }
     Ok(levels)
+}
+
+/// See [`Orientation`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum OrientationChoice {
+    /// As much of the tilt as possible without much rotation of the tool about its axis: a smooth function without poles
+    Smooth,
+    /// Tilt and roll alike (Esmaeili 2021, eq. 37): lowest trigonometric functions, largest residual tilt
+    SixRows,
+    /// All of the tilt, as in the correction of programs: steep near a pole
+    Exact,
+    /// None: only the tip position is corrected
+    Off,
+}
+
+impl OrientationChoice {
+    /// Orientation for the library.
+    pub(crate) fn orientation(self) -> Orientation {
+        match self {
+            OrientationChoice::Smooth => Orientation::Smooth,
+            OrientationChoice::SixRows => Orientation::SixRows,
+            OrientationChoice::Exact => Orientation::Exact,
+            OrientationChoice::Off => Orientation::Off,
+        }
+    }
+}
+
+/// See [`Multiplication`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MultiplicationChoice {
+    /// Product in place of the table's own value
+    Instead,
+    /// Product in addition to the table's own value
+    Beside,
+}
+
+impl MultiplicationChoice {
+    /// Multiplication for the library.
+    pub(crate) fn multiplication(self) -> Multiplication {
+        match self {
+            MultiplicationChoice::Instead => Multiplication::Instead,
+            MultiplicationChoice::Beside => Multiplication::Beside,
+        }
+    }
+}
+
+fn axis_of(text: &str) -> Result<Axis, String> {
+    match text.trim().as_bytes() {
+        [letter] => Axis::from_letter(*letter).ok_or_else(|| format!("'{text}' is not an axis")),
+        _ => Err(format!("'{text}' is not an axis")),
+    }
+}
+
+/// A range of an axis, mm or deg: `A=-55..55`.
+pub(crate) fn axis_range(text: &str) -> Result<(Axis, [f64; 2]), String> {
+    let (axis, range) = text.split_once('=').ok_or("write AXIS=LOW..HIGH, such as A=-55..55")?;
+    let (low, high) = range.split_once("..").ok_or("write LOW..HIGH, such as -55..55")?;
+    let number = |text: &str| {
+        text.trim()
+            .parse::<f64>()
+            .ok()
+            .filter(|value| value.is_finite())
+            .ok_or_else(|| format!("'{text}' is not a number"))
+    };
+    let (low, high) = (number(low)?, number(high)?);
+    if low > high {
+        return Err(format!("{low} is above {high}"));
+    }
+    Ok((axis_of(axis)?, [low, high]))
+}
+
+/// The name of an axis at the control: `X=AX1`.
+pub(crate) fn axis_name(text: &str) -> Result<(Axis, String), String> {
+    let (axis, name) = text.split_once('=').ok_or("write AXIS=NAME, such as X=AX1")?;
+    let is_name = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    if is_name { Ok((axis_of(axis)?, name.to_owned())) } else { Err(format!("'{name}' is not an axis name")) }
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::machine::Machine;
 use ncfix_metrology::measure::data::DataSet;
 use ncfix_metrology::measure::plan::{PlanKind, Wishes, table};
-use ncfix_metrology::results::planned::{PlanResult, has_reading, judge};
+use ncfix_metrology::results::planned::{PlanResult, has_reading, judge, told_by_tool};
 use ncfix_path::emit::flat;
 
 /// The request for a plan.
@@ -62,7 +62,9 @@ impl PlanRequest<'_> {
         };
         if let Some(name) = self.model {
             let Some(parameters) = parameters::choose(name, machine, &chosen.errors, found)? else { return Ok(None) };
-            let judged = judge(&mut plan, others, &parameters, self.more, (machine, &chosen.errors));
+            let scene = (machine, &chosen.errors);
+            result.from_tool = told_by_tool(&plan, &others, &parameters, scene);
+            let judged = judge(&mut plan, others, &parameters, self.more, scene);
             result.judgements = judged.map_err(|reason| Error::usage(reason.to_string()))?;
         }
         result.notes.clone_from(&plan.notes);

@@ -75,6 +75,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("W0902", "cli_tables_read: products_are_read_as_the_control_reads_them"),
     ("W0801", "realtime: a_kernel_that_cannot_follow_the_model_is_pointed_out"),
     ("W0802", "realtime: a_state_that_breaks_leaves_the_kernel_in_force"),
+    ("E0325", "zero_shift: a_drift_that_varies_over_the_part_is_refused"),
     ("E0324", "cycles_stay: a_longer_output_than_allowed_is_refused"),
     ("E0322", "coverage: a_release_gate_refuses_gaps_and_writes_nothing"),
     ("E0323", "agreement: a_corrected_program_finds_its_own_machine"),

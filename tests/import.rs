@@ -286,6 +286,51 @@ fn ball_bar_circles_give_squareness_and_scales() {
     demand(&found, &[("EXX1", 50.0), ("EYY1", -20.0), ("EC0Y", 100.0)], 0.2);
 }
 
+/// The circle of the test above with times instead of angles, counterclockwise and clockwise, from −180° with an overshoot of 180° on both ends. At 1,000
+/// mm/min on 150 mm a turn lasts 2π·150·60/1000 = 56.55 s.
+#[test]
+fn ball_bar_circles_by_time_give_the_same_errors() {
+    let mut noise = Noise(17);
+    let mut text =
+        "plane;XY\nradius_mm;150\nfeed_mm_min;1000\nstart angle;0\nend angle;360\nrun;dir;time_s;dev_um\n".to_owned();
+    let turn_s = std::f64::consts::TAU * 150.0 * 60.0 / 1000.0;
+    let mut circles = |text: &mut String, start: f64, second: &str| {
+        for (run, sense) in [("1", 1.0), (second, -1.0)] {
+            for k in 0..=144 {
+                let swept = 5.0 * f64::from(k);
+                // The circle back begins 180° beyond its end, at 540°.
+                let deg: f64 = if sense > 0.0 { start + swept } else { 360.0 - start - swept };
+                let twice = (2.0 * deg).to_radians();
+                let value = 2.25 + 5.25 * twice.cos() - 7.5 * twice.sin() + noise.next(0.2);
+                let word = if sense > 0.0 { "ccw" } else { "cw" };
+                let _ = writeln!(text, "{run};{word};{:.4};{value:.2}", 3.0 + swept / 360.0 * turn_s);
+            }
+        }
+    };
+    circles(&mut text, -180.0, "2");
+    let shop = shop().file("bar.csv", &text);
+    let place = ["--at", "X300,Y250,Z100", "--tool", "50"];
+    let run = import(&shop, "bar.csv", "tool.toml", &place).exits(4);
+    assert!(run.stderr.contains("give --start-angle") && !run.stderr.contains("give --turn"), "{}", run.stderr);
+    let more: Vec<&str> = place.iter().copied().chain(["--start-angle", "-180"]).collect();
+    let run = import(&shop, "bar.csv", "tool.toml", &more).exits(0);
+    assert!(run.stderr.contains("of the overshoot are cut") && run.stderr.contains("acceleration"), "{}", run.stderr);
+    let free = |shop: Shop| {
+        let description = shop.text("out.toml").replace("free = [\"centre\", \"length\"]", "free = [\"centre\"]");
+        shop.file("out.toml", description)
+    };
+    let shop = free(shop);
+    let found = calibrated(&shop, "tool.toml", "EXX1,EYY1,EC0Y");
+    demand(&found, &[("EXX1", 50.0), ("EYY1", -20.0), ("EC0Y", 100.0)], 0.2);
+    // Milliseconds taken for seconds, another feed, and a file without the direction.
+    let fast = shop.file("fast.csv", text.replace("feed_mm_min;1000", "feed_mm_min;100"));
+    import(&fast, "fast.csv", "tool.toml", &more).exits(4).says("E0618").says("before the end");
+    let slow = fast.file("slow.csv", text.replace("feed_mm_min;1000", "feed_mm_min;10000"));
+    import(&slow, "slow.csv", "tool.toml", &more).exits(4).says("E0618").says("sweep");
+    let blind = slow.file("blind.csv", text.replace("run;dir;", "run;-;"));
+    import(&blind, "blind.csv", "tool.toml", &more).exits(4).says("give --turn");
+}
+
 #[test]
 fn sections_of_a_laser_file_are_read_in_the_order_of_their_rows() {
     let mut noise = Noise(17);
@@ -455,6 +500,36 @@ fn what_the_file_leaves_open_is_asked_with_its_option() {
     import(&blind, "blind.csv", "tool.toml", LASER).exits(4).says("give --columns");
     let columns: Vec<&str> = LASER.iter().copied().chain(["--columns", "target,1+,1-,2+,2-,3+,3-"]).collect();
     import(&blind, "blind.csv", "tool.toml", &columns).exits(0);
+}
+
+/// A file that says nothing beyond its numbers: one round of questions, and the answers to them are all that is needed.
+#[test]
+fn all_questions_come_in_one_round() {
+    let asked = |run: &Run| {
+        let options =
+            ["axis", "columns", "component", "sign", "unit", "at", "tool", "material", "plane", "radius", "machine"];
+        let is_asked = |name: &&str| run.stderr.contains(&format!("give --{name}"));
+        options.into_iter().filter(is_asked).collect::<Vec<_>>()
+    };
+    let text = wide("Target;1+;1-;2+;2-;3+;3-\n", ";", ",");
+    let shop = shop().file("laser.csv", &text).file("blind.csv", text.replace("1+;1-;2+;2-;3+;3-", "1;2;3;4;5;6"));
+    let all = ["axis", "sign", "unit", "at", "tool", "material"];
+    assert_eq!(asked(&import(&shop, "laser.csv", "tool.toml", &[]).exits(4)), all);
+    let answers =
+        ["--axis", "X", "--sign", "+", "--unit", "um", "--at", "Y200,Z100", "--tool", "120", "--material", "20C"];
+    import(&shop, "laser.csv", "tool.toml", &answers).exits(0);
+    // Also where the directions of the runs are open.
+    let columns = ["axis", "columns", "sign", "unit", "at", "tool", "material"];
+    assert_eq!(asked(&import(&shop, "blind.csv", "tool.toml", &[]).exits(4)), columns);
+    // What is answered is not asked again.
+    assert_eq!(asked(&import(&shop, "laser.csv", "tool.toml", &answers[..6]).exits(4)), ["at", "tool", "material"]);
+    // Without a machine file, this is one more question, not another round.
+    let run = shop.run(["import", "laser.csv", "-o", "out"]).exits(4);
+    assert_eq!(asked(&run), [&all[..], &["machine"]].concat(), "{}", run.stderr);
+    // A table with headings that say nothing.
+    let shop = shop.file("mute.csv", text.replace("Target;1+;1-;2+;2-;3+;3-", "pp;qq;rr;ss;tt;kk;ll"));
+    let run = import(&shop, "mute.csv", "tool.toml", &["--as", "targets"]).exits(4);
+    assert_eq!(asked(&run), columns, "{}", run.stderr);
 }
 
 #[test]

@@ -90,6 +90,9 @@ fn table_4_1_has_109_probings_and_carries_84_parameters() {
         "{}",
         run.stderr
     );
+    // The tool is taken as calibrated, and the scale of Z follows from its length: that is said.
+    let said = run.stderr.lines().find(|line| line.contains("only the stated tool tells")).unwrap_or_default();
+    assert!(said.contains("EZZ1") && said.contains("[[length]]"), "{}", run.stderr);
     let rows = Rows::read(&shop.text("plan.csv"));
     let mut balls = HashMap::new();
     for ball in rows.column("target") {
@@ -120,6 +123,8 @@ fn table_5_3_carries_81_parameters_and_no_spindle_offsets() {
         "{}",
         run.stderr
     );
+    // The tool is an unknown.
+    assert!(!run.stderr.contains("only the stated tool"), "{}", run.stderr);
     let rows = Rows::read(&shop.text("plan.csv"));
     assert_eq!(rows.rows.len(), 4 * 42);
     let [a, c] = ["A", "C"].map(|name| rows.numbers(name));

@@ -33,8 +33,18 @@ const CASES: &[(&[&str], &[&str])] = &[
     (&["probe", "--variant", "samba", "--tool", "150"], &["esmaeili_xyz5"]),
     (&["probe", "--variant", "rumba", "--tool", "74"], &["esmaeili_huron"]),
     (&["probe", "--variant", "rumba-check", "--tool", "74"], &["esmaeili_huron"]),
+    (
+        &["rtest", "--tool", "150", "--runs", "1", "--every", "30"],
+        &["esmaeili_huron", "esmaeili_xyz5", "knee_mill", "maho700s", "vmc"],
+    ),
+    (
+        &["ballbar", "--variant", "rotary", "--tool", "150", "--every", "30"],
+        &["esmaeili_huron", "esmaeili_xyz5", "knee_mill", "maho700s", "vmc"],
+    ),
     (&["laser"], &["all"]),
     (&["laser", "--axis", "Z", "--component", "EAZ"], &["all"]),
+    (&["diagonal", "--runs", "1"], &["all"]),
+    (&["diagonal", "--variant", "all", "--points", "3", "--runs", "2"], &["all"]),
     (&["drift", "--hours", "1"], &["all"]),
     (&["drift", "--variant", "pseudo-din"], &["all"]),
     (&["drift", "--variant", "random", "--hours", "3"], &["all"]),

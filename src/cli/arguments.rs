@@ -172,7 +172,7 @@ pub(super) enum Command {
     #[command(after_help = feed::arguments::RESUME_HELP)]
     Resume(ResumeArguments),
     /// Plan a measurement and write its program
-    #[command(after_help = plan::arguments::AFTER_HELP)]
+    #[command(after_help = plan::arguments::after_help())]
     Plan(Box<PlanArguments>),
     /// Turn the file of an instrument into a measurement
     #[command(after_help = import::arguments::AFTER_HELP)]
@@ -235,7 +235,7 @@ pub(super) struct ProgramChoice {
 
 /// `ncfix fix`.
 #[derive(Clone, Debug, Args)]
-#[command(group(ArgGroup::new("target").args(["output", "in_place"]).required(true)))]
+#[command(group(ArgGroup::new("target").args(["output", "in_place", "zero_shift"]).required(true)))]
 pub(super) struct FixArguments {
     /// Part program; - for standard input
     #[arg(value_name = "IN")]
@@ -243,6 +243,10 @@ pub(super) struct FixArguments {
     /// Corrected program; - for standard output
     #[arg(short, long, value_name = "OUT")]
     pub(super) output: Option<PathBuf>,
+    /// Instead of a program, write new zero offsets that cancel the drift of --state, if it is the same wherever the program cuts: a file for
+    /// the control ($P_UIFR, G10 L2; with --setup FILE.var, that file)
+    #[arg(long, value_name = "FILE")]
+    pub(super) zero_shift: Option<PathBuf>,
     /// Overwrite IN and keep the original as IN.bak (or IN.bak1 … if that exists)
     #[arg(long)]
     pub(super) in_place: bool,

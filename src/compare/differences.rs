@@ -103,14 +103,16 @@ pub(crate) fn unstated(word: &str, corrected: &Source) -> Diagnostic {
     )
 }
 
+/// Variables that keep no value: a guard ends the program with this alarm of a Fanuc.
+const ALARM: [&str; 1] = ["#3000"];
+
 /// Diagnostics for variables that a corrected program writes: ncfix writes none, and the control may keep their
 /// values after the end.
 pub(crate) fn assigned(corrected: &Source) -> Vec<Diagnostic> {
     let mut at = 0;
     let mut out = Vec::new();
     for (number, line) in corrected.bytes().split(|&byte| byte == corrected.line_end()).enumerate() {
-        // An alarm is no value: it ends the program.
-        if let Some(name) = assigned_in(line).filter(|name| name != "#3000" && out.len() < MOST) {
+        if let Some(name) = assigned_in(line).filter(|name| !ALARM.contains(&name.as_str()) && out.len() < MOST) {
             let place = Place { file: corrected.id(), span: Span::new(at, at + line.len()) };
             let message = format!(
                 "variable: {name} (line {} of {}) is new: it is assigned a value",

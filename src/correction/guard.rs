@@ -6,7 +6,7 @@ use ncfix_base::geometry::{Axis, Vector};
 use ncfix_language::exec;
 use ncfix_machine::machine::Tool;
 use ncfix_machine::snc::{Kind, WordValue};
-use ncfix_path::emit::{self, Guard, GuardedData, GuardedTool, GuardedZero};
+use ncfix_path::emit::{self, GuardLines, GuardedData, GuardedTool, GuardedZero};
 
 use super::writing::Writing;
 use crate::diagnostics::Diagnostics;
@@ -21,7 +21,7 @@ const SAME_LENGTH_MM: f64 = 1e-9;
 ///
 /// # Errors
 /// If its language has no words for it.
-pub(super) fn of_program(program: &Program, chosen: &Machine, writing: &Writing) -> Result<Guard, Error> {
+pub(super) fn of_program(program: &Program, chosen: &Machine, writing: &Writing) -> Result<GuardLines, Error> {
     let dialect = writing.dialect;
     let Some(words) = emit::entry(dialect).and_then(|entry| entry.guard) else {
         return Err(Error::usage(format!(
@@ -31,7 +31,7 @@ pub(super) fn of_program(program: &Program, chosen: &Machine, writing: &Writing)
     // Diagnostics are those of the correction itself.
     let mut found = Diagnostics::default();
     let machine = &chosen.machine;
-    let Some(opened) = program.open(Some(chosen), &mut found)? else { return Ok(Guard::default()) };
+    let Some(opened) = program.open(Some(chosen), &mut found)? else { return Ok(GuardLines::default()) };
     let mut running = program.start_as(opened, machine, exec::Options { strict: true, ..exec::Options::default() });
     let mut named = NamedTools::default();
     let mut tool_mm = Vector::zeros();

@@ -291,7 +291,7 @@ fn is_saved_data(path: &Path, bytes: &[u8]) -> bool {
 }
 
 /// True if the name of a set-up file ends with `.toml`.
-fn is_toml(path: &Path) -> bool {
+pub(crate) fn is_toml(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 

@@ -1,5 +1,6 @@
 //! Reads measurements: pairs of a table NAME.csv and a description NAME.toml.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::files;
@@ -24,6 +25,64 @@ pub(crate) fn description_of(table: &Path) -> Result<PathBuf, Error> {
         let name = table.display();
         Error::usage(format!("a measurement is a pair of files, NAME.csv and NAME.toml; '{name}' is not a NAME.csv"))
     })
+}
+
+/// The tables of measurements that a fit uses, and those that are held out.
+pub(crate) struct MeasuredTables {
+    /// All tables: first those that are used.
+    pub(crate) all: Vec<PathBuf>,
+    /// Number of tables that are used.
+    pub(crate) used: usize,
+}
+
+/// Finds the tables: files are taken as they are, of a folder all its measurements, by name. A table that is found twice counts once.
+///
+/// # Errors
+/// If a folder cannot be read, or has no measurement.
+pub(crate) fn tables(used: &[PathBuf], held_out: &[PathBuf]) -> Result<MeasuredTables, Error> {
+    let mut all = Vec::new();
+    for path in used {
+        all.extend(in_folder(path)?.unwrap_or_else(|| vec![path.clone()]));
+    }
+    if used.iter().any(|path| path.is_dir()) {
+        // A file that is named twice, without a folder, is reported where copies of measurements are.
+        let mut known = BTreeSet::new();
+        all.retain(|path| known.insert(path.clone()));
+    }
+    let count = all.len();
+    for path in held_out {
+        all.extend(in_folder(path)?.unwrap_or_else(|| vec![path.clone()]));
+    }
+    Ok(MeasuredTables { all, used: count })
+}
+
+/// The measurements of a folder: tables NAME.csv whose NAME.toml has a section [measurement]; `None` for a file.
+fn in_folder(path: &Path) -> Result<Option<Vec<PathBuf>>, Error> {
+    if !path.is_dir() {
+        return Ok(None);
+    }
+    let entries = std::fs::read_dir(path).map_err(|error| Error::file("read", path, &error))?;
+    let mut found = Vec::new();
+    for entry in entries.flatten() {
+        let table = entry.path();
+        let is_table = table.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
+        let Some(description) = is_table.then(|| measurement::description_of(&table)).flatten() else { continue };
+        // A description that cannot be read is no description; that of another kind of file has no such section.
+        let text = std::fs::read(&description)
+            .map_or_else(|_| String::new(), |bytes| String::from_utf8_lossy(&bytes).into_owned());
+        if text.lines().any(|line| line.trim() == "[measurement]") {
+            found.push(table);
+        }
+    }
+    found.sort();
+    if found.is_empty() {
+        let folder = path.display();
+        return Err(Error::usage(format!(
+            "the folder {folder} has no measurement: a table NAME.csv with NAME.toml that has a section [measurement]"
+        )));
+    }
+    log::info!("measurements in {}: {}", path.display(), found.len());
+    Ok(Some(found))
 }
 
 /// Reports outputs that would overwrite an input: `files`, and the pairs of these tables.

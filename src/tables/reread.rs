@@ -7,14 +7,25 @@ use crate::diagnostics::Diagnostics;
 use crate::disk::table_files::{self, TableReading};
 use crate::error::Error;
 use crate::machine::Machine;
+use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::Vector;
+use ncfix_base::number::significant;
+use ncfix_base::source::{FileId, Source};
+use ncfix_model::file::load;
 use ncfix_tables::results::compared::{difference, range_of};
+use ncfix_tables::results::inverse::machine_text;
 use ncfix_tables::results::made::{misfits, worse};
+use ncfix_tables::results::request::TablesRequest;
 use ncfix_tables::results::result::TablesResult;
 use ncfix_tables::tables::{Format, Tables as ControlTables, Wiring};
 
 /// Tools whose tips are closer than this are the same, mm.
 const SAME_TOOL_MM: f64 = 1e-6;
+
+/// Share of the errors that may be left with the tables from which they were found: effects of the second order.
+const MOST_SHARE_LEFT: f64 = 0.02;
+/// Rounding of the tables and of the machine file, µm.
+const ROUNDED_UM: f64 = 0.01;
 
 /// Options for tables that are read.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +38,8 @@ pub(crate) struct Reread<'a> {
     pub(crate) format: Option<&'static Format>,
     /// True if they are converted.
     pub(crate) is_converted: bool,
+    /// The text of the machine file to which the errors are added that the tables remove.
+    pub(crate) machine_text: Option<&'a str>,
     /// True if they are checked, which needs the machine.
     pub(crate) is_checked: bool,
 }
@@ -39,6 +52,8 @@ pub(crate) struct RereadTables {
     pub(crate) other: Option<ControlTables>,
     /// Those that are written.
     pub(crate) converted: Option<Tables>,
+    /// The machine file with the errors that they remove.
+    pub(crate) machine_file: Option<String>,
 }
 
 impl Reread<'_> {
@@ -87,6 +102,10 @@ impl Reread<'_> {
             result.difference = differences.map_err(|reason| Error::usage(reason.to_string()))?;
             other = Some(second.tables);
         }
+        let mut machine_file = None;
+        if let (Some(text), Some(request)) = (self.machine_text, &request) {
+            machine_file = self.errors(text, request, &read.tables, result, found)?;
+        }
         let mut converted = None;
         if self.is_converted {
             let Some(format) = self.format else {
@@ -106,7 +125,54 @@ impl Reread<'_> {
             let notes = vec![format!("read from {}", names(self.files))];
             converted = Some(Tables { tables, format, wiring: wiring.clone(), notes });
         }
-        Ok((!found.has_errors()).then_some(RereadTables { tables: read.tables, other, converted }))
+        Ok((!found.has_errors()).then_some(RereadTables { tables: read.tables, other, converted, machine_file }))
+    }
+
+    /// The machine file with the errors that the tables remove: with the tables, nothing of them must be left.
+    fn errors(
+        &self,
+        text: &str,
+        request: &TablesRequest<'_>,
+        tables: &ControlTables,
+        result: &mut TablesResult,
+        found: &mut Diagnostics,
+    ) -> Result<Option<String>, Error> {
+        if !request.model().is_empty() {
+            let sentence = "the machine file already states errors, and the tables may correct the same ones";
+            return Err(Error::usage(format!("{sentence}; give a machine file without errors")));
+        }
+        let mut refuse = |message: String| {
+            let help = "see docs/reference/tables.md for the tables that state errors of single axes";
+            found.add(Diagnostic::nowhere(Code::TABLES_DO_NOT_FIT, message, help), &[]);
+        };
+        let (text, count) = match machine_text(text, request.machine, tables) {
+            Ok(made) => made,
+            Err(why) => {
+                refuse(why);
+                return Ok(None);
+            }
+        };
+        let head = format!("# Errors that these tables remove: {}.\n", names(self.files));
+        let text = format!("{head}# While the control uses them, name them in active_tables.\n{text}");
+        let source = Source::new(FileId(0), "machine file", text.clone().into_bytes());
+        let loaded = source.ok().and_then(|source| load(&source).0);
+        let Some((_, errors)) = loaded else {
+            refuse("the errors of these tables cannot be stated in a machine file".to_owned());
+            return Ok(None);
+        };
+        let checked = TablesRequest { errors: &errors, ..request.clone() }.check(tables);
+        let (before, left) = (checked.before.rms_um, checked.tables.rms_um);
+        if left > MOST_SHARE_LEFT * before + ROUNDED_UM {
+            refuse(format!(
+                "the tables are no errors of single axes: of the {} µm RMS that they would correct, {} µm are left",
+                significant(before),
+                significant(left)
+            ));
+            return Ok(None);
+        }
+        result.check = Some(checked);
+        result.errors_found = Some(count);
+        Ok(Some(text))
     }
 }
 

@@ -119,6 +119,24 @@ pub const OPTIONS: &[ImportOption] = &[
         },
     },
     ImportOption {
+        name: "start-angle",
+        example: "-180",
+        meaning: "Angle at the first reading of a ball-bar circle by time, with the overshoot, degrees",
+        set: |to, text| {
+            to.start_deg = Some(angle(text)?);
+            Ok(())
+        },
+    },
+    ImportOption {
+        name: "turn",
+        example: "ccw",
+        meaning: "Direction of the ball-bar circles by time: ccw from the first axis of the plane to the second, or cw",
+        set: |to, text| {
+            to.turn = Some(turn(text)?);
+            Ok(())
+        },
+    },
+    ImportOption {
         name: "sigma",
         example: "0.5",
         meaning: "Standard uncertainty of a reading, µm or µrad; without it a calibration estimates it",
@@ -240,6 +258,10 @@ pub struct ImportAnswers {
     pub radius_mm: Option<f64>,
     /// Feed, mm/min.
     pub feed: Option<f64>,
+    /// Angle at the first reading of a circle by time, degrees.
+    pub start_deg: Option<f64>,
+    /// Direction of circles by time: 1 from the first axis of the plane to the second, else -1.
+    pub turn: Option<f64>,
     /// Standard uncertainty, µm or µrad.
     pub sigma: Option<f64>,
     /// True if a height map is that of a calibrated flat.
@@ -254,6 +276,23 @@ impl ImportAnswers {
     pub fn set(&mut self, option: &str, text: &str) -> Result<(), String> {
         let known = OPTIONS.iter().find(|one| one.name == option);
         known.map_or_else(|| Err(format!("there is no option --{option}")), |known| (known.set)(self, text.trim()))
+    }
+}
+
+fn angle(text: &str) -> Result<f64, String> {
+    let value = text.parse::<f64>().ok().filter(|value| value.abs() <= 3600.0);
+    value.ok_or_else(|| format!("'{text}' is not an angle in degrees"))
+}
+
+/// Direction of a circle: 1 for `ccw`, -1 for `cw`.
+///
+/// # Errors
+/// If the text is neither.
+pub fn turn(text: &str) -> Result<f64, String> {
+    match text.trim().to_lowercase().as_str() {
+        "ccw" | "g3" | "+" | "1" => Ok(1.0),
+        "cw" | "g2" | "-" | "-1" => Ok(-1.0),
+        _ => Err(format!("'{text}' is not a direction of a circle; write ccw or cw")),
     }
 }
 

@@ -151,7 +151,13 @@ const ROLES: &[(ColumnRole, &[&str])] = &[
         ],
     ),
     (ColumnRole::Angle, &["angle", "theta", "winkel", "angolo", "ángulo", "angulo", "phi", "polar angle"]),
-    (ColumnRole::Time, &["time", "t", "zeit", "temps", "tempo", "tiempo"]),
+    (
+        ColumnRole::Time,
+        &[
+            "time", "t", "zeit", "temps", "tempo", "tiempo", "time s", "time_s", "t s", "t_s", "time ms", "time_ms",
+            "t_ms", "zeit s", "zeit ms",
+        ],
+    ),
     (ColumnRole::Radius, &["radius", "r", "distance", "rayon", "raggio", "radio", "ball distance"]),
     (
         ColumnRole::Name,

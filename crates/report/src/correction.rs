@@ -59,7 +59,7 @@ pub struct CorrectionReport {
     pub drilled_by_moves: u64,
     /// Tolerance with which these holes could stay cycles, µm; `null` if they are moves for another reason.
     pub cycles_need_um: Option<f64>,
-    /// What the control checks at the start of the output; `null` without --guard.
+    /// Check by the control at the start of the output; `null` without --guard.
     pub guard: Option<GuardReport>,
     /// Wall time of the run.
     pub seconds: f64,

@@ -1,4 +1,4 @@
-//! What the control checks at the start of a corrected program.
+//! Check by the control at the start of a corrected program.
 
 use serde::Serialize;
 

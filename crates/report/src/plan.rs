@@ -13,6 +13,13 @@ const MOST_SENTENCES: usize = 12;
 pub fn page(plan: &PlanResult, table: &str, description: &str) -> String {
     let model = plan.model.as_deref().unwrap_or_default();
     let mut out: String = plan.judgements.iter().map(|one| said(one, model)).collect();
+    if !plan.from_tool.is_empty() {
+        let _ = writeln!(
+            out,
+            "  only the stated tool tells {}: an error of its length is an error of them; calibrate it, or add a known distance of two balls ([[length]])",
+            joined(&plan.from_tool)
+        );
+    }
     for note in &plan.notes {
         let _ = writeln!(out, "note: {note}");
     }
@@ -20,6 +27,15 @@ pub fn page(plan: &PlanResult, table: &str, description: &str) -> String {
         [(plan.rows, "row"), (plan.setups, "set-up")].map(|(count, noun)| counted(count as u64, noun));
     let _ = writeln!(out, "{table}: {rows} in {set_ups}; description in {description}");
     out
+}
+
+/// `A, B and C`
+fn joined(names: &[String]) -> String {
+    match names {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
 }
 
 /// Describes the parameters that measurements by a plan can determine.

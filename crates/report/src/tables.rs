@@ -95,6 +95,11 @@ impl TablesReport {
                 );
             }
         }
+        self.reversals_page(&mut page);
+        if let Some(count) = self.found.errors_found {
+            let _ = writeln!(page, "{} found from the tables", counted(count as u64, "error"));
+            page.push_str("  while the control uses these tables, name them in active_tables of the machine file\n");
+        }
         if !self.found.difference.is_empty() {
             page.push_str("difference of the two sets of values\n");
         }
@@ -112,6 +117,19 @@ impl TablesReport {
             let _ = writeln!(page, "{file} was written");
         }
         page
+    }
+
+    fn reversals_page(&self, page: &mut String) {
+        for one in &self.found.reversals {
+            let unit = if one.axis.starts_with(['A', 'B', 'C']) { "deg" } else { "mm" };
+            let spread =
+                if one.spread < 5e-5 { String::new() } else { format!(", ± {:.4} along the axis", one.spread) };
+            let _ =
+                writeln!(page, "reversal value of {}: {:.5} {unit}{spread}, not in these tables", one.axis, one.value);
+            for setting in one.settings() {
+                let _ = writeln!(page, "  {setting}");
+            }
+        }
     }
 
     fn tried_page(&self, page: &mut String) {

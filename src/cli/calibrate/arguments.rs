@@ -34,8 +34,8 @@ Examples:
 /// `ncfix calibrate`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct CalibrateArguments {
-    /// Tables of readings, each with its description NAME.toml in the same folder
-    #[arg(value_name = "DATA.csv", required = true)]
+    /// Tables of readings, each with its description NAME.toml in the same folder; of a folder, all measurements in it
+    #[arg(value_name = "DATA.csv|FOLDER", required = true)]
     pub(in crate::cli) data: Vec<PathBuf>,
     /// Initial machine file
     #[arg(long, value_name = "START.toml")]

@@ -70,8 +70,9 @@ fn calibrate(
     let start = input::read_written(&arguments.machine, MACHINE, "machine file, --machine")?;
     let chosen = machine_choice::read(&start, &[], findings)?;
     let read = std::iter::once(&arguments.machine).chain(&arguments.state.state).cloned().collect();
-    let tables = arguments.data.iter().chain(&arguments.hold_out);
-    measurement::protect_inputs(std::iter::once(&target).chain(page.and_then(Pages::target)), read, tables, findings)?;
+    let tables = measurement::tables(&arguments.data, &arguments.hold_out)?;
+    let targets = std::iter::once(&target).chain(page.and_then(Pages::target));
+    measurement::protect_inputs(targets, read, tables.all.iter(), findings)?;
     if page.is_some() && findings.has_errors() {
         return Ok(());
     }
@@ -90,11 +91,11 @@ fn calibrate(
     };
     let mut begin = CalibrationStart { machine: &chosen.machine, errors: &chosen.errors, condition: &chosen.condition };
     let mut all = Vec::new();
-    for (number, path) in arguments.data.iter().chain(&arguments.hold_out).enumerate() {
+    for (number, path) in tables.all.iter().enumerate() {
         let read = measurement::read(path, number, false, &chosen.machine, findings)?;
         if let Some(measurement) = &read {
             findings.extend(check_sizes(&begin, measurement, arguments.max), &measurement.sources);
-            report.inputs.extend(measurement::inputs(measurement, number >= arguments.data.len()));
+            report.inputs.extend(measurement::inputs(measurement, number >= tables.used));
         }
         all.extend(read);
     }
@@ -110,7 +111,7 @@ fn calibrate(
         significance: arguments.significance,
         with_readings: arguments.page.is_wanted(),
     };
-    let Some((parameters, grown)) = with_terms(&chosen, &start, model, (&all, arguments.data.len()), findings) else {
+    let Some((parameters, grown)) = with_terms(&chosen, &start, model, (&all, tables.used), findings) else {
         return Ok(());
     };
     report.found.terms = grown.as_ref().map_or_else(Vec::new, |grown| grown.terms.clone());
@@ -118,7 +119,7 @@ fn calibrate(
     begin.errors = errors;
     let sources = measurement::sources_of(&all);
     let mut found = Vec::new();
-    let prepared = prepare(begin, settings, all, arguments.data.len(), parameters, &mut found, &mut report.found);
+    let prepared = prepare(begin, settings, all, tables.used, parameters, &mut found, &mut report.found);
     findings.extend(found, &sources);
     let Some(prepared) = prepared else { return Ok(()) };
     let pieces = PiecewisePolynomials { spacing_mm: arguments.knots, degree: arguments.degree };

@@ -81,11 +81,11 @@ fn find(
     if target.is_some() && chosen.is_demo {
         return Err(Stop::Usage("-o extends a machine file; give it with --machine".into()));
     }
-    let tables = arguments.data.iter().chain(&arguments.holdout);
+    let tables = measurement::tables(&arguments.data, &arguments.holdout)?;
     measurement::protect_inputs(
         target.iter().chain(page.and_then(Pages::target)),
         chosen.files.clone(),
-        tables,
+        tables.all.iter(),
         findings,
     )?;
     if findings.has_errors() {
@@ -95,10 +95,10 @@ fn find(
         shown.inputs.push(pages::input(&input::read(path, FileId(0), "")?, "machine"));
     }
     let mut all: Vec<Measurement> = Vec::new();
-    for (number, path) in arguments.data.iter().chain(&arguments.holdout).enumerate() {
+    for (number, path) in tables.all.iter().enumerate() {
         let read = measurement::read_with_dead(path, number, (&chosen.machine, &chosen.errors), findings)?;
         if let Some(one) = &read {
-            shown.inputs.extend(measurement::inputs(one, number >= arguments.data.len()));
+            shown.inputs.extend(measurement::inputs(one, number >= tables.used));
         }
         all.extend(read);
     }
@@ -122,7 +122,7 @@ fn find(
     let made = diagnosis::run(
         (&chosen.machine, &chosen.errors),
         all,
-        arguments.data.len(),
+        tables.used,
         settings,
         &mut |what, share| progress.share(what, share),
         &mut found,

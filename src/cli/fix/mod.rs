@@ -1,6 +1,7 @@
 //! `ncfix fix`: from a program to its corrected text.
 
 pub(in crate::cli) mod arguments;
+mod shift;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -27,6 +28,9 @@ use ncfix_report::json;
 
 /// Corrects a program.
 pub(in crate::cli) fn run(arguments: &FixArguments) -> Result<ExitCode, Stop> {
+    if let Some(output) = &arguments.zero_shift {
+        return shift::run(arguments, output);
+    }
     let started = Instant::now();
     let job = Job::new(arguments)?;
     let mut findings = Findings::default();

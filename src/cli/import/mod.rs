@@ -10,7 +10,7 @@ use crate::cli::exit_code::ExitCode;
 use crate::cli::findings::Findings;
 use crate::cli::stop::Stop;
 use crate::cli::{input, machine_choice, print, progress, say, tell};
-use crate::import::{InstrumentFile, without_machine};
+use crate::import::InstrumentFile;
 use crate::registry::Registry;
 use ncfix_base::diagnostic::Code;
 use ncfix_instruments::ImportOutcome;
@@ -38,7 +38,7 @@ fn import(arguments: &ImportArguments, path: &Path, findings: &mut Findings) -> 
     let Some(file) = InstrumentFile::read(path, findings)? else { return Ok(None) };
     let Some(machine) = machine_choice::choose(&arguments.machine, path, findings)? else { return Ok(None) };
     if findings.first_of(Code::NO_MACHINE).is_some() {
-        findings.add(without_machine(), &[]);
+        file.ask_without_machine(arguments.format.as_deref(), &arguments.answers.0, &machine, findings);
         return Ok(None);
     }
     let is_asked =

@@ -8,27 +8,11 @@ use crate::cli::arguments::MachineChoice;
 use crate::tool::ToolVector;
 use ncfix_base::geometry::{Axis, Plane, Vector};
 use ncfix_machine::machine::Machine;
-use ncfix_metrology::measure::plan::{PLANS, PlanKind, RowSpacing, Wishes, find};
+use ncfix_metrology::measure::plan::{PLANS, PlanKind, RowSpacing, Wishes, find, kinds_help};
 use ncfix_model::ErrorName;
 
 /// End of `ncfix plan --help`.
-pub(in crate::cli) const AFTER_HELP: &str = "\
-Kinds:
-  ballbar  circles in XY, YZ, ZX, both directions, with overlap (ISO 230-4)
-           --centre --radius --feed --plane --every --sweep --overlap --dwell
-  sphere   hemisphere of five meridians; --variant esmaeili: forward and backward, spaan: eight spheres (Spaan 1995, Table 3.1)
-           --centre --radius --feed --every --chord --variant
-  probe    balls on the table; --variant samba (Table 4-1), rumba (Table 5-3), rumba-check (Table 5-4), or generated poses
-           --ball --radius --variant --points --tilt --clearance --feed --dwell --line
-  laser    an axis in steps, forward and backward (ISO 230-2); --variant equal: equal steps
-           --axis --component --range --points --runs --centre --feed --dwell --variant --seed
-  drift    spindle speeds; --variant din (DIN 8602), pseudo-din, random (Spaan 1995)
-           --variant --hours --speed --seed --centre --feed
-  plate    grid of holes in a plane; a set-up for every --tool and --centre
-           --plane --centre --points --every --clearance --feed --dwell --line
-  load     weights on the table; --variant level: an axis, plate: grid of holes
-           --force --place --variant --axis --component --range --points --runs --centre --plane --every --clearance --feed --dwell --line
-
+const AFTER_KINDS: &str = "
 PLAN.csv gets the poses with empty readings, PLAN.toml in the same folder gets the description. The program has axis positions in machine coordinates, without \
 zero offset and tool length compensation; it stops (M0) for mounting the instrument. Run it first without an instrument.
 
@@ -37,10 +21,15 @@ Examples:
   ncfix plan probe --variant rumba --machine five.toml --tool 200 --model 81 -o balls.csv --program BALLS.MPF
   ncfix plan plate --plane YZ --tool 150 --tool 0,-80,-100 --machine mill.toml --model spaan-21 --with xy.csv --with zx.csv -o yz.csv";
 
+/// End of `ncfix plan --help`, with all kinds.
+pub(in crate::cli) fn after_help() -> String {
+    format!("Kinds:\n{}{AFTER_KINDS}", kinds_help())
+}
+
 /// `ncfix plan`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct PlanArguments {
-    /// Kind of measurement: ballbar, sphere, probe, laser, drift, plate or load
+    /// Kind of measurement; see Kinds below
     #[arg(value_name = "KIND", value_parser = kind)]
     pub(in crate::cli) kind: &'static PlanKind,
     /// Table of poses; its description (.toml) goes into the same folder
@@ -79,7 +68,7 @@ pub(in crate::cli) struct PlanArguments {
     /// Plane: XY, YZ or ZX; repeatable
     #[arg(long, value_name = "PLANE", value_parser = plane)]
     pub(in crate::cli) plane: Vec<Plane>,
-    /// Spacing of rows, deg (default: 2 for ballbar, 5 for sphere), or of holes, mm (default: 50)
+    /// Spacing of rows, deg (default: 2 for ballbar, 5 for sphere, 10 with a turning table), or of holes, mm (default: 50)
     #[arg(long, value_name = "DEG|MM", value_parser = above_zero)]
     pub(in crate::cli) every: Option<f64>,
     /// Evaluated arc, deg (default: 360 in the plane perpendicular to the spindle, else 220)
@@ -88,7 +77,7 @@ pub(in crate::cli) struct PlanArguments {
     /// Angle before and after the evaluated arc, deg (default: 180 with full circles, else 20)
     #[arg(long, value_name = "DEG", value_parser = not_negative)]
     pub(in crate::cli) overlap: Option<f64>,
-    /// Angle of a straight piece on the sphere, deg (default: 0.1)
+    /// Angle of a straight piece, deg (default: 0.1 on a sphere, 0.5 with a turning table)
     #[arg(long, value_name = "DEG", value_parser = above_zero)]
     pub(in crate::cli) chord: Option<f64>,
     /// Variant; see Kinds below
@@ -112,10 +101,10 @@ pub(in crate::cli) struct PlanArguments {
     /// First and last position of the axis, mm or deg (default: the travel)
     #[arg(long, value_name = "FROM,TO", value_parser = range, allow_hyphen_values = true)]
     pub(in crate::cli) range: Option<[f64; 2]>,
-    /// Number of targets of an axis (default: 11 for laser, 8 for load), angles of the rotary axes (42), holes per side (5)
+    /// Number of targets of an axis (default: 11 for laser, 8 for load, 5 for diagonal), angles of the rotary axes (42), holes per side (5)
     #[arg(long, value_name = "N")]
     pub(in crate::cli) points: Option<usize>,
-    /// Number of forward and backward runs (default: 5 for laser, 1 for load)
+    /// Number of forward and backward runs (default: 5 for laser and diagonal, else 1)
     #[arg(long, value_name = "N")]
     pub(in crate::cli) runs: Option<usize>,
     /// Dwell at a pose, s (default: 4 for laser and level, 3 for plate, 2 before a circle; probe stops with M0)

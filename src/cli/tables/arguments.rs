@@ -2,20 +2,20 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use crate::cli::arguments::{MachineChoice, StateChoice};
 use crate::cli::stop::Stop;
-use crate::cli::value;
+use crate::cli::value::{self, MultiplicationChoice, OrientationChoice};
 use crate::tables::TableOptions;
 use crate::tool::ToolVector;
 use ncfix_base::geometry::Axis;
-use ncfix_tables::tables::{FORMATS, Format, Multiplication, Orientation, format};
+use ncfix_tables::tables::{FORMATS, Format, format};
 
 /// End of `ncfix tables --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
 Formats (--list describes each):
-  cec  enc  fanuc  heidenhain  grundig  comp  matrixkins  isg  ssfk
+  cec  enc  fanuc  pitch  heidenhain  grundig  comp  matrixkins  isg  etalon  ssfk
 Schemes:
   functions      a table for each error function, for controls with their own kinematics
   grid           corrections of X, Y, Z on the smallest grid of positions that reaches the tolerance
@@ -37,7 +37,8 @@ Examples:
   ncfix tables --read CEC.INI --machine mill.toml --check
   ncfix tables --read OLD.INI --compare CEC.INI --svg both.svg
   ncfix tables --read CEC.INI --machine mill.toml --check --report cec.html
-  ncfix tables --read EEC.INI --format comp -o joints.comp";
+  ncfix tables --read EEC.INI --format comp -o joints.comp
+  ncfix tables --read CEC.INI --machine bare.toml -o mill.toml";
 
 /// `ncfix tables`.
 #[derive(Clone, Debug, Args)]
@@ -54,7 +55,8 @@ pub(in crate::cli) struct TablesArguments {
     /// Scheme that fills the tables
     #[arg(long, value_name = "SCHEME", default_value = "auto", conflicts_with = "read")]
     pub(in crate::cli) scheme: String,
-    /// File to write; formats of several files extend its name
+    /// File to write; formats of several files extend its name. With --read and without --format, M.toml is the machine file with the errors that
+    /// the tables remove
     #[arg(short, long, value_name = "OUT")]
     pub(in crate::cli) output: Option<PathBuf>,
     /// Read tables of a control: a file, several that belong together, or an archive
@@ -79,10 +81,10 @@ pub(in crate::cli) struct TablesArguments {
     #[arg(long, value_enum)]
     pub(in crate::cli) orientation: Option<OrientationChoice>,
     /// Range of an axis that the tables cover, mm or deg, instead of its travel; repeatable
-    #[arg(long, value_name = "AXIS=LOW..HIGH", value_parser = range, allow_hyphen_values = true)]
+    #[arg(long, value_name = "AXIS=LOW..HIGH", value_parser = value::axis_range, allow_hyphen_values = true)]
     pub(in crate::cli) range: Vec<(Axis, [f64; 2])>,
     /// Name of an axis at the control, such as X=AX1; repeatable
-    #[arg(long, value_name = "AXIS=NAME", value_parser = axis_name)]
+    #[arg(long, value_name = "AXIS=NAME", value_parser = value::axis_name)]
     pub(in crate::cli) axis_name: Vec<(Axis, String)>,
     /// Rule of the control for multiplied tables: only the product, or the product plus the table's own value (default: by the file or the machine
     /// file, else instead)
@@ -145,81 +147,7 @@ fn once(option: &str, all: impl Iterator<Item = String>) -> Result<(), Stop> {
     Ok(())
 }
 
-/// See [`Orientation`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(in crate::cli) enum OrientationChoice {
-    /// As much of the tilt as possible without much rotation of the tool about its axis: a smooth function without poles
-    Smooth,
-    /// Tilt and roll alike (Esmaeili 2021, eq. 37): lowest trigonometric functions, largest residual tilt
-    SixRows,
-    /// All of the tilt, as in the correction of programs: steep near a pole
-    Exact,
-    /// None: only the tip position is corrected
-    Off,
-}
-
-impl OrientationChoice {
-    /// Orientation for the library.
-    fn orientation(self) -> Orientation {
-        match self {
-            OrientationChoice::Smooth => Orientation::Smooth,
-            OrientationChoice::SixRows => Orientation::SixRows,
-            OrientationChoice::Exact => Orientation::Exact,
-            OrientationChoice::Off => Orientation::Off,
-        }
-    }
-}
-
-/// See [`Multiplication`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(in crate::cli) enum MultiplicationChoice {
-    /// Product in place of the table's own value
-    Instead,
-    /// Product in addition to the table's own value
-    Beside,
-}
-
-impl MultiplicationChoice {
-    /// Multiplication for the library.
-    fn multiplication(self) -> Multiplication {
-        match self {
-            MultiplicationChoice::Instead => Multiplication::Instead,
-            MultiplicationChoice::Beside => Multiplication::Beside,
-        }
-    }
-}
-
 fn named(text: &str) -> Result<&'static Format, String> {
     let names = || FORMATS.iter().map(|format| format.name).collect::<Vec<_>>().join(", ");
     format::find(text).ok_or_else(|| format!("the formats are {}", names()))
-}
-
-fn axis_of(text: &str) -> Result<Axis, String> {
-    match text.trim().as_bytes() {
-        [letter] => Axis::from_letter(*letter).ok_or_else(|| format!("'{text}' is not an axis")),
-        _ => Err(format!("'{text}' is not an axis")),
-    }
-}
-
-fn range(text: &str) -> Result<(Axis, [f64; 2]), String> {
-    let (axis, range) = text.split_once('=').ok_or("write AXIS=LOW..HIGH, such as A=-55..55")?;
-    let (low, high) = range.split_once("..").ok_or("write LOW..HIGH, such as -55..55")?;
-    let number = |text: &str| {
-        text.trim()
-            .parse::<f64>()
-            .ok()
-            .filter(|value| value.is_finite())
-            .ok_or_else(|| format!("'{text}' is not a number"))
-    };
-    let (low, high) = (number(low)?, number(high)?);
-    if low > high {
-        return Err(format!("{low} is above {high}"));
-    }
-    Ok((axis_of(axis)?, [low, high]))
-}
-
-fn axis_name(text: &str) -> Result<(Axis, String), String> {
-    let (axis, name) = text.split_once('=').ok_or("write AXIS=NAME, such as X=AX1")?;
-    let is_name = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-    if is_name { Ok((axis_of(axis)?, name.to_owned())) } else { Err(format!("'{name}' is not an axis name")) }
 }

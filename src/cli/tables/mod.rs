@@ -9,8 +9,10 @@ use crate::cli::arguments::TablesArguments;
 use crate::cli::exit_code::ExitCode;
 use crate::cli::findings::Findings;
 use crate::cli::machine_choice::{self, Chosen};
+use crate::cli::output::Target;
 use crate::cli::stop::Stop;
-use crate::cli::{input, print, tell};
+use crate::cli::{input, print, program, tell};
+use crate::disk::machine_file::is_toml;
 use crate::registry::Registry;
 use crate::tables::reread::Reread;
 use crate::tables::{Tables, itself, scheme_of};
@@ -48,9 +50,21 @@ pub(in crate::cli) fn run(arguments: &TablesArguments) -> Result<ExitCode, Stop>
 /// The machine itself, without tables that are active in its control; `None` if there are errors.
 fn machine(arguments: &TablesArguments, findings: &mut Findings) -> Result<Option<Chosen>, Stop> {
     arguments.check_ranges()?;
-    let beside = arguments.output.as_deref().or(arguments.read.first().map(PathBuf::as_path)).unwrap_or(Path::new("."));
-    let chosen = machine_choice::choose_in(&arguments.machine, &arguments.state, beside, findings)?;
+    let chosen = machine_choice::choose_in(&arguments.machine, &arguments.state, beside(arguments), findings)?;
     Ok(chosen.filter(|_| !findings.has_errors()).map(|chosen| itself(&chosen)))
+}
+
+/// The text of the machine file.
+fn text(arguments: &TablesArguments, findings: &mut Findings) -> Result<String, Stop> {
+    let (path, found) = machine_choice::locate(arguments.machine.machine.as_deref(), beside(arguments));
+    let source = machine_choice::source_of(path.as_deref(), found, &mut Findings::default())?;
+    program::protect(&Target::new(arguments.output.as_deref().unwrap_or(Path::new("-")))?, path.iter(), findings);
+    Ok(String::from_utf8_lossy(source.bytes()).into_owned())
+}
+
+/// The file beside which the machine file is searched.
+fn beside(arguments: &TablesArguments) -> &Path {
+    arguments.output.as_deref().or(arguments.read.first().map(PathBuf::as_path)).unwrap_or(Path::new("."))
 }
 
 fn make(arguments: &TablesArguments, report: &mut TablesReport, findings: &mut Findings) -> Result<(), Stop> {
@@ -73,22 +87,26 @@ fn make(arguments: &TablesArguments, report: &mut TablesReport, findings: &mut F
 
 /// Shows the tables of a control, checks them, compares them and converts them.
 fn reread(arguments: &TablesArguments, report: &mut TablesReport, findings: &mut Findings) -> Result<(), Stop> {
-    let needs_machine = arguments.machine.machine.is_some() || arguments.check;
+    let to_machine = arguments.format.is_none() && arguments.output.as_deref().is_some_and(is_toml);
+    let needs_machine = arguments.machine.machine.is_some() || arguments.check || to_machine;
     let machine = if needs_machine { machine(arguments, findings)? } else { None };
     if needs_machine && machine.is_none() {
         return Ok(());
     }
+    let text = to_machine.then(|| text(arguments, findings)).transpose()?;
     let asked = Reread {
         files: &arguments.read,
         compare: arguments.compare.as_deref(),
         format: arguments.format,
-        is_converted: arguments.output.is_some(),
+        is_converted: arguments.output.is_some() && !to_machine,
+        machine_text: text.as_deref(),
         is_checked: arguments.check,
     };
     let read = asked.run(machine.as_ref(), &arguments.options(), &mut report.found, findings)?;
     let Some(read) = read else { return Ok(()) };
-    let files = match (&read.converted, &arguments.output) {
-        (Some(tables), Some(output)) => tables.files_at(output)?,
+    let files = match (&read.converted, read.machine_file, &arguments.output) {
+        (Some(tables), _, Some(output)) => tables.files_at(output)?,
+        (None, Some(text), Some(output)) => vec![(output.clone(), text)],
         _ => Vec::new(),
     };
     let sets = match &read.other {

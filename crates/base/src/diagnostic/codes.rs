@@ -414,6 +414,11 @@ again.";
 cycles are written as moves, and so are holes that turn beyond the tolerance. Nothing was written. Allow a larger growth, choose a
 larger --tolerance, or correct the repeated part as a separate program.";
 
+    DRIFT_VARIES = "E0325" "drift is not the same over the part"
+"A shift of the zero offset moves every cut of a program by the same length. The drift of the machine between this condition and the
+one in which the zero was set differs by more than --tolerance between two places in which the program cuts. Nothing was written.
+Correct the program for this --state, or allow the difference with a larger --tolerance.";
+
     BAD_TOML = "E0401" "machine file is not TOML"
 "The file breaks the rules of TOML 1.0 at this place.";
     UNKNOWN_KEY = "E0402" "unknown key in the machine file"

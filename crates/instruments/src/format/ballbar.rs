@@ -1,7 +1,9 @@
 //! Circles of a telescoping ball-bar: angle and deviation, or angle and radius.
 //!
 //! The lines before the table may state plane, radius, feed, center, and the angles between which the circle counts: `plane;XY`, `radius_mm;150`. Angles count from
-//! the first axis of the plane to the second. Readings of the overshoot, outside of start and end angle, are cut.
+//! the first axis of the plane to the second. Instead of angles, the readings may have times. Readings of the overshoot, outside of start and end angle, are cut.
+
+mod clock;
 
 use ncfix_base::geometry::Axis;
 
@@ -13,11 +15,12 @@ use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
 use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
 use crate::words::{self, ColumnRole};
+use clock::CircleClock;
 
 /// The format.
 pub(super) const FORMAT: InstrumentFormat = InstrumentFormat {
     name: "ball-bar",
-    title: "circles of a ball-bar: angle and deviation or radius, for each run",
+    title: "circles of a ball-bar: angle or time, and deviation or radius, for each run",
     needs: "plane radius feed at unit tool",
     recognize,
     read,
@@ -32,7 +35,9 @@ fn recognize(text: &DecodedText) -> u8 {
     let roles = roles(&table);
     let has_angle = roles.contains(&ColumnRole::Angle);
     let has_reading = roles.iter().any(|role| matches!(role, ColumnRole::Deviation | ColumnRole::Radius));
-    if has_angle && has_reading && !roles.contains(&ColumnRole::Target) { 3 } else { 0 }
+    // Times alone may be those of any instrument: the lines before the table must be those of a circle.
+    let is_timed = || roles.contains(&ColumnRole::Time) && facts(text, &table).is_circle();
+    if has_reading && !roles.contains(&ColumnRole::Target) && (has_angle || is_timed()) { 3 } else { 0 }
 }
 
 /// Values that the lines before the table state, with their lines.
@@ -45,6 +50,13 @@ struct CircleFacts {
     end_deg: Option<(f64, usize)>,
     center: Vec<(Axis, f64, usize)>,
     unit: Option<(ReadingUnit, usize)>,
+}
+
+impl CircleFacts {
+    /// True if they are those of a circle.
+    fn is_circle(&self) -> bool {
+        self.plane.is_some() || self.radius_mm.is_some()
+    }
 }
 
 fn facts(text: &DecodedText, table: &GridTable) -> CircleFacts {
@@ -83,13 +95,15 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     let line = table.heading_line;
     let roles = roles(&table);
     let of = |wanted: ColumnRole| roles.iter().position(|role| *role == wanted);
-    let (Some(angle), reading) = (of(ColumnRole::Angle), of(ColumnRole::Deviation).or(of(ColumnRole::Radius))) else {
+    let (angle, reading) = (of(ColumnRole::Angle), of(ColumnRole::Deviation).or(of(ColumnRole::Radius)));
+    let time = of(ColumnRole::Time);
+    if angle.or(time).is_none() {
         return Err(inquiry.refused(
-            "the table has no column of angles",
+            "the table has no column of angles or times",
             "export angle and deviation of each reading",
             line,
         ));
-    };
+    }
     let Some(reading) = reading else {
         return Err(inquiry.refused(
             "the table has no column of deviations or radii",
@@ -148,6 +162,12 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
         inquiry.note("feed", line);
         feed
     }));
+    let (run, sense) = (of(ColumnRole::Run), of(ColumnRole::Sense));
+    let bounds_deg = facts.start_deg.zip(facts.end_deg).map(|((start, _), (end, _))| [start, end]);
+    let mut clock = match (angle, time) {
+        (None, Some(time)) => Some(CircleClock::ask(inquiry, &table, time, sense, (feed, radius_mm), bounds_deg)?),
+        _ => None,
+    };
     let mut raw = Vec::new();
     let mut cut = 0;
     let is_outside = |deg: f64| {
@@ -155,9 +175,16 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
         let (start, end) = (bound(facts.start_deg, f64::MIN), bound(facts.end_deg, f64::MAX));
         deg < start.min(end) - 1e-6 || deg > start.max(end) + 1e-6
     };
-    let (run, sense) = (of(ColumnRole::Run), of(ColumnRole::Sense));
     for row in &table.rows {
-        let deg = table.needed(row, angle)?;
+        let text = |column: Option<usize>| {
+            column.and_then(|column| row.cells.get(column)).map_or("", |cell| cell.text.as_str())
+        };
+        let label = [text(run), text(sense)].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("-");
+        let deg = match (&mut clock, angle) {
+            (Some(clock), _) => clock.deg(inquiry, &table, row, &label)?,
+            (None, Some(angle)) => table.needed(row, angle)?,
+            (None, None) => continue,
+        };
         if deg.abs() > 36_000.0 {
             return Err(inquiry.refused(
                 format!("{} is not an angle in degrees", shown(deg)),
@@ -170,11 +197,10 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
             continue;
         }
         let Some(value) = table.value(row, reading)? else { continue };
-        let text = |column: Option<usize>| {
-            column.and_then(|column| row.cells.get(column)).map_or("", |cell| cell.text.as_str())
-        };
-        let label = [text(run), text(sense)].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("-");
         raw.push((label, deg, value, row.number));
+    }
+    if let Some(clock) = &clock {
+        clock.check(inquiry, facts.end_deg.map(|(deg, _)| deg))?;
     }
     if cut > 0 {
         inquiry.note(

@@ -48,11 +48,12 @@ pub(super) const MARLIN: InstrumentFormat = InstrumentFormat {
     recognize: |text| u8::from(marlin_points(text).len() >= 4) * 3,
     read: |inquiry| {
         let spacing: Vec<f64> = inquiry.answers.columns.iter().filter_map(|text| text.parse().ok()).collect();
-        let [x, y, dx, dy] = spacing[..] else {
+        let [x, y, dx, dy] = <[f64; 4]>::try_from(spacing).unwrap_or_else(|_| {
             let advice = "the position of index 0 and the spacing in mm: x,y,dx,dy";
             inquiry.ask("columns", "the mesh has indices, not positions", advice);
-            return Err(ImportStop::Asks);
-        };
+            // The other questions do not depend on the spacing, and nothing is written before all are answered.
+            [0.0, 0.0, 1.0, 1.0]
+        });
         let found = marlin_points(inquiry.text);
         let found = found.into_iter().map(|([i, j, z], number)| ([x + dx * i, y + dy * j, z], number)).collect();
         // Marlin prints its meshes in mm.

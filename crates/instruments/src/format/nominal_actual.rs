@@ -18,6 +18,12 @@ use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
 use crate::words::{self, ColumnRole};
 
+/// The question for the sign: where the features come from.
+const ORIGIN: &str = "the file does not state the origin of the features: were they machined on this machine (+), or is it a calibrated artifact that was probed here (-)?";
+/// Place whose machine position is asked for, and the body whose temperature is.
+const ZERO: &str = "the zero of the nominal positions";
+const MATERIAL: &str = "the workpiece or artifact";
+
 /// The format.
 pub(super) const FORMAT: InstrumentFormat = InstrumentFormat {
     name: "nominal-actual",
@@ -281,6 +287,12 @@ fn tabular(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
                 "no headings name the nominal and the actual values",
                 "the meaning of each column, such as name,axis,nominal,actual,-",
             );
+            // Whatever the columns are, these are open too: all questions come in one round.
+            inquiry.sign(None, ORIGIN);
+            inquiry.zero(&[Axis::X, Axis::Y, Axis::Z], ZERO);
+            inquiry.other_positions(&[Axis::X, Axis::Y, Axis::Z]);
+            inquiry.tool();
+            inquiry.material(MATERIAL);
             return Err(ImportStop::Asks);
         };
         let names = (0..labels).next_back();
@@ -376,7 +388,7 @@ fn displacement(
         .map(|value| value.abs())
         .fold(0.0, f64::max);
     let unit = position_unit(inquiry, unit, largest)?;
-    let sign = inquiry.sign(None, "the file does not state the origin of the features: were they machined on this machine (+), or is it a calibrated artifact that was probed here (-)?");
+    let sign = inquiry.sign(None, ORIGIN);
     let axes: Vec<Axis> = [Axis::X, Axis::Y, Axis::Z]
         .into_iter()
         .enumerate()
@@ -397,9 +409,9 @@ fn displacement(
     for k in (0..3).filter(|k| all_given(*k) && !measured.contains(k)) {
         inquiry.note(format!("{} always has its nominal value and counts as not measured", ['X', 'Y', 'Z'][k]), 0);
     }
-    let zero = inquiry.zero(&axes, "the zero of the nominal positions");
+    let zero = inquiry.zero(&axes, ZERO);
     let tool = inquiry.tool();
-    let material = inquiry.material("the workpiece or artifact");
+    let material = inquiry.material(MATERIAL);
     let names = ["dx_um", "dy_um", "dz_um"];
     let mut out = ImportedReadings::new(
         ImportedKind::Displacement,

@@ -260,7 +260,7 @@ fn collect(
             "no heading names the column of the target positions",
             "the meaning of each column, such as target,1+,1-,2+,2-",
         );
-        return Err(ImportStop::Asks);
+        return Err(rest(inquiry, facts));
     };
     facts.target_unit = headings.get(target).and_then(|heading| heading.unit).map(|unit| (unit, line));
     let series: Vec<(usize, u32, i8)> = columns
@@ -278,7 +278,6 @@ fn collect(
                 "the headings do not state which runs go in the positive and which in the negative direction",
                 "the meaning of each column, such as target,1+,1-,2+,2-",
             );
-            return Err(ImportStop::Asks);
         }
         facts.unit = facts.unit.or_else(|| series.iter().find_map(|(index, _, _)| unit_of(*index)));
         for (index, run, sense) in series {
@@ -308,7 +307,7 @@ fn collect(
             "no heading names the column of the deviations",
             "the meaning of each column, such as target,run,dir,dev",
         );
-        return Err(ImportStop::Asks);
+        return Err(rest(inquiry, facts));
     }
     facts.unit = facts.unit.or_else(|| value_columns.iter().find_map(|(index, _)| unit_of(*index)));
     let is_difference = components.is_empty() && deviation.is_none();
@@ -352,6 +351,45 @@ fn collect(
         }
     }
     Ok(found)
+}
+
+/// Asks for everything else that a table of readings leaves open if it cannot be read on: all questions come in one round.
+fn rest(inquiry: &mut Inquiry<'_>, facts: &StatedFacts) -> ImportStop {
+    let component = inquiry.answers.component;
+    let axis = component.map(|one| one.axis).or(inquiry.answers.axis).or(facts.axis.map(|(axis, _)| axis));
+    let is_angle = component.is_some_and(MeasuredComponent::is_angle);
+    if axis.is_none() {
+        inquiry.ask("axis", "the file does not state the axis that moved", "its letter, such as X");
+    }
+    if let (None, Some(line)) = (component, facts.other_quantity) {
+        let sentence =
+            format!("line {line} mentions a straightness or an angle, and the file does not name its component");
+        inquiry.ask("component", sentence, "the error, such as EXX for positioning or EYX for a straightness");
+    }
+    if inquiry.answers.sign.is_none() && facts.sign.is_none() {
+        inquiry.ask(
+            "sign",
+            "the file does not state the sign of its readings",
+            "+ if a positive reading means too far in the positive direction, else -",
+        );
+    }
+    if inquiry.answers.unit.is_none() && facts.unit.is_none() {
+        let choices = format!("one of {}", ReadingUnit::choices(is_angle));
+        inquiry.ask("unit", "the file does not state the unit of its readings", choices);
+    }
+    match axis {
+        Some(axis) => _ = inquiry.other_positions(&[axis]),
+        None if inquiry.answers.at.is_empty() => {
+            let sentence = "the file does not state the positions of the axes that did not move";
+            inquiry.ask("at", sentence, "all of them, in machine coordinates, such as Y200,Z100");
+        }
+        None => {}
+    }
+    if !is_angle {
+        inquiry.tool();
+        inquiry.material("the scale of the axis");
+    }
+    ImportStop::Asks
 }
 
 /// Checks that a deviation is the difference of target and actual position, and learns its sign from that.
@@ -439,13 +477,7 @@ pub(super) fn direct(
         }
         (None, None, said, stated) => {
             let Some(axis) = said.or(stated.map(|(axis, _)| axis)) else {
-                inquiry.ask("axis", "the file does not state the axis that moved", "its letter, such as X");
-                inquiry.ask(
-                    "sign",
-                    "the file does not state the sign of its readings",
-                    "+ if a positive reading means too far in the positive direction, else -",
-                );
-                return Err(ImportStop::Asks);
+                return Err(rest(inquiry, &facts));
             };
             match stated {
                 Some((stated, line)) if stated != axis => {

@@ -14,7 +14,7 @@ pub(super) const FORMAT: SavedFormat = SavedFormat { name: "LinuxCNC variable fi
 /// Axes in the order of the variables of a system.
 const AXES: [Axis; 9] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C, Axis::U, Axis::V, Axis::W];
 /// Systems with their first variables.
-const SYSTEMS: [(&str, u32); 9] = [
+pub(super) const SYSTEMS: [(&str, u32); 9] = [
     ("G54", 5221),
     ("G55", 5241),
     ("G56", 5261),

@@ -9,6 +9,7 @@ mod heidenhain;
 mod lines;
 mod linuxcnc_tools;
 mod linuxcnc_variables;
+pub mod zero_shift;
 
 use crate::machine::{Machine, Setting, Tool};
 use ncfix_base::diagnostic::Diagnostic;

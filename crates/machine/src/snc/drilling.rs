@@ -15,11 +15,11 @@ pub struct DrillingCycle {
     pub peck: Option<Peck>,
     /// Further words or arguments in their order.
     pub arguments: Vec<CycleArgument>,
-    /// What makes a hole.
+    /// The motion or call that makes a hole.
     pub trigger: HoleTrigger,
 }
 
-/// What makes a hole of a drilling cycle.
+/// The motion or call that makes a hole of a drilling cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HoleTrigger {
     /// The motion to the position of the hole (MCALL).

@@ -21,7 +21,7 @@ const SURELY: f64 = 4.6;
 /// The result of the search is also replaced if one of its terms is less probable than this.
 const UNLIKELY: f64 = 0.02;
 /// A term is named if it has at least this probability: more than all its alternatives together.
-const NAMED: f64 = 0.5;
+pub(super) const NAMED: f64 = 0.5;
 /// A term is certain if the score falls by at least this without it and without a replacement, as a natural logarithm: a factor of 1000.
 const SHOWN: f64 = 6.9;
 /// The limit for a term that the search on the readings did not find: a factor of 10,000.
@@ -32,7 +32,7 @@ const NAMED_WAVE: f64 = 0.9;
 const SOUGHT: f64 = 100.0;
 
 /// Maximum number of reported explanations.
-const MOST_SHOWN: usize = 20;
+pub(super) const MOST_SHOWN: usize = 20;
 
 /// A term with its probability.
 #[derive(Clone, Debug)]

@@ -13,6 +13,8 @@
 //! contest                                comparison with other sets of terms by their probability
 //! stated                                 test of the hypotheses that a person states
 //! mimic, doubt, volume                    errors with the same effect on the readings but another effect elsewhere in the travel
+//! class                                  candidates that explain the readings nearly as well
+//! nature, undecided                      causes with the same effect on the readings that depend on something else: time, direction, speed
 //! extend                                 the extended machine file
 //! ```
 
@@ -22,6 +24,7 @@ pub(crate) mod bench;
 mod cancel;
 pub mod cause;
 mod circles;
+mod class;
 mod contest;
 mod doubt;
 mod empirical;
@@ -29,6 +32,7 @@ mod entrant;
 mod event;
 pub mod explain;
 pub mod extend;
+mod far;
 pub mod fault;
 mod fold;
 mod freedom;
@@ -41,6 +45,7 @@ mod jackknife;
 mod judge;
 mod known;
 mod mimic;
+mod nature;
 mod noise;
 mod parts;
 mod price;
@@ -62,6 +67,7 @@ mod size;
 mod slow;
 pub mod stated;
 mod sweep;
+mod undecided;
 mod verdict;
 mod volume;
 
@@ -69,10 +75,11 @@ pub use account::Account;
 pub use cause::Causes;
 pub use contest::ExplanationSummary;
 pub use doubt::ExtrapolationRisk;
+pub use far::FAR as FAR_OUT;
 pub use held::{Compared, Sizes};
 pub use noise::{Left, NoiseSource};
 pub use parts::FileShare;
-pub use readings::{FAR as FAR_OUT, freedom_of, levels, residuals};
+pub use readings::{freedom_of, levels, residuals};
 pub use rejected::{Gate, Rejected, TriedCause};
 pub use scene::Scene;
 pub use separate::commands;
@@ -80,4 +87,5 @@ pub use share::VarianceShare;
 pub(crate) use size::EXPANDED;
 pub(crate) use size::is_angle;
 pub use size::{Amounts, Size};
+pub use undecided::RivalCause;
 pub use verdict::{AcceptedCause, DiagnosedCauses, diagnose, diagnose_with, reads_angles};

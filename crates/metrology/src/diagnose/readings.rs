@@ -2,15 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use super::far::drop_far;
 use super::fold::counts;
-use super::noise::MEDIAN;
 use super::scene::{NO_ROW, Scene};
 use super::search::{Field, Weights};
 
-/// A reading beyond this multiple of the spread is an outlier.
-pub const FAR: f64 = 6.0;
 /// Minimum number of readings that determine the noise of a file.
-const FEW: usize = 20;
+pub(super) const FEW: usize = 20;
 /// Files whose noise differs by more than this factor are weighted separately.
 const UNLIKE: f64 = 2.5;
 
@@ -73,34 +71,6 @@ pub(super) fn left_of(field: &Field<'_, '_>, weights: &Weights, taken: &[usize])
         .zip(&weights.items)
         .map(|(left, weight)| if *weight > 0.0 { left / weight } else { 0.0 })
         .collect()
-}
-
-/// Excludes outliers within each file. Returns true if there were any.
-pub(super) fn drop_far(scene: &Scene<'_>, weights: &mut Weights, left: &[f64]) -> bool {
-    let places = counts(scene, weights);
-    let size = |place: &usize| match (left.get(*place), weights.items.get(*place)) {
-        (Some(left), Some(weight)) => (left * weight).abs(),
-        _ => 0.0,
-    };
-    let middle = |mut sizes: Vec<f64>| {
-        let middle = sizes.len() / 2;
-        if sizes.is_empty() { 0.0 } else { *sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / MEDIAN }
-    };
-    let whole = middle(places.iter().map(size).collect());
-    let set = |place: usize| Some(scene.rows.get(scene.items.get(place)?.row)?.set);
-    let mut far = Vec::new();
-    for number in 0..scene.sets.len() {
-        let own: Vec<usize> = places.iter().copied().filter(|&place| set(place) == Some(number)).collect();
-        // The noise of a few readings is not determined; noise levels that differ by less are equal.
-        let spread = if own.len() < FEW { whole } else { middle(own.iter().map(size).collect()) };
-        far.extend(own.into_iter().filter(|place| size(place) > FAR * spread));
-    }
-    far.iter().for_each(|&place| {
-        if let Some(weight) = weights.items.get_mut(place) {
-            *weight = 0.0;
-        }
-    });
-    !far.is_empty()
 }
 
 /// Weights the readings by the noise of their files, from consecutive readings, if the noise of files differs more than stated.
@@ -186,7 +156,8 @@ pub fn residuals(models: [&Scene<'_>; 2], used: usize, explained: &[f64]) -> [Op
     let (used, held_out) = weights(scene, used);
     [used, held_out].map(|mut weights| {
         let left = projected(&field, &weights, explained);
-        drop_far(scene, &mut weights, &left);
+        let unknowns = field.series(&weights, &[], 0.0).rank();
+        drop_far(scene, &mut weights, (&left, unknowns));
         let places = counts(scene, &weights);
         let of = |model: &Scene<'_>| {
             let values: Vec<f64> = model.items.iter().map(|item| item.left).collect();
@@ -209,7 +180,8 @@ pub fn levels(scenes: [&Scene<'_>; 2], used: usize) -> [[f64; 2]; 2] {
         let without_far = [0, 1].map(|k| {
             let mut own = weights.clone();
             let left = projected(&fields[k], &own, &all(k));
-            drop_far(scenes[k], &mut own, &left);
+            let unknowns = fields[k].series(&own, &[], 0.0).rank();
+            drop_far(scenes[k], &mut own, (&left, unknowns));
             own
         });
         for (place, weight) in weights.items.iter_mut().enumerate() {

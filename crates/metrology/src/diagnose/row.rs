@@ -17,6 +17,11 @@ const STILL: f64 = 1e-9;
 /// requires of a positioning test.
 const AT_REST: f64 = 2.0;
 
+/// Feed of circles whose feed was not noted, mm/min: usual for ball-bars. Only the stated lag depends on it, not what it does to the readings.
+pub const USUAL_FEED_MM_MIN: f64 = 1000.0;
+/// Feeds are equal if they differ by less than this share.
+const ONE_FEED: f64 = 0.01;
+
 /// One row of a measurement.
 #[derive(Clone, Debug)]
 pub struct SceneRow {
@@ -46,6 +51,8 @@ pub struct SceneRow {
     pub way_since_turn: AxisVector,
     /// Velocity of each axis, mm/s or rad/s; `None` if neither times nor feeds determine it.
     pub velocity: Option<AxisVector>,
+    /// The velocity of a moving instrument whose times and feeds were not noted: along the path, at [`USUAL_FEED_MM_MIN`].
+    pub assumed_velocity: Option<AxisVector>,
     /// Acceleration, mm/s² or rad/s².
     pub acceleration: Option<AxisVector>,
     /// Time, s.
@@ -96,6 +103,7 @@ fn row(set: usize, number: usize, sequence: usize, one: &Observation) -> SceneRo
         since_turn: AxisVector([f64::INFINITY; AXIS_COUNT]),
         way_since_turn: AxisVector([f64::INFINITY; AXIS_COUNT]),
         velocity: None,
+        assumed_velocity: None,
         acceleration: None,
         time_s: one.t_s,
     }
@@ -117,7 +125,11 @@ fn move_along(data: &DataSet, rows: &mut [SceneRow]) {
         let velocities: Vec<Option<AxisVector>> = (0..places.len()).map(|k| velocity(rows, &places, k, feed)).collect();
         let accelerations: Vec<Option<AxisVector>> =
             (0..places.len()).map(|k| acceleration(rows, &places, k, &velocities, feed)).collect();
-        for ((&place, velocity), acceleration) in places.iter().zip(velocities).zip(accelerations) {
+        let is_bar = data.kind.measurand == Measurand::BallDistance;
+        for (k, ((&place, velocity), acceleration)) in places.iter().zip(velocities).zip(accelerations).enumerate() {
+            if is_bar && velocity.is_none() {
+                rows[place].assumed_velocity = assumed(rows, &places, k);
+            }
             rows[place].velocity = velocity;
             // Velocities from encoders at their own rate are more accurate than differences of the remaining rows.
             rows[place].acceleration = if data.kind.measurand == Measurand::MovingDisplacement {
@@ -133,6 +145,15 @@ fn move_along(data: &DataSet, rows: &mut [SceneRow]) {
 fn is_at_rest<'p>(data: &DataSet, rows: &[SceneRow], sequences: impl Iterator<Item = &'p Vec<usize>>) -> bool {
     if matches!(data.kind.measurand, Measurand::BallDistance | Measurand::MovingDisplacement) {
         return false;
+    }
+    // A single feed without times is the feed from target to target (ISO 230-2, 4.3); several feeds are there to show what depends on them.
+    let has_times = rows.iter().any(|row| row.time_s.is_some());
+    let feeds = data.drivers.iter().filter(|driver| driver.name == FEED).flat_map(|driver| &driver.values);
+    let mut feeds = feeds.filter(|feed| feed.is_finite());
+    if let Some(first) = feeds.next().filter(|_| !has_times)
+        && feeds.all(|feed| (feed / first - 1.0).abs() < ONE_FEED)
+    {
+        return true;
     }
     let mut seconds: Vec<f64> = sequences
         .flat_map(|places| places.windows(2))
@@ -224,6 +245,14 @@ fn velocity(rows: &[SceneRow], places: &[usize], k: usize, feed: Option<&[f64]>)
     let mut out = difference(rows, pair);
     AXES.into_iter().for_each(|axis| out[axis] /= seconds);
     Some(out)
+}
+
+/// Velocity at the usual feed.
+fn assumed(rows: &[SceneRow], places: &[usize], k: usize) -> Option<AxisVector> {
+    let mut out = difference(rows, around(places, k)?);
+    let length = linear_length(&out);
+    AXES.into_iter().for_each(|axis| out[axis] *= USUAL_FEED_MM_MIN / 60.0 / length);
+    (length > STILL).then_some(out)
 }
 
 fn acceleration(

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::cause::{Candidate, Causes, EffectKind, periodic};
+use super::nature::Nature;
 use super::row::SceneRow;
 use super::scene::{Scene, Through};
 use super::verdict::propose;
@@ -208,9 +209,40 @@ fn told_apart(pair: [EffectKind; 2]) -> (Option<&'static str>, Option<Separating
     } else if pair[0] == EffectKind::Cross {
         return (None, Some(SeparatingPlan::Grid));
     } else {
-        return (None, None);
+        return by_nature(pair).map_or((None, None), |(sentence, plan)| (Some(sentence), Some(plan)));
     };
     (Some(sentence), Some(plan))
+}
+
+/// Returns the measurement that separates causes that depend on different things, in either order: it changes one of these and keeps the other.
+fn by_nature(pair: [EffectKind; 2]) -> Option<(&'static str, SeparatingPlan)> {
+    let [one, other] = pair.map(Nature::of_effect);
+    let is = |a, b| [one, other] == [Some(a), Some(b)] || [one, other] == [Some(b), Some(a)];
+    if is(Nature::Place, Nature::Time) || is(Nature::Sense, Nature::Time) {
+        Some((
+            "the same positions forward, backward and once more after a pause: a drift continues with the time, an error of the axis returns with the position",
+            SeparatingPlan::Line,
+        ))
+    } else if is(Nature::Speed, Nature::Time) {
+        Some(("the same path at another feed, and once more after a pause", SeparatingPlan::SlowCircles))
+    } else if is(Nature::Place, Nature::Speed) {
+        Some((
+            "the circle in the other direction and at another feed: an error of the position does not change, a lag does",
+            SeparatingPlan::Circles,
+        ))
+    } else if is(Nature::Place, Nature::Sense) {
+        Some((
+            "the same positions in both directions: a reversal error changes with the direction, an error of the position does not",
+            SeparatingPlan::Line,
+        ))
+    } else if is(Nature::Sense, Nature::Speed) {
+        Some((
+            "the same path at another feed: a lag changes with the feed, a reversal error does not",
+            SeparatingPlan::SlowCircles,
+        ))
+    } else {
+        None
+    }
 }
 
 /// Place of an error, and the data that a plan needs.

@@ -1,6 +1,7 @@
 //! Shape of a finding: its size over its drivers, and a description of where it acts.
 
 use super::cause::EffectKind;
+use super::nature::ORDER;
 use super::row::SceneRow;
 use super::scene::{Scene, Through};
 use super::size::{is_angle, weights_at};
@@ -71,6 +72,7 @@ pub fn driver(scene: &Scene<'_>, name: &str) -> Option<Driver> {
             let factor = if axis.is_rotary() { 1.0_f64.to_degrees() } else { 1.0 };
             scene.rows.iter().map(|row| row.position[axis] * factor).collect()
         }
+        None if name == ORDER => scene.rows.iter().map(|row| row.number as f64 + 1.0).collect(),
         None if name == "t_s" => scene.rows.iter().map(|row| row.time_s.unwrap_or(f64::NAN)).collect(),
         None => scene.rows.iter().map(|row| column(row).unwrap_or(f64::NAN)).collect(),
     };

@@ -12,10 +12,10 @@ use super::search::{Field, Taken, Weights};
 
 /// Tested autocorrelations from row to row, and tested variances of the innovation relative to white noise.
 const MEMORIES: [f64; 4] = [0.8, 0.95, 0.99, 0.999];
-const FRESH: [f64; 7] = [1e-3, 4e-3, 0.016, 0.06, 0.25, 1.0, 4.0];
+const FRESH: [f64; 8] = [1e-3, 4e-3, 0.016, 0.06, 0.25, 1.0, 4.0, 32.0];
 /// Tested values if there are many readings.
 const MEMORIES_OF_MANY: [f64; 3] = [0.9, 0.98, 0.999];
-const FRESH_OF_MANY: [f64; 4] = [2e-3, 0.016, 0.12, 1.0];
+const FRESH_OF_MANY: [f64; 5] = [2e-3, 0.016, 0.12, 1.0, 16.0];
 /// Number of readings from which these values are used.
 const MANY: usize = 8000;
 /// Maximum number of named causes that are compared with an unnamed one.

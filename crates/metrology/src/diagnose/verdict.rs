@@ -2,17 +2,18 @@
 
 use super::account::{Account, swing};
 use super::cause::{Candidate, Cause, Causes, EffectKind, earlier, periodic, thermal};
-use super::contest::{Chosen, ExplanationSummary};
+use super::class::class;
+use super::contest::{Chosen, ExplanationSummary, NAMED};
 use super::doubt::ExtrapolationRisk;
+use super::far::drop_far;
 use super::fold::{confirmed, counts};
 use super::gates::{confirm, hold};
 use super::held::{Compared, compare};
 use super::held_out::{self, Selections};
 use super::jackknife::{u95, without_parts};
-use super::mimic::RIVAL;
 use super::noise::{self, is_angle};
 use super::parts::{FileShare, differing};
-use super::readings::{doing, drop_far, even_out, left_of, projected, rms, weights};
+use super::readings::{doing, even_out, left_of, projected, rms, weights};
 use super::rejected::{Gate, Rejected, Rejections, TriedCause, tried};
 use super::sample::{self, Sample};
 use super::scene::Scene;
@@ -20,6 +21,7 @@ use super::search::{Field, Taken, Weights};
 use super::separate::{self, separating};
 use super::share::{VarianceShare, shares};
 use super::size::{self, Amounts, EXPANDED, Size, size};
+use super::undecided::{CERTAIN, RivalCause, share_out};
 use super::volume::Volume;
 use ncfix_base::units::um_from_mm;
 
@@ -27,8 +29,6 @@ use ncfix_base::units::um_from_mm;
 const ROUNDS: usize = 3;
 /// A shape is absorbed if its size is this multiple of the range of its effect on the readings.
 const FAR: f64 = 3.0;
-/// Gains are equal if they agree to one part in this number.
-const ROUNDED: f64 = 1e6;
 /// Relative step of a time constant for its derivative.
 const LONGER: f64 = 0.02;
 /// Maximum number of further searches after the first findings.
@@ -57,6 +57,10 @@ pub struct AcceptedCause {
     pub gain_unseen: f64,
     /// Probability of the finding: the sum over all explanations that contain it; `None` if it was not compared.
     pub probability: Option<f64>,
+    /// Share of its nature in the probability of all that predict its readings: place, direction, speed, time; 1 without rivals.
+    pub nature_share: f64,
+    /// Causes of another nature that predict its readings, the most probable first.
+    pub rivals: Vec<RivalCause>,
     /// Its shares in the explained part.
     pub share: VarianceShare,
     /// Candidates that explain nearly as much: cause and parameter, itself first, then the best.
@@ -69,6 +73,17 @@ pub struct AcceptedCause {
     pub by_file: Vec<FileShare>,
     /// Measurement that separates it from its first other explanation.
     pub separate_by: Option<String>,
+}
+
+impl AcceptedCause {
+    /// True if it is certain enough to act on it: more probable than everything in its place, among the natures that predict its readings too, and larger
+    /// than its uncertainty.
+    #[must_use]
+    pub fn is_certain(&self) -> bool {
+        self.nature_share >= CERTAIN
+            && self.probability.is_none_or(|probability| probability >= NAMED)
+            && self.size.u95 < self.size.value.abs()
+    }
 }
 
 /// A diagnosis.
@@ -183,7 +198,8 @@ pub(super) fn diagnose_then(
         if round == 0 {
             even_out(scene, &mut weights, &left);
         }
-        if !drop_far(scene, &mut weights, &left) {
+        let unknowns = field.series(&weights, &taken, 0.0).rank();
+        if !drop_far(scene, &mut weights, (&left, unknowns)) {
             break;
         }
     }
@@ -230,7 +246,8 @@ pub(super) fn diagnose_then(
     let far = field.left_with(&weights, &numbers);
     let far = projected(&field, &held_out, &far);
     even_out(scene, &mut held_out, &far);
-    drop_far(scene, &mut held_out, &far);
+    let unknowns = field.series(&held_out, &[], 0.0).rank();
+    drop_far(scene, &mut held_out, (&far, unknowns));
     let not_confirmed = hold(&field, &weights, &held_out, &mut kept, &mut rejections);
     note("verdict", 1.0);
     let mut found =
@@ -243,9 +260,13 @@ pub(super) fn diagnose_then(
                     && own.columns.len() == one.candidate.columns.len()
             })
         };
-        one.probability = chosen.iter().find(is_one).map(|chosen| chosen.probability);
+        let of_contest = chosen.iter().find(is_one).map(|chosen| chosen.probability);
+        one.probability = of_contest.map(|of_contest| of_contest.min(one.nature_share)).or(one.probability);
     }
     found.explanations = outcome.explanations;
+    for one in &found.findings {
+        share_out(&mut found.explanations, &one.candidate.title(), one.nature_share, &one.rivals);
+    }
     let (weights, held_out, kept, chosen) = (&weights, &held_out, kept.as_slice(), chosen.as_slice());
     then(Settled { field: &mut field, weights, held_out, kept, used, causes, bare, chosen }, note);
     found
@@ -323,7 +344,9 @@ fn verdict(
             let u95 = um_from_mm(alone) * EXPANDED * (scatter / squares.max(f64::MIN_POSITIVE)).sqrt();
             size = Size { value: um_from_mm(alone), u95, unit: "um" };
         }
-        let class = class(field, weights, (term.candidate, &others), memory, noise * inflation);
+        let beside = field.series(weights, &others, memory);
+        let gains = field.gains(weights, &beside);
+        let class = class(field, &gains, term.candidate, noise * inflation);
         let rival = class.get(1).and_then(|&number| field.candidates.get(number));
         let (is_wave, scatter) = (candidate.cause.effect == EffectKind::Periodic, (memory, noise * inflation));
         let aliases = if is_wave {
@@ -357,7 +380,9 @@ fn verdict(
         // Compared with all explanations and with its class. Effects that the comparison does not cover are compared with their class only.
         let effect = candidate.cause.effect;
         let is_compared = matches!(effect, EffectKind::Location | EffectKind::Motion | EffectKind::Backlash);
-        let doubt = of_chosen.flatten().filter(|_| is_compared).or_else(by_class);
+        let undecided = field.undecided((&beside, &gains), (term.candidate, &others), noise * inflation);
+        let doubt = field.nature_doubt(candidate, &undecided);
+        let doubt = doubt.or_else(|| of_chosen.flatten().filter(|_| is_compared)).or_else(by_class);
         // Itself, its other periods, and the other explanations.
         let mut names: Vec<(&'static Cause, String)> = class
             .iter()
@@ -376,7 +401,9 @@ fn verdict(
             doing: does,
             amounts,
             chance: term.chance,
-            probability: None,
+            probability: (!undecided.is_certain()).then_some(undecided.own),
+            nature_share: undecided.own,
+            rivals: if undecided.is_certain() { Vec::new() } else { field.rivals(&undecided) },
             gain_unseen: *gain,
             share,
             // The reason that makes a correction unsafe comes first.
@@ -467,40 +494,4 @@ fn ranges(lengths: impl Iterator<Item = usize>) -> Vec<std::ops::Range<usize>> {
 #[must_use]
 pub fn reads_angles(scene: &Scene<'_>) -> bool {
     is_angle(scene)
-}
-
-/// Returns the candidates that explain nearly as much in place of one, itself first.
-pub(super) fn class(
-    field: &Field<'_, '_>,
-    weights: &Weights,
-    (number, others): (usize, &[usize]),
-    memory: f64,
-    noise: f64,
-) -> Vec<usize> {
-    let series = field.series(weights, others, memory);
-    let gains = field.gains(weights, &series);
-    let own = gains.get(number).map_or(0.0, |gain| gain.squares);
-    let mut rivals: Vec<(f64, usize)> = gains
-        .iter()
-        .enumerate()
-        .filter(|(place, gain)| *place != number && (own - gain.squares) / noise < RIVAL && gain.squares > 0.5 * own)
-        .map(|(place, gain)| (gain.squares, place))
-        .collect();
-    // The simplest comes first, because a slightly larger gain with more unknowns is no evidence. Candidates that differ only by rounding stay in the order
-    // of the catalog.
-    let rounded = |gain: f64| (gain / own.max(f64::MIN_POSITIVE) * ROUNDED).round();
-    let far = |number: usize| field.candidates.get(number).map_or(u32::MAX, Candidate::far_fetched);
-    rivals.sort_by(|a, b| far(a.1).cmp(&far(b.1)).then(rounded(b.0).total_cmp(&rounded(a.0))));
-    let mut class: Vec<usize> = Vec::new();
-    let mut names: Vec<(EffectKind, String)> = Vec::new();
-    for place in std::iter::once(number).chain(rivals.into_iter().map(|(_, place)| place)) {
-        if let Some(one) = field.candidates.get(place) {
-            let name = (one.cause.effect, one.parameter.clone());
-            if !names.contains(&name) {
-                names.push(name);
-                class.push(place);
-            }
-        }
-    }
-    class
 }

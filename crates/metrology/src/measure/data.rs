@@ -142,6 +142,10 @@ pub struct Setup {
     pub temperature_c: Option<f64>,
     /// The point from which an artifact expands, mm, in the workpiece frame.
     pub origin_mm: Option<Vector>,
+    /// Unit vector of the line along which lengths are measured, in the workpiece frame.
+    pub direction: Option<Vector>,
+    /// Position of the station from which lengths are measured, as that of a tip, mm.
+    pub station_mm: Option<Vector>,
 }
 
 /// A distance between two balls.

@@ -14,8 +14,8 @@ use crate::diagnose::cause::Correctable;
 use crate::diagnose::extend::extension;
 use crate::diagnose::fault::{Checks, DefectKind};
 use crate::diagnose::{
-    self, Causes, Compared, DiagnosedCauses, ExplanationSummary, FAR_OUT, Gate, NoiseSource, Scene, fault, freedom_of,
-    reads_angles, shape, stated,
+    self, Causes, Compared, DiagnosedCauses, ExplanationSummary, FAR_OUT, Gate, NoiseSource, RivalCause, Scene, fault,
+    freedom_of, reads_angles, shape, stated,
 };
 use crate::measure::data::DataSet;
 use ncfix_base::diagnostic::{Code, Diagnostic};
@@ -305,6 +305,10 @@ pub struct CauseReport {
     pub p: f64,
     /// Probability: sum over all explanations that contain it; `null` if explanations were not compared.
     pub probability: Option<f64>,
+    /// True if it is certain enough to act on it; only then a machine file can contain it.
+    pub certain: bool,
+    /// Causes that predict its readings to within the noise but depend on something else, such as time or direction, the most probable first.
+    pub rivals: Vec<RivalCause>,
     /// Its value in each file, if files differ significantly; otherwise empty.
     pub by_file: Vec<InFile>,
     /// Equivalent explanations, itself first.
@@ -567,6 +571,8 @@ fn cause(found: &diagnose::AcceptedCause, scene: &Scene<'_>, used: usize, (micro
         share_alone: found.share.alone,
         p: found.chance,
         probability: found.probability,
+        certain: found.is_certain(),
+        rivals: found.rivals.clone(),
         by_file: by_file(&found.by_file, &found.size, scene),
         separate_by: found.separate_by.clone().filter(|_| class.len() > 1),
         class,

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::calibrate::words::listed;
 use crate::calibrate::{Column, Parameter, identify, improve};
-use crate::measure::data::{DataSet, Observation};
+use crate::measure::data::{DataSet, Free, Observation};
 use crate::measure::plan::builder::Builder;
 use ncfix_machine::machine::Machine;
 use ncfix_model::ErrorModel;
@@ -28,6 +28,8 @@ pub struct PlanResult {
     pub model: Option<String>,
     /// Identifiability of the model, in the order of the judgements.
     pub judgements: Vec<PlanJudgement>,
+    /// Parameters that only the stated tool tells: with an unknown tool they would not be determined. Empty if the tool is an unknown.
+    pub from_tool: Vec<String>,
     /// Notes for the user.
     pub notes: Vec<String>,
     /// Number of table rows.
@@ -170,6 +172,33 @@ pub fn judge(
         judgements.push(judged(JudgedPlan::WithMorePoses(more), &all));
     }
     Ok(judgements)
+}
+
+/// The parameters that a plan with other measurements determines only because its tool is stated: those that are lost if one tool vector of all rows is
+/// an unknown. An error of the stated length is then an error of these parameters.
+#[must_use]
+pub fn told_by_tool(
+    plan: &Builder,
+    others: &[DataSet],
+    parameters: &[Parameter],
+    (machine, errors): (&Machine, &ErrorModel),
+) -> Vec<String> {
+    let own = as_read(plan);
+    if !own.kind.free.contains(&Free::Tool) || own.free.contains(&Free::Tool) {
+        return Vec::new();
+    }
+    let mut freed = own.clone();
+    freed.free.push(Free::Tool);
+    freed.setups.truncate(1);
+    freed.observations.iter_mut().for_each(|row| row.setup = 0);
+    let lost = |data: DataSet| {
+        let all: Vec<DataSet> = std::iter::once(data).chain(others.iter().cloned()).collect();
+        let told = identify(machine, errors, parameters, &all);
+        let names = told.map_or_else(Vec::new, |told| told.lost.leave_out);
+        names.iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    let known = lost(own);
+    lost(freed).into_iter().filter(|name| !known.contains(name)).collect()
 }
 
 /// The identifiability from measurements; `None` if their positions are too large.

@@ -44,11 +44,11 @@ pub struct GuardedTool {
 }
 
 /// The guard of one language.
-pub type GuardWords = fn(&GuardedData) -> Guard;
+pub type GuardWords = fn(&GuardedData) -> GuardLines;
 
 /// Lines of a guard, and the data that they cannot check.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Guard {
+pub struct GuardLines {
     /// Lines in the language of the control.
     pub lines: Vec<String>,
     /// Names of what the lines check.
@@ -57,7 +57,7 @@ pub struct Guard {
     pub left: Vec<String>,
 }
 
-impl Guard {
+impl GuardLines {
     fn check(&mut self, name: &str, lines: impl IntoIterator<Item = String>) {
         self.lines.extend(lines);
         self.checked.push(name.to_owned());
@@ -82,8 +82,8 @@ fn whole(name: &str, prefix: &str) -> Option<u32> {
 
 /// The guard of a Sinumerik: `$P_UIFR`, `$TC_DP3` and its wear `$TC_DP12`; alarm 65000 of the user, then the end of the program (Siemens, System variables
 /// list manual; Programming manual, SETAL).
-pub(super) fn sinumerik(data: &GuardedData) -> Guard {
-    let mut guard = Guard::default();
+pub(super) fn sinumerik(data: &GuardedData) -> GuardLines {
+    let mut guard = GuardLines::default();
     let stop = |name: &str, differs: String| {
         [
             format!("IF {differs}"),
@@ -127,8 +127,8 @@ pub(super) fn sinumerik(data: &GuardedData) -> Guard {
 }
 
 /// The guard of a Fanuc: macro variables of the zero offsets and of the lengths in tool memory C; alarm by `#3000` (Fanuc, Operator's manual, custom macro).
-pub(super) fn fanuc(data: &GuardedData) -> Guard {
-    let mut guard = Guard::default();
+pub(super) fn fanuc(data: &GuardedData) -> GuardLines {
+    let mut guard = GuardLines::default();
     let stop = |read: &str, value: f64, name: &str| {
         format!("IF[ABS[{read}-[{}]]GT{SAME}]THEN #3000=1({name} IS NOT AS CORRECTED)", number(value))
     };
@@ -162,10 +162,10 @@ pub(super) fn fanuc(data: &GuardedData) -> Guard {
 }
 
 /// The guard of LinuxCNC: the numbered parameters of the zero offsets. The lengths of its tool table are not parameters before the tool is loaded.
-pub(super) fn rs274(data: &GuardedData) -> Guard {
+pub(super) fn rs274(data: &GuardedData) -> GuardLines {
     /// Numbers of the O words, which must not occur in the program: a name cannot.
     const LABEL: &str = "o<ncfix_guard";
-    let mut guard = Guard::default();
+    let mut guard = GuardLines::default();
     for zero in &data.zeros {
         let system = match zero.name.strip_prefix("G59.").map(str::parse::<u32>) {
             Some(Ok(number @ 1..=3)) => 6 + number,

@@ -21,7 +21,7 @@ pub use block_number::NumberSet;
 pub use check_cut::check_cut;
 pub use flat::flat;
 pub use growth::{growth, lines_with_words};
-pub use guard::{Guard, GuardWords, GuardedData, GuardedTool, GuardedZero};
+pub use guard::{GuardLines, GuardWords, GuardedData, GuardedTool, GuardedZero};
 pub use number::Decimals;
 pub use stamp::{
     Stamp, is_stamp_changed, is_stamped, is_stamped_for, stamped_model, stamped_promise, stamped_source, stamped_state,

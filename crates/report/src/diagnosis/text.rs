@@ -97,9 +97,7 @@ impl DiagnosisReport {
             return format!("{expired} Next: calibrate again.");
         }
         // By its fair share: of causes that cancel each other, each alone may be larger than the residual.
-        let is_sure = |one: &&CauseReport| {
-            one.probability.is_none_or(|probability| probability >= MORE_THAN_ALL_OTHERS) && one.u95 < one.value.abs()
-        };
+        let is_sure = |one: &&CauseReport| one.certain;
         let sure = found.findings.iter().filter(is_sure).max_by(|a, b| a.share.total_cmp(&b.share));
         let Some(largest) = sure.or(found.findings.iter().max_by(|a, b| a.share.total_cmp(&b.share))) else {
             if !found.unexplained.structure && found.after.rms_um > NOISY * found.noise_um {

@@ -1,7 +1,7 @@
 //! Makes compensation tables for a format, and rejects tables that increase the error or have no effect.
 
 use super::request::TablesRequest;
-use super::result::{TablesCheck, TablesResult, TriedScheme};
+use super::result::{ReversalRow, TablesCheck, TablesResult, TriedScheme};
 use crate::tables::format::Holds;
 use crate::tables::scheme::{self, Scheme, Schemes, Task};
 use crate::tables::{Format, Tables, Wiring};
@@ -75,6 +75,9 @@ pub fn make(
             (scheme.name, tables)
         }
     };
+    if !filling.format.can_hold(Holds::Senses) {
+        result.reversals = reversals(&task);
+    }
     result.machine.clone_from(&request.machine.name);
     name.clone_into(&mut result.scheme);
     filling.format.name.clone_into(&mut result.format);
@@ -91,6 +94,21 @@ pub fn make(
     }
     result.ranges = request.asked_ranges();
     Ok(MadeTables { tables, scheme: name, checked })
+}
+
+/// The reversal values of the axes, with their names and numbers at the control.
+fn reversals(task: &Task<'_>) -> Vec<ReversalRow> {
+    let row = |one: &scheme::Reversal| {
+        let unit = |value: f64| if one.axis.is_rotary() { value.to_degrees() } else { value };
+        ReversalRow {
+            axis: one.axis.to_string(),
+            name: task.wiring.name(one.axis),
+            joint: task.wiring.axes().position(|axis| axis == one.axis).unwrap_or_default(),
+            value: unit(one.mean),
+            spread: unit(one.spread),
+        }
+    };
+    scheme::reversals(task).iter().map(row).collect()
 }
 
 /// The limits of a format's control that tables exceed, one diagnostic each.
@@ -160,6 +178,13 @@ fn help(task: &Task<'_>, advice: &str) -> String {
     help
 }
 
+/// The machine data of the backlash, with their values.
+fn settings(task: &Task<'_>) -> String {
+    let rows = reversals(task);
+    let words = |text: String| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    rows.iter().flat_map(ReversalRow::settings).map(words).collect::<Vec<_>>().join("; ")
+}
+
 /// The reason for all-zero tables, and the help text.
 fn idle(checked: &TablesCheck, task: &Task<'_>) -> (String, String) {
     let before = checked.before;
@@ -172,8 +197,9 @@ fn idle(checked: &TablesCheck, task: &Task<'_>) -> (String, String) {
     if !plays.is_empty() {
         let why = format!("all values would be 0: the {left} depend only on the direction of motion of {plays}");
         let help = format!(
-            "{} has no tables for a direction of motion: enter the backlash in the control's backlash parameter, or choose cec, comp, ssfk or heidenhain",
-            task.format.title
+            "{} has no tables for a direction of motion: enter the backlash in the control's backlash parameter ({}), or choose cec, comp, ssfk or heidenhain",
+            task.format.title,
+            settings(task)
         );
         return (why, help);
     }

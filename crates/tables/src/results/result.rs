@@ -38,6 +38,42 @@ pub struct TablesResult {
     pub ranges: Vec<String>,
     /// Schemes that `auto` tried.
     pub tried: Vec<TriedScheme>,
+    /// Reversal values that the tables cannot hold, for the backlash compensation of the control.
+    pub reversals: Vec<ReversalRow>,
+    /// Number of errors in the machine file that was made from the tables.
+    pub errors_found: Option<usize>,
+}
+
+/// Reversal value of an axis: its correction after a positive motion minus that after a negative one.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ReversalRow {
+    /// Axis.
+    pub axis: String,
+    /// Its name at the control.
+    pub name: String,
+    /// Its number, from 0.
+    pub joint: usize,
+    /// Mean over its range, mm or deg.
+    pub value: f64,
+    /// Largest distance from the mean, mm or deg.
+    pub spread: f64,
+}
+
+/// Detection unit of FANUC controls with increment system IS-B, mm or deg.
+const DETECTION_UNIT: f64 = 1e-3;
+
+impl ReversalRow {
+    /// The machine data with which the controls compensate for it, with the value.
+    #[must_use]
+    pub fn settings(&self) -> [String; 3] {
+        let units = (self.value / DETECTION_UNIT).round();
+        [
+            format!("SINUMERIK  MD32450 $MA_BACKLASH[0,{}] = {:.5}", self.name, self.value),
+            format!("FANUC      1851 and 1852 of {} = {units:.0} detection units of {DETECTION_UNIT}", self.axis),
+            format!("LinuxCNC   [JOINT_{}] BACKLASH = {:.5}", self.joint, self.value),
+        ]
+    }
 }
 
 /// A table.

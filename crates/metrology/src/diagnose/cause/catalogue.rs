@@ -70,7 +70,7 @@ pub const CATALOGUE: &[CatalogueEntry] = &[
     entry(23, "stick-slip", "sawtooth where an axis is slow", "ball-bar at low feed", "noise", "another feed", Sought::By(&[&servo::STICK_SLIP])),
     entry(24, "lateral play", "direction of x across it", "ball-bar: both directions differ as |sin|", "hysteresis of squareness", "indicator across the axis", Sought::By(&[&backlash::LATERAL_PLAY])),
     entry(25, "yaw that depends on the direction", "direction times lever", "both directions at two heights", "lateral play", "two levers", Sought::By(&[&backlash::LATERAL_PLAY])),
-    entry(26, "servo mismatch", "(τx − τy)·v", "ball-bar: oval at 45° that reverses with the direction", "squareness", "both directions", Sought::By(&[&servo::MISMATCH])),
+    entry(26, "servo mismatch", "(τx − τy)·v", "ball-bar: oval at 45° that reverses with the direction", "squareness", "both directions", Sought::By(&[&servo::MISMATCH, &servo::MISMATCH_AT_USUAL_FEED])),
     entry(27, "following error", "τ·v", "traces", "delay of a recorder", "an external sensor", Sought::By(&[&servo::FOLLOWING])),
     entry(28, "circle contraction at feed", "(τω)²R/2", "ball-bar at two feeds", "length of the bar", "another feed", Sought::By(&[&servo::FOLLOWING])),
     entry(29, "friction", "direction and speed in currents", "traces", "backlash", "traces of currents", Sought::Not("no kind of measurement reads currents")),

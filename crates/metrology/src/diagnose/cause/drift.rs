@@ -1,6 +1,8 @@
 //! Displacement with time without a known temperature: creep, and events such as an opened door.
 
 use super::{Candidate, Cause, Correctable, EffectKind, Weight, tip};
+use crate::diagnose::nature::ORDER;
+use crate::diagnose::row::SceneRow;
 use crate::diagnose::scene::{Scene, Through};
 
 pub(super) const CAUSE: Cause = Cause {
@@ -25,20 +27,47 @@ pub(super) const EVENT: Cause = Cause {
 
 /// Highest degree of the polynomial in time.
 const DEGREES: usize = 3;
+/// Maximum number of measurements without times whose order of rows is tested.
+const MOST_SETS: usize = 8;
 
 fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
-    let Some([start, end]) = super::times(scene) else { return };
-    let weights: Vec<Weight> = (1..=DEGREES as i32)
+    if let Some([start, end]) = super::times(scene) {
+        let share = move |row: &SceneRow| row.time_s.map(|time| (time - start) / (end - start));
+        polynomials("t_s", DEGREES, share, out);
+    }
+    // Where no time was noted, the rows stand in the order of the readings, mostly at about equal intervals. Each measurement was at another time.
+    let has_no_time = |set: &usize| scene.rows.iter().all(|row| row.set != *set || row.time_s.is_none());
+    let sets: Vec<usize> = (0..scene.sets.len()).filter(has_no_time).take(MOST_SETS + 1).collect();
+    if sets.len() > MOST_SETS {
+        return;
+    }
+    let degrees = if sets.len() == 1 { DEGREES } else { 1 };
+    for set in sets {
+        let last = scene.rows.iter().filter(|row| row.set == set).map(|row| row.number).max().unwrap_or(0) as f64;
+        let share = move |row: &SceneRow| (row.set == set && last > 0.0).then(|| row.number as f64 / last);
+        polynomials(ORDER, degrees, share, out);
+    }
+}
+
+/// Proposes displacements by polynomials of a share, from 0 at the first reading to 1 at the last one.
+fn polynomials(
+    driver: &str,
+    degrees: usize,
+    share: impl Fn(&SceneRow) -> Option<f64> + Clone + Send + Sync + 'static,
+    out: &mut Vec<Candidate>,
+) {
+    let weights: Vec<Weight> = (1..=degrees as i32)
         .map(|degree| {
-            Weight::new(move |row| row.time_s.map_or(0.0, |time| ((time - start) / (end - start)).powi(degree)))
+            let share = share.clone();
+            Weight::new(move |row| share(row).map_or(0.0, |share| share.powi(degree)))
         })
         .collect();
     for direction in 0..3 {
-        for count in 1..=DEGREES {
+        for count in 1..=degrees {
             let mut one = Candidate::one(&CAUSE, tip(direction), Through::Tip(direction), Weight::new(|_| 0.0));
             one.columns =
                 weights.iter().take(count).map(|weight| vec![(Through::Tip(direction), weight.clone())]).collect();
-            out.push(one.driven_by(&[&"t_s"]));
+            out.push(one.driven_by(&[&driver]));
         }
     }
 }

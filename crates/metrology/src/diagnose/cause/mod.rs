@@ -187,6 +187,7 @@ pub(in crate::diagnose) const BUILT_IN: &[&Cause] = &[
     &cross::CAUSE,
     &threshold::CAUSE,
     &servo::MISMATCH,
+    &servo::MISMATCH_AT_USUAL_FEED,
     &servo::FOLLOWING,
     &servo::DYNAMIC,
     &servo::DELAY,
@@ -334,6 +335,12 @@ impl Candidate {
             threshold: None,
             term: Term::None,
         }
+    }
+
+    /// Its effect and parameter, as `location EC0X`.
+    #[must_use]
+    pub fn title(&self) -> String {
+        format!("{} {}", self.cause.effect, self.parameter).trim_end().to_owned()
     }
 
     /// Adds its drivers.

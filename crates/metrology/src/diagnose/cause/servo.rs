@@ -3,7 +3,9 @@
 //! An axis with lag τ is at −τ v from its command. Two axes with equal lags cause no path error except along the path.
 
 use super::{Candidate, Cause, Correctable, EffectKind, Weight};
+use crate::diagnose::row::SceneRow;
 use crate::diagnose::scene::{Scene, Through};
+use crate::measure::kind::Measurand;
 use ncfix_base::geometry::{Axis, AxisVector};
 
 pub(super) const MISMATCH: Cause = Cause {
@@ -14,6 +16,16 @@ pub(super) const MISMATCH: Cause = Cause {
     separate_by: "the circle in the other direction",
     correctable: Correctable::No,
     propose: mismatch,
+};
+
+pub(super) const MISMATCH_AT_USUAL_FEED: Cause = Cause {
+    name: "servo mismatch at an unknown feed",
+    effect: EffectKind::ServoMismatch,
+    made_by: "different velocity gains; the lag is stated for a feed of 1000 mm/min, as the readings have none",
+    shown_by: "ball-bar: an oval at 45° that changes its sign with the direction",
+    separate_by: "the circle in the other direction, with the column feed_mm_min",
+    correctable: Correctable::No,
+    propose: mismatch_at_usual_feed,
 };
 
 pub(super) const FOLLOWING: Cause = Cause {
@@ -57,7 +69,7 @@ pub(super) const STICK_SLIP: Cause = Cause {
 };
 
 /// Linear axes with a velocity or an acceleration in at least one row.
-fn moving(scene: &Scene<'_>, of: fn(&crate::diagnose::row::SceneRow) -> Option<AxisVector>) -> Vec<Axis> {
+fn moving(scene: &Scene<'_>, of: fn(&SceneRow) -> Option<AxisVector>) -> Vec<Axis> {
     let axes = scene.machine.axes.iter().flatten().map(|data| data.axis).filter(|axis| !axis.is_rotary());
     axes.filter(|&axis| scene.rows.iter().any(|row| of(row).is_some_and(|value| value[axis] != 0.0))).collect()
 }
@@ -82,10 +94,31 @@ fn pair(axes: &[Axis], axis: Axis) -> String {
     next.map_or_else(|| axis.to_string(), |next| format!("{axis}{next}"))
 }
 
+/// Proposes the pairs of axes that move together on circles whose feed was not noted.
+fn mismatch_at_usual_feed(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
+    let axes = moving(scene, |row| row.assumed_velocity);
+    let lag = |axis: Axis, factor: f64| {
+        let (through, sense) = ahead(scene, axis);
+        let by = -factor * sense;
+        (through, Weight::new(move |row| by * row.assumed_velocity.map_or(0.0, |velocity| velocity[axis])))
+    };
+    let moves = |row: &SceneRow, axis: Axis| row.assumed_velocity.is_some_and(|velocity| velocity[axis].abs() > 1e-3);
+    let pairs = axes.iter().flat_map(|&one| axes.iter().map(move |&other| (one, other)));
+    for (one, other) in pairs.filter(|(one, other)| other.dimension() == (one.dimension() + 1) % 3) {
+        if scene.rows.iter().any(|row| moves(row, one) && moves(row, other)) {
+            let parts = vec![lag(one, 0.5), lag(other, -0.5)];
+            let name = format!("{one}{other}");
+            let mut candidate = Candidate::one(&MISMATCH_AT_USUAL_FEED, name, parts[0].0, parts[0].1.clone());
+            candidate.columns = vec![parts];
+            out.push(candidate.driven_by(&[&one, &other]));
+        }
+    }
+}
+
 /// Proposes pairs of axes that move at the same time; only these can have a mismatch.
 fn mismatch(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     let axes = moving(scene, |row| row.velocity);
-    let moves = |row: &crate::diagnose::row::SceneRow, axis: Axis| row.velocity.is_some_and(|v| v[axis].abs() > 1e-3);
+    let moves = |row: &SceneRow, axis: Axis| row.velocity.is_some_and(|v| v[axis].abs() > 1e-3);
     let together = |one: Axis, other: Axis| scene.rows.iter().any(|row| moves(row, one) && moves(row, other));
     for &one in &axes {
         let mut others = 0;
@@ -110,7 +143,9 @@ fn mismatch(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
 }
 
 fn following(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
-    let axes = moving(scene, |row| row.velocity);
+    // To a ball-bar, a lag of one axis is a lag against the other one, a mismatch.
+    let is_bar = |set: &crate::measure::data::DataSet| set.kind.measurand == Measurand::BallDistance;
+    let axes = if scene.sets.iter().all(is_bar) { Vec::new() } else { moving(scene, |row| row.velocity) };
     for &axis in &axes {
         let (through, weight) = lag(scene, axis, 1.0);
         let one = Candidate::one(&FOLLOWING, axis, through, weight);
@@ -179,7 +214,7 @@ const TEETH: [f64; 12] = [0.12, 0.135, 0.15, 0.17, 0.19, 0.215, 0.24, 0.27, 0.3,
 const SLOW: [f64; 2] = [2.5, 6.0];
 
 fn stick_slip(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
-    let is_slow = |row: &crate::diagnose::row::SceneRow, axis: Axis| {
+    let is_slow = |row: &SceneRow, axis: Axis| {
         row.velocity.is_some_and(|velocity| velocity[axis].abs() < SLOW[1] && row.since_turn[axis].is_finite())
     };
     for axis in moving(scene, |row| row.velocity) {

@@ -9,6 +9,11 @@ use std::collections::BTreeMap;
 use crate::diagnose::scene::NO_ROW;
 use crate::diagnose::scene::Scene;
 
+/// Correlation length of a random walk, as a multiple of the longest series.
+const WALK: f64 = 10.0;
+/// Variances of the step of a random walk from one reading to the next, divided by that of the white noise.
+const STEPS: [f64; 4] = [0.01, 0.1, 1.0, 10.0];
+
 /// Variance and correlation length of the process, in addition to white noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Memory {
@@ -102,7 +107,8 @@ impl NoiseSeries {
         half_log
     }
 
-    /// Autocorrelations to select from: lengths from two steps to a third of the longest series, in ratios of 3.
+    /// Autocorrelations to select from: lengths from two steps to a third of the longest series, in ratios of 3, and random walks, which are correlated
+    /// far beyond the series: their level at its start is open, and the variance of a step decides.
     #[must_use]
     pub fn memories(&self) -> Vec<Memory> {
         let mut out = vec![Memory::default()];
@@ -110,6 +116,11 @@ impl NoiseSeries {
         while length > 0.0 && length <= self.longest / 3.0 {
             out.extend([0.1, 0.3, 1.0, 3.0, 10.0, 30.0].map(|ratio| Memory { ratio, length }));
             length *= 3.0;
+        }
+        let length = WALK * self.longest;
+        if length > 0.0 && self.step > 0.0 {
+            // The variance increases by 2 · ratio · step / length from one reading to the next.
+            out.extend(STEPS.map(|fresh| Memory { ratio: 0.5 * fresh * length / self.step, length }));
         }
         out
     }

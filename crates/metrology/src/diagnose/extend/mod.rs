@@ -191,6 +191,11 @@ fn is_sound(one: &AcceptedCause, left: f64) -> Result<(), String> {
     if one.size.u95 >= one.size.value.abs() {
         return Err("its uncertainty exceeds its size; measure more often or at more positions".into());
     }
+    if !one.is_certain() {
+        let percent = 100.0 * one.probability.unwrap_or(0.0);
+        let how = one.separate_by.as_deref().unwrap_or(one.candidate.cause.separate_by);
+        return Err(format!("its probability is only {percent:.0} %; measure {how}"));
+    }
     Ok(())
 }
 
@@ -202,7 +207,7 @@ fn doubtful(doubt: &ExtrapolationRisk) -> String {
     let (verb, does, differ) =
         if doubt.rivals.len() > 1 { ("have", "together ", "differ") } else { ("has", "", "differs") };
     format!(
-        "{} {does}{verb} the same effect on the readings, but {differ} where nothing was measured, so a correction could increase the error; to separate them: {}",
+        "{} {does}{verb} the same effect on the readings, but {differ} elsewhere or at another time, so a correction could increase the error; to separate them: {}",
         doubt.rivals.join(" and "),
         doubt.separate_by
     )
@@ -418,6 +423,8 @@ mod tests {
             alone: 0.0,
             chance: 0.0,
             probability: None,
+            nature_share: 1.0,
+            rivals: Vec::new(),
             gain_unseen: 0.0,
             share: VarianceShare::default(),
             class: Vec::new(),

@@ -6,6 +6,7 @@
 //! who states the hypothesis.
 
 use super::super::cause::{Candidate, Causes, Correctable};
+use super::super::class::class;
 use super::super::entrant::group;
 use super::super::explain::contest::evidences;
 use super::super::extend::{self, Change};
@@ -16,7 +17,7 @@ use super::super::row::SceneRow;
 use super::super::scene::Scene;
 use super::super::search::Taken;
 use super::super::shape::{Driver, driver};
-use super::super::verdict::{DiagnosedCauses, Settled, class, diagnose_then};
+use super::super::verdict::{DiagnosedCauses, Settled, diagnose_then};
 use super::form::{StatedHypothesis, TermAmount};
 use super::subject::{StatedSubject, amounts, subject};
 use ncfix_base::geometry::AXES;
@@ -194,7 +195,8 @@ fn judge(
     let freedom = (whole.count() - whole.rank().min(whole.count())).max(1) as f64;
     let noise = whole.squares() / freedom * field.inflation(weights, &with, &beside, subject.number);
     let mut rivals: Vec<usize> = Vec::new();
-    for rival in class(field, weights, (subject.number, &beside), memory, noise).into_iter().skip(1) {
+    let gains = field.gains(weights, &field.series(weights, &beside, memory));
+    for rival in class(field, &gains, subject.number, noise).into_iter().skip(1) {
         if !replaced.contains(&rival) && !beside.contains(&rival) && named(rival) != trial.name {
             rivals.push(rival);
         }

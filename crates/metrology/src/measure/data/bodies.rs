@@ -55,6 +55,21 @@ pub(super) fn read_setup(section: &mut Section<'_>, measurand: Measurand, setup:
                 setup.origin_mm = Some(origin_mm);
             }
         }
+        Measurand::LineLength => {
+            setup.station_mm = section.vector("station_mm");
+            if let Some(direction) = section.vector("direction") {
+                setup.direction = direction.try_normalize(f64::EPSILON);
+                if setup.direction.is_none() {
+                    let place = section.place_of("direction");
+                    section.report(
+                        Code::BAD_VALUE,
+                        place,
+                        "a line without a direction",
+                        "write a vector such as [1, 1, 0]",
+                    );
+                }
+            }
+        }
         _ => {}
     }
 }

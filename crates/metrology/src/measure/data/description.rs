@@ -45,7 +45,7 @@ pub(super) fn read(name: &str, source: &Source, instruments: &Instruments) -> (O
         section.finish(&mut findings);
     }
     // Only places of balls can be given, or distances between them; elsewhere these sections are unknown keys.
-    let has_balls = !matches!(measurand, Measurand::Component | Measurand::BallDistance);
+    let has_balls = !matches!(measurand, Measurand::Component | Measurand::BallDistance | Measurand::LineLength);
     let mut lengths = Vec::new();
     for mut section in has_balls.then(|| root.sections("length")).into_iter().flatten() {
         let from = section.required("from", "\"b1\"", Section::text);

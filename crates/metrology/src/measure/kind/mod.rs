@@ -7,6 +7,7 @@
 mod ballbar;
 mod direct;
 mod displacement;
+mod length;
 mod probe;
 mod trace;
 
@@ -67,6 +68,8 @@ pub enum Measurand {
     Displacement,
     /// That displacement while the machine moves, at samples of the encoders. A reading has the acceleration of the axes.
     MovingDisplacement,
+    /// The change of a length along the line of its set-up, or from the station of it.
+    LineLength,
     /// Something else.
     Other,
 }
@@ -88,7 +91,7 @@ impl Registered for &'static Instrument {
 
 /// The built-in kinds.
 pub(in crate::measure) const BUILT_IN: &[&Instrument] =
-    &[&displacement::KIND, &ballbar::KIND, &probe::KIND, &direct::KIND, &TRACE];
+    &[&displacement::KIND, &ballbar::KIND, &probe::KIND, &direct::KIND, &length::KIND, &TRACE];
 
 /// Traces, which [`crate::measure::trace`] reads.
 pub static TRACE: Instrument = trace::KIND;

@@ -5,7 +5,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::builder::{Builder, Extra, PlanReach};
-use super::{PlanKind, PlanRefused, RowSpacing, Wishes, along_spindle, empty, kind, sphere};
+use super::{PlanKind, PlanRefused, RowSpacing, Wishes, along_spindle, empty, kind, sphere, turned_bar};
 use crate::measure::data::{Free, Setup};
 use ncfix_base::geometry::{Arc, AxisVector, Plane, Vector};
 use ncfix_machine::machine::Machine;
@@ -13,8 +13,11 @@ use ncfix_machine::machine::Machine;
 /// The plan.
 pub(super) const PLAN: PlanKind = PlanKind {
     name: "ballbar",
-    title: "circles about a ball on the table, in both directions (ISO 230-4)",
-    wishes: &["centre", "radius", "feed", "plane", "every", "sweep", "overlap", "dwell"],
+    title: "circles in XY, YZ, ZX about a ball on the table, in both directions (ISO 230-4); variants radial, tangential, axial or rotary (all three): the table turns (ISO 10791-6)",
+    wishes: &[
+        "centre", "radius", "feed", "plane", "every", "sweep", "overlap", "dwell", "variant", "axis", "range", "tilt",
+        "ball", "chord", "runs",
+    ],
     spacing: RowSpacing::Angle,
     has_setups: false,
     build,
@@ -74,7 +77,21 @@ impl Circle {
     }
 }
 
+/// Options of circles, and of bars on a turning table: the other kind does not have them.
+const OF_CIRCLES: [&str; 4] = ["centre", "plane", "sweep", "overlap"];
+const OF_TURNS: [&str; 6] = ["axis", "range", "tilt", "ball", "chord", "runs"];
+
 fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
+    let (others, why) = match wishes.variant {
+        Some(_) => (&OF_CIRCLES[..], "is for circles, without --variant"),
+        None => (&OF_TURNS[..], "is for a turning table, with --variant"),
+    };
+    if let Some((name, _)) = wishes.given().into_iter().find(|(name, is_given)| *is_given && others.contains(name)) {
+        return Err(PlanRefused(format!("--{name} {why}")));
+    }
+    if let Some(plan) = turned_bar::build(machine, wishes) {
+        return plan;
+    }
     let tool_mm = wishes.tool_mm();
     let centre_mm = wishes.centre_or_middle(machine, &tool_mm);
     let radius_mm = wishes.radius_mm.unwrap_or(100.0);

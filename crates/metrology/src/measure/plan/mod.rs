@@ -6,14 +6,18 @@
 
 mod ballbar;
 pub mod builder;
+mod diagonal;
 mod drift;
+mod follow;
 mod laser;
 mod load;
 mod plate;
 mod probe;
 mod random;
+mod rtest;
 mod sphere;
 pub mod table;
+mod turned_bar;
 mod way;
 
 use std::fmt;
@@ -52,13 +56,32 @@ pub enum RowSpacing {
 }
 
 /// All kinds of plans.
-pub const PLANS: &[PlanKind] =
-    &[ballbar::PLAN, sphere::PLAN, probe::PLAN, laser::PLAN, drift::PLAN, plate::PLAN, load::PLAN];
+pub const PLANS: &[PlanKind] = &[
+    ballbar::PLAN,
+    sphere::PLAN,
+    probe::PLAN,
+    rtest::PLAN,
+    laser::PLAN,
+    diagonal::PLAN,
+    drift::PLAN,
+    plate::PLAN,
+    load::PLAN,
+];
 
 /// The plan with a name.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static PlanKind> {
     PLANS.iter().find(|plan| plan.name == name)
+}
+
+/// The kinds with their options, for the help: a kind and its title, and a line of options.
+#[must_use]
+pub fn kinds_help() -> String {
+    let kind = |plan: &PlanKind| {
+        let wishes: Vec<String> = plan.wishes.iter().map(|wish| format!("--{wish}")).collect();
+        format!("  {:<9} {}\n            {}\n", plan.name, plan.title, wishes.join(" "))
+    };
+    PLANS.iter().map(kind).collect()
 }
 
 /// Options of a user; missing ones have defaults of the plan. mm, rad, mm/min, s.

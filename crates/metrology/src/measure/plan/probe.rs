@@ -311,7 +311,7 @@ fn indexed(machine: &Machine, wishes: &Wishes, balls: usize) -> Result<Vec<Pose>
 }
 
 /// Positions of balls: the given ones, otherwise on a circle about the table's axis, at two heights.
-fn balls(machine: &Machine, wishes: &Wishes, count: usize) -> Result<Vec<Vector>, PlanRefused> {
+pub(super) fn balls(machine: &Machine, wishes: &Wishes, count: usize) -> Result<Vec<Vector>, PlanRefused> {
     if !wishes.balls_mm.is_empty() {
         let given = wishes.balls_mm.len();
         let enough = given >= count;

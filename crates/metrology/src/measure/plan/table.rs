@@ -103,7 +103,7 @@ fn readings(plan: &Builder) -> Vec<&'static str> {
         components.into_iter().any(|component| (component.direction >= Direction::A) == wanted)
     };
     match plan.data.kind.measurand {
-        Measurand::BallDistance => plan.data.kind.columns.to_vec(),
+        Measurand::BallDistance | Measurand::LineLength => plan.data.kind.columns.to_vec(),
         Measurand::Displacement => {
             let columns = plan.data.kind.columns.iter().copied().zip(plan.reads);
             columns.filter(|(_, is_read)| *is_read).map(|(column, _)| column).collect()
@@ -131,6 +131,11 @@ pub fn toml(plan: &Builder) -> String {
             let [x, y, z] = [setup.centre_mm.x, setup.centre_mm.y, setup.centre_mm.z].map(number);
             let length = number(setup.length_mm);
             let _ = writeln!(out, "\n[setup.{}]\ncentre_mm = [{x}, {y}, {z}]\nlength_mm = {length}", setup.label);
+        }
+    }
+    for setup in &data.setups {
+        if let Some([x, y, z]) = setup.direction.map(|direction| [direction.x, direction.y, direction.z].map(number)) {
+            let _ = writeln!(out, "\n[setup.{}]\ndirection = [{x}, {y}, {z}]", setup.label);
         }
     }
     out

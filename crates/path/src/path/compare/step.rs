@@ -140,6 +140,8 @@ pub(super) struct Walk<'a, I> {
     on_the_spot: bool,
     /// Plane of the drilling cycle between the marks of a hole.
     hole: Option<Plane>,
+    /// `true` up to the first move between these marks.
+    approaches: bool,
     /// The element after the last move, if it was read already.
     held: Option<Element>,
     /// `true` if the block has moved already.
@@ -172,6 +174,7 @@ impl<'a, I> Walk<'a, I> {
             continues: false,
             on_the_spot: false,
             hole: None,
+            approaches: false,
             held: None,
             has_moved: false,
             acts: Acts::default(),
@@ -264,6 +267,7 @@ impl<'a, I: Iterator<Item = Element>> Iterator for Walk<'a, I> {
                 }
                 Kind::Cycle(mark) => {
                     self.hole = mark.map(|cycle| cycle.plane);
+                    self.approaches = true;
                     continue;
                 }
                 Kind::Tool(word) => {
@@ -282,7 +286,7 @@ impl<'a, I: Iterator<Item = Element>> Iterator for Walk<'a, I> {
                 _ => continue,
             };
             self.ever_named = self.ever_named.union(motion.named);
-            if self.is_at_hole(&motion) {
+            if std::mem::take(&mut self.approaches) && self.is_at_hole(&motion) {
                 let route = self.route(&motion);
                 self.lead.along(&mut self.band, &route, self.known, [0.0, 1.0]);
                 self.position = motion.target;

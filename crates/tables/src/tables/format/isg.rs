@@ -6,6 +6,8 @@
 //! corrects the tip position. (Beckhoff Information System, TF5280, "ISG CSV format", "Units of measure", "List of parameters supported".) `negate`
 //! of the list inverts the sign: try one large value on the machine.
 
+mod plane;
+
 use std::fmt::Write as _;
 
 use super::limits::{FormatLimits, Holds};
@@ -45,11 +47,11 @@ pub(super) const FORMAT: Format = Format {
 };
 
 /// The decimals of an error.
-fn decimals(index: usize) -> usize {
+pub(super) fn decimals(index: usize) -> usize {
     if index < 3 { DECIMALS } else { ANGLE_DECIMALS }
 }
 
-fn round(tables: &mut Tables) {
+pub(super) fn round(tables: &mut Tables) {
     let Some(errors) = &mut tables.errors else { return };
     for one in &mut errors.axes {
         one.positions.iter_mut().for_each(|position| *position = rounded(*position, DECIMALS));
@@ -62,7 +64,7 @@ fn round(tables: &mut Tables) {
     }
 }
 
-fn faults(tables: &Tables, _: &Wiring) -> Vec<String> {
+pub(super) fn faults(tables: &Tables, _: &Wiring) -> Vec<String> {
     let Some(errors) = &tables.errors else { return Vec::new() };
     let mut faults = Vec::new();
     for one in errors.axes.iter().filter(|one| !AXES.contains(&one.axis)) {
@@ -104,7 +106,7 @@ fn write(tables: &Tables, _: &Wiring, notes: &[String]) -> Vec<Written> {
 }
 
 /// A location error without its E: `A0Z`.
-fn short_name(name: ErrorName) -> String {
+pub(super) fn short_name(name: ErrorName) -> String {
     let text = name.to_string();
     text.strip_prefix('E').map_or(text.clone(), str::to_owned)
 }
@@ -119,14 +121,19 @@ enum Column {
     Other,
 }
 
+/// The error of a name in upper case: `EXX`, or `A0Z` without its E.
+pub(super) fn error_of(upper: &str) -> Option<ErrorName> {
+    let error = upper.parse::<ErrorName>().or_else(|_| format!("E{upper}").parse::<ErrorName>()).ok();
+    error.filter(|name| name.axis().is_some_and(|axis| AXES.contains(&axis)) && upper.len() == 3)
+}
+
 /// The column of a name in a header.
 fn column(name: &str) -> Option<Column> {
     let upper = name.to_ascii_uppercase();
     if let [letter] = upper.as_bytes() {
         return Axis::from_letter(*letter).filter(|axis| AXES.contains(axis)).map(Column::Argument);
     }
-    let error = upper.parse::<ErrorName>().or_else(|_| format!("E{upper}").parse::<ErrorName>()).ok();
-    let known = error.filter(|name| name.axis().is_some_and(|axis| AXES.contains(&axis)) && upper.len() == 3);
+    let known = error_of(&upper);
     let is_letter = |c: char| c.is_ascii_uppercase() || c == '0';
     let is_other = upper.len() == 3 && ["P", "N", "V", "ID", "LN"].iter().any(|head| upper.starts_with(head));
     known.map(Column::Error).or((is_other && upper.chars().all(is_letter)).then_some(Column::Other))
@@ -231,9 +238,13 @@ fn take(block: &Block, errors: &mut ErrorTables, report: &mut Report<'_>) {
     match arguments[..] {
         [] => constants(block, errors, report),
         [(index, axis)] => functions(block, index, axis, errors, report),
+        [first, second] => match plane::blocks(block, [first, second]) {
+            Ok(blocks) => blocks.iter().for_each(|one| take(one, errors, report)),
+            Err(message) => report.fault_at(block.span, message, plane::HELP),
+        },
         _ => {
             let help = "write errors of one axis over that axis";
-            report.fault_at(block.span, "errors that depend on two axes are not supported", help);
+            report.fault_at(block.span, "errors that depend on three axes are not supported", help);
         }
     }
 }

@@ -5,6 +5,7 @@
 mod cec;
 mod comp;
 mod enc;
+mod etalon;
 mod fanuc;
 mod grundig;
 mod heidenhain;
@@ -14,6 +15,7 @@ mod limits;
 mod marks;
 mod matrixkins;
 mod naming;
+mod pitch;
 mod plain;
 mod scan;
 mod shape;
@@ -104,11 +106,13 @@ pub const FORMATS: &[Format] = &[
     cec::FORMAT,
     enc::FORMAT,
     fanuc::FORMAT,
+    pitch::FORMAT,
     heidenhain::FORMAT,
     grundig::FORMAT,
     comp::FORMAT,
     matrixkins::FORMAT,
     isg::FORMAT,
+    etalon::FORMAT,
     ssfk::FORMAT,
 ];
 

@@ -21,6 +21,7 @@ use ncfix_machine::machine::State;
 use ncfix_model::Accumulator;
 
 pub use auto::{AIM, Tried, choose, choose_with};
+pub use reversal::{Reversal, reversals};
 
 /// A request for tables.
 #[derive(Clone, Copy, Debug)]

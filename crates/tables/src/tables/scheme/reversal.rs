@@ -41,6 +41,33 @@ pub(super) fn tables(task: &Task<'_>) -> Tables {
     tables
 }
 
+/// The reversal value of an axis for the backlash compensation of a control: its correction after a positive motion minus that after a negative one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reversal {
+    /// The axis.
+    pub axis: Axis,
+    /// Mean over its range, mm or rad.
+    pub mean: f64,
+    /// Largest distance from the mean, mm or rad.
+    pub spread: f64,
+}
+
+/// The reversal values of all axes that have one.
+#[must_use]
+pub fn reversals(task: &Task<'_>) -> Vec<Reversal> {
+    let moving = task.region.axes().filter(|&axis| task.target.model.features(axis).backlash);
+    let of = |axis: Axis| {
+        let at = positions(axis, task.region, task.points);
+        let values: Option<Vec<f64>> =
+            at.iter().map(|&at| half_difference(task, axis, at).map(|half| 2.0 * half[axis])).collect();
+        let values = values?;
+        let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+        let spread = values.iter().map(|value| (value - mean).abs()).fold(0.0, f64::max);
+        (mean.abs() >= NOTHING || spread >= NOTHING).then_some(Reversal { axis, mean, spread })
+    };
+    moving.filter_map(of).collect()
+}
+
 /// Half the difference of the correction between both directions of an axis at a position.
 fn half_difference(task: &Task<'_>, axis: Axis, at: f64) -> Option<AxisVector> {
     let mut pose = task.region.middle();

@@ -1,0 +1,38 @@
+//! Classes: candidates that explain the readings nearly as well as a finding.
+
+use super::cause::{Candidate, EffectKind};
+use super::mimic::RIVAL;
+use super::search::Field;
+use ncfix_base::numeric::Gain;
+
+/// Gains are equal if they agree to one part in this number.
+const ROUNDED: f64 = 1e6;
+
+/// Returns the candidates that explain nearly as much in place of one, itself first. `gains` are those of all candidates beside the other findings, `noise`
+/// is the variance of the readings.
+pub(super) fn class(field: &Field<'_, '_>, gains: &[Gain], number: usize, noise: f64) -> Vec<usize> {
+    let own = gains.get(number).map_or(0.0, |gain| gain.squares);
+    let mut rivals: Vec<(f64, usize)> = gains
+        .iter()
+        .enumerate()
+        .filter(|(place, gain)| *place != number && (own - gain.squares) / noise < RIVAL && gain.squares > 0.5 * own)
+        .map(|(place, gain)| (gain.squares, place))
+        .collect();
+    // The simplest comes first, because a slightly larger gain with more unknowns is no evidence. Candidates that differ only by rounding stay in the order
+    // of the catalog.
+    let rounded = |gain: f64| (gain / own.max(f64::MIN_POSITIVE) * ROUNDED).round();
+    let far = |number: usize| field.candidates.get(number).map_or(u32::MAX, Candidate::far_fetched);
+    rivals.sort_by(|a, b| far(a.1).cmp(&far(b.1)).then(rounded(b.0).total_cmp(&rounded(a.0))));
+    let mut class: Vec<usize> = Vec::new();
+    let mut names: Vec<(EffectKind, String)> = Vec::new();
+    for place in std::iter::once(number).chain(rivals.into_iter().map(|(_, place)| place)) {
+        if let Some(one) = field.candidates.get(place) {
+            let name = (one.cause.effect, one.parameter.clone());
+            if !names.contains(&name) {
+                names.push(name);
+                class.push(place);
+            }
+        }
+    }
+    class
+}
