@@ -17,7 +17,7 @@ pub enum ExitCode {
     Refused = 4,
     /// The link cannot be opened or was lost.
     Link = 5,
-    /// The control refused a line, was reset or is in an alarm state.
+    /// The control refused a line, was reset, is in an alarm state or does not answer.
     Control = 6,
     /// Temperature sensors remained bad, and their file ends the transfer in that case.
     Sensor = 7,
@@ -25,14 +25,14 @@ pub enum ExitCode {
     Interrupted = 130,
 }
 
+/// Meaning of status 3.
+const NOT_UNDERSTOOD: &str = "the program, or control data given with --setup, has a syntax error or a statement that ncfix cannot execute; no result file was written";
+
 /// Exit statuses of most commands, with their meaning for a script.
 const OF_ALL: &[(ExitCode, &str)] = &[
     (ExitCode::Done, "success (possibly with warnings)"),
     (ExitCode::Usage, "usage error, or a file cannot be read or written"),
-    (
-        ExitCode::NotUnderstood,
-        "the program, or control data given with --setup, has a syntax error or a statement that ncfix cannot execute; no result file was written",
-    ),
+    (ExitCode::NotUnderstood, NOT_UNDERSTOOD),
     (ExitCode::Refused, "refused because of another error; no result file was written"),
 ];
 
@@ -44,10 +44,7 @@ const OF_TEXTS: &[(ExitCode, &str)] =
 const OF_VERIFY: &[(ExitCode, &str)] = &[
     (ExitCode::Done, "nothing against running the corrected program, or warnings that a person should read"),
     (ExitCode::Usage, "usage error, or a file cannot be read"),
-    (
-        ExitCode::NotUnderstood,
-        "the program, or control data given with --setup, has a syntax error or a statement that ncfix cannot execute",
-    ),
+    (ExitCode::NotUnderstood, NOT_UNDERSTOOD),
     (ExitCode::Refused, "the corrected program should not run"),
 ];
 
@@ -56,10 +53,7 @@ const OF_DIFF: &[(ExitCode, &str)] = &[
     (ExitCode::Done, "no difference, or none above --fail-above"),
     (ExitCode::Different, "different, with or without a reason not to run the program"),
     (ExitCode::Usage, "usage error, or a file cannot be read"),
-    (
-        ExitCode::NotUnderstood,
-        "the program, or control data given with --setup, has a syntax error or a statement that ncfix cannot execute",
-    ),
+    (ExitCode::NotUnderstood, NOT_UNDERSTOOD),
     (
         ExitCode::Refused,
         "with --fail-above: a change above it, or one that is not a correction; or the corrected program does not follow the original",
@@ -69,7 +63,7 @@ const OF_DIFF: &[(ExitCode, &str)] = &[
 /// Additional statuses of commands that talk to a control.
 const OF_LINK: &[(ExitCode, &str)] = &[
     (ExitCode::Link, "the link cannot be opened or was lost"),
-    (ExitCode::Control, "the control refused a line, was reset or is in an alarm state"),
+    (ExitCode::Control, "the control refused a line, was reset, is in an alarm state or does not answer"),
     (ExitCode::Sensor, "temperature sensors remained bad"),
 ];
 

@@ -7,18 +7,12 @@ use super::stop::Stop;
 use crate::condition;
 use crate::options::ConditionFiles;
 
-/// Reads the condition into the machine and reports what the model needs and it lacks; true if it can be used.
-///
-/// # Errors
-/// If the file cannot be read.
+/// Reads the condition into the machine and reports what the model needs and it lacks; true if it can be used. Fails if the file cannot be read.
 pub(super) fn apply(choice: &StateChoice, chosen: &mut Chosen, findings: &mut Findings) -> Result<bool, Stop> {
     Ok(condition::apply(&ConditionFiles::from(choice), chosen, findings)?)
 }
 
-/// Reads the condition into the machine; true if it is valid.
-///
-/// # Errors
-/// If the file cannot be read.
+/// Reads the condition into the machine; true if it is valid. Fails if the file cannot be read.
 pub(super) fn read(choice: &StateChoice, chosen: &mut Chosen, findings: &mut Findings) -> Result<bool, Stop> {
     Ok(condition::read(&ConditionFiles::from(choice), chosen, findings)?)
 }

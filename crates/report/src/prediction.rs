@@ -34,7 +34,7 @@ pub struct PredictionReport {
     pub along: Vec<StationReport>,
 }
 
-/// Interval of the error of the tool tip at one place of a program with a probability of 95 %: lower and upper end.
+/// Interval of the error of the tool tip at one place of a program, with a coverage probability of 95 %: lower and upper end.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StationReport {
@@ -54,7 +54,7 @@ impl StationReport {
     }
 }
 
-/// Interval that contains the true error of the tool tip with a probability of 95 %: lower and upper end of each figure.
+/// Interval of the error of the tool tip: lower and upper end of each figure. The coverage probability is 95 % if the stated uncertainties are complete.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct IntervalReport {

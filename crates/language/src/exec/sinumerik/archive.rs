@@ -63,9 +63,11 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
             match block.body {
                 Body::Words => {
                     for word in loaded.program.words_of(block) {
-                        let found = reader.word(word);
-                        is_data |= found.is_ok() && word.address != Address::Letter(b'M');
-                        findings.extend(found.err().map(|found| fitting(found.in_file(source.id()))));
+                        let found = reader.word(word).err().map(|found| fitting(found.in_file(source.id())));
+                        // An assignment of a name without a value is an assignment too.
+                        let is_assignment = found.as_ref().is_none_or(|found| found.code == Code::UNDEFINED_VARIABLE);
+                        is_data |= is_assignment && word.address != Address::Letter(b'M');
+                        findings.extend(found);
                     }
                 }
                 Body::Empty | Body::Faulty | Body::Define { .. } => {}
