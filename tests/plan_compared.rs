@@ -448,7 +448,7 @@ fn page(compared: &Compared, tools: &[Told<'_>]) -> String {
     let mut out = String::from(
         "# Direct measurement, hole plates and ball-bar compared\n\n\
          Spaan 1995 (ch. 3) calibrated one machine in three ways. He tested each result on the same five hole plates, which were not used for\n\
-         calibration. This page repeats the comparison in simulation, with plans from `ncfix plan` and the fit of `ncfix calibrate`.\n\
+         calibration. This page repeats the comparison in simulation, with plans from `ncfix plan` and the fit of `ncfix calibrate`.\n\n\
          The machine is `samples/machines/maho700s.toml` without weight and drift, with all 18 component errors. It also has errors that no cubic\n\
          function can represent:\n\n\
          - periodic screw-lead errors of 1.5 µm (X) and 1 µm (Z) with a period of 12 mm;\n\
