@@ -32,7 +32,7 @@ fn plans(machine: &Machine) -> Vec<(&'static str, Builder)> {
     let base = || Wishes { tools_mm: vec![tool], chord: Some(0.03), every: Some(0.1), seed: 1, ..Wishes::default() };
     let side = Vector::new(0.0, -60.0, -80.0);
     let cases = [
-        ("ballbar", base()),
+        ("ballbar", Wishes { chord: None, ..base() }),
         ("sphere", Wishes { radius_mm: Some(100.0), ..base() }),
         ("sphere", Wishes { radius_mm: Some(100.0), variant: Some("esmaeili".into()), ..base() }),
         ("probe", Wishes { every: None, points: Some(8), ..base() }),
