@@ -57,7 +57,7 @@ impl Nature {
 /// The nature of an effect without a name: that of the driver which varies least from one machine to the next.
 fn of_drivers(drivers: &[String]) -> Nature {
     let has = |is: fn(&str) -> bool| drivers.iter().any(|driver| is(driver));
-    if has(|driver| driver == "t_s" || driver == ORDER || driver.starts_with("T_") || driver.ends_with("_rpm")) {
+    if has(|driver| OF_TIME.contains(&driver) || driver.starts_with("T_") || driver.ends_with("_rpm")) {
         Nature::Time
     } else if has(|driver| driver.starts_with("feed_") || driver.ends_with("_acc")) {
         Nature::Speed
@@ -70,6 +70,8 @@ fn of_drivers(drivers: &[String]) -> Nature {
 
 /// Driver of a displacement with the order of the rows, where no time was noted.
 pub(in crate::diagnose) const ORDER: &str = "row";
+/// Drivers of time.
+const OF_TIME: [&str; 2] = ["t_s", ORDER];
 
 #[cfg(test)]
 mod tests {
