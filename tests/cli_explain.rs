@@ -84,7 +84,7 @@ fn the_help_of_every_command_says_its_statuses_and_ends_with_examples() {
 fn what_is_wrong_with_a_command_line_names_what_to_write() {
     let shop = Shop::new().file("part.mpf", "N10 M30\n");
     for (words, says) in [
-        (&["part.mpf"][..], "<--output <OUT>|--in-place>"),
+        (&["part.mpf"][..], "<--output <OUT>|--in-place|--zero-shift <FILE>>"),
         (&["chek", "part.mpf"], "did you mean `ncfix check`?"),
         (&["check", "part.mpf", "--machin", "m.toml"], "'--machine'"),
         (
