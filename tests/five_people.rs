@@ -230,3 +230,26 @@ fn a_dnc_operator_with_linuxcnc() {
     assert!(before > 60.0 && after < 1.5, "{before} {after}");
     person.runs("verify part.ngc out.ngc --machine fitted.toml --setup mill.var --setup tool.tbl --zero G54=absolute");
 }
+
+/// A folder is the same as its measurements by name; a table without a description is named.
+#[test]
+fn a_folder_of_measurements_is_its_files() {
+    let sample = |name: &str| crate::support::repository(&format!("samples/measurements/{name}"));
+    let shop = Shop::new();
+    std::fs::create_dir(shop.path("tests")).unwrap();
+    for name in ["ball_bar.csv", "ball_bar.toml", "laser.csv", "laser.toml"] {
+        std::fs::copy(sample(name), shop.path("tests").join(name)).unwrap();
+    }
+    std::fs::write(shop.path("tests/notes.csv"), "day,temperature\n1,20.5\n").unwrap();
+    let machine = crate::support::machine("demo");
+    let model = ["--machine", &machine, "--model", "EXX1,EXXb,EC0X"];
+    let run = shop.run(["calibrate", "tests", "-o", "folder.toml"].into_iter().chain(model)).exits(0);
+    assert!(run.stderr.contains("notes.csv"), "{}", run.stderr);
+    let files = ["calibrate", "tests/ball_bar.csv", "tests/laser.csv", "-o", "files.toml"];
+    let run = shop.run(files.into_iter().chain(model)).exits(0);
+    assert!(!run.stderr.contains("notes.csv"), "{}", run.stderr);
+    assert_eq!(shop.text("folder.toml"), shop.text("files.toml"));
+    std::fs::create_dir(shop.path("empty")).unwrap();
+    shop.run(["calibrate", "empty", "-o", "none.toml"].into_iter().chain(model)).exits(2).says("has no measurement");
+    assert!(!shop.path("none.toml").exists());
+}

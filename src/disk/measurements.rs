@@ -62,7 +62,7 @@ fn in_folder(path: &Path) -> Result<Option<Vec<PathBuf>>, Error> {
         return Ok(None);
     }
     let entries = std::fs::read_dir(path).map_err(|error| Error::file("read", path, &error))?;
-    let mut found = Vec::new();
+    let (mut found, mut left) = (Vec::new(), Vec::new());
     for entry in entries.flatten() {
         let table = entry.path();
         let is_table = table.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
@@ -72,9 +72,15 @@ fn in_folder(path: &Path) -> Result<Option<Vec<PathBuf>>, Error> {
             .map_or_else(|_| String::new(), |bytes| String::from_utf8_lossy(&bytes).into_owned());
         if text.lines().any(|line| line.trim() == "[measurement]") {
             found.push(table);
+        } else {
+            left.push(table.display().to_string());
         }
     }
     found.sort();
+    left.sort();
+    if !left.is_empty() {
+        log::warn!("not used, because a description NAME.toml with [measurement] is missing: {}", left.join(", "));
+    }
     if found.is_empty() {
         let folder = path.display();
         return Err(Error::usage(format!(
