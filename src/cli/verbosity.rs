@@ -24,11 +24,13 @@ static CHOSEN: AtomicU8 = AtomicU8::new(Verbosity::Usual as u8);
 /// Sets the verbosity.
 pub(super) fn choose(voice: Verbosity) {
     CHOSEN.store(voice as u8, Ordering::Relaxed);
-    if voice == Verbosity::Verbose {
-        // A second run in one process has the same logger.
-        let _ = log::set_logger(&Notes);
-        log::set_max_level(log::LevelFilter::Info);
-    }
+    // A second run in one process has the same logger.
+    let _ = log::set_logger(&Notes);
+    log::set_max_level(match voice {
+        Verbosity::Quiet => log::LevelFilter::Off,
+        Verbosity::Usual => log::LevelFilter::Warn,
+        Verbosity::Verbose => log::LevelFilter::Info,
+    });
 }
 
 /// True if only errors are printed.
