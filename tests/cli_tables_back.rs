@@ -19,7 +19,7 @@ fn table(component: &str, positions: &str, values: &str) -> String {
     )
 }
 
-/// The numbers behind a key of the machine file, for the entry of a component and kind.
+/// The numbers of a key of the machine file, for the entry of a component and kind.
 fn numbers(text: &str, component: &str, kind: &str, key: &str) -> Vec<f64> {
     let value: toml::Table = text.parse().unwrap();
     let entries = value["motion"].as_array().unwrap();

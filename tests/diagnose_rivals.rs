@@ -24,7 +24,7 @@ fn diagnosed(table: &str, description: &str) -> (Value, bool) {
     (report, shop.path("out.toml").exists())
 }
 
-/// Nothing is written, nothing is told as certain, and the text agrees; the named rivals are those expected.
+/// Nothing is written, nothing counts as certain, and the text agrees; the named rivals are those expected.
 fn is_open(table: &str, description: &str, rivals: &[&str]) {
     let (report, is_written) = diagnosed(table, description);
     let all = findings(&report);
@@ -182,7 +182,7 @@ fn a_random_walk_around_a_circle_is_no_certain_scale() {
             let [a, b] = [-angle.sin().signum(), angle.cos().signum()];
             let _ = writeln!(table, "1,A,{x:.6},{y:.6},220,{a},{b},0,-120,{:.4}", walk + 0.1 * random.normal());
         }
-        // One circle cannot tell a walk from a bow; it must not be told as certain.
+        // One circle cannot tell a walk from a bow; neither may count as certain.
         let (report, is_written) = diagnosed(&table, CIRCLE);
         assert!(findings(&report).iter().all(|one| one["certain"] == false), "seed {seed}: {report:#}");
         assert!(!is_written, "seed {seed}: {report:#}");

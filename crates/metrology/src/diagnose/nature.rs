@@ -1,8 +1,8 @@
-//! Natures of causes: what an effect depends on. Causes of different natures need different corrections, even if they predict the same readings.
+//! Natures of causes: the quantity on which an effect depends. Causes of different natures need different corrections, even if they predict the same readings.
 
 use super::cause::{Candidate, EffectKind};
 
-/// What an effect depends on.
+/// The quantity on which an effect depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Nature {
     /// The positions of the axes.
@@ -15,7 +15,7 @@ pub(super) enum Nature {
     Time,
     /// The weight on the table.
     Load,
-    /// What a cause from a caller depends on.
+    /// The quantity of a cause from a caller.
     Own(&'static str),
 }
 
