@@ -144,12 +144,7 @@ fn a_file_with_a_cause_that_is_not_sure_waits_for_a_measurement() {
     assert!(findings.iter().any(|one| one["extends"] == true), "{report}");
     let run = shop.run(["diagnose", &bar, &laser, "--machine", &demo, "-o", "again.toml"]).exits(0);
     let text = run.stdout + &run.stderr;
-    for one in unsure {
-        let name = format!(
-            "Not written: {} {}: its probability is only",
-            one["effect"].as_str().unwrap(),
-            one["component"].as_str().unwrap()
-        );
-        assert!(text.contains(&name), "{name}\n{text}");
-    }
+    let reasons =
+        text.lines().filter(|line| line.starts_with("Not written: ") && line.contains("its probability is only"));
+    assert_eq!(reasons.count(), unsure.len(), "{text}");
 }
