@@ -14,6 +14,8 @@ use ncfix_machine::machine::Machine;
 const CHORD: f64 = PI / 360.0;
 /// Angle between rows, rad.
 const EVERY: f64 = PI / 18.0;
+/// Room at an end of the travel of a rotary axis, rad (0.02°): a corrected program turns slightly beyond the planned angles, by less than 350 µrad.
+const ROOM: f64 = PI / 9000.0;
 /// Largest angle of a tilting axis without a stated one, rad.
 const TILT: f64 = PI / 3.0;
 
@@ -39,6 +41,7 @@ pub(super) fn turns(machine: &Machine, wishes: &Wishes) -> Result<Vec<TurnedAxis
     let turn = |axis: Axis| {
         let data = machine.axis(axis)?;
         let [low, high] = data.travel.unwrap_or([-TAU, TAU]);
+        let room = if data.modulo { 0.0 } else { ROOM };
         // An axis without end stops a row before the full turn: at 360° its position is 0 again, and the way there would be ambiguous.
         let most = if data.modulo {
             [0.0, TAU - every(wishes)]
@@ -47,7 +50,7 @@ pub(super) fn turns(machine: &Machine, wishes: &Wishes) -> Result<Vec<TurnedAxis
         } else {
             [-tilt, tilt]
         };
-        Some(TurnedAxis { axis, range: wishes.range.unwrap_or([most[0].max(low), most[1].min(high)]) })
+        Some(TurnedAxis { axis, range: wishes.range.unwrap_or([most[0].max(low + room), most[1].min(high - room)]) })
     };
     let turns: Vec<TurnedAxis> = all.filter_map(turn).collect();
     if turns.is_empty() {
