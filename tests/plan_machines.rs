@@ -39,7 +39,8 @@ const CASES: &[(&[&str], &[&str])] = &[
     ),
     (
         &["ballbar", "--variant", "rotary", "--tool", "150", "--every", "30"],
-        &["esmaeili_huron", "esmaeili_xyz5", "knee_mill", "maho700s", "vmc"],
+        // The others need another place of the ball (--ball).
+        &["esmaeili_huron", "vmc"],
     ),
     (&["laser"], &["all"]),
     (&["laser", "--axis", "Z", "--component", "EAZ"], &["all"]),
@@ -133,7 +134,7 @@ fn every_plan_runs_through_or_says_why_not() {
         }
     }
     // Seven machines: eight plans on all of them with geometry; spheres, balls; R-tests and turning ball-bars.
-    assert_eq!(calibrated, 7 * 8 + 6 + 5 + 3 + 2 * 5);
+    assert_eq!(calibrated, 7 * 8 + 6 + 5 + 3 + 5 + 2);
 }
 
 #[test]
