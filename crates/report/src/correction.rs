@@ -397,7 +397,7 @@ mod tests {
         interval     not known: the uncertainty of this machine file is not known
         correction   up to X 41.3 µm, C 3.00 µrad
         rapids       12 as programmed; there the tool is up to 35.2 µm off
-        cycles       38 holes kept, 2 written as moves
+        cycles       38 holes kept, 2 written as moves; with --tolerance 3um they would stay
         executed     1,234 blocks; part.mpf:7 runs 40 times
         output       2,345 blocks, 2.5 times the lines of the source
         computed     in 0.12 s

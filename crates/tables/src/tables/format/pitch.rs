@@ -71,7 +71,7 @@ fn interval_of(range: f64, points: usize) -> f64 {
 /// The interval that divides a turn into at least this many steps: whole detection units.
 fn interval_of_turn(steps: usize) -> f64 {
     let units = (TURN / UNIT).round() as usize;
-    let count = (steps.max(2)..=MOST_POINTS).find(|count| units % count == 0).unwrap_or(steps.max(2));
+    let count = (steps.max(2)..=MOST_POINTS).find(|count| units.is_multiple_of(*count)).unwrap_or(steps.max(2));
     rounded((units / count.max(1)) as f64 * UNIT, DECIMALS)
 }
 
@@ -391,7 +391,7 @@ fn lookup(axis: Axis, raw: &PitchEntries, report: &mut Report<'_>) -> Option<Loo
     let [reference, lowest, highest, magnification, interval] = PARAMETERS.map(of);
     let is_number = |value: f64| value.fract() == 0.0 && (0.0..MOST_NUMBERS as f64).contains(&value);
     let is_factor = magnification.fract() == 0.0 && (1.0..=MOST_MAGNIFICATION as f64).contains(&magnification);
-    let is_interval = interval >= UNIT && interval < 1e5;
+    let is_interval = (UNIT..1e5).contains(&interval);
     let is_order = lowest <= reference && reference < highest;
     if ![reference, lowest, highest].into_iter().all(is_number) || !is_factor || !is_interval || !is_order {
         let message = format!(
