@@ -268,6 +268,24 @@ fn a_hole_below_the_tool_is_positioned_by_its_call() {
     }
 }
 
+/// Statements between the call and its first position: a search for a number must find the blocks in their order.
+#[test]
+fn block_numbers_stay_in_their_order() {
+    let program = "N10 G17 G90 G71 G94 G54\nN20 T2 M6\nN30 D1 S2000 M3\nN40 G0 X20 Y20 Z50\nN50 F150\nN60 MCALL CYCLE81(50,0,2,-10)\nN62 G64\n\
+        N64 G60\nN66 R1=3\nN70 X30 Y20\nN80 X40\nN90 MCALL\nN95 R2=1\nN96 G64\nN97 G60\nN100 G0 Z60\nN110 MCALL CYCLE81(60,0,2,-10)\nN112 M8\n\
+        N120 X50\nN130 MCALL\nN140 M30\n";
+    let text = corrected("sinumerik", "order.mpf", program, UPRIGHT);
+    let numbers: Vec<u32> = text
+        .lines()
+        .filter_map(|line| line.strip_prefix('N')?.split(|c: char| !c.is_ascii_digit()).next()?.parse().ok())
+        .collect();
+    assert!(numbers.is_sorted(), "{numbers:?}\n{text}");
+    for number in [60, 62, 64, 70, 80, 90, 96, 97, 100, 112, 120, 130, 140] {
+        assert!(numbers.contains(&number), "N{number}\n{text}");
+    }
+    assert!(text.contains("MCALL CYCLE81(") && text.contains("N112 M8"), "{text}");
+}
+
 #[test]
 fn the_summary_names_the_tolerance_that_keeps_cycles() {
     // 160 µrad over 32 mm are 5.1 µm: 2.6 µm to each side of the middle, and at most 0.1 µm of rounding.

@@ -47,10 +47,13 @@ impl Sinumerik {
         self.line.release();
     }
 
-    /// Holds back the line under construction if it is only a number: the next modal call may belong to it.
+    /// Holds back the line under construction if it is only a number: the next modal call may belong to it. A number before any other line is written.
     pub(super) fn set_bare_block_aside(&mut self, out: &mut Vec<u8>) {
-        if self.line.is_open() && !self.line.has_words() && !self.line.has_comment() && !self.line.text.is_empty() {
-            self.end_bare_block(out);
+        if !self.line.is_open() {
+            return;
+        }
+        self.end_bare_block(out);
+        if !self.line.has_words() && !self.line.has_comment() && !self.line.text.is_empty() {
             std::mem::swap(&mut self.bare_block, &mut self.line.text);
         }
     }
