@@ -9,7 +9,7 @@ fn machine(control: &str, zero_x_mm: f64, length_mm: f64) -> String {
     let mut text = format!("[machine]\nname = \"guarded\"\ntopology = \"wFXYZSt\"\ncontroller = \"{control}\"\n\n");
     for axis in ["X", "Y", "Z"] {
         let direction = ["X", "Y", "Z"].map(|other| i32::from(other == axis));
-        text.push_str(&format!("[axis.{axis}]\ndirection = {direction:?}\ntravel_mm = [0, 700]\n\n"));
+        text.push_str(&format!("[axis.{axis}]\ndirection = {direction:?}\ntravel_mm = [0, 1500]\n\n"));
     }
     text.push_str("[spindle]\norigin_mm = [0, 0, 0]\naxis = [0, 0, 1]\n\n");
     text.push_str("[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0, 5.0e-5]\n\n");
@@ -41,13 +41,18 @@ fn moves(stream: &str) -> usize {
 
 #[test]
 fn another_zero_or_tool_stops_the_program_before_it_moves() {
+    // The same programs in inches: a Fanuc then shows its offsets in inches, the others in the unit of the machine.
+    let inch = |program: &str, from: &str, to: &str| program.replace(from, to).replace("F500", "F20");
     for (control, name, program, checks_tools) in [
-        ("sinumerik", "part.mpf", SINUMERIK, true),
-        ("fanuc", "part.nc", FANUC, true),
-        ("rs274", "part.ngc", RS274, false),
+        ("sinumerik", "part.mpf", SINUMERIK.to_owned(), true),
+        ("fanuc", "part.nc", FANUC.to_owned(), true),
+        ("rs274", "part.ngc", RS274.to_owned(), false),
+        ("sinumerik", "inch.mpf", inch(SINUMERIK, "G71", "G70").replace("X110", "X11"), true),
+        ("fanuc", "inch.nc", inch(FANUC, "G21", "G20").replace("X110.", "X11."), true),
+        ("rs274", "inch.ngc", inch(RS274, "G21", "G20").replace("X110", "X11"), false),
     ] {
         let shop = Shop::new()
-            .file(name, program)
+            .file(name, &program)
             .file("m.toml", machine(control, 40.125, 80.0))
             .file("zero.toml", machine(control, 40.127, 80.0))
             .file("tool.toml", machine(control, 40.125, 80.002));

@@ -17,7 +17,7 @@ pub(crate) struct Writing {
     pub(crate) options: path::CorrectionOptions,
     pub(super) dialect: &'static str,
     entry: &'static emit::WriterEntry,
-    writer: emit::WriterOptions,
+    pub(super) writer: emit::WriterOptions,
     program: Source,
 }
 

@@ -11,8 +11,10 @@ use ncfix_base::geometry::{Axis, AxisVector};
 const SAME: f64 = 6e-4;
 
 /// The data of the control for which a program is corrected.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct GuardedData {
+    /// The length unit of the output, mm.
+    pub unit_mm: f64,
     /// Zero offsets in which axes move.
     pub zeros: Vec<GuardedZero>,
     /// Tools that cut.
@@ -126,12 +128,15 @@ pub(super) fn sinumerik(data: &GuardedData) -> GuardLines {
     guard
 }
 
-/// The guard of a Fanuc: macro variables of the zero offsets and of the lengths in tool memory C; alarm by `#3000` (Fanuc, Operator's manual, custom macro).
+/// The guard of a Fanuc: macro variables of the zero offsets and of the lengths in tool memory C, which are in inches under G20; alarm by `#3000` (Fanuc,
+/// Operator's manual, custom macro).
 pub(super) fn fanuc(data: &GuardedData) -> GuardLines {
     let mut guard = GuardLines::default();
-    let stop = |read: &str, value: f64, name: &str| {
-        format!("IF[ABS[{read}-[{}]]GT{SAME}]THEN #3000=1({name} IS NOT AS CORRECTED)", number(value))
+    let stop = |read: &str, (value, unit): (f64, f64), name: &str| {
+        let same = (SAME / unit * 1e7).round() / 1e7;
+        format!("IF[ABS[{read}-[{}]]GT{same}]THEN #3000=1({name} IS NOT AS CORRECTED)", number(value / unit))
     };
+    let unit_of = |axis: Axis| if axis.is_rotary() { 1.0 } else { data.unit_mm };
     for zero in &data.zeros {
         let first = match (whole(&zero.name, "G54.1 P"), whole(&zero.name, "G")) {
             (Some(number @ 1..=48), _) => 7001 + 20 * (number - 1),
@@ -144,7 +149,7 @@ pub(super) fn fanuc(data: &GuardedData) -> GuardLines {
         let lines: Vec<String> = (first..)
             .zip(&zero.axes)
             .map(|(variable, &axis)| {
-                stop(&format!("#{variable}"), value_of(zero, axis), &format!("{} {axis}", zero.name))
+                stop(&format!("#{variable}"), (value_of(zero, axis), unit_of(axis)), &format!("{} {axis}", zero.name))
             })
             .collect();
         guard.check(&zero.name, lines);
@@ -153,7 +158,7 @@ pub(super) fn fanuc(data: &GuardedData) -> GuardLines {
         let name = format!("H{tool}");
         if (1..1000).contains(&tool) {
             let read = format!("#{}+#{}", 11_000 + tool, 10_000 + tool);
-            guard.check(&name, [stop(&read, length_mm, &name)]);
+            guard.check(&name, [stop(&read, (length_mm, data.unit_mm), &name)]);
         } else {
             guard.left.push(name);
         }
