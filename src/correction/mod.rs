@@ -3,12 +3,12 @@
 mod feed_limit;
 mod growth;
 mod guard;
+mod noted;
 mod pieces;
 mod pipeline;
 mod wear;
 mod writing;
 
-use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::panic::resume_unwind;
 use std::path::PathBuf;
@@ -25,21 +25,21 @@ use crate::options::{Compensation, Options};
 use crate::program::Program;
 use crate::run::{self, Opened, Running, Watch};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
-use ncfix_base::geometry::{AXES, AxisKey};
 use ncfix_base::source::{Source, Span};
-use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_base::units::um_from_mm;
 use ncfix_dialect::Language;
 use ncfix_language::exec::{self, Radius};
 use ncfix_language::syntax;
 use ncfix_model::Model;
 use ncfix_path::emit::{self, NumberSet};
 use ncfix_path::path::{self, Prediction};
-use ncfix_report::correction::{CorrectionReport, RepeatedBlock};
+use ncfix_report::correction::CorrectionReport;
 use ncfix_report::guard::GuardReport;
-use ncfix_report::json;
 use ncfix_report::number::micrometers;
 
 pub(crate) use feed_limit::{contouring, servo};
+pub(crate) use noted::spread;
+use noted::{note, remaining, short_blocks};
 pub use pieces::Pieces;
 pub(crate) use pipeline::MOST_THREADS;
 use pipeline::{Pipeline, threads_for};
@@ -442,84 +442,4 @@ pub(crate) fn corrected_before(source: &Source) -> Diagnostic {
         "this program is already corrected",
         "correct the original program",
     )
-}
-
-/// The residual of an error source, in the units of reports.
-fn remaining(left: &path::Remaining) -> json::RemainingReport {
-    json::RemainingReport {
-        source: left.source,
-        position_um: um_from_mm(left.position_mm),
-        tilt_urad: urad_from_rad(left.tilt_rad),
-        roll_urad: urad_from_rad(left.roll_rad),
-    }
-}
-
-/// A spread in the units of reports.
-pub(crate) fn spread(spread: &path::Spread) -> json::SpreadReport {
-    json::SpreadReport {
-        mean_um: um_from_mm(spread.mean_mm()),
-        rms_um: um_from_mm(spread.rms_mm()),
-        max_um: um_from_mm(spread.max_mm),
-    }
-}
-
-/// The diagnostic for blocks that the division of moves has made shorter than the block cycle, and its source.
-fn short_blocks(
-    short: &path::ShortBlocks,
-    sources: &[Source],
-    report: &CorrectionReport,
-) -> Option<(Diagnostic, Source)> {
-    let origin = short.first_divided?;
-    let source = sources.iter().find(|source| source.id() == origin.file)?.clone();
-    let said = report.short_blocks?;
-    let message = format!(
-        "here the correction divides a move into blocks shorter than the block cycle of {} ms; in the whole output {} blocks are shorter, in the program {}",
-        said.block_cycle_ms, said.written, said.source
-    );
-    let help = "the control moves through them more slowly: allow a larger --tolerance for fewer blocks, or program a lower feed";
-    Some((Diagnostic::at(Code::SHORT_BLOCKS, Place { file: origin.file, span: origin.span }, message, help), source))
-}
-
-/// Takes the numbers of a prediction into the report.
-fn note(
-    prediction: &Prediction,
-    running: &Running,
-    machine: &ncfix_machine::machine::Machine,
-    report: &mut CorrectionReport,
-) {
-    report.before = Some(spread(prediction.before()));
-    report.before_form = Some(spread(prediction.form()));
-    report.after = Some(spread(prediction.after()));
-    report.rapids_as_programmed = prediction.as_programmed;
-    report.off_at_rapids_um = um_from_mm(prediction.off_cut_mm);
-    report.short_blocks = machine.control.block_cycle_s.map(|cycle_s| ncfix_report::correction::ShortBlocksReport {
-        block_cycle_ms: cycle_s * 1e3,
-        source: prediction.short_blocks.source,
-        written: prediction.short_blocks.written,
-        shortest_ms: (prediction.short_blocks.written > 0).then_some(prediction.short_blocks.shortest_s * 1e3),
-    });
-    report.blocks_in = running.blocks();
-    report.drilling_cycles = prediction.kept_holes;
-    report.drilled_by_moves = prediction.expanded_holes;
-    let needed_um = um_from_mm(prediction.expanded_hole_mm);
-    report.cycles_need_um = (needed_um > 0.0).then(|| needed_um.ceil());
-    let name_of =
-        |file| running.sources().iter().find(|source| source.id() == file).map(|source| source.name().to_owned());
-    report.most_repeated = prediction
-        .repeated
-        .largest()
-        .and_then(|(file, line, times)| Some(RepeatedBlock { line, file: name_of(file)?, times }));
-    if let Some(origin) = prediction.max_at() {
-        report.max_at_line = Some(origin.line);
-        let source = running.sources().iter().find(|source| source.id() == origin.file);
-        report.max_at_file = source.map(|source| source.name().to_owned());
-    }
-    report.max_correction = AXES
-        .into_iter()
-        .filter(|&axis| prediction.max_correction[axis] > 0.0)
-        .map(|axis| {
-            let key = AxisKey::of_deviation(axis);
-            (key, key.shown(prediction.max_correction[axis]))
-        })
-        .collect::<BTreeMap<_, _>>();
 }
