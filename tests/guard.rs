@@ -54,8 +54,8 @@ fn another_zero_or_tool_stops_the_program_before_it_moves() {
         let shop = Shop::new()
             .file(name, &program)
             .file("m.toml", machine(control, 40.125, 80.0))
-            .file("zero.toml", machine(control, 40.127, 80.0))
-            .file("tool.toml", machine(control, 40.125, 80.002));
+            .file("zero.toml", machine(control, 40.126, 80.0))
+            .file("tool.toml", machine(control, 40.125, 80.001));
         let out = format!("out_{name}");
         let run = shop.run(["fix", name, "-o", &out, "--machine", "m.toml", "--guard", "--json"]).exits(0);
         let guard = &run.json()["guard"];
