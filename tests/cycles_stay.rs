@@ -286,6 +286,39 @@ fn block_numbers_stay_in_their_order() {
     assert!(text.contains("MCALL CYCLE81(") && text.contains("N112 M8"), "{text}");
 }
 
+/// LinuxCNC returns from G85 and G89 with the feed, under G98 up to the initial level: that is not the bottom of the hole.
+#[test]
+fn a_hole_that_is_left_with_the_feed_keeps_its_depth() {
+    let head = "G21 G17 G90 G40 G49 G80 G94 G54\nT2 M6\nG0 X20. Y20. S2000 M3\nG43 H2 Z50.\n";
+    for cycle in ["G98 G85 X40. Y20. Z-10. R2. F100.", "G98 G89 X40. Y20. Z-10. R2. P0.3 F100."] {
+        let text = corrected("rs274", "up.ngc", &format!("{head}{cycle}\nG80\nM2\n"), UPRIGHT);
+        let at = |z: f64| [40.0, 20.0, z];
+        judge(UPRIGHT, &iso_holes(&text), &[Drilled { reference: at(2.0), bottom: at(-10.0) }], &text);
+    }
+}
+
+/// L2 under G90 drills twice at one place; a count of the words of the output shows both.
+#[test]
+fn a_hole_that_is_repeated_at_one_place_is_drilled_as_often() {
+    let head = "G21 G17 G90 G40 G49 G80 G94 G54\nT2 M6\nG0 X20. Y20. S2000 M3\nG43 H2 Z50.\n";
+    for from in ["", "G0 X40. Y20.\n"] {
+        let program = format!("{head}{from}G99 G81 X40. Y20. Z-10. R2. F100. L2\nX60.\nG80\nM2\n");
+        let text = corrected("rs274", "twice.ngc", &program, UPRIGHT);
+        // Moves down to −10: two at X40, one at X60 that stays a cycle.
+        let downs = |x: f64| {
+            let shop = Shop::new().file("out.ngc", &text).file("m.toml", UPRIGHT.machine("rs274"));
+            let stream = shop.run(["snc", "out.ngc", "--machine", "m.toml"]).exits(0).stdout;
+            let is_down = |line: &&str| {
+                line.starts_with("G1 ")
+                    && word(line, 'X').is_some_and(|value| (value - x).abs() < 0.1)
+                    && word(line, 'Z').is_some_and(|value| (value + 10.0).abs() < 0.1)
+            };
+            stream.lines().filter(is_down).count()
+        };
+        assert_eq!([downs(40.0), downs(60.0)], [2, 1], "{text}");
+    }
+}
+
 #[test]
 fn the_summary_names_the_tolerance_that_keeps_cycles() {
     // 160 µrad over 32 mm are 5.1 µm: 2.6 µm to each side of the middle, and at most 0.1 µm of rounding.

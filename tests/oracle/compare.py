@@ -24,6 +24,8 @@ import time
 HERE = os.path.dirname(os.path.abspath(__file__))
 ENDINGS = (".ngc", ".nc", ".tap", ".gcode", ".eia", ".cnc", ".txt")
 POSITION_TOLERANCE = 1e-4
+# The holes of a cycle share their heights within the tolerance of the correction, 1 µm.
+CYCLE_TOLERANCE = 1e-3
 """mm and degrees."""
 CURVE_TOLERANCE = 0.02
 """mm: both sides cut splines into pieces of their own choice."""
@@ -441,6 +443,7 @@ def leads_to_a_cut(steps, following, source_lines):
 def differ_corrected(before, after, model, source_lines, inverse_time):
     """None, or the first difference between the moves of a program and those of its corrected text."""
     before, after = moving(before), moving(after)
+    count_of_line = collections.Counter(step.line for step in after)
     i = j = 0
     nominal, actual = [0.0] * 9, [0.0] * 9
     unstated = set()
@@ -503,7 +506,8 @@ def differ_corrected(before, after, model, source_lines, inverse_time):
             travel += length_of(path[count - 1 :])
             seconds += 60 * length_of(path[count - 1 :]) / step.feed if step.feed else 0.0
             # A closed spline is where it ends from its start.
-            done = same_place(wanted, path[-1], model, end) and not (spline and travel < 0.98 * length - CURVE_TOLERANCE)
+            tolerance = CYCLE_TOLERANCE if model and count_of_line[step.line] > 2 else None
+            done = same_place(wanted, path[-1], model, end, tolerance) and not (spline and travel < 0.98 * length - CURVE_TOLERANCE)
             if theirs.kind == "G0" and model and not done and not leads_to_a_cut(before, next_i, source_lines):
                 done = is_left(path[-1], end, wanted, nominal, actual)
                 # Behind a tool change the program has not stated where these axes are; they stay there until it moves them.

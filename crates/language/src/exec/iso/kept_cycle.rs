@@ -92,11 +92,13 @@ fn starts(from: Flat, holes: usize, steps: &[Step]) -> Option<Vec<usize>> {
             starts.push(index);
         }
     }
-    if starts.len() + 1 == holes {
+    // The tool is at the first hole already.
+    if starts.len() + 1 == holes && starts.first().is_none_or(|&first| first > 0) {
         starts.insert(0, 0);
     }
     *starts.first_mut()? = 0;
-    (starts.len() == holes).then_some(starts)
+    // Holes at one place have no motion between them.
+    (starts.len() == holes && starts.is_sorted_by(|one, next| one < next)).then_some(starts)
 }
 
 /// Marks the beginning of a hole.

@@ -257,7 +257,9 @@ where
                 if moves_across || !is_at_hole(&motion.target) {
                     return None;
                 }
-                let depth = |place: &AxisVector| (place[axes[2]] - line.top[axes[2]]).abs();
+                // The first feed goes down; a tool that returns with the feed may go higher than it was deep.
+                let down = (line.bottom[axes[2]] - line.top[axes[2]]).signum();
+                let depth = |place: &AxisVector| down * (place[axes[2]] - line.top[axes[2]]);
                 if depth(&motion.target) > depth(&line.bottom) {
                     line.bottom = motion.target;
                 }
