@@ -289,7 +289,7 @@ fn block_numbers_stay_in_their_order() {
 /// LinuxCNC returns from G85 and G89 with the feed, under G98 up to the initial level: that is not the bottom of the hole.
 #[test]
 fn a_hole_that_is_left_with_the_feed_keeps_its_depth() {
-    let head = "G21 G17 G90 G40 G49 G80 G94 G54\nT2 M6\nG0 X20. Y20. S2000 M3\nG43 H2 Z50.\n";
+    let head = "G21 G17 G90 G40 G49 G80 G94 G54\nT2 M6\nG0 X20. Y20. S2000 M3\nG43 H2 Z15.\n";
     for cycle in ["G98 G85 X40. Y20. Z-10. R2. F100.", "G98 G89 X40. Y20. Z-10. R2. P0.3 F100."] {
         let text = corrected("rs274", "up.ngc", &format!("{head}{cycle}\nG80\nM2\n"), UPRIGHT);
         let at = |z: f64| [40.0, 20.0, z];
@@ -297,7 +297,7 @@ fn a_hole_that_is_left_with_the_feed_keeps_its_depth() {
     }
 }
 
-/// L2 under G90 drills twice at one place; a count of the words of the output shows both.
+/// L2 under G90 drills twice at one place; the flat stream, in machine coordinates of the tip, has both.
 #[test]
 fn a_hole_that_is_repeated_at_one_place_is_drilled_as_often() {
     let head = "G21 G17 G90 G40 G49 G80 G94 G54\nT2 M6\nG0 X20. Y20. S2000 M3\nG43 H2 Z50.\n";
@@ -310,8 +310,8 @@ fn a_hole_that_is_repeated_at_one_place_is_drilled_as_often() {
             let stream = shop.run(["snc", "out.ngc", "--machine", "m.toml"]).exits(0).stdout;
             let is_down = |line: &&str| {
                 line.starts_with("G1 ")
-                    && word(line, 'X').is_some_and(|value| (value - x).abs() < 0.1)
-                    && word(line, 'Z').is_some_and(|value| (value + 10.0).abs() < 0.1)
+                    && word(line, 'X').is_some_and(|value| (value - ZERO[0] - x).abs() < 0.1)
+                    && word(line, 'Z').is_some_and(|value| (value - ZERO[2] + 10.0).abs() < 0.1)
             };
             stream.lines().filter(is_down).count()
         };
