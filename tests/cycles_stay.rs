@@ -138,9 +138,14 @@ fn sinumerik_holes(text: &str) -> Vec<Drilled> {
 
 /// Corrects a program; returns the written text.
 fn corrected(control: &str, name: &str, program: &str, errors: PlateErrors) -> String {
+    corrected_within(control, name, program, errors, "1um")
+}
+
+/// Corrects a program with a tolerance.
+fn corrected_within(control: &str, name: &str, program: &str, errors: PlateErrors, tolerance: &str) -> String {
     let shop = Shop::new().file(name, program).file("m.toml", errors.machine(control));
     let out = format!("out_{name}");
-    let run = shop.run(["fix", name, "-o", &out, "--machine", "m.toml"]);
+    let run = shop.run(["fix", name, "-o", &out, "--machine", "m.toml", "--tolerance", tolerance]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     let text = shop.text(&out);
     let verify = shop.run(["verify", name, &out, "--machine", "m.toml"]);
@@ -286,36 +291,37 @@ fn block_numbers_stay_in_their_order() {
     assert!(text.contains("MCALL CYCLE81(") && text.contains("N112 M8"), "{text}");
 }
 
+/// Number of feed moves down to −10 at a position in X: in the flat stream of a written program, which is in machine coordinates of the tip.
+fn feeds_to_the_bottom(text: &str, x_mm: f64) -> usize {
+    let shop = Shop::new().file("out.ngc", text).file("m.toml", UPRIGHT.machine("rs274"));
+    let stream = shop.run(["snc", "out.ngc", "--machine", "m.toml"]).exits(0).stdout;
+    let is_at = |line: &str, letter: char, mm: f64| word(line, letter).is_some_and(|value| (value - mm).abs() < 0.1);
+    let is_down =
+        |line: &&str| line.starts_with("G1 ") && is_at(line, 'X', ZERO[0] + x_mm) && is_at(line, 'Z', ZERO[2] - 10.0);
+    stream.lines().filter(is_down).count()
+}
+
 /// LinuxCNC returns from G85 and G89 with the feed, under G98 up to the initial level: that is not the bottom of the hole.
 #[test]
 fn a_hole_that_is_left_with_the_feed_keeps_its_depth() {
     let head = "G21 G17 G90 G40 G49 G80 G94 G54\nT2 M6\nG0 X20. Y20. S2000 M3\nG43 H2 Z15.\n";
     for cycle in ["G98 G85 X40. Y20. Z-10. R2. F100.", "G98 G89 X40. Y20. Z-10. R2. P0.3 F100."] {
-        let text = corrected("rs274", "up.ngc", &format!("{head}{cycle}\nG80\nM2\n"), UPRIGHT);
-        let at = |z: f64| [40.0, 20.0, z];
-        judge(UPRIGHT, &iso_holes(&text), &[Drilled { reference: at(2.0), bottom: at(-10.0) }], &text);
+        for tolerance in ["1um", "5um"] {
+            let text = corrected_within("rs274", "up.ngc", &format!("{head}{cycle}\nG80\nM2\n"), UPRIGHT, tolerance);
+            assert_eq!(feeds_to_the_bottom(&text, 40.0), 1, "{text}");
+            assert_eq!(text.contains("Z-10.00") && text.contains("R1.99"), tolerance == "5um", "{text}");
+        }
     }
 }
 
-/// L2 under G90 drills twice at one place; the flat stream, in machine coordinates of the tip, has both.
+/// L2 under G90 drills twice at one place.
 #[test]
 fn a_hole_that_is_repeated_at_one_place_is_drilled_as_often() {
     let head = "G21 G17 G90 G40 G49 G80 G94 G54\nT2 M6\nG0 X20. Y20. S2000 M3\nG43 H2 Z50.\n";
     for from in ["", "G0 X40. Y20.\n"] {
         let program = format!("{head}{from}G99 G81 X40. Y20. Z-10. R2. F100. L2\nX60.\nG80\nM2\n");
         let text = corrected("rs274", "twice.ngc", &program, UPRIGHT);
-        // Moves down to −10: two at X40, one at X60 that stays a cycle.
-        let downs = |x: f64| {
-            let shop = Shop::new().file("out.ngc", &text).file("m.toml", UPRIGHT.machine("rs274"));
-            let stream = shop.run(["snc", "out.ngc", "--machine", "m.toml"]).exits(0).stdout;
-            let is_down = |line: &&str| {
-                line.starts_with("G1 ")
-                    && word(line, 'X').is_some_and(|value| (value - ZERO[0] - x).abs() < 0.1)
-                    && word(line, 'Z').is_some_and(|value| (value - ZERO[2] + 10.0).abs() < 0.1)
-            };
-            stream.lines().filter(is_down).count()
-        };
-        assert_eq!([downs(40.0), downs(60.0)], [2, 1], "{text}");
+        assert_eq!([40.0, 60.0].map(|x_mm| feeds_to_the_bottom(&text, x_mm)), [2, 1], "{text}");
     }
 }
 
