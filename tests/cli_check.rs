@@ -163,7 +163,8 @@ fn no_sample_reads_like_another_dialect() {
         }
         assert!(files.len() > 10, "{}", files.len());
         for file in files.iter().filter(|file| file.extension().is_none_or(|extension| extension != "md")) {
-            let run = Shop::new().run(["check", file.to_str().unwrap(), "--machine", &machine(machine_name)]);
+            let words = ["check", file.to_str().unwrap(), "--machine", &machine(machine_name), "--max-blocks", "10000"];
+            let run = Shop::new().run(words);
             assert!(!run.stderr.contains("reads like"), "{}: {}", file.display(), run.stderr);
         }
     }
@@ -255,8 +256,8 @@ fn check_says_what_a_correction_refuses() {
         for file in &files {
             let name = file.file_name().unwrap().to_str().unwrap();
             let shop = Shop::new().copy(file.to_str().unwrap());
-            let fix = shop.run(["fix", name, "-o", "out", "--machine", &on, "--json"]);
-            let check = shop.run(["check", name, "--machine", &on, "--json"]);
+            let fix = shop.run(["fix", name, "-o", "out", "--machine", &on, "--json", "--max-blocks", "1000"]);
+            let check = shop.run(["check", name, "--machine", &on, "--json", "--max-blocks", "1000"]);
             assert_eq!(check.code, fix.code, "{name}: {}", check.stderr);
             if ![0, 3, 4].contains(&fix.code) {
                 continue;

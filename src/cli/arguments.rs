@@ -221,7 +221,7 @@ pub(super) struct ProgramChoice {
     /// Dialect: sinumerik, grundig, fanuc or rs274 (default: by the machine file, else file name and content)
     #[arg(long, value_name = "DIALECT", value_parser = NonEmptyStringValueParser::new())]
     pub(super) dialect: Option<String>,
-    /// Largest number of executed blocks (default: 10 million, or 20 times those of the program if more)
+    /// Largest number of executed blocks (default: 2 million, or 20 times those of the program if more)
     #[arg(long, value_name = "N")]
     pub(super) max_blocks: Option<u64>,
     /// Levels of / blocks to skip, as set at the control: 0 or 0,3 or all
