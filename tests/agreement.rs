@@ -78,8 +78,10 @@ fn agree(all: &[Value; 3]) -> [f64; 2] {
 
 #[test]
 fn the_three_agree_with_and_without_backlash() {
-    for (backlash, increment) in [("", 0.001), ("", 0.0001), (BACKLASH, 0.001), (BACKLASH, 0.0001)] {
-        let control = format!("[control]\nincrement_mm = {increment}\n");
+    // A Sinumerik with MD10200 = 1000 rounds what it reads to one micrometer: the output has no more digits.
+    let increments = ["increment_mm = 0.001", "increment_mm = 0.0001", "increments_per_mm = 1000"];
+    for (backlash, increment) in [("", 0), ("", 1), ("", 2), (BACKLASH, 0), (BACKLASH, 1), (BACKLASH, 2)] {
+        let control = format!("[control]\n{}\n", increments[increment]);
         let machine = format!("{LOOSE}{backlash}{control}{UNCERTAIN}");
         let shop = Shop::new().file("m.toml", machine).file("in.mpf", contour());
         let [before, after] = agree(&results(&shop, "in.mpf", &["--machine", "m.toml"]));

@@ -66,6 +66,8 @@ impl Control {
                 Some([step, step.to_radians()])
             }
             "grundig" => Some(self.grid),
+            // MD10200 counts the increments of linear axes; nothing is stated for rotary axes.
+            "sinumerik" => self.increments_per_mm.map(|per_mm| [1.0 / per_mm, 0.0]),
             _ => None,
         }
     }
