@@ -338,6 +338,30 @@ fn the_output_is_not_finer_than_the_words_that_a_control_reads() {
         .exits(2)
         .says("finer than 0.001 mm");
     assert!(!shop.names().contains(&"fine.nc".to_owned()));
+    // A Sinumerik reads what MD10200 says; a third of a millimeter is no decimal.
+    let demo = std::fs::read_to_string(crate::support::repository("samples/machines/demo.toml")).unwrap();
+    let with = |per_mm: u32| demo.replacen("[control]\n", &format!("[control]\nincrements_per_mm = {per_mm}\n"), 1);
+    assert!(with(7).contains("increments_per_mm = 7\n"), "the sample has [control]");
+    let program = "N10 G90 G71 G17 G94 G54\nN20 T1 D1 M6\nN30 G0 X10.1234 Y20 Z50\nN40 G1 X33.3333 F500\nN50 M30\n";
+    let shop = shop.file("thousand.toml", with(1000)).file("seven.toml", with(7)).file("part.mpf", program).file(
+        "inch.mpf",
+        program.replace("G71", "G70").replace("X33", "X3").replace("X10", "X1").replace("Y20 Z50", "Y1 Z2"),
+    );
+    for name in ["part.mpf", "inch.mpf"] {
+        let out = format!("out_{name}");
+        shop.run([name, "-o", &out, "--machine", "thousand.toml"]).exits(0);
+        let written = shop.text(&out);
+        let is_position = |word: &&str| word.starts_with(['X', 'Y', 'Z']);
+        let positions: Vec<&str> =
+            written.lines().skip(1).flat_map(|line| line.split(' ')).filter(is_position).collect();
+        assert!(positions.len() > 3 && positions.iter().all(|word| decimals(word) <= 3), "{written}");
+        assert!(positions.iter().any(|word| decimals(word) == 3), "{written}");
+    }
+    shop.run(["part.mpf", "-o", "fine.mpf", "--machine", "thousand.toml", "--increment", "0.1um"])
+        .exits(2)
+        .says("finer than");
+    shop.run(["part.mpf", "-o", "no.mpf", "--machine", "seven.toml"]).says("a whole number that divides 1000000000");
+    assert!(!shop.names().contains(&"no.mpf".to_owned()));
     // A Grundig reads what its file says.
     let mill = crate::support::machine("universal_mill");
     let shop = shop.file("part.pm", "%PM9001\nN9001\nN1 G54\nN2 G0 X0 Y0 Z0\nN3 G1 X1 F1000\nN4 M30\n");

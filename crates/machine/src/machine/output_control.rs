@@ -27,7 +27,10 @@ pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     }
     control.grid = [control.increment_mm, control.increment_rad];
     let whole = |value: f64| (1.0..=1e9).contains(&value) && value.fract() == 0.0;
-    if let Some(value) = section.number_where("increments_per_mm", "a whole number from 1 to 1000000000", whole) {
+    // The output states positions as decimals: one increment must be a decimal of at most nine places.
+    let divides = |value: f64| whole(value) && 1e9 % value == 0.0;
+    const DIVISOR: &str = "a whole number that divides 1000000000, such as 1000 or 10000";
+    if let Some(value) = section.number_where("increments_per_mm", DIVISOR, divides) {
         control.increments_per_mm = Some(value);
     }
     match section.text("saved_unit") {
