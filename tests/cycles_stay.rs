@@ -314,6 +314,25 @@ fn a_hole_that_is_left_with_the_feed_keeps_its_depth() {
     }
 }
 
+/// A coarse increment rounds the depth of each peck, and what it is rounded by adds up over the pecks.
+#[test]
+fn pecks_on_a_coarse_increment_are_where_the_report_says() {
+    let head = "G21 G17 G90 G40 G49 G80 G94 G54\nT2 M6\nG0 X20. Y20. S2000 M3\nG43 H2 Z50.\n";
+    let mut calls = String::new();
+    for k in 0..8 {
+        let _ = writeln!(calls, "G99 G83 X{}. Y{}. Z-18.0{k} R2. Q2.50{k} F100.", 30 + 20 * k, 40 + 9 * k);
+    }
+    let program = format!("{head}{calls}G80\nM2\n");
+    let shop = Shop::new().file("m.toml", UPRIGHT.machine("rs274")).file("in.ngc", program);
+    for increment in ["0.1um", "1um", "10um"] {
+        let words = ["in.ngc", "-o", "out.ngc", "--machine", "m.toml", "--increment", increment, "--json"];
+        let fixed = shop.run(words).exits(0).json();
+        let verified = shop.run(["verify", "in.ngc", "out.ngc", "--machine", "m.toml", "--json"]).exits(0).json();
+        let [fixed, verified] = [fixed, verified].map(|json| json["after"]["max_um"].as_f64().unwrap());
+        assert!((fixed - verified).abs() < 0.01, "{increment}: {fixed} {verified} µm");
+    }
+}
+
 /// L2 under G90 drills twice at one place.
 #[test]
 fn a_hole_that_is_repeated_at_one_place_is_drilled_as_often() {

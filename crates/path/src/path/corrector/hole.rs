@@ -336,6 +336,11 @@ where
         let mut cuts = 0;
         let mut heights = [None; 2];
         let mut deviation_mm = 0.0_f64;
+        let increment_mm = self.placer.increments.linear_mm;
+        // Rounding may add a peck of nothing: then each peck is one increment longer.
+        let own = cycle.peck.map_or(0, |peck| (peck.depth_mm / increment_mm).round() as i64);
+        let longer = [own, own + 1];
+        let mut besides_mm = [0.0_f64; 2];
         for motion in hole.iter().filter_map(|element| match &element.kind {
             Kind::Move(motion) => Some(motion),
             _ => None,
@@ -353,9 +358,16 @@ where
                     return None;
                 }
                 deviation_mm = deviation_mm.max(trial.deviation_mm);
-                heights[0].get_or_insert(standing.counts[along.slot()]);
+                let from = *heights[0].get_or_insert(standing.counts[along.slot()]);
+                let end = placed.counts[along.slot()];
                 if motion.target[along] == line.bottom[along] {
-                    heights[1] = Some(placed.counts[along.slot()]);
+                    heights[1] = Some(end);
+                } else {
+                    // The control counts pecks from the reference plane: what their lengths are rounded by adds up.
+                    for (besides_mm, peck) in besides_mm.iter_mut().zip(longer) {
+                        let off = i64::from(cuts) * peck - (end - from).abs();
+                        *besides_mm = besides_mm.max(off.abs() as f64 * increment_mm);
+                    }
                 }
             }
             self.lead.along(&mut standing.band, &trial.emitted, standing.sensed, [0.0, 1.0]);
@@ -369,12 +381,11 @@ where
         }
         let Some(peck) = cycle.peck else { return Some(HoleFit { deviation_mm, peck: None }) };
         let [Some(from), Some(to)] = heights else { return None };
-        let increment_mm = self.placer.increments.linear_mm;
-        let own = (peck.depth_mm / increment_mm).round() as i64;
-        // Rounding may add a peck of nothing.
-        (own..=own + 1)
-            .find(|&count| pecks(from, to, count, increment_mm, peck.slack_mm) == cuts)
-            .map(|count| HoleFit { deviation_mm, peck: Some(count) })
+        longer
+            .into_iter()
+            .zip(besides_mm)
+            .find(|&(count, _)| pecks(from, to, count, increment_mm, peck.slack_mm) == cuts)
+            .map(|(count, besides_mm)| HoleFit { deviation_mm: deviation_mm + besides_mm, peck: Some(count) })
     }
 
     /// The state at the reference plane of the call: a tool at that of another hole moves by the difference first.
