@@ -147,6 +147,7 @@ mod modes;
 mod motion_kinds;
 #[cfg(unix)]
 mod newer_files;
+mod notes;
 mod pages;
 mod plain_english;
 mod plan;

@@ -22,6 +22,18 @@ impl Flags {
         Some(before)
     }
 
+    /// `true` if a flag is set.
+    pub(in crate::exec) fn holds(&self, number: usize) -> bool {
+        self.bits.get(number / 64).is_some_and(|bits| bits & (1 << (number % 64)) != 0)
+    }
+
+    /// Clears a flag.
+    pub(in crate::exec) fn clear(&mut self, number: usize) {
+        if let Some(bits) = self.bits.get_mut(number / 64) {
+            *bits &= !(1 << (number % 64));
+        }
+    }
+
     /// Sets all flags.
     pub(in crate::exec) fn note_all(&mut self) {
         self.bits.fill(u64::MAX);
@@ -38,6 +50,9 @@ mod tests {
         let noted = [63, 64, 129, 63, 129].map(|number| flags.note(number));
         assert_eq!(noted, [Some(false), Some(false), Some(false), Some(true), Some(true)]);
         assert_eq!((flags.note(130), flags.note(65)), (None, Some(false)));
+        flags.clear(64);
+        flags.clear(999);
+        assert_eq!([63, 64, 65, 130, 999].map(|number| flags.holds(number)), [true, false, true, false, false]);
         flags.note_all();
         assert_eq!((flags.note(0), flags.note(128)), (Some(true), Some(true)));
     }

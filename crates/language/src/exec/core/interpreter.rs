@@ -181,6 +181,7 @@ impl<'a, F: Execute> Runner<'a, F> {
         match action {
             AfterBlock::Next => {}
             AfterBlock::Jump(target) | AfterBlock::Goto(target) => {
+                self.pass_notes(target);
                 if let Some(level) = self.levels.last_mut() {
                     level.go_to(target, matches!(action, AfterBlock::Goto(_)));
                 }
@@ -194,9 +195,41 @@ impl<'a, F: Execute> Runner<'a, F> {
             }
             AfterBlock::Call(call) => F::call(self, call, block)?,
             AfterBlock::Return(target) => F::return_to(self, target, block.span())?,
-            AfterBlock::End(end) => F::end_of_program(self, end),
+            AfterBlock::End(end) => {
+                let is_main = self.levels.len() == 1;
+                F::end_of_program(self, end);
+                if is_main {
+                    self.pass_notes_behind_end();
+                }
+            }
         }
         Ok(())
+    }
+
+    /// Passes on the comments behind the end of the main program.
+    pub(in crate::exec) fn pass_notes_behind_end(&mut self) {
+        let Some(level) = self.levels.last() else { return };
+        let end = self.programs.get(level.program).map_or(0, |loaded| F::end_of(&self.channel, loaded, level));
+        self.pass_notes(end);
+    }
+
+    /// Passes on the comments of blocks that the running program leaves out up to a block: they have a line of their own in the text, and people look for
+    /// them there.
+    fn pass_notes(&mut self, end: usize) {
+        let Some(level) = self.levels.last() else { return };
+        let (own, calls) = (level.program, level.calls);
+        let mut blocks = level.next..end;
+        loop {
+            let Some(loaded) = self.programs.get_mut(own) else { return };
+            let Some((index, block)) = loaded.next_left_out(&mut blocks) else { return };
+            let file = loaded.program.source().id();
+            F::begin(self, &block, Origin { file, line: block.line(), span: block.span(), calls });
+            // A block without words has no action.
+            let _ = F::block(self, &block, index);
+            if let Some(loaded) = self.programs.get_mut(own) {
+                loaded.reopen(index);
+            }
+        }
     }
 
     /// The call chain of a program called in a line of the running one.

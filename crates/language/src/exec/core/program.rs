@@ -1,5 +1,7 @@
 //! Loaded program files.
 
+use std::ops::Range;
+
 use super::flags::Flags;
 use crate::syntax::words;
 use ncfix_base::source::{Source, Span};
@@ -36,6 +38,9 @@ pub(in crate::exec) trait ProgramText {
 
     /// A loaded block.
     fn block(&self, block: usize) -> Option<&Self::Block>;
+
+    /// `true` if a block contains nothing but a comment, which needs no value of the run.
+    fn is_note(&self, block: &Self::Block) -> bool;
 }
 
 /// A file, ready for execution.
@@ -45,13 +50,40 @@ pub(in crate::exec) struct LoadedFile<P, T> {
     pub(in crate::exec) own: T,
     /// Blocks whose comments were already passed on.
     commented: Flags,
+    /// Blocks with only a comment that a jump has left out, and whose comment was passed on there.
+    left_out: Flags,
+    /// Number of blocks that may still be examined behind jumps: this bounds the time of a program that jumps over most of its text again and again.
+    examinable: usize,
 }
+
+/// Number of times that each block may be examined behind jumps, on average.
+const LOOKS_PER_BLOCK: usize = 8;
 
 impl<P: ProgramText, T> LoadedFile<P, T> {
     /// Creates it from a file and the derived data.
     pub(in crate::exec) fn with(program: P, own: T) -> Self {
-        let commented = Flags::new(program.block_count());
-        LoadedFile { program, own, commented }
+        let count = program.block_count();
+        let [commented, left_out] = [Flags::new(count), Flags::new(count)];
+        LoadedFile { program, own, commented, left_out, examinable: count.saturating_mul(LOOKS_PER_BLOCK) }
+    }
+
+    /// The next block of a range with only a comment that was not passed on yet. It stays open: if the program comes to it later, it is passed on there.
+    pub(in crate::exec) fn next_left_out(&mut self, blocks: &mut Range<usize>) -> Option<(usize, P::Block)> {
+        for index in blocks {
+            self.examinable = self.examinable.checked_sub(1)?;
+            self.program.ensure(index);
+            let block = *self.program.block(index)?;
+            let is_open = self.program.is_note(&block) && !self.commented.holds(index);
+            if is_open && self.left_out.note(index) == Some(false) {
+                return Some((index, block));
+            }
+        }
+        None
+    }
+
+    /// Forgets that the comments of a block were passed on.
+    pub(in crate::exec) fn reopen(&mut self, block: usize) {
+        self.commented.clear(block);
     }
 
     /// `true` if the comments of a block are to be passed on: only at its first execution, as a loop does not repeat them.
@@ -100,5 +132,14 @@ impl ProgramText for words::Program {
 
     fn block(&self, block: usize) -> Option<&words::Block> {
         self.blocks.get(block)
+    }
+
+    fn is_note(&self, block: &words::Block) -> bool {
+        let comments = self.comments_of(block);
+        matches!(block.body, words::Body::Empty | words::Body::Words)
+            && block.label.is_none()
+            && self.words_of(block).is_empty()
+            && !comments.is_empty()
+            && comments.iter().all(|comment| comment.kind == words::CommentKind::Plain)
     }
 }

@@ -76,6 +76,10 @@ impl ProgramText for Program {
     fn block(&self, block: usize) -> Option<&Block> {
         self.blocks.get(block)
     }
+
+    fn is_note(&self, _: &Block) -> bool {
+        false
+    }
 }
 
 impl Family for Toy {

@@ -210,13 +210,15 @@ impl Interpreter<'_> {
 
     /// Ends a level at M30, M2, or the last block.
     pub(super) fn end(&mut self, word: Option<u16>) {
-        let level = self.levels.pop();
-        if level.is_none_or(|level| level.own == LevelKind::Main) {
+        let is_main = self.levels.last().is_none_or(|level| level.own == LevelKind::Main);
+        if is_main {
             if let Some(number) = word {
                 let value = WordValue::Number(f64::from(number));
                 self.channel.outlet.push(Kind::After(vec![Word { letter: b'M', extension: None, value }]));
             }
+            self.pass_notes_behind_end();
             self.ledger.end();
         }
+        self.levels.pop();
     }
 }

@@ -118,4 +118,8 @@ impl ProgramText for Program {
     fn block(&self, block: usize) -> Option<&Block> {
         self.blocks.get(block)
     }
+
+    fn is_note(&self, block: &Block) -> bool {
+        matches!(block.body, Body::Empty) && block.label.is_none() && block.comment.start < block.comment.end
+    }
 }
