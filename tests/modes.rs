@@ -378,6 +378,20 @@ fn cutting_speeds_in_feet_are_refused() {
     assert_eq!(codes("G90 G70\nG97 S300 M4\nM30"), [""; 0]);
 }
 
+/// Passed on, it would turn the coordinates, and the correction would count for a table that does not swivel.
+#[test]
+fn no_entry_passes_on_a_swivelled_plane() {
+    let demo = std::fs::read_to_string("samples/machines/demo.toml").unwrap();
+    let program = "G90 G17 G71 G500 T1 D1 M6\nG0 X50 Y50 Z100\nCYCLE800(1,\"TABLE\",0,57,0,0,0,-30,0,0,0,0,0,-1)\nG1 X60 F500\nM30\n";
+    for entry in ["CYCLE800", "CYCLE8*"] {
+        let machine = format!("{demo}\n[[opaque]]\nname = \"{entry}\"\n");
+        let shop = crate::support::Shop::new().file("m.toml", machine).file("p.mpf", program);
+        let run = shop.run(["p.mpf", "--machine", "m.toml", "-o", "out.mpf"]);
+        assert!(run.code == 4 && run.stderr.contains("E0235"), "{}", run.stderr);
+        assert!(!shop.path("out.mpf").exists());
+    }
+}
+
 #[test]
 fn no_entry_passes_on_a_word_that_exchanges_axes() {
     // Passed on, the corrections of X would go to the axis that moved as X before.

@@ -7,6 +7,7 @@ use super::gathered::Call;
 use super::jump::{place_of, search, variable};
 use super::level::{CalledWith, Entry, Interpreter, Level, Loaded, ReturnTarget};
 use super::modal::MotionKind;
+use super::names::opaque_moves;
 use super::parameters;
 use super::part::{COUNT_HELP, count_of};
 use super::pass::opaque_statement;
@@ -91,7 +92,8 @@ impl Interpreter<'_> {
             return Ok(());
         }
         let short = name.as_deref().and_then(|name| name.rsplit('/').next()).unwrap_or_default();
-        if let Some(moves) = self.machine.control.opaque_moves(&short.to_ascii_uppercase()).filter(|_| part.is_none()) {
+        if let Some(moves) = opaque_moves(&self.machine.control, &short.to_ascii_uppercase()).filter(|_| part.is_none())
+        {
             let written = (span, name.as_deref().unwrap_or_default());
             return opaque_statement(&self.programs[caller], &mut self.channel, written, arguments, moves);
         }

@@ -60,7 +60,7 @@ pub(super) fn resolve(program: &Program, dialect: &'static Dialect, control: &Co
             if let Some(row) = row.filter(|row| row.treatment == Treatment::Refuse) {
                 return Meaning::Kept(row);
             }
-            if let Some(moves) = control.opaque_moves(name) {
+            if let Some(moves) = opaque_moves(control, name) {
                 return Meaning::Opaque { moves };
             }
             match row {
@@ -74,6 +74,13 @@ pub(super) fn resolve(program: &Program, dialect: &'static Dialect, control: &Co
             }
         })
         .collect()
+}
+
+/// Returns whether a program that only the control executes moves axes; `None` if its calls are not passed on.
+///
+/// CYCLE800 never is such a program: passed on, it would turn the coordinates of all moves that follow, and those would be corrected for other positions.
+pub(super) fn opaque_moves(control: &Control, name: &str) -> Option<bool> {
+    control.opaque_moves(name).filter(|_| name != "CYCLE800")
 }
 
 /// `true` if a name is an address letter that may have an index in brackets: `S[2]=500`.

@@ -109,6 +109,6 @@ pub(super) fn restate(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault
 }
 
 pub(super) fn refused(span: Span, message: String) -> Fault {
-    let help = "program the plane with frame statements and the rotary axes with their words, or add CYCLE800 to control.opaque";
+    let help = "program the plane with frame statements (AROT) and the rotary axes with their words";
     fault(Code::BAD_SWIVEL, span, message, help)
 }
