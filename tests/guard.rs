@@ -71,6 +71,10 @@ fn another_zero_or_tool_stops_the_program_before_it_moves() {
         for (other, stops) in [("zero.toml", true), ("tool.toml", checks_tools)] {
             let (stream, errors) = executed(&shop, &out, other);
             assert_eq!(moves(&stream) == 0, stops, "{control} {other}: {stream}\n{errors}\n{}", shop.text(&out));
+            if stops {
+                let said = if control == "fanuc" { "NOT AS CORRECTED" } else { "a guard (--guard) ends it" };
+                shop.run(["verify", name, &out, "--machine", other]).exits(4).says(said);
+            }
         }
     }
 }

@@ -51,7 +51,7 @@ pub struct CorrectionReport {
     pub blocks_out: u64,
     /// Written blocks per line with words of the source.
     pub growth: f64,
-    /// The block that was executed most often; `null` if none was repeated.
+    /// The line of the source that gives the most blocks: a loop, a subprogram or a cycle; `null` if each line gives one.
     pub most_repeated: Option<RepeatedBlock>,
     /// Holes that stay a drilling cycle.
     pub drilling_cycles: u64,
@@ -172,7 +172,7 @@ impl CorrectionReport {
         };
         let repeated =
             self.most_repeated.as_ref().filter(|_| !growth.is_empty()).map_or_else(String::new, |repeated| {
-                format!("; {}:{} runs {} times", repeated.file, repeated.line, grouped(repeated.times))
+                format!("; {}:{} gives {} of them", repeated.file, repeated.line, grouped(repeated.times))
             });
         if self.drilling_cycles + self.drilled_by_moves > 0 {
             let holes = counted(self.drilling_cycles, "hole");
@@ -398,7 +398,7 @@ mod tests {
         correction   up to X 41.3 µm, C 3.00 µrad
         rapids       12 as programmed; there the tool is up to 35.2 µm off
         cycles       38 holes kept, 2 written as moves; with --tolerance 3um they would stay
-        executed     1,234 blocks; part.mpf:7 runs 40 times
+        executed     1,234 blocks; part.mpf:7 gives 40 of them
         output       2,345 blocks, 2.5 times the lines of the source
         computed     in 0.12 s
         machine      demo

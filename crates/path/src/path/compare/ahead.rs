@@ -11,11 +11,13 @@ const LOOK: usize = 500;
 pub(super) struct MovesAhead<'m, I> {
     moves: I,
     queue: VecDeque<ComparedMove<'m>>,
+    /// `true` once a move was taken.
+    pub(super) has_begun: bool,
 }
 
 impl<'m, I: Iterator<Item = ComparedMove<'m>>> MovesAhead<'m, I> {
     pub(super) fn new(moves: I) -> MovesAhead<'m, I> {
-        MovesAhead { moves, queue: VecDeque::new() }
+        MovesAhead { moves, queue: VecDeque::new(), has_begun: false }
     }
 
     /// The next move, which is not taken.
@@ -50,7 +52,9 @@ impl<'m, I: Iterator<Item = ComparedMove<'m>>> Iterator for MovesAhead<'m, I> {
     type Item = ComparedMove<'m>;
 
     fn next(&mut self) -> Option<ComparedMove<'m>> {
-        self.queue.pop_front().or_else(|| self.moves.next())
+        let step = self.queue.pop_front().or_else(|| self.moves.next());
+        self.has_begun |= step.is_some();
+        step
     }
 }
 

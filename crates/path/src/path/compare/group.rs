@@ -79,7 +79,12 @@ impl MoveGroup<'_> {
         let whole_mm = self.step.route.size_mm();
         loop {
             let Some(piece) = corrected.next() else {
-                return Err(Parting::alone(self.step, "the corrected program ends before this move of the original"));
+                let why = if corrected.has_begun {
+                    "the corrected program ends before this move of the original"
+                } else {
+                    "the corrected program ends before its first move; a guard (--guard) ends it if a zero offset or tool differs from the correction"
+                };
+                return Err(Parting::alone(self.step, why));
             };
             let is_first = !self.has_begun;
             let is_torn = self.grouping == Grouping::ByMarks && piece.continues != self.has_begun;
