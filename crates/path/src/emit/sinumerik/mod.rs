@@ -109,6 +109,8 @@ impl Writer for Sinumerik {
                 self.is_again = !piece.starts_block && (!piece.first || self.line.has_motion || has_other_feed);
                 if piece.starts_block || self.is_again {
                     self.begin(piece.starts_block, (&piece.origin, piece.number), out);
+                    // The line above may have been a number that waits for a modal call.
+                    self.end_bare_block(out);
                 }
                 self.assume(out);
                 self.end_modal_call(out);
@@ -126,6 +128,9 @@ impl Writer for Sinumerik {
                 let switches = matches!(&element.kind, Kind::Verbatim(text) if is_compensation(text));
                 if element.starts_block || switches && self.line.has_motion {
                     self.begin(element.starts_block, (&element.origin, element.number), out);
+                    if !leads_to_hole {
+                        self.end_bare_block(out);
+                    }
                 }
                 self.element(element, out);
             }
