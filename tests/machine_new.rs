@@ -225,7 +225,7 @@ const TRAORI: &str = "N10000 $MN_AXCONF_MACHAX_NAME_TAB[0]=\"X1\"\nN10000 $MN_AX
     N24550 $MC_TRAFO5_BASE_TOOL_1[0]=300\nN24550 $MC_TRAFO5_BASE_TOOL_1[1]=-210\nN24550 $MC_TRAFO5_BASE_TOOL_1[2]=-480\n\
     N24560 $MC_TRAFO5_JOINT_OFFSET_1[1]=12\nN24560 $MC_TRAFO5_JOINT_OFFSET_1[2]=40\n\
     N24570 $MC_TRAFO5_AXIS1_1[0]=-1\nN24572 $MC_TRAFO5_AXIS2_1[2]=-1\n\
-    N30310 $MA_ROT_IS_MODULO[AX5]=1\nN32000 $MA_MAX_AX_VELO[AX1]=30000\nN32000 $MA_MAX_AX_VELO[AX4]=25\n\
+    N10200 $MN_INT_INCR_PER_MM=1000\nN30310 $MA_ROT_IS_MODULO[AX5]=1\nN32000 $MA_MAX_AX_VELO[AX1]=30000\nN32000 $MA_MAX_AX_VELO[AX4]=25\n\
     N32100 $MA_AX_MOTION_DIR[AX1]=-1\nN36100 $MA_POS_LIMIT_MINUS[AX1]=0\nN36110 $MA_POS_LIMIT_PLUS[AX1]=600\n\
     N36100 $MA_POS_LIMIT_MINUS[AX4]=-120\nN36110 $MA_POS_LIMIT_PLUS[AX4]=30\n";
 
@@ -245,6 +245,7 @@ fn machine_data_of_a_sinumerik_give_the_chain_of_traori() {
         "travel_mm = [0, 600]",
         "max_feed_deg_min = 9000",
         "MD32100 of X is -1",
+        "increments_per_mm = 1000",
     ] {
         assert!(text.contains(part), "{part}: {text}");
     }

@@ -52,6 +52,8 @@ pub struct Description {
     pub axes: Vec<AxisDescription>,
     /// Unit of the files in which the control saves offsets and tools.
     pub saved_unit: Option<Known<&'static str>>,
+    /// Increments into which the control divides a millimeter.
+    pub increments_per_mm: Option<Known<u32>>,
     /// Data of the files that the machine file does not carry, each with its line.
     pub notes: Vec<String>,
 }
@@ -102,7 +104,17 @@ impl DescriptionRequest {
             return Err(missing.join("; "));
         }
         let (notes, saved_unit) = (self.facts.notes.clone(), self.facts.saved_unit.clone());
-        Ok(Description { name: self.name.clone(), template, topology, control, axes, saved_unit, notes })
+        let increments_per_mm = self.facts.increments_per_mm.clone();
+        Ok(Description {
+            name: self.name.clone(),
+            template,
+            topology,
+            control,
+            axes,
+            saved_unit,
+            increments_per_mm,
+            notes,
+        })
     }
 
     fn check_axes(&self, topology: &Topology) -> Result<(), String> {

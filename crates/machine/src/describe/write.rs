@@ -47,7 +47,7 @@ pub fn text(description: &Description) -> String {
         axis_section(&mut out, axis);
     }
     let has_three = THREE_DECIMALS.contains(&control.value.to_ascii_lowercase().as_str());
-    if has_three || description.saved_unit.is_some() {
+    if has_three || description.saved_unit.is_some() || description.increments_per_mm.is_some() {
         let _ = writeln!(out, "\n[control]");
     }
     if has_three {
@@ -56,6 +56,10 @@ pub fn text(description: &Description) -> String {
     if let Some(unit) = &description.saved_unit {
         let from = format!("unit of .var and tool.tbl; {}", origin(unit));
         line(&mut out, &format!("saved_unit = \"{}\"", unit.value), &from);
+    }
+    if let Some(count) = &description.increments_per_mm {
+        let from = format!("positions are rounded to them; {}", origin(count));
+        line(&mut out, &format!("increments_per_mm = {}", count.value), &from);
     }
     unmeasured(&mut out, description);
     if !description.notes.is_empty() {

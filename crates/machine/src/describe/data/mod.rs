@@ -36,6 +36,8 @@ pub struct ControlFacts {
     axes: BTreeMap<usize, AxisFacts>,
     /// Unit of the files in which the control saves offsets and tools: `mm` or `inch`.
     pub saved_unit: Option<Known<&'static str>>,
+    /// Increments into which the control divides a millimeter.
+    pub increments_per_mm: Option<Known<u32>>,
     /// Data that the machine file does not carry, and data that the file lacks.
     pub notes: Vec<String>,
 }

@@ -55,9 +55,20 @@ fn read(name: &str, text: &str, facts: &mut ControlFacts) -> Result<(), String> 
         axis_data(facts, (axis, axis_index), (key, value, (name, *line)), &values);
     }
     if unnamed {
-        facts.notes.push(format!(
-            "{name} has data of axes whose letters it does not state ($MC_AXCONF_CHANAX_NAME_TAB, $MN_AXCONF_MACHAX_NAME_TAB): they are not used"
-        ));
+        let arrays = ["$MN_AXCONF_MACHAX_NAME_TAB", "$MC_AXCONF_CHANAX_NAME_TAB", "$MC_AXCONF_MACHAX_USED"];
+        let lacks = |array: &&str| !values.keys().any(|(key, _)| key == array);
+        let missing = arrays.into_iter().filter(lacks).collect::<Vec<_>>().join(", ");
+        let missing = if missing.is_empty() { String::new() } else { format!("; it lacks {missing}") };
+        facts
+            .notes
+            .push(format!("{name} has data of axes whose letters it does not state: they are not used{missing}"));
+    }
+    let per_mm = values.get(&("$MN_INT_INCR_PER_MM".to_owned(), String::new()));
+    if let Some((value, line)) = per_mm
+        && let Ok(count) = value.parse::<u32>()
+        && count > 0
+    {
+        facts.increments_per_mm = Some(known(count, (name, *line), "MD10200"));
     }
     Geometry { name, values: &values }.read(&letters, facts)?;
     facts.notes.push(format!("{name} does not state which slide carries the table: it follows from the template"));
