@@ -232,10 +232,12 @@ G0 X10 Y2 Z15",
 
 #[test]
 fn what_is_not_executed_is_refused() {
-    for code in ["G7 A5=30", "G6 X1", "G45 X1 Y2", "G141", "G182 R5", "G200", "G786 X1"] {
-        let (_, codes) = run(&format!("N1 G17 G90 G0 X1 Y1\nN2 {code}"));
-        assert_eq!(codes, ["E0201:2"], "{code}");
+    let refused = |code: &str| run(&format!("N1 G17 G90 G0 X1 Y1\nN2 {code}")).1;
+    for code in ["G8 A5=30", "G6 X1", "G45 X1 Y2", "G182 R5", "G200", "G786 X1"] {
+        assert_eq!(refused(code), ["E0201:2"], "{code}");
     }
+    // The machine has no rotary axes.
+    assert_eq!([refused("G7 A5=30"), refused("G141")], [["E0235:2"], ["E0309:2"]]);
     // The window of the graphics is nobody's business.
     check("N1 G98 X-10 Y-10 Z-10 I20 J20 K20\nN2 G17 G90 G0 X1", "G0 X1 Y0 Z0");
 }

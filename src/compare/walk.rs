@@ -106,6 +106,7 @@ impl Pair<'_> {
             machine.control.increment_mm = promise.increment_mm.unwrap_or(machine.control.increment_mm);
             run::keep_unit(&sources[0], original.dialect, false, &mut machine);
             promise.increment_mm = Some(path::Increments::new(&machine.control).linear_mm);
+            promise.in_axes |= emit::entry(corrected.dialect.name).is_some_and(|entry| !entry.has_transformation);
         }
         let is_marked = emit::is_stamped(sources[1].bytes()) && !emit::is_stamped(sources[0].bytes());
         let grouping = if is_marked { Grouping::ByMarks } else { Grouping::ByPlace };

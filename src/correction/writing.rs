@@ -38,6 +38,7 @@ impl Writing {
             turns: entry.turns,
             centers: entry.centers,
             feeds: entry.feeds,
+            has_transformation: entry.has_transformation,
             start,
             ..choice.of_path()
         };

@@ -33,6 +33,17 @@ pub struct GrundigControl {
     pub chamfer_is_length: bool,
     /// Position of the swivel head that the axes of the machine file describe: 53 or 54.
     pub head: Option<u16>,
+    /// Order in which G7 turns by several angles; `None` if the file does not state it.
+    pub plane_order: Option<PlaneOrder>,
+}
+
+/// Order in which the angles A5, B5, C5 of G7 turn the plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlaneOrder {
+    /// About X, then about the turned Y, then about the turned Z: `Rx · Ry · Rz`.
+    Turned,
+    /// About X, then Y, then Z of the workpiece, which stay: `Rz · Ry · Rx`.
+    Fixed,
 }
 
 /// Axes that are scaled.
@@ -60,6 +71,7 @@ impl Default for GrundigControl {
             turns_first: false,
             chamfer_is_length: false,
             head: None,
+            plane_order: None,
         }
     }
 }
@@ -100,6 +112,16 @@ pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     ] {
         if let Some(value) = section.boolean(key) {
             *place = value;
+        }
+    }
+    match section.text("grundig_plane_order") {
+        None => {}
+        Some("turned") => settings.plane_order = Some(PlaneOrder::Turned),
+        Some("fixed") => settings.plane_order = Some(PlaneOrder::Fixed),
+        Some(other) => {
+            let message = format!("grundig_plane_order must be \"turned\" or \"fixed\", found \"{other}\"");
+            let help = "turned: B5 and C5 of G7 turn about the axes that the angles before have turned; fixed: about the axes of the workpiece";
+            section.report(Code::BAD_VALUE, section.place_of("grundig_plane_order"), message, help);
         }
     }
     match section.text("grundig_head") {

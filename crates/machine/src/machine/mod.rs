@@ -43,7 +43,7 @@ pub use condition::{Condition, Load, ZeroPose};
 pub use contour_control::{ArcCenter, CompensationCorner, CompensationStart};
 pub use datum::{Datum, TouchedAt, ZeroSetting};
 pub use frame_control::Rollover;
-pub use grundig_control::{GrundigControl, ScaledAxes};
+pub use grundig_control::{GrundigControl, PlaneOrder, ScaledAxes};
 pub use iso_control::{DecimalPoint, IncrementSystem, IsoControl, LengthAxis, OneAxis, WordMeaning};
 pub use kinematics::Kinematics;
 pub use macro_control::MacroControl;

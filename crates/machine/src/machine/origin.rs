@@ -255,6 +255,7 @@ mod tests {
             "orient_shift",
             "rigid_tapping",
             "grundig_head",
+            "grundig_plane_order",
             "initial_zero_offset",
             "table_multiplication",
             "set",

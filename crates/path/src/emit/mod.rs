@@ -85,6 +85,8 @@ pub struct WriterEntry {
     pub feeds: Feeds,
     /// `true` if every motion can be written in machine coordinates.
     pub has_machine_frame: bool,
+    /// `true` if the language has five-axis transformations that the output keeps.
+    pub has_transformation: bool,
     /// Words before the first move of every program, for millimeters: they define the coordinates.
     pub assumed: &'static str,
     /// Words that compare data of the control; `None` if the language has none.

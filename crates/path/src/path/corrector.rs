@@ -119,7 +119,7 @@ where
         let is_looked_for = options.rotary == Rotary::Auto && !model.is_empty();
         let rotary = if is_looked_for { rotary_axes(machine) } else { AxisSet::EMPTY };
         // Without the transformation, the control moves the axes straight: the path of the tip is then one of chords.
-        let tips = (options.five_axis == FiveAxis::Axes).then(|| TipDivider::new(machine, standing.nominal));
+        let tips = (!options.keeps_transform()).then(|| TipDivider::new(machine, standing.nominal));
         Corrector {
             elements: Ahead::new(elements, machine, rotary, tips),
             clamps: Clamps::new(machine),

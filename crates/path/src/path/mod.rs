@@ -89,6 +89,8 @@ pub struct CorrectionOptions {
     pub frame: OutputFrame,
     /// Treatment of five-axis transformations.
     pub five_axis: FiveAxis,
+    /// `false` if the output language has no five-axis transformation: its paths of the tip become axis positions.
+    pub has_transformation: bool,
     /// Largest accepted correction, mm; rotary axes count by the arc at the tool tip.
     pub max_correction_mm: f64,
     /// Participation of rotary axes in the correction.
@@ -98,6 +100,11 @@ pub struct CorrectionOptions {
 }
 
 impl CorrectionOptions {
+    /// `true` if the output keeps a five-axis transformation of the program.
+    pub(crate) fn keeps_transform(&self) -> bool {
+        self.has_transformation && self.five_axis == FiveAxis::Tcp
+    }
+
     /// `true` if holes may stay drilling cycles.
     #[must_use]
     pub fn may_keep_cycles(&self) -> bool {
@@ -118,6 +125,7 @@ impl Default for CorrectionOptions {
             rapids: Rapids::Ends,
             frame: OutputFrame::Work,
             five_axis: FiveAxis::Tcp,
+            has_transformation: true,
             max_correction_mm: 0.2,
             rotary: Rotary::Auto,
             start: None,

@@ -78,7 +78,7 @@ impl<'a> CommandSolver<'a> {
             centers: options.centers,
             kinematics: model.kinematics(),
             frame: options.frame,
-            keeps_transform: options.five_axis == FiveAxis::Tcp,
+            keeps_transform: options.keeps_transform(),
             has_rotary,
             turning: match options.rotary {
                 Rotary::Correct => axes.iter().filter(|axis| axis.is_rotary()).collect(),

@@ -37,7 +37,7 @@ impl<'a> Tips<'a> {
             kinematics: Kinematics::new(machine),
             increments: Increments::new(&machine.control),
             frame: options.frame,
-            keeps_transform: options.five_axis == FiveAxis::Tcp,
+            keeps_transform: options.keeps_transform(),
             setup: Arc::default(),
             stands: None,
         }

@@ -71,7 +71,7 @@ impl<'a> Run<'a> {
             chord_tolerance_mm: machine.control.chord_tolerance_mm,
             increments: Increments::new(&machine.control),
             is_work_frame: options.frame == OutputFrame::Work,
-            keeps_transform: options.five_axis == crate::path::FiveAxis::Tcp,
+            keeps_transform: options.keeps_transform(),
             setup: Arc::default(),
             unit: FeedUnit::default(),
             spindle_rpm: 0.0,

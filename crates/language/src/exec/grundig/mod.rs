@@ -29,6 +29,8 @@ mod shifts;
 mod step;
 mod tables;
 mod target;
+mod tilt;
+mod tip;
 mod tool;
 
 pub(super) use execute::start;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::defined::Defined;
 use super::shifts::Frames;
+use super::tilt::Tilted;
 use crate::exec::core::contour::ContourModal;
 use crate::exec::core::modal::{CodesInForce, Modes};
 use crate::exec::core::position::Position;
@@ -11,7 +12,7 @@ use crate::exec::core::tool::ToolState;
 use ncfix_base::geometry::{AxisSet, AxisVector, Plane};
 use ncfix_base::units::sin_deg;
 use ncfix_machine::machine::{Control, Machine};
-use ncfix_machine::snc::FeedUnit;
+use ncfix_machine::snc::{FeedUnit, Turning};
 
 /// The active motion mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,6 +58,10 @@ pub(super) struct Modal {
     pub(super) contour: ContourModal,
     pub(super) cycle: Option<Defined>,
     pub(super) position: Position,
+    /// The plane of G7.
+    pub(super) tilted: Option<Box<Tilted>>,
+    /// G141: positions are those of the tip, fixed to the workpiece.
+    pub(super) turning: Option<Turning>,
 }
 
 /// Groups of the code table with an effect here, in addition to [`Modes`].
@@ -81,6 +86,8 @@ impl Modal {
             contour: ContourModal::grundig(control),
             cycle: None,
             position: Position::at_start(start, machine),
+            tilted: None,
+            turning: None,
         }
     }
 

@@ -134,6 +134,29 @@ pub(super) fn reference(
     Ok(())
 }
 
+/// G174: the tool is withdrawn along its own axis, to a position that only the control knows. The block is passed through.
+pub(super) fn withdraw(
+    codes: &'static CodeTable,
+    modal: &mut Modal,
+    outlet: &mut MotionSink<'_>,
+    gathered: &mut Gathered,
+    span: Span,
+) -> Result<(), Fault> {
+    if modal.contour.compensates() || modal.turning.is_some() {
+        let message = "G174 while radius compensation is on";
+        return Err(fault(Code::FORBIDDEN_STATE, span, message, "program G40 before it"));
+    }
+    let mut text = "G174".to_owned();
+    for item in codes.g(174).map(|entry| gathered.take_used_by(entry)).unwrap_or_default() {
+        let value = item.value * modal.modes.scale();
+        text.push_str(&format!(" {}{}", name(item.letter, item.index), (value * 1e9).round() / 1e9));
+    }
+    modal.position.known = modal.position.known.difference(AxisSet::XYZ);
+    outlet.push(Kind::Verbatim(text.into_bytes()));
+    outlet.push(Kind::Lost(AxisSet::XYZ));
+    Ok(())
+}
+
 /// G28: positioning settings, passed through with their values.
 fn positioning_words(
     modal: &mut Modal,

@@ -9,6 +9,8 @@ use super::machining;
 use super::modes;
 use super::motion;
 use super::target;
+use super::tilt;
+use super::tip;
 use super::tool;
 use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
@@ -16,7 +18,7 @@ use ncfix_dialect::CodeTable;
 use ncfix_machine::snc::Kind;
 
 /// G codes that determine the use of a block's words, in addition to the cycles; one per block.
-const ACTIONS: &[u16] = &[4, 9, 11, 61, 62, 74, 77, 78, 79, 149, 150];
+const ACTIONS: &[u16] = &[4, 7, 9, 11, 61, 62, 74, 77, 78, 79, 149, 150, 174];
 
 /// Executes a block's words.
 pub(super) fn execute(
@@ -42,7 +44,10 @@ pub(super) fn execute(
     modes::modal_codes(channel, gathered)?;
     frames::frame_codes(channel, gathered)?;
     tool::tool(channel, gathered)?;
+    tip::check(channel, gathered)?;
+    let ends_tip = gathered.codes.iter().any(|code| code.number == 40);
     tool::compensation_codes(channel.settings.strict, &mut channel.modal, gathered)?;
+    tip::switch(channel, gathered, ends_tip)?;
     check_supported(channel.codes, gathered)?;
     auxiliary::feed_and_speed(&mut channel.modal, &mut channel.block, &mut channel.outlet, gathered)?;
     let behind = auxiliary::functions(
@@ -61,6 +66,10 @@ pub(super) fn execute(
         frames::table_access(channel, gathered, true, span)?;
     } else if let Some(span) = gathered.take_code(74) {
         modes::reference(channel.codes, &mut channel.modal, &mut channel.outlet, gathered, span)?;
+    } else if let Some(span) = gathered.take_code(174) {
+        modes::withdraw(channel.codes, &mut channel.modal, &mut channel.outlet, gathered, span)?;
+    } else if let Some(span) = gathered.take_code(7) {
+        tilt::plane(channel, gathered, span)?;
     } else if let Some(span) = gathered.take_code(78) {
         target::define_point(channel, gathered, span)?;
     } else if let Some(span) = gathered.take_code(9) {

@@ -18,7 +18,7 @@ pub(super) fn refresh_setup(channel: &mut Channel<'_>) -> Result<(), Fault> {
     let flat = || bad_value(span, "this frame cannot be undone", "check the factors of the zero offset");
     let frames = &channel.modal.frames;
     let stored = frames.shown(&channel.settings.machine.control).ok_or_else(flat)?;
-    let frame = stored.compose(&frames.programmed(&channel.settings.machine.control.grundig).ok_or_else(flat)?);
+    let below = stored.compose(&frames.programmed(&channel.settings.machine.control.grundig).ok_or_else(flat)?);
     let tool = &channel.modal.tool;
     let mut tool_mm = Vector::zeros();
     let length = tool.length_mm + channel.modal.allowance_mm[0];
@@ -28,8 +28,15 @@ pub(super) fn refresh_setup(channel: &mut Channel<'_>) -> Result<(), Fault> {
     }
     let assumed = frames.assumed || tool.assumed;
     let plane = channel.modal.modes.plane;
+    let transform = channel.modal.turning;
     let zero = frames.settable.as_deref().and_then(|name| channel.settings.machine.zero_index(name));
-    let setup = Setup { frame, tool_mm, plane, transform: None, assumed, zero, written_zero: None };
+    let frame = match &mut channel.modal.tilted {
+        None => below,
+        Some(tilted) => tilted.frame(channel.settings.machine, &below, &tool_mm).ok_or_else(|| {
+            bad_value(span, "the linear axes cannot place the tool in the plane of G7", "check the topology")
+        })?,
+    };
+    let setup = Setup { frame, tool_mm, plane, transform, assumed, zero, written_zero: None };
     let lost = lengthened(&channel.standing.setup, &setup);
     if !lost.is_empty() {
         // The length in the control may differ: no move may rely on the tip position for this length.

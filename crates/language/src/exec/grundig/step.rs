@@ -99,6 +99,9 @@ pub(super) fn elementary(
     if let Some(axis) = AXES_OF_MOTION.into_iter().find(|&axis| target[axis].is_nan() || target[axis].abs() > 1e9) {
         return Err(bad_value(span, format!("{axis} would move to {}", target[axis]), "check the values"));
     }
+    if let Some(tilted) = channel.modal.tilted.as_deref().filter(|_| channel.settings.strict) {
+        tilted.check(channel.settings.machine, &target, named, span)?;
+    }
     let basis = PlaneBasis::behind(&channel.standing.setup.frame, channel.modal.modes.plane)
         .ok_or_else(|| bad_value(span, "the frame collapses the working plane", "check G73"))?;
     let start_known = setup::shown_axes(&channel.standing, channel.modal.position.known, false);
@@ -207,7 +210,11 @@ pub(super) fn has_place(strict: bool, rapid_order: RapidOrder, modal: &Modal, ax
 
 /// `true` if a rapid move of these axes may be split. If its start is unknown, the control itself orders the motions of the block.
 pub(super) fn may_split(strict: bool, rapid_order: RapidOrder, modal: &Modal, axes: AxisSet) -> bool {
-    modal.positioning_logic && rapid_order != RapidOrder::None && has_place(strict, rapid_order, modal, axes)
+    // Under G141 the tool is not along an axis of the coordinates.
+    modal.positioning_logic
+        && modal.turning.is_none()
+        && rapid_order != RapidOrder::None
+        && has_place(strict, rapid_order, modal, axes)
 }
 
 /// Checks that a feed motion has a feed.

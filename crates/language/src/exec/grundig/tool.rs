@@ -35,6 +35,10 @@ pub(super) fn tool(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result
                 let help = "program G40 with a motion in the plane before it";
                 return Err(fault(Code::BAD_COMPENSATION, code.span, message, help));
             }
+            if channel.modal.turning.is_some() {
+                let message = format!("a tool change (M{number}) under G141");
+                return Err(fault(Code::FORBIDDEN_STATE, code.span, message, "end G141 with G40 before it"));
+            }
             channel.modal.position.known = AxisSet::EMPTY;
         }
         activate(channel, code.span)?;

@@ -78,7 +78,12 @@ pub(super) fn arc(
     let has_center = gathered.has_any(&center_letters);
     let radius = measure::length(channel, gathered, b'R')?;
     let has_across = !direction::has_directions(&channel.modal);
-    if let Some(value) = gathered.raw(across).filter(|&value| has_across && (value != 0.0 || channel.is_rs274())) {
+    if channel.is_rs274() && has_across && channel.settings.strict && gathered.raw_quietly(across) == Some(0.0) {
+        let message = format!("{}0 has no effect on this arc", char::from(across));
+        let help = "remove it: Grbl and Mach ignore it, and LinuxCNC stops with an error";
+        channel.outlet.warnings.push(fault(Code::UNUSUAL_MOTION, gathered.span_of(across), message, help));
+    }
+    if let Some(value) = gathered.raw(across).filter(|&value| has_across && value != 0.0) {
         let message = format!(
             "{}{value} lies outside the working plane G{}",
             char::from(across),

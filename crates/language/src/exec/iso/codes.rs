@@ -19,7 +19,7 @@ pub(super) enum Group {
     ArcDistance,
     /// G93, G94, G95
     FeedMode,
-    /// G20, G21
+    /// G20, G21; G70, G71 of Mach
     Units,
     /// G40, G41, G42
     Compensation,
@@ -72,6 +72,8 @@ pub(super) fn group_of(tenths: u16, language: Language) -> Option<Group> {
         842 | 843 if !is_rs274 => Group::Cycle,
         170 | 180 | 190 => Group::Plane,
         200 | 210 => Group::Units,
+        // Of Mach; as cycles of a lathe they have further words.
+        700 | 710 if is_rs274 => Group::Units,
         900 | 910 => Group::Distance,
         901 | 911 => Group::ArcDistance,
         930 | 940 | 950 => Group::FeedMode,

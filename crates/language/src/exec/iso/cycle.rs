@@ -317,7 +317,7 @@ fn call(
         return Err(bad_value(gathered.span_of(b'P'), message, "write P without a sign"));
     }
     if !is_rs274 && !is_haas && gathered.has(b'K') {
-        check_count(channel.settings.machine, gathered, code)?;
+        check_count(channel, gathered, code)?;
     }
     let mut repeats = pattern.as_ref().map(|pattern| pattern.count());
     for letter in match pattern {
@@ -421,15 +421,29 @@ fn check_cycle(channel: &Channel<'_>, gathered: &Gathered, code: u16, span: Span
     Ok(())
 }
 
-/// K of a peck cycle is a depth on a Haas, also under G91.
-fn check_count(machine: &Machine, gathered: &Gathered, code: u16) -> Result<(), Fault> {
-    if !matches!(code, 730 | 830) || machine.control.iso.reads_as_fanuc() {
+/// K of a peck cycle is the number of holes on a Fanuc and a depth on a Haas.
+///
+/// A number of holes has no decimal point, and stands beside the step to the next hole under G91. A Haas would read it in increments.
+fn check_count(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
+    if !matches!(code, 730 | 830) || channel.settings.machine.control.iso.reads_as_fanuc() {
         return Ok(());
     }
     let name = name_of(code);
-    let message = format!("K of {name}: on a Fanuc the number of holes, on a Haas a depth");
-    let help = "write the number of holes with L and G91, or omit K; or set control.word_meaning = \"fanuc\" or controller = \"haas\"";
-    Err(fault(Code::TWO_MEANINGS, gathered.span_of(b'K'), message, help))
+    let span = gathered.span_of(b'K');
+    let is_count = channel.modal.modes.incremental && gathered.is_unpointed(b'K');
+    if !is_count {
+        let message = format!("K of {name}: on a Fanuc the number of holes, on a Haas a depth");
+        let help = "write the number of holes with L and G91, or omit K; or set control.word_meaning = \"fanuc\" or controller = \"haas\"";
+        return Err(fault(Code::TWO_MEANINGS, span, message, help));
+    }
+    if channel.settings.strict {
+        let message =
+            format!("K of {name} counts holes, as on a Fanuc; on a Haas it is a depth, and the block drills one hole");
+        let help =
+            "for a Haas, set controller = \"haas\"; control.word_meaning = \"fanuc\" confirms the number of holes";
+        channel.outlet.warnings.push(fault(Code::UNUSUAL_MOTION, span, message, help));
+    }
+    Ok(())
 }
 
 /// `true` if the control executes a tapping cycle of the output.

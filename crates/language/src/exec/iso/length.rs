@@ -39,11 +39,11 @@ pub(super) fn length_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Re
     }
 }
 
-/// H alone changes the offset while compensation is active (Fanuc).
+/// H alone changes the offset while compensation is active (Fanuc), also in the block of a reference motion: `G91 G28 Z0 H0`.
 fn again(language: Language, modal: &Modal, gathered: &Gathered) -> Option<u16> {
     let code = modal.code(Group::Length);
-    (language != Language::Rs274 && code != 490 && gathered.has(b'H') && gathered.code(Group::Action).is_none())
-        .then_some(code)
+    let is_free = matches!(gathered.code(Group::Action), None | Some(280 | 300));
+    (language != Language::Rs274 && code != 490 && gathered.has(b'H') && is_free).then_some(code)
 }
 
 fn rs274_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span: Span) -> Result<bool, Fault> {

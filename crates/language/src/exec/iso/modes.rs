@@ -3,7 +3,7 @@
 use super::channel::Channel;
 use super::channel::Cycles;
 use super::codes::G80;
-use super::codes::Group;
+use super::codes::{Group, name_of};
 use super::direction;
 use super::forbidden;
 use super::gathered::Gathered;
@@ -47,7 +47,12 @@ pub(super) fn units(
     gathered: &Gathered,
 ) -> Result<(), Fault> {
     let Some(code) = gathered.code(Group::Units) else { return Ok(()) };
-    modal.modes.inch = code == 200;
+    if matches!(code, 700 | 710) && gathered.has_any(b"DEPQ") {
+        let message = format!("{} (cycle of a lathe) is not supported", name_of(code));
+        let help = "program its moves one by one; without other words it selects the unit, as G20 and G21 do";
+        return Err(fault(Code::NOT_SUPPORTED, gathered.code_span(Group::Units), message, help));
+    }
+    modal.modes.inch = matches!(code, 200 | 700);
     match machine.control.output_inch {
         Some(inch) if inch != modal.modes.inch && language != Language::Rs274 => {
             let message = "the program is in inches in one part and in millimeters in another";

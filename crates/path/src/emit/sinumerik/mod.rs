@@ -33,6 +33,7 @@ pub(super) const ENTRY: WriterEntry = WriterEntry {
     centers: Centers::OnBisector,
     feeds: Feeds::OfLinear,
     has_machine_frame: true,
+    has_transformation: true,
     assumed: ASSUMED,
     guard: Some(super::guard::sinumerik),
 };

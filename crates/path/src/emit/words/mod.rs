@@ -78,6 +78,7 @@ impl Flavour {
             centers: self.centers,
             feeds: self.feeds,
             has_machine_frame: false,
+            has_transformation: !matches!(self.language, Language::Grundig),
             assumed: self.assumed,
             guard: self.guard,
         }
