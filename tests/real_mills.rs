@@ -11,8 +11,13 @@ fn machine(name: &str) -> String {
 
 /// Corrects a program and verifies the result; returns its text.
 fn corrected(machine_name: &str, file: &str, program: &str) -> String {
+    corrected_on(machine(machine_name), file, program)
+}
+
+/// The same on the text of a machine file.
+fn corrected_on(machine: String, file: &str, program: &str) -> String {
     let out = format!("out_{file}");
-    let shop = Shop::new().file("m.toml", machine(machine_name)).file(file, program);
+    let shop = Shop::new().file("m.toml", machine).file(file, program);
     shop.run(["fix", file, "-o", out.as_str(), "--machine", "m.toml"]).exits(0);
     shop.run(["verify", file, out.as_str(), "--machine", "m.toml"]).exits(0);
     shop.text(&out)
@@ -51,4 +56,19 @@ fn a_program_of_a_haas_verifies() {
     let text = corrected("haas", "haas.nc", program);
     assert!(text.contains("G154 P1"), "{text}");
     assert!(!text.contains("G70") && !text.contains("G13"), "{text}");
+}
+
+/// A plane of G7 with a contour and holes, its end, and a path of the tip on which head and table turn: the output has positions of axes, on a machine
+/// with a squareness of 40 µrad.
+#[test]
+fn a_five_axis_program_of_a_millplus_verifies() {
+    let machine = machine("five_grundig").replace("EC0X = 0.0", "EC0X = 40.0\nEA0Z = 25.0");
+    let program = "%PM9001\nN9001\nN1 G17 G71 G90 G54\nN2 T1 M6\nN3 S1000 M3\nN4 G0 B0 C0\nN5 G0 X0 Y0 Z300\nN6 G93 X10 Y20 Z5\n\
+                   N7 G7 A5=30 L1=1\nN8 G0 X40 Y30 Z20\nN9 G1 Z2 F1000\nN10 X60\nN11 G2 X80 Y30 I70 J30\nN12 G81 Y2 Z-10 B5 F100\n\
+                   N13 G79 X10 Y10 Z0\nN14 G0 Z100\nN15 G7\nN16 G74 Z-1 L1\nN17 G7 A5=0 B5=0 C5=0 L1=1\nN18 G174\nN19 G54\n\
+                   N20 G0 B-20 C0\nN21 X0 Y0 Z300\nN22 G141 L2=0 F2=15000\nN23 G0 X10 Y20 Z30\nN24 G1 X40 Y60 B-40 F800\n\
+                   N25 G2 X60 Y60 I50 J60\nN26 G1 X80 C30\nN27 G40\nN28 G0 Z400\nN29 M30\n";
+    let text = corrected_on(machine, "five.pm", program);
+    assert!(!text.contains("G7 ") && !text.contains("G141"), "{text}");
+    assert!(text.contains("G174") && text.contains("G74 Z-1 L1"), "{text}");
 }

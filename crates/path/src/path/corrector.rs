@@ -29,9 +29,7 @@ use super::segment_candidate::{SegmentCandidate, SegmentFitter};
 use super::standing::PathState;
 use super::tip_divider::TipDivider;
 use super::treatment::{MoveTreatment, is_pushed_out};
-use super::{
-    Arcs, CorrectionOptions, FiveAxis, Increments, Output, Piece, PoseSample, Prediction, Rotary, Subdivision,
-};
+use super::{Arcs, CorrectionOptions, Increments, Output, Piece, PoseSample, Prediction, Rotary, Subdivision};
 use clamps::{Clamps, rotary_axes};
 
 /// Minimum length of a piece, mm.

@@ -17,7 +17,7 @@ use super::cut::MOST_FEED;
 use super::route::{Route, RouteArc};
 use super::slope::Slope;
 use super::way::turned_deg;
-use super::{Centers, CorrectionOptions, FiveAxis, Increments, OutputFrame, Rotary, Turns};
+use super::{Centers, CorrectionOptions, Increments, OutputFrame, Rotary, Turns};
 
 /// Resolution of axis feeds, parts of a mm/min.
 const FEED_PARTS: f64 = 1e3;

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use super::{CorrectionOptions, FiveAxis, Increments, Output, OutputFrame, Piece, PieceArc, lost_axes};
+use super::{CorrectionOptions, Increments, Output, OutputFrame, Piece, PieceArc, lost_axes};
 use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
 use ncfix_machine::machine::{Kinematics, Machine};
 use ncfix_machine::snc::{Kind, Setup};
