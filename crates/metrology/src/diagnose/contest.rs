@@ -75,6 +75,8 @@ pub(super) struct ContestOutcome {
     pub(super) of_taken: Vec<Chosen>,
     /// The most probable explanations.
     pub(super) explanations: Vec<ExplanationSummary>,
+    /// Probability that there is no cause, only noise; `None` if nothing was compared.
+    pub(super) nothing: Option<f64>,
 }
 
 impl Field<'_, '_> {
@@ -276,6 +278,8 @@ impl Field<'_, '_> {
             }
         }
         explanations.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+        // One that is not listed has a probability below that of the least one that the comparison keeps.
+        let nothing = explanations.iter().find(|one| one.terms.is_empty()).map_or(0.0, |one| one.probability);
         explanations.truncate(MOST_SHOWN);
         let harm = Harm::new(self, found, sources, volume);
         let said = |k: usize, is_new: bool| -> Option<Vec<String>> {
@@ -354,6 +358,6 @@ impl Field<'_, '_> {
             }
             chosen
         });
-        ContestOutcome { instead, is_whole, of_taken, explanations }
+        ContestOutcome { instead, is_whole, of_taken, explanations, nothing: Some(nothing) }
     }
 }

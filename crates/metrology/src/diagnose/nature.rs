@@ -15,12 +15,14 @@ pub(super) enum Nature {
     Time,
     /// The weight on the table.
     Load,
+    /// The instrument and its set-up: nothing of the machine.
+    Instrument,
     /// The quantity of a cause from a caller.
     Own(&'static str),
 }
 
 impl Nature {
-    /// The nature of a cause of the machine; `None` for instruments, set-ups, faults of data, and states of earlier files.
+    /// The nature of a cause; `None` for faults of data, and states of earlier files.
     pub(super) fn of(one: &Candidate) -> Option<Nature> {
         if one.cause.effect == EffectKind::Unknown {
             return Some(of_drivers(&one.drivers));
@@ -42,11 +44,10 @@ impl Nature {
             | EffectKind::Drift
             | EffectKind::SpindleSpeed => Some(Nature::Time),
             EffectKind::Load => Some(Nature::Load),
+            EffectKind::Setup | EffectKind::Probe => Some(Nature::Instrument),
             EffectKind::Own(name) => Some(Nature::Own(name)),
             EffectKind::Unknown
             | EffectKind::Earlier
-            | EffectKind::Setup
-            | EffectKind::Probe
             | EffectKind::Sensor
             | EffectKind::Outlier
             | EffectKind::Program => None,

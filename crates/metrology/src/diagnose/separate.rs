@@ -208,6 +208,11 @@ fn told_apart(pair: [EffectKind; 2]) -> (Option<&'static str>, Option<Separating
         )
     } else if pair[0] == EffectKind::Cross {
         return (None, Some(SeparatingPlan::Grid));
+    } else if pair.map(Nature::of_effect).into_iter().flatten().filter(|own| *own == Nature::Instrument).count() == 1 {
+        return (
+            Some("the same poses with the instrument set up anew, or with another one: an error of the machine stays, that of an instrument does not"),
+            None,
+        );
     } else {
         return by_nature(pair).map_or((None, None), |(sentence, plan)| (Some(sentence), Some(plan)));
     };

@@ -8,9 +8,10 @@
 use super::cause::{Candidate, EffectKind};
 use super::contest::{ExplanationSummary, MOST_SHOWN};
 use super::doubt::ExtrapolationRisk;
-use super::entrant::group;
+use super::entrant::{family, group};
 use super::nature::Nature;
-use super::search::Field;
+use super::explain::assumptions::Family;
+use super::search::{Field, Weights};
 use super::separate::separating;
 use ncfix_base::numeric::{Gain, Series};
 
@@ -63,7 +64,8 @@ impl Field<'_, '_> {
         let price = (series.count().max(2) as f64).ln();
         let evidence = |place: usize| -> Option<f64> {
             let (own, gain) = (self.candidates.get(place)?, gains.get(place)?);
-            Some(gain.squares / noise.max(f64::MIN_POSITIVE) - price * gain.rank as f64 - self.strange(series, own))
+            let readings = gain.squares / noise.max(f64::MIN_POSITIVE) - price * gain.rank as f64;
+            Some(readings + certified(own) - self.strange(series, own))
         };
         let Some(own) = evidence(number) else { return certain };
         let mut best: Vec<(Nature, f64, usize)> = Vec::new();
@@ -101,6 +103,42 @@ impl Field<'_, '_> {
         let (amounts, _) = series.amounts(&own.columns);
         let of = |(amount, size): (&f64, &f64)| if *size > 0.0 { (amount / (WORN * size)).powi(2) } else { 0.0 };
         amounts.iter().zip(&own.sizes).map(of).sum()
+    }
+
+    /// Gives the terms of explanations that are not among the findings `kept` to their rivals too: a list of explanations must not be surer than a finding.
+    pub(super) fn share_others(
+        &self,
+        weights: &Weights,
+        kept: &[usize],
+        explanations: &mut Vec<ExplanationSummary>,
+    ) {
+        let known: Vec<String> =
+            kept.iter().filter_map(|&number| self.candidates.get(number)).map(Candidate::title).collect();
+        let mut titles: Vec<String> = explanations.iter().flat_map(|one| one.terms.iter().cloned()).collect();
+        titles.sort();
+        titles.dedup();
+        titles.retain(|title| !known.contains(title));
+        let numbers: Vec<usize> = titles
+            .iter()
+            .filter_map(|title| self.candidates.iter().position(|one| one.title() == *title))
+            .collect();
+        if numbers.is_empty() {
+            return;
+        }
+        let series = self.series(weights, kept, self.memory(weights, kept));
+        let gains = self.gains(weights, &series);
+        for number in numbers {
+            let Some((one, gain)) = self.candidates.get(number).zip(gains.get(number)) else { continue };
+            let with: Vec<usize> = kept.iter().copied().chain([number]).collect();
+            let unknowns = (series.rank() + gain.rank).min(series.count());
+            let freedom = (series.count() - unknowns).max(1) as f64;
+            let noise = (series.squares() - gain.squares).max(0.0) / freedom;
+            let noise = noise * self.inflation(weights, &with, kept, number);
+            let undecided = self.undecided((&series, &gains), (number, kept), noise);
+            if !undecided.is_certain() {
+                share_out(explanations, &one.title(), undecided.own, &self.rivals(&undecided));
+            }
+        }
     }
 
     /// The rivals by name.
@@ -149,6 +187,12 @@ pub(super) fn share_out(explanations: &mut Vec<ExplanationSummary>, title: &str,
     }
     explanations.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     explanations.truncate(MOST_SHOWN);
+}
+
+/// 2 ln of the odds of a set-up that its description states as known: a length with a certificate is rarely wrong. A probe has no certificate for its length
+/// and its pre-travel on this machine.
+fn certified(one: &Candidate) -> f64 {
+    if family(one) == Family::Setup { 2.0 * Family::Setup.assumption().odds.ln() } else { 0.0 }
 }
 
 /// True for a cause with a name of its own. Cross-couplings and unnamed effects of any driver can follow almost everything.

@@ -3,7 +3,7 @@
 use super::account::{Account, swing};
 use super::cause::{Candidate, Cause, Causes, EffectKind, earlier, periodic, thermal};
 use super::class::class;
-use super::contest::{Chosen, ExplanationSummary, NAMED};
+use super::contest::{Chosen, ExplanationSummary};
 use super::doubt::ExtrapolationRisk;
 use super::far::drop_far;
 use super::fold::{confirmed, counts};
@@ -76,12 +76,12 @@ pub struct AcceptedCause {
 }
 
 impl AcceptedCause {
-    /// True if it is certain enough to act on it: more probable than everything in its place, among the natures that predict its readings too, and larger
-    /// than its uncertainty.
+    /// True if it is certain enough to act on it: its probability is that of a certain cause, also among the natures that predict its readings, and it is
+    /// larger than its uncertainty. One that was compared with nothing is not certain.
     #[must_use]
     pub fn is_certain(&self) -> bool {
         self.nature_share >= CERTAIN
-            && self.probability.is_none_or(|probability| probability >= NAMED)
+            && self.probability.is_some_and(|probability| probability >= CERTAIN)
             && self.size.u95 < self.size.value.abs()
     }
 }
@@ -109,6 +109,8 @@ pub struct DiagnosedCauses {
     pub left: noise::Left,
     /// The most probable explanations.
     pub explanations: Vec<ExplanationSummary>,
+    /// Probability that there is no cause, only noise; `None` if nothing was compared.
+    pub nothing: Option<f64>,
     /// Number of candidates tested.
     pub tried: usize,
     /// Correlation of consecutive residuals.
@@ -263,10 +265,12 @@ pub(super) fn diagnose_then(
         let of_contest = chosen.iter().find(is_one).map(|chosen| chosen.probability);
         one.probability = of_contest.map(|of_contest| of_contest.min(one.nature_share)).or(one.probability);
     }
-    found.explanations = outcome.explanations;
+    (found.explanations, found.nothing) = (outcome.explanations, outcome.nothing);
     for one in &found.findings {
         share_out(&mut found.explanations, &one.candidate.title(), one.nature_share, &one.rivals);
     }
+    let numbers: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
+    field.share_others(&weights, &numbers, &mut found.explanations);
     let (weights, held_out, kept, chosen) = (&weights, &held_out, kept.as_slice(), chosen.as_slice());
     then(Settled { field: &mut field, weights, held_out, kept, used, causes, bare, chosen }, note);
     found
@@ -442,6 +446,7 @@ fn verdict(
         outliers,
         left: noise::look(field, weights, &left[0]),
         explanations: Vec::new(),
+        nothing: None,
         tried: field.tried,
         memory,
     }

@@ -73,6 +73,8 @@ pub struct DiagnosisResult {
     pub rejected: Vec<RejectedReport>,
     /// The most probable explanations, each a set of causes; empty if none was compared.
     pub explanations: Vec<ExplanationSummary>,
+    /// Probability that there is no cause, only noise; `null` if nothing was compared.
+    pub no_cause_probability: Option<f64>,
     /// Residuals with the extended machine file alone; `null` if there is nothing to write.
     pub written: Option<WrittenSizes>,
     /// Stated hypotheses, in their order.
@@ -511,6 +513,7 @@ fn tell_all(
     };
     report.tried = found.tried;
     report.explanations.clone_from(&found.explanations);
+    report.no_cause_probability = found.nothing;
     let alone: f64 = found.findings.iter().map(|one| one.alone).sum();
     report.findings = found.findings.iter().map(|one| cause(one, scene, used, (micro, alone))).collect();
     report.rejected = found.rejected.iter().map(|one| rejected(one, scene)).collect();

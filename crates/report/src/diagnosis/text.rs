@@ -130,7 +130,7 @@ impl DiagnosisReport {
             1 => " One more cause was found.".to_owned(),
             count => format!(" {count} more causes were found."),
         };
-        let first = if is_sure(&largest) { "Largest cause" } else { "No cause is certain; the largest possible one" };
+        let first = if is_sure(&largest) { "Largest cause".to_owned() } else { self.not_certain(largest) };
         let expired = self.expired_sentence().map_or(String::new(), |sentence| format!("{sentence} "));
         format!(
             "{expired}{first}: {}{words}{}, {} ({sure}); its effect is {} {unit} RMS, the residual {} {unit} RMS.{others} Next: {}.",
@@ -141,6 +141,19 @@ impl DiagnosisReport {
             significant(found.before.rms_um),
             self.next_step(largest)
         ) + &self.more_probable(self.unsure().unwrap_or(largest))
+    }
+
+    /// Returns the beginning of the main result without a certain cause: whether noise alone explains the readings as well.
+    fn not_certain(&self, largest: &CauseReport) -> String {
+        let nothing = self.found.no_cause_probability.unwrap_or(0.0);
+        if nothing >= largest.probability.unwrap_or(1.0) {
+            return format!(
+                "Nothing is certain: noise alone explains the readings as well ({}); the largest possible cause",
+                probability(nothing)
+            );
+        }
+        let noise = if nothing >= LEAST_SHOWN { format!(" (noise alone: {})", probability(nothing)) } else { String::new() };
+        format!("No cause is certain{noise}; the largest possible one")
     }
 
     /// Returns a sentence if another explanation is more probable than those that contain a cause: then its readings do not decide.

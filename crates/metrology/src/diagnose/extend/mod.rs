@@ -192,9 +192,12 @@ fn is_sound(one: &AcceptedCause, left: f64) -> Result<(), String> {
         return Err("its uncertainty exceeds its size; measure more often or at more positions".into());
     }
     if !one.is_certain() {
-        let percent = 100.0 * one.probability.unwrap_or(0.0);
         let how = one.separate_by.as_deref().unwrap_or(one.candidate.cause.separate_by);
-        return Err(format!("its probability is only {percent:.0} %; measure {how}"));
+        return Err(match one.probability {
+            // Rounded down, so that the limit is never shown for a cause below it.
+            Some(probability) => format!("its probability is only {:.0} %; measure {how}", (100.0 * probability).floor()),
+            None => format!("it was not compared with other explanations; measure {how}"),
+        });
     }
     Ok(())
 }
@@ -422,7 +425,7 @@ mod tests {
             doing: Vec::new(),
             alone: 0.0,
             chance: 0.0,
-            probability: None,
+            probability: Some(1.0),
             nature_share: 1.0,
             rivals: Vec::new(),
             gain_unseen: 0.0,

@@ -17,7 +17,7 @@ use super::super::row::SceneRow;
 use super::super::scene::Scene;
 use super::super::search::Taken;
 use super::super::shape::{Driver, driver};
-use super::super::verdict::{DiagnosedCauses, Settled, diagnose_then};
+use super::super::verdict::{AcceptedCause, DiagnosedCauses, Settled, diagnose_then};
 use super::form::{StatedHypothesis, TermAmount};
 use super::subject::{StatedSubject, amounts, subject};
 use ncfix_base::geometry::AXES;
@@ -213,6 +213,10 @@ fn judge(
         trial.alone = accepted.alone;
         trial.amounts = amounts(&trial.name, subject, accepted);
         trial.separate_by = accepted.separate_by.clone().filter(|_| !trial.rivals.is_empty());
+        // Against its absence, at even odds; its rivals are a matter of the extrapolation risk.
+        let probability = 1.0 / (1.0 + (-trial.evidence_beside).exp());
+        let accepted =
+            &AcceptedCause { probability: Some(probability.min(accepted.nature_share)), ..accepted.clone() };
         let changes = if trial.evidence_beside > 0.0 {
             extend::of_one(accepted, found.used.before.rms, (scene, outcome.used))
         } else {
