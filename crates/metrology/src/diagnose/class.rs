@@ -1,12 +1,35 @@
 //! Classes: candidates that explain the readings nearly as well as a finding.
 
 use super::cause::{Candidate, EffectKind};
+use super::entrant::family;
+use super::explain::assumptions::Family;
 use super::mimic::RIVAL;
-use super::search::Field;
+use super::search::{Field, Weights};
 use ncfix_base::numeric::Gain;
+use ncfix_base::numeric::sums::dot;
 
 /// Gains are equal if they agree to one part in this number.
 const ROUNDED: f64 = 1e6;
+/// Two effects on the readings are the same if the square of their correlation differs from 1 by less than this: rounding.
+const SAME: f64 = 1e-6;
+
+impl Field<'_, '_> {
+    /// Returns the name of another squareness with the same effect on all readings, and the factor of its size; `None` if it is another error.
+    pub(super) fn same_squareness(&self, weights: &Weights, number: usize, other: usize) -> Option<(String, f64)> {
+        let is_squareness = |one: &&Candidate| family(one) == Family::Squareness && one.columns.len() == 1;
+        let own = self.candidates.get(number).filter(is_squareness)?;
+        let same = self.candidates.get(other).filter(is_squareness).filter(|_| other != number)?;
+        let mut series = self.series(weights, &[], 0.0);
+        let mut seen = |one: &Candidate| {
+            series.set_values(self.columns(one).first()?);
+            Some(series.left().to_vec())
+        };
+        let (own, seen) = (seen(own)?, seen(same)?);
+        let [squares, products, others] = [dot(&own, &own), dot(&own, &seen), dot(&seen, &seen)];
+        let is_same = squares > 0.0 && others > 0.0 && products * products > (1.0 - SAME) * squares * others;
+        is_same.then(|| (same.parameter.clone(), products / others))
+    }
+}
 
 /// Returns the candidates that explain nearly as much in place of one, itself first. `gains` are those of all candidates beside the other findings, `noise`
 /// is the variance of the readings.

@@ -34,6 +34,8 @@ const MANY: usize = 3;
 /// Cycles over the travel of these waves: range and step.
 const SLOW: [f64; 2] = [0.5, 3.0];
 const STEP: f64 = 0.1;
+/// Amounts of a wave: sine and cosine.
+const WAVE: usize = 2;
 /// Steps are even if they differ by at most this share of a step.
 const EVEN: f64 = 0.02;
 
@@ -93,24 +95,25 @@ impl Field<'_, '_> {
         })
     }
 
-    /// Returns the periods, mm, of short waves that explain the readings as well as a smooth shape along an axis, in addition to other terms; the longest
-    /// first.
+    /// Returns the periods, mm, of short waves that explain the readings as well as a smooth shape along an axis, in addition to other terms, the longest
+    /// first; and the share of the shape in the probability of itself and the best of these waves, by their likelihood (Schwarz 1978).
     pub(super) fn mimics(
         &self,
         weights: &Weights,
         number: usize,
         others: &[usize],
         (memory, noise): (f64, f64),
-    ) -> Vec<f64> {
+    ) -> (Vec<f64>, f64) {
         let Some((one, name, axis)) = self.candidates.get(number).and_then(|one| {
             let (name, axis) = smooth(one)?;
             Some((one, name, axis))
         }) else {
-            return Vec::new();
+            return (Vec::new(), 1.0);
         };
         let series = self.series(weights, others, memory);
         let columns = self.columns(one);
-        let own = series.gain(&columns).squares;
+        let own = series.gain(&columns);
+        let price = (series.count().max(2) as f64).ln();
         let (amounts, _) = series.amounts(&columns);
         let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
         let mut places: Vec<f64> = Vec::new();
@@ -121,24 +124,30 @@ impl Field<'_, '_> {
             places.push(row.position[axis]);
         }
         let most = LARGER * (ends[1] - ends[0]);
-        let explains = |period: f64, slack: f64| {
+        let explains = |period: f64, slack: f64, is_short: bool| {
             let columns = self.columns(&periodic::candidate(name, axis, period));
             let (parts, _) = series.amounts(&columns);
-            parts.iter().map(|part| part * part).sum::<f64>().sqrt() <= most
-                && series.gain(&columns).squares >= own - slack * noise
+            let gain = series.gain(&columns);
+            // A table with an amount for each place follows the noise too. A slow wave needs no fewer amounts than a curve: its period is one.
+            let spared = if is_short { price * own.rank.saturating_sub(gain.rank.max(WAVE)) as f64 } else { 0.0 };
+            let less = (own.squares - gain.squares) / noise.max(f64::MIN_POSITIVE) - spared;
+            (parts.iter().map(|part| part * part).sum::<f64>().sqrt() <= most && less <= slack).then_some(less)
         };
         let slack = if one.columns.len() > 1 { RIVAL } else { 0.0 };
-        let mut out: Vec<f64> = self.pitches(axis).filter(|period| explains(*period, slack)).collect();
+        let all = self.pitches(axis).filter_map(|period| Some((period, explains(period, slack, true)?)));
+        let (mut out, mut less): (Vec<f64>, Vec<f64>) = all.unzip();
         if let Some((step, travel)) = even(places).filter(|_| out.is_empty() && one.columns.len() >= MANY) {
             let count = ((SLOW[1] - SLOW[0]) / STEP) as u32;
             let slow = (0..=count).map(|k| (SLOW[0] + STEP * f64::from(k)) / travel).filter(|slow| *slow < 0.5 / step);
-            if let Some(slow) = slow.into_iter().find(|slow| explains(1.0 / slow, 0.0)) {
+            if let Some((slow, apart)) = slow.into_iter().find_map(|slow| Some((slow, explains(1.0 / slow, 0.0, false)?))) {
                 out.extend([1.0 / (1.0 / step - slow), 1.0 / (1.0 / step + slow)]);
+                less.push(apart);
             }
         }
         out.sort_by(|a, b| b.total_cmp(a));
         out.dedup();
-        out
+        let best = less.into_iter().fold(f64::INFINITY, f64::min);
+        (out, 1.0 / (1.0 + (-0.5 * best).exp()))
     }
 }
 

@@ -65,6 +65,8 @@ pub struct AcceptedCause {
     pub share: VarianceShare,
     /// Candidates that explain nearly as much: cause and parameter, itself first, then the best.
     pub class: Vec<(&'static Cause, String)>,
+    /// The same squareness by the names of other axes, with the factor of its size.
+    pub same_as: Vec<(String, f64)>,
     /// Other periods, mm: aliases of a wave, or waves that look like a smooth shape at the measured places.
     pub aliases: Vec<f64>,
     /// Reason why a program must not correct it: other errors have the same effect on the readings but another effect elsewhere.
@@ -353,8 +355,8 @@ fn verdict(
         let class = class(field, &gains, term.candidate, noise * inflation);
         let rival = class.get(1).and_then(|&number| field.candidates.get(number));
         let (is_wave, scatter) = (candidate.cause.effect == EffectKind::Periodic, (memory, noise * inflation));
-        let aliases = if is_wave {
-            field.aliases(weights, term.candidate, &others, scatter)
+        let (aliases, of_waves) = if is_wave {
+            (field.aliases(weights, term.candidate, &others, scatter), 1.0)
         } else {
             field.mimics(weights, term.candidate, &others, scatter)
         };
@@ -385,6 +387,15 @@ fn verdict(
         let effect = candidate.cause.effect;
         let is_compared = matches!(effect, EffectKind::Location | EffectKind::Motion | EffectKind::Backlash);
         let undecided = field.undecided((&beside, &gains), (term.candidate, &others), noise * inflation);
+        // A wave with the same values at the measured places is another error between them.
+        let of_wave = aliases.first().filter(|_| of_waves < CERTAIN).map(|period| RivalCause {
+            cause: format!("{} {}", periodic::CAUSE.effect, separate::every(&candidate.parameter, *period)),
+            probability: (1.0 - of_waves) * undecided.own,
+        });
+        let own_share = undecided.own * of_waves.min(1.0);
+        let of_natures = if undecided.is_certain() { Vec::new() } else { field.rivals(&undecided) };
+        let mut rivals: Vec<RivalCause> = of_natures.into_iter().chain(of_wave).collect();
+        rivals.sort_by(|a, b| b.probability.total_cmp(&a.probability));
         let doubt = field.nature_doubt(candidate, &undecided);
         let doubt = doubt.or_else(|| of_chosen.flatten().filter(|_| is_compared)).or_else(by_class);
         // Itself, its other periods, and the other explanations.
@@ -405,14 +416,15 @@ fn verdict(
             doing: does,
             amounts,
             chance: term.chance,
-            probability: (!undecided.is_certain()).then_some(undecided.own),
-            nature_share: undecided.own,
-            rivals: if undecided.is_certain() { Vec::new() } else { field.rivals(&undecided) },
+            probability: (own_share < CERTAIN).then_some(own_share),
+            nature_share: own_share,
+            rivals,
             gain_unseen: *gain,
             share,
             // The reason that makes a correction unsafe comes first.
             separate_by: doubt.as_ref().map(|doubt| doubt.separate_by.clone()).or(separate_by),
             class: names,
+            same_as: class.iter().filter_map(|&other| field.same_squareness(weights, term.candidate, other)).collect(),
             aliases,
             doubt,
             candidate: candidate.clone(),

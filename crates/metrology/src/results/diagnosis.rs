@@ -315,6 +315,8 @@ pub struct CauseReport {
     pub by_file: Vec<InFile>,
     /// Equivalent explanations, itself first.
     pub class: Vec<String>,
+    /// The same squareness by the names of other axes, each with its value in `unit`.
+    pub same_as: Vec<OtherName>,
     /// The measurement that separates them; `null` for a single explanation.
     pub separate_by: Option<String>,
     /// Possible correction.
@@ -334,6 +336,16 @@ pub struct CauseReport {
     /// The unit of the shape.
     #[serde(skip)]
     pub shape_unit: UnitKey,
+}
+
+/// Another name of a squareness.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct OtherName {
+    /// Its ISO 230-1 name.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
 }
 
 /// Settings of a diagnosis other than the causes.
@@ -578,6 +590,11 @@ fn cause(found: &diagnose::AcceptedCause, scene: &Scene<'_>, used: usize, (micro
         rivals: found.rivals.clone(),
         by_file: by_file(&found.by_file, &found.size, scene),
         separate_by: found.separate_by.clone().filter(|_| class.len() > 1),
+        same_as: found
+            .same_as
+            .iter()
+            .map(|(name, factor)| OtherName { name: name.clone(), value: factor * found.size.value })
+            .collect(),
         class,
         correctable: one.cause.correctable,
         extends: false,

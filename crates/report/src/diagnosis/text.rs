@@ -125,6 +125,9 @@ impl DiagnosisReport {
         let words = spelled_out(&largest.parameter).filter(|_| largest.is_component());
         let words = words.map_or(String::new(), |words| format!(" ({words})"));
         let sure = largest.probability.map_or_else(|| p_value(largest.p), probability);
+        // One that predicts the same readings stands beside it.
+        let rival = largest.rivals.first().filter(|_| !largest.certain);
+        let rival = rival.map_or(String::new(), |one| format!(" or {} ({})", one.cause, probability(one.probability)));
         let others = match found.findings.len() - 1 {
             0 => String::new(),
             1 => " One more cause was found.".to_owned(),
@@ -133,7 +136,7 @@ impl DiagnosisReport {
         let first = if is_sure(&largest) { "Largest cause".to_owned() } else { self.not_certain(largest) };
         let expired = self.expired_sentence().map_or(String::new(), |sentence| format!("{sentence} "));
         format!(
-            "{expired}{first}: {}{words}{}, {} ({sure}); its effect is {} {unit} RMS, the residual {} {unit} RMS.{others} Next: {}.",
+            "{expired}{first}: {}{words}{}, {} ({sure}){rival}; its effect is {} {unit} RMS, the residual {} {unit} RMS.{others} Next: {}.",
             largest.name(),
             by_sensor(largest),
             largest.size(),
@@ -431,9 +434,14 @@ impl DiagnosisReport {
             let _ = writeln!(out, "   not corrected: {why}");
         }
         shape(one, out);
-        if one.class.len() > 1 {
-            let more = one.class.len().saturating_sub(1 + RIVALS);
-            let rivals: Vec<&str> = one.class.iter().skip(1).take(RIVALS).map(String::as_str).collect();
+        if !one.same_as.is_empty() {
+            let names = one.same_as.iter().map(|same| format!("{} of {} {}", same.name, significant(same.value), sign(&one.unit)));
+            let _ = writeln!(out, "   the same error seen from another axis: {}", names.collect::<Vec<_>>().join(", "));
+        }
+        let others = one.others();
+        if !others.is_empty() {
+            let more = others.len().saturating_sub(RIVALS);
+            let rivals: Vec<&str> = others.into_iter().take(RIVALS).collect();
             let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
             let _ = writeln!(out, "   other explanations: {}{rest}", rivals.join(", "));
         }
@@ -458,9 +466,16 @@ pub(crate) trait CauseText {
     fn depends(&self) -> String;
     /// Returns how ncfix can correct it.
     fn remedy(&self) -> &'static str;
+    /// Returns its other explanations, without its own other names.
+    fn others(&self) -> Vec<&str>;
 }
 
 impl CauseText for CauseReport {
+    fn others(&self) -> Vec<&str> {
+        let is_own = |other: &str| self.same_as.iter().any(|same| other == name("location", &same.name));
+        self.class.iter().skip(1).map(String::as_str).filter(|other| !is_own(other)).collect()
+    }
+
     fn is_component(&self) -> bool {
         matches!(self.effect.as_str(), "motion" | "location")
     }

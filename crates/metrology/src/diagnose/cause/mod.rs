@@ -14,7 +14,7 @@ mod cross;
 pub(in crate::diagnose) mod drift;
 pub(in crate::diagnose) mod earlier;
 mod load;
-mod location;
+pub(in crate::diagnose) mod location;
 pub(in crate::diagnose) mod motion;
 pub(in crate::diagnose) mod periodic;
 pub(in crate::diagnose) mod servo;
@@ -214,9 +214,6 @@ pub(in crate::diagnose) const BUILT_IN: &[&Cause] = &[
     &unnamed::CAUSE,
 ];
 
-/// Preferred names of location errors of linear axes that have several names.
-const USUAL: [&str; 3] = ["EC0Y", "EB0Z", "EA0Z"];
-
 /// Weight of a row for a driver: the factor of a deviation. Keep it near 1, so that amounts are well determined.
 #[derive(Clone)]
 pub struct Weight(Arc<dyn Fn(&SceneRow) -> f64 + Send + Sync>);
@@ -385,14 +382,16 @@ impl Candidate {
         };
         // An angle seen at one lever arm only looks like a displacement.
         let is_angle = component.is_some_and(|name| name.kind == ErrorKind::Motion && name.direction.is_rotation());
-        // Squareness belongs to the later axis (ISO 230-1: EC0Y, EB0Z, EA0Z).
-        let is_usual = component.is_none_or(|name| {
-            name.kind == ErrorKind::Motion
-                || USUAL.contains(&name.to_string().as_str())
-                || name.axis().is_none_or(Axis::is_rotary)
-        });
         let degree = u32::try_from(self.columns.len()).unwrap_or(u32::MAX);
-        10 * (of_effect + if is_angle { 30 } else { 0 } + if is_usual { 0 } else { 3 }) + degree.min(9)
+        let rank = component.map_or(0, location::rank);
+        // An offset of a linear axis is the zero of its scale.
+        let is_zero = component.is_some_and(|name| {
+            name.kind == ErrorKind::Location
+                && !name.direction.is_rotation()
+                && name.axis().is_some_and(|axis| !axis.is_rotary())
+        });
+        10 * (of_effect + if is_angle { 30 } else { 0 } + if is_zero { 3 } else { rank + u32::from(rank > 0) })
+            + degree.min(9)
     }
 
     /// Sets its parameters of the error model, one for each column.

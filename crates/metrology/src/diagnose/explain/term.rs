@@ -5,7 +5,7 @@
 //! measured positions, only the one named by ISO 230-1 is kept.
 
 use super::assumptions::Family;
-use crate::diagnose::cause::{Weight, axes, linear, own};
+use crate::diagnose::cause::{Weight, axes, linear, location, own};
 use crate::diagnose::row::SceneRow;
 use crate::diagnose::scene::Scene;
 use crate::diagnose::scene::Through;
@@ -123,13 +123,13 @@ fn lags(scene: &Scene<'_>, out: &mut Vec<Term>) {
 fn locations(scene: &Scene<'_>, out: &mut Vec<Term>) {
     let always = Weight::new(|_| 1.0);
     let mut push = |name: ErrorName, family: Family| out.push(Term::new(family, name, "", 0.0, always.clone()));
-    // Squareness belongs to the axis that is farther from the foundation; between the two branches, to the axis of the tool.
-    let topology = &scene.machine.topology;
-    let mut order: Vec<Axis> = topology.tool.iter().rev().copied().collect();
-    order.extend(topology.workpiece.iter().rev().copied());
-    for axis in order {
-        for direction in DIRECTIONS {
-            let name = ErrorName::location(direction, axis);
+    // Of names with the same effect the first one stays: that of ISO 230-1 if it has an effect on this chain, as in the search.
+    let mut names: Vec<ErrorName> =
+        axes(scene).flat_map(|axis| DIRECTIONS.map(|direction| ErrorName::location(direction, axis))).collect();
+    names.sort_by_key(|&name| location::rank(name));
+    for name in names {
+        if let Some(axis) = name.axis() {
+            let direction = name.direction;
             let family = match (axis.is_rotary(), direction.is_rotation()) {
                 (false, true) => Family::Squareness,
                 // An offset of a linear axis is the zero of its scale.

@@ -431,6 +431,7 @@ mod tests {
             gain_unseen: 0.0,
             share: VarianceShare::default(),
             class: Vec::new(),
+            same_as: Vec::new(),
             aliases: Vec::new(),
             doubt: None,
             by_file: Vec::new(),

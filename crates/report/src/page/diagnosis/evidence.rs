@@ -91,9 +91,10 @@ fn words(out: &mut Markup, report: &DiagnosisReport, one: &CauseReport) {
         "on unseen readings",
         format!("residual {:.1} % smaller (RMS) on {held_out}, which were not searched", 100.0 * one.gain_holdout),
     ));
-    if one.class.len() > 1 {
-        let more = one.class.len().saturating_sub(1 + MOST_RIVALS);
-        let rivals: Vec<&str> = one.class.iter().skip(1).take(MOST_RIVALS).map(String::as_str).collect();
+    let others = one.others();
+    if !others.is_empty() {
+        let more = others.len().saturating_sub(MOST_RIVALS);
+        let rivals: Vec<&str> = others.into_iter().take(MOST_RIVALS).collect();
         let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
         all.push(("other explanations", format!("{}{rest}", rivals.join(", "))));
     } else {
