@@ -139,7 +139,9 @@ impl Field<'_, '_> {
         if let Some((step, travel)) = even(places).filter(|_| out.is_empty() && one.columns.len() >= MANY) {
             let count = ((SLOW[1] - SLOW[0]) / STEP) as u32;
             let slow = (0..=count).map(|k| (SLOW[0] + STEP * f64::from(k)) / travel).filter(|slow| *slow < 0.5 / step);
-            if let Some((slow, apart)) = slow.into_iter().find_map(|slow| Some((slow, explains(1.0 / slow, 0.0, false)?))) {
+            if let Some((slow, apart)) =
+                slow.into_iter().find_map(|slow| Some((slow, explains(1.0 / slow, 0.0, false)?)))
+            {
                 out.extend([1.0 / (1.0 / step - slow), 1.0 / (1.0 / step + slow)]);
                 less.push(apart);
             }

@@ -210,7 +210,9 @@ fn told_apart(pair: [EffectKind; 2]) -> (Option<&'static str>, Option<Separating
         return (None, Some(SeparatingPlan::Grid));
     } else if pair.map(Nature::of_effect).into_iter().flatten().filter(|own| *own == Nature::Instrument).count() == 1 {
         return (
-            Some("the same poses with the instrument set up anew, or with another one: an error of the machine stays, that of an instrument does not"),
+            Some(
+                "the same poses with the instrument set up anew, or with another one: an error of the machine stays, that of an instrument does not",
+            ),
             None,
         );
     } else {

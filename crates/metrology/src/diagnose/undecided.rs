@@ -9,8 +9,8 @@ use super::cause::{Candidate, EffectKind};
 use super::contest::{ExplanationSummary, MOST_SHOWN};
 use super::doubt::ExtrapolationRisk;
 use super::entrant::{family, group};
-use super::nature::Nature;
 use super::explain::assumptions::Family;
+use super::nature::Nature;
 use super::search::{Field, Weights};
 use super::separate::separating;
 use ncfix_base::numeric::{Gain, Series};
@@ -106,22 +106,15 @@ impl Field<'_, '_> {
     }
 
     /// Gives the terms of explanations that are not among the findings `kept` to their rivals too: a list of explanations must not be surer than a finding.
-    pub(super) fn share_others(
-        &self,
-        weights: &Weights,
-        kept: &[usize],
-        explanations: &mut Vec<ExplanationSummary>,
-    ) {
+    pub(super) fn share_others(&self, weights: &Weights, kept: &[usize], explanations: &mut Vec<ExplanationSummary>) {
         let known: Vec<String> =
             kept.iter().filter_map(|&number| self.candidates.get(number)).map(Candidate::title).collect();
         let mut titles: Vec<String> = explanations.iter().flat_map(|one| one.terms.iter().cloned()).collect();
         titles.sort();
         titles.dedup();
         titles.retain(|title| !known.contains(title));
-        let numbers: Vec<usize> = titles
-            .iter()
-            .filter_map(|title| self.candidates.iter().position(|one| one.title() == *title))
-            .collect();
+        let numbers: Vec<usize> =
+            titles.iter().filter_map(|title| self.candidates.iter().position(|one| one.title() == *title)).collect();
         if numbers.is_empty() {
             return;
         }

@@ -155,7 +155,8 @@ impl DiagnosisReport {
                 probability(nothing)
             );
         }
-        let noise = if nothing >= LEAST_SHOWN { format!(" (noise alone: {})", probability(nothing)) } else { String::new() };
+        let noise =
+            if nothing >= LEAST_SHOWN { format!(" (noise alone: {})", probability(nothing)) } else { String::new() };
         format!("No cause is certain{noise}; the largest possible one")
     }
 
@@ -435,7 +436,10 @@ impl DiagnosisReport {
         }
         shape(one, out);
         if !one.same_as.is_empty() {
-            let names = one.same_as.iter().map(|same| format!("{} of {} {}", same.name, significant(same.value), sign(&one.unit)));
+            let names = one
+                .same_as
+                .iter()
+                .map(|same| format!("{} of {} {}", same.name, significant(same.value), sign(&one.unit)));
             let _ = writeln!(out, "   the same error seen from another axis: {}", names.collect::<Vec<_>>().join(", "));
         }
         let others = one.others();

@@ -195,7 +195,9 @@ fn is_sound(one: &AcceptedCause, left: f64) -> Result<(), String> {
         let how = one.separate_by.as_deref().unwrap_or(one.candidate.cause.separate_by);
         return Err(match one.probability {
             // Rounded down, so that the limit is never shown for a cause below it.
-            Some(probability) => format!("its probability is only {:.0} %; measure {how}", (100.0 * probability).floor()),
+            Some(probability) => {
+                format!("its probability is only {:.0} %; measure {how}", (100.0 * probability).floor())
+            }
             None => format!("it was not compared with other explanations; measure {how}"),
         });
     }

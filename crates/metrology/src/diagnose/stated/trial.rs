@@ -215,8 +215,7 @@ fn judge(
         trial.separate_by = accepted.separate_by.clone().filter(|_| !trial.rivals.is_empty());
         // Against its absence, at even odds; its rivals are a matter of the extrapolation risk.
         let probability = 1.0 / (1.0 + (-trial.evidence_beside).exp());
-        let accepted =
-            &AcceptedCause { probability: Some(probability.min(accepted.nature_share)), ..accepted.clone() };
+        let accepted = &AcceptedCause { probability: Some(probability.min(accepted.nature_share)), ..accepted.clone() };
         let changes = if trial.evidence_beside > 0.0 {
             extend::of_one(accepted, found.used.before.rms, (scene, outcome.used))
         } else {
