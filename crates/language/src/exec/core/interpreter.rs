@@ -206,7 +206,7 @@ impl<'a, F: Execute> Runner<'a, F> {
         Ok(())
     }
 
-    /// Passes on the comments behind the end of the main program.
+    /// Passes on the comments after the end of the main program.
     pub(in crate::exec) fn pass_notes_behind_end(&mut self) {
         let Some(level) = self.levels.last() else { return };
         let end = self.programs.get(level.program).map_or(0, |loaded| F::end_of(&self.channel, loaded, level));

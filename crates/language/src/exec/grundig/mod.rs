@@ -30,6 +30,7 @@ mod step;
 mod tables;
 mod target;
 mod tilt;
+mod tilted;
 mod tip;
 mod tool;
 

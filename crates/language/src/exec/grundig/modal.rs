@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::defined::Defined;
 use super::shifts::Frames;
-use super::tilt::Tilted;
+use super::tilted::Tilted;
 use crate::exec::core::contour::ContourModal;
 use crate::exec::core::modal::{CodesInForce, Modes};
 use crate::exec::core::position::Position;
