@@ -125,7 +125,7 @@ impl OrientationChoice {
 /// See [`Multiplication`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MultiplicationChoice {
-    /// Product in place of the table's own value
+    /// Product instead of the table's own value
     Instead,
     /// Product in addition to the table's own value
     Beside,

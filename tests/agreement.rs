@@ -132,13 +132,10 @@ fn a_corrected_program_finds_its_own_machine() {
     let shop = shop.file("flat.snc", &flat.stdout);
     let again = shop.run(["snc", "flat.snc"]).exits(0);
     assert_eq!(again.stdout, flat.stdout);
-    // The file has changed since: its fingerprint is another one, the name is not.
+    // The file has changed since: its checksum is another one, the name is not.
     let shop = shop.file("m.toml", LOOSE.replace("5e-5", "6e-5"));
     for words in [&["verify", "in.mpf", "out.mpf"][..], &["diff", "in.mpf", "out.mpf"], &["snc", "out.mpf"]] {
-        shop.run(words)
-            .exits(4)
-            .says("error[E0323]")
-            .says("out.mpf was made for the machine file with the fingerprint");
+        shop.run(words).exits(4).says("error[E0323]").says("out.mpf was made for the machine file with the checksum");
     }
     shop.run(["snc", "flat.snc"]).exits(0);
     let shop = shop.file("m.toml", LOOSE.replace("loose", "tight"));

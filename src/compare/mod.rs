@@ -143,7 +143,7 @@ impl Pair<'_> {
             let promised_um = um_from_mm(self.promised.unwrap_or(Promise::default().tolerance_mm));
             if most_um > promised_um {
                 let message = format!(
-                    "nothing was corrected: the tool is up to {most_um:.2} µm off its position; a correction would leave at most {promised_um:.2} µm"
+                    "nothing was corrected: the tool tip is up to {most_um:.2} µm off its position; a correction would leave at most {promised_um:.2} µm"
                 );
                 found.add(Diagnostic::nowhere(Code::OFF_PROMISE, message, "correct the program with ncfix fix"), &[]);
             }

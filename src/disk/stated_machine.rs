@@ -58,7 +58,7 @@ impl StatedMachine {
 
     fn words(&self) -> String {
         match self {
-            StatedMachine::Model(model) => format!("the machine file with the fingerprint {model}"),
+            StatedMachine::Model(model) => format!("the machine file with the checksum {model}"),
             StatedMachine::Name(name) => format!("the machine {name}"),
         }
     }

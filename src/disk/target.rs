@@ -154,7 +154,7 @@ pub(crate) fn protect_program<'f>(
     files: impl IntoIterator<Item = &'f PathBuf>,
     findings: &mut Diagnostics,
 ) {
-    let help = "choose another output; to overwrite the program itself and keep it as a .bak file, give --in-place in place of -o";
+    let help = "choose another output; to overwrite the program itself and keep it as a .bak file, give --in-place instead of -o";
     protect_with(target, files, help, findings);
 }
 

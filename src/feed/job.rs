@@ -105,7 +105,7 @@ impl Transfer {
             return None;
         }
         let message = format!(
-            "the link {} cannot ask whether the machine stands still; lines that are sent to a machine that moves can collide with its current motion",
+            "the link {} cannot ask whether the machine stands still; lines sent to a moving machine can interfere with its current motion",
             profile.name
         );
         let help = "check the machine: no program runs, nothing moves, no alarm is active. Then add --i-checked-the-machine-stands-still";

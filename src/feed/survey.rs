@@ -179,7 +179,7 @@ fn judge(allows_starvation: bool, before: &Before, findings: &mut Diagnostics) {
     let help = if before.line_by_line {
         "load the corrected program into the control (`ncfix IN -o OUT`), or choose a larger --tolerance for fewer lines"
     } else {
-        "choose a higher baud rate, a larger --tolerance or no block numbers, or load the corrected program into the control"
+        "choose a higher baud rate or a larger --tolerance, remove the block numbers from the program, or load the corrected program into the control"
     };
     let (code, help) = if is_much && !allows_starvation {
         (Code::STARVED, format!("{help}; --allow-starvation sends it anyway"))

@@ -13,7 +13,7 @@ use super::{Effect, ErrorModel, LocationError};
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NotWritable(pub String);
 
-/// Returns the text of a machine file with `changed` in place of `read`, which was read from it.
+/// Returns the text of a machine file with `changed` instead of `read`, which was read from it.
 ///
 /// # Errors
 /// [`NotWritable`] if the text does not contain what was read from it.

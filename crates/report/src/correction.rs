@@ -406,7 +406,7 @@ mod tests {
         written      out.mpf
         original     part.mpf.bak
         review       review.html
-        verdict      nothing found against running it; uncertainty not known
+        verdict      no reason found not to run it; uncertainty not known
         ");
     }
 

@@ -214,7 +214,7 @@ impl DecompositionReport {
     }
 }
 
-/// The words in place of a value that the data do not determine.
+/// The words instead of a value that the data do not determine.
 const NO_NUMBER: &str = "not determined";
 
 /// A delay with its interval.

@@ -71,7 +71,7 @@ fn line(out: &mut String, parameter: &ParameterName, errors: &ErrorModel) {
     let _ = writeln!(out, "{:<10}{:>13}  {unit}", parameter.to_string(), number(value));
 }
 
-/// Returns a value and its unit with µm in place of mm and µrad in place of rad; positions stay in mm and rad.
+/// Returns a value and its unit with µm instead of mm and µrad instead of rad; positions stay in mm and rad.
 fn in_micro(parameter: &ParameterName, value: f64) -> (f64, String) {
     let unit = parameter.unit();
     match unit.strip_prefix("mm") {

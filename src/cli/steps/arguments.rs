@@ -10,7 +10,7 @@ use crate::tool::ToolVector;
 
 /// End of `ncfix max-step --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
-ncfix cuts lines through the travel of all axes, or the moves of a program, into pieces of a fixed step along the axis that moves farthest, as ncfix \
+ncfix divides lines through the travel of all axes, or the moves of a program, into pieces of a fixed step along the axis that moves farthest, as ncfix \
 fix --step does. It corrects the ends of a piece exactly. The residual is the largest distance of the tool tip from the line between them. The result \
 is the largest step up to which the residual stays within --residual.
 

@@ -405,9 +405,9 @@ errors, and positions, tool lengths, temperatures and the load are within the ra
 states the gap. Nothing was written. Measure the missing range and calibrate, change the program, or correct without
 --require-coverage after a person has looked at the warnings (W0316 to W0320).";
     STATED_MACHINE_MISSING = "E0323" "machine file of the program not found"
-"A corrected program has the fingerprint of its machine file in its stamp, and a flat stream has the name of its machine. Without
+"A corrected program has the checksum of its machine file in its stamp, and a flat stream has the name of its machine. Without
 --machine, verify, diff and snc use only this machine file. They search the nearest ncfix.toml, and the folders of the programs. A
-file that has changed since has another fingerprint. Name the machine file with --machine; if it has changed, correct the program
+file that has changed since has another checksum. Name the machine file with --machine; if it has changed, correct the program
 again.";
     GROWS_TOO_MUCH = "E0324" "output longer than allowed"
 "The written program would have more blocks per line of the source than --max-growth allows. Loops, subprograms, macros and milling
@@ -607,7 +607,7 @@ the run and are not written either: the control must have the same tables before
 "SETINT lets an input of the control interrupt the program and start another one, which runs unchanged on the control. Its moves are
 not corrected, unless that program has been corrected too.";
     WATCHED_ONCE = "W0206" "synchronized action of one block"
-"A synchronized action without ID acts while the next block is executed. If the correction cuts the move of that block into pieces,
+"A synchronized action without ID acts while the next block is executed. If the correction divides the move of that block into pieces,
 the action is active only during the first piece.";
     TAPPING_BY_FEED = "W0207" "tapping by feed moves"
 "A tapping cycle (G84, G74) becomes a feed move into the hole, a spindle reversal, and a move out. Spindle and axis are not
@@ -664,11 +664,11 @@ above it, so the embedded demo machine was used. The output is only a demonstrat
 "Somewhere the pieces became as short as 0.01 mm, or as the increment, and still deviate by more than --tolerance. The tolerance is
 finer than the increment, or the error model has a step there, or the increment keeps an axis within its backlash. Tapping stays one
 cycle even if the tip leaves the tolerance, because pieces would lose the synchronism of spindle and axis.";
-    OTHER_STAMP = "W0306" "corrected for another machine or model"
-"The stamp of the corrected program names another model than the one it is compared on. Each correction is valid for one machine in
+    OTHER_STAMP = "W0306" "corrected for another machine file"
+"The stamp of the corrected program names another machine file than the given one. Each correction is valid for one machine in
 one state: the numbers state what this program would do on the given machine.";
     ONE_PIECE = "W0307" "move that cannot be divided deviates"
-"Threads (G33, G34, G35, G331, G332, G63) and positioning axes (POS) are not cut into pieces: spindle and axis would lose
+"Threads (G33, G34, G35, G331, G332, G63) and positioning axes (POS) are not divided into pieces: spindle and axis would lose
 synchronism, or the axes would stop in between. The end of the move is corrected, but along the path the deviation is larger than
 --tolerance.";
     SENSE_UNKNOWN = "W0308" "position within the backlash unknown"

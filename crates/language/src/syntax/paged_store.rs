@@ -80,7 +80,7 @@ impl<T> PagedStore<T> {
         self.count = self.count.max(self.next());
     }
 
-    /// Counts nodes that are not loaded, in place of the loaded ones.
+    /// Counts nodes that are not loaded, instead of the loaded ones.
     pub(super) fn leave_out(&mut self, count: usize) {
         self.turn_to(self.next() + count);
         self.count = self.count.max(self.first);

@@ -60,7 +60,7 @@ pub(super) fn read(section: &mut Section<'_>) -> ActiveTables {
         Some("beside") => Some(TableProducts::Beside),
         Some(other) => {
             let place = section.place_of("table_multiplication");
-            let help = "write \"instead\" where the control adds the product in place of the table's own value, else \"beside\"";
+            let help = "write \"instead\" where the control adds the product instead of the table's own value, else \"beside\"";
             section.report(Code::BAD_VALUE, place, format!("'{other}' is not 'instead' or 'beside'"), help);
             None
         }

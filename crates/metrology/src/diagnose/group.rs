@@ -103,7 +103,7 @@ impl Field<'_, '_> {
         if other.0 < one.0 + TIE * f64::from(count) + price.of(more) { group } else { taken }
     }
 
-    /// Returns the terms with a simple error in place of a simple error that explains the readings worse, or of a cross-coupling that explains them no
+    /// Returns the terms with a simple error instead of a simple error that explains the readings worse, or of a cross-coupling that explains them no
     /// better. The autocorrelation of the noise is included; the search ignores it. `None` if nothing is replaced.
     pub(super) fn better(&self, weights: &Weights, taken: &[usize]) -> Option<Vec<usize>> {
         let is_simple = |one: &Candidate| {

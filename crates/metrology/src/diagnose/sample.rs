@@ -111,7 +111,7 @@ impl<'s, 'a> SearchPart<'s, 'a> {
         SearchPart { sample: self.sample, field: self.field.beside(self.field.candidates.len()) }
     }
 
-    /// Adds the new candidates in place of the removed ones.
+    /// Adds the new candidates instead of the removed ones.
     fn follow(&mut self, candidates: &[Candidate]) {
         let known = self.field.layout.count();
         self.field.candidates.truncate(known);

@@ -313,7 +313,7 @@ pub fn machine_text(
     for parameter in fit.estimates.iter().filter_map(|one| one.column.parameter()) {
         let (found, read) = (parameter.get(errors), parameter.get(&written));
         if (found - read).abs() > 1e-9 * found.abs() + f64::MIN_POSITIVE {
-            return Err(format!("{parameter} would read {read:e} in place of {found:e}"));
+            return Err(format!("{parameter} would read {read:e} instead of {found:e}"));
         }
     }
     Ok(text)

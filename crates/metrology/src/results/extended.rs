@@ -156,7 +156,7 @@ impl ExtensionJob<'_> {
         for parameter in &parameters {
             let [found, read] = [errors, &written].map(|errors| parameter.get(errors));
             if (found - read).abs() > DIGITS * found.abs() + f64::MIN_POSITIVE {
-                return Err((format!("{parameter} would read {read:e} in place of {found:e}"), SECTIONS));
+                return Err((format!("{parameter} would read {read:e} instead of {found:e}"), SECTIONS));
             }
         }
         self.helps(&written, grown).map(|()| out)

@@ -104,7 +104,7 @@ pub struct HypothesisAmount {
     pub u95: f64,
 }
 
-/// Another explanation in place of a hypothesis.
+/// Another explanation instead of a hypothesis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HypothesisRival {

@@ -79,7 +79,7 @@ impl StraightLine {
         self.way(kinematics, self.ends)
     }
 
-    /// The path that a control takes between two commands in place of a part of it.
+    /// The path that a control takes between two commands instead of a part of it.
     fn way<'k>(&self, kinematics: &'k Kinematics, [start, end]: [AxisVector; 2]) -> Route<'k> {
         match &self.tip {
             Some(LineOfTip { turning, tool_mm }) => {

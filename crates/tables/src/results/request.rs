@@ -24,7 +24,7 @@ pub struct TablesRequest<'a> {
     pub condition: &'a Condition,
     /// The part of its working volume.
     pub region: Region,
-    /// Requested ranges in place of the travel, mm or deg.
+    /// Requested ranges instead of the travel, mm or deg.
     pub ranges: Vec<(Axis, [f64; 2])>,
     /// The control's axis names.
     pub wiring: Wiring,

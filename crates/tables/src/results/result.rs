@@ -34,7 +34,7 @@ pub struct TablesResult {
     pub difference: Vec<TablesDifference>,
     /// Target of `auto`: below the tolerance, as a margin for poses that were not checked.
     pub aim: Option<String>,
-    /// Ranges that were requested in place of the travel.
+    /// Ranges that were requested instead of the travel.
     pub ranges: Vec<String>,
     /// Schemes that `auto` tried.
     pub tried: Vec<TriedScheme>,

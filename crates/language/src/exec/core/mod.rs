@@ -65,7 +65,7 @@
 //!
 //! The gatherer of a family converts diameters: internally there are radii. The working plane is ZX. Nose radius compensation is radius compensation
 //! about a center that [`contour`] shifts by the vector of the tip. G71 to G73 and related cycles read a contour between two blocks: those blocks are
-//! executed into a list of paths in place of the motion sink, and the cycle derives its steps from them. Execution continues with `AfterBlock::Goto` after
+//! executed into a list of paths instead of the motion sink, and the cycle derives its steps from them. Execution continues with `AfterBlock::Goto` after
 //! the last block. Threads are moves with `MotionMode::Thread`. Feed per turn and constant cutting speed are state that moves already carry.
 
 pub(in crate::exec) mod arc;

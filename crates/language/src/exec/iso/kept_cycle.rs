@@ -118,7 +118,7 @@ pub(super) fn end(channel: &mut Channel<'_>) {
     channel.push(Kind::Cycle(None));
 }
 
-/// `true` if single moves in place of the cycle must stop exactly, but the program does not.
+/// `true` if single moves instead of the cycle must stop exactly, but the program does not.
 fn stops_exactly(channel: &Channel<'_>) -> bool {
     channel.settings.writes_cycles()
         && channel.is_rs274()

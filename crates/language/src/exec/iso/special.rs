@@ -91,7 +91,7 @@ fn polar_axes(
     Ok(())
 }
 
-/// `,A`: the direction of the line in place of the second coordinate of its end.
+/// `,A`: the direction of the line instead of the second coordinate of its end.
 fn angle_word(
     channel: &mut Channel<'_>,
     gathered: &Gathered,

@@ -55,7 +55,7 @@ pub(super) fn execute(
             return Err(refusal(format!("a synchronized action that may move an axis ({word})")));
         }
         if let Some(word) = tokens(source(whole)).find_map(|token| of_block(&token)) {
-            return Err(refusal(format!("{word} depends on block boundaries, and moves are cut into pieces")));
+            return Err(refusal(format!("{word} depends on block boundaries, and moves are divided into pieces")));
         }
     }
     let mut text = with_values(loaded, channel, whole)?;
@@ -64,7 +64,8 @@ pub(super) fn execute(
         channel.variables.set_parameter(index, f64::NAN, actions)?;
     }
     if id.start == id.end && condition.start != condition.end {
-        let message = "an action without ID is active only during the next block, which may become several blocks";
+        let message =
+            "a synchronized action without ID is active only during the next block, which may become several blocks";
         channel.outlet.warnings.push(fault(
             Code::WATCHED_ONCE,
             whole,

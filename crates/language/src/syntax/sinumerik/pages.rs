@@ -91,7 +91,7 @@ impl Program {
         }
     }
 
-    /// Loads blocks up to an offset in place of the loaded ones.
+    /// Loads blocks up to an offset instead of the loaded ones.
     fn load(&mut self, start: &Start<5>, end: usize) {
         let mut parser = Parser::new(self.source.clone(), self.dialect, Macros::default());
         let sections = std::mem::take(&mut self.sections);

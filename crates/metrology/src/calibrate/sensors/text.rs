@@ -27,7 +27,7 @@ pub fn entries(selections: &[SensorSelection]) -> String {
             selection.drift_um
         );
         for term in model.terms.iter().filter(|term| !term.alike.is_empty()) {
-            let _ = writeln!(out, "# In place of {}: {}.", clean(&term.sensor), clean(&term.alike.join(", ")));
+            let _ = writeln!(out, "# Instead of {}: {}.", clean(&term.sensor), clean(&term.alike.join(", ")));
         }
         let _ = writeln!(out, "[[drift]]\ndirection = \"{letter}\"");
         if let Some((axis, at)) = selection.at {
@@ -79,7 +79,7 @@ mod tests {
         let one =
             SensorSelection { direction: 2, at: None, rows: 90, drift_um: 10.0, sizes: vec![size], chosen: Some(0) };
         let text = entries(&[one]);
-        assert!(text.contains("\n# In place of bearing: nose of the spindle, column.\n[[drift]]\n"), "{text}");
+        assert!(text.contains("\n# Instead of bearing: nose of the spindle, column.\n[[drift]]\n"), "{text}");
         assert!(text.contains("    { name = \"bearing\", um_per_K = -1.50000 },\n"), "{text}");
     }
 }

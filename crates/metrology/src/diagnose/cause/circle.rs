@@ -9,7 +9,7 @@ use crate::diagnose::scene::{Scene, Through};
 use crate::measure::kind::Measurand;
 
 pub(super) const CHORDS: Cause = Cause {
-    name: "chords in place of the circle",
+    name: "chords instead of the circle",
     effect: EffectKind::Program,
     made_by: "a program of straight blocks",
     shown_by: "ball-bar: equal inward arcs between corners on the circle, at all feeds",

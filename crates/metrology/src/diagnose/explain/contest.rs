@@ -17,7 +17,7 @@ const FACTORS: [f64; 5] = [0.1, 0.2, 0.4, 1.0, 2.5];
 const FACTOR_SPREAD: f64 = 1.0;
 /// Number of iterations in which terms from outside join.
 const ROUNDS: usize = 4;
-/// A term is an alternative if, in place of another one, it explains less by no more than this: a factor of 150, as a natural logarithm.
+/// A term is an alternative if, instead of another one, it explains less by no more than this: a factor of 150, as a natural logarithm.
 const NEARLY: f64 = 5.0;
 /// Number of terms from outside that join in an iteration, those with the largest gain.
 const JOIN: usize = 40;
@@ -143,7 +143,7 @@ pub fn contest(
                 let losses: Vec<f64> = (0..set.len()).map(without).collect();
                 let outer: Vec<usize> = set.iter().map(|&k| likelihood.kept[k]).collect();
                 known.push(outer);
-                // Terms whose gain exceeds the cost of their odds, or nearly does so in place of another term.
+                // Terms whose gain exceeds the cost of their odds, or nearly does so instead of another term.
                 let open: Vec<usize> = (0..outside.count).filter(|number| !joined.contains(number)).collect();
                 let mut sets = vec![(set.clone(), 0.0)];
                 for (place, loss) in losses.iter().enumerate() {

@@ -77,7 +77,7 @@ pub struct HypothesisTrial {
     pub with: Vec<f64>,
 }
 
-/// Another explanation in place of a hypothesis.
+/// Another explanation instead of a hypothesis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EqualExplanation {
     /// Effect and parameter.
@@ -257,7 +257,7 @@ fn evidence(
         trial.evidence_beside = own - without - look;
         let is_other = replaced.iter().any(|number| *number != subject.number);
         trial.evidence_of_findings = is_other.then(|| instead - own);
-        // In place of an absent effect, every explanation is equally good.
+        // Instead of an absent effect, every explanation is equally good.
         if trial.evidence_beside <= 0.0 {
             return;
         }

@@ -2,7 +2,7 @@
 //!
 //! dr = |tip − c| − L, with the position c of the table ball and the length L from the description of the set-up. Both may have unknown corrections:
 //! c three, and L one for every set-up, or for every extension rod that set-ups share. L is the length at 20 °C. A rod of known expansion is longer
-//! when warmer, and its temperature may be unknown in place of the length. The table ball moves with the workpiece.
+//! when warmer, and its temperature may be unknown instead of the length. The table ball moves with the workpiece.
 
 use super::{
     Equation, Instrument, Measurand, Seen, Unknown, at, needed, no_expansion, no_ties, three, vector_at, zeros,

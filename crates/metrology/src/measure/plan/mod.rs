@@ -137,7 +137,7 @@ pub struct Wishes {
     pub speed: Option<f64>,
     /// Seed of random choices.
     pub seed: u64,
-    /// A line of the control at every pose, such as a probing cycle call, in place of a stop.
+    /// A line of the control at every pose, such as a probing cycle call, instead of a stop.
     pub line: Option<String>,
 }
 

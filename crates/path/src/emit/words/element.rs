@@ -142,7 +142,7 @@ impl Words {
     fn auxiliary(&mut self, word: &Word, origin: &Origin) -> Result<(), Diagnostic> {
         let &Word { letter, extension, ref value } = word;
         let WordValue::Number(number) = *value else {
-            return Err(self.no_words(origin, "a name in place of a number", "use numbers"));
+            return Err(self.no_words(origin, "a name instead of a number", "use numbers"));
         };
         self.line.word(&[letter]);
         if let Some(extension) = extension {

@@ -22,7 +22,7 @@ pub(super) fn nothing(why: String) -> SourceReport {
 /// Returns the value of a variable, and its source time if times are used.
 pub(super) fn told(node: &NodeId, value: &DataValue, has_times: bool) -> (SourceReport, Option<SystemTime>) {
     let status = value.status.unwrap_or(StatusCode::Good);
-    // A number that was set in place of the sensor is not a measured value.
+    // A number that was set instead of the sensor is not a measured value.
     if !status.is_good() || status.sub_code() == StatusCode::GoodLocalOverride.sub_code() {
         return (nothing(format!("the server reports for {node}: {status}")), None);
     }

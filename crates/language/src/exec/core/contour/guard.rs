@@ -172,7 +172,7 @@ impl Wall {
     fn found(&self) -> Option<Fault> {
         let (_, is_refused, depth) = self.worst.filter(|_| !self.is_open)?;
         let message = format!(
-            "the tool comes {depth:.4} mm too close to this element while it follows another one: it is wider than the contour there"
+            "the tool cuts {depth:.4} mm into this element while it follows another one: the contour is narrower than the tool there"
         );
         let (code, help) = if is_refused {
             (Code::CONTOUR_NOT_FOLLOWED, "use a smaller tool; the look-ahead is control.compensation_look_ahead")
