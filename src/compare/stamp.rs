@@ -43,7 +43,10 @@ pub(crate) fn promise(
         warn(Code::NO_STAMP, message, help);
     }
     if let Some(model) = emit::stamped_model(bytes).filter(|model| *model != chosen.hash) {
-        let message = format!("{name} was corrected for the model {model}, but is compared on {}", chosen.hash);
+        let message = format!(
+            "{name} was corrected for the machine file with the checksum {model}, but is compared on {}",
+            chosen.hash
+        );
         warn(Code::OTHER_STAMP, message, "give with --machine the machine file used for the correction");
     } else if emit::is_stamped_for(bytes, &chosen.machine.name) == Some(false) {
         let message = format!("the stamp of {name} names another machine than {}", chosen.machine.name);
@@ -63,7 +66,7 @@ pub(crate) fn promise(
     let hash = short_hash([original.bytes()]);
     if let Some(source) = emit::stamped_source(bytes).filter(|source| *source != hash) {
         let message =
-            format!("{name} was made from a program with the hash {source}, but {} has {hash}", original.name());
+            format!("{name} was made from a program with the checksum {source}, but {} has {hash}", original.name());
         warn(
             Code::OTHER_STAMP,
             message,

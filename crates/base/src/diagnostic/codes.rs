@@ -664,9 +664,9 @@ above it, so the embedded demo machine was used. The output is only a demonstrat
 "Somewhere the pieces became as short as 0.01 mm, or as the increment, and still deviate by more than --tolerance. The tolerance is
 finer than the increment, or the error model has a step there, or the increment keeps an axis within its backlash. Tapping stays one
 cycle even if the tip leaves the tolerance, because pieces would lose the synchronism of spindle and axis.";
-    OTHER_STAMP = "W0306" "corrected for another machine file"
-"The stamp of the corrected program names another machine file than the given one. Each correction is valid for one machine in
-one state: the numbers state what this program would do on the given machine.";
+    OTHER_STAMP = "W0306" "corrected for another machine file, state or original"
+"The stamp of the corrected program names another machine file, state or original than those given. Each correction is valid for one
+machine in one state: the numbers state what this program would do on the given machine.";
     ONE_PIECE = "W0307" "move that cannot be divided deviates"
 "Threads (G33, G34, G35, G331, G332, G63) and positioning axes (POS) are not divided into pieces: spindle and axis would lose
 synchronism, or the axes would stop in between. The end of the move is corrected, but along the path the deviation is larger than
