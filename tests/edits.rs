@@ -216,7 +216,7 @@ fn behind_an_edit_others_are_found_too() {
     shop = shop.file("bad.mpf", text);
     for command in ["verify", "diff"] {
         let found = named(&shop.run([command, "part.mpf", "bad.mpf", "--machine", &demo, "--json"]).exits(4).json());
-        for part in ["E0311 line 9 of bad.mpf", "N90", "may be missing", "E0320 the tool is 49.98", "M30", "M17"] {
+        for part in ["E0311 line 9 of bad.mpf", "N90", "may be missing", "E0320 the tool tip is 49.98", "M30", "M17"] {
             assert!(found.iter().any(|one| one.contains(part)), "{command} {part}: {found:?}");
         }
         assert_eq!(found.len(), 3, "{found:?}");
