@@ -278,7 +278,7 @@ fn a_hole_below_the_tool_is_positioned_by_its_call() {
 fn block_numbers_stay_in_their_order() {
     let program = "N10 G17 G90 G71 G94 G54\nN20 T2 M6\nN30 D1 S2000 M3\nN40 G0 X20 Y20 Z50\nN50 F150\nN60 MCALL CYCLE81(50,0,2,-10)\nN62 G64\n\
         N64 G60\nN66 R1=3\nN70 X30 Y20\nN80 X40\nN90 MCALL\nN95 R2=1\nN96 G64\nN97 G60\nN100 G0 Z60\nN110 MCALL CYCLE81(60,0,2,-10)\nN112 M8\n\
-        N120 X50\nN130 MCALL\nN140 MCALL CYCLE81(60,0,2,-10)\nN150 G1 X60 F500\nN160 X70\nN170 MCALL\nN180 M30\n";
+        N120 X50\nN130 MCALL\nN135 G64\nN140 MCALL CYCLE81(60,0,2,-10)\nN150 G1 X60 F500\nN160 X70\nN170 MCALL\nN180 M30\n";
     let text = corrected("sinumerik", "order.mpf", program, UPRIGHT);
     let numbers: Vec<u32> = text
         .lines()

@@ -119,12 +119,8 @@ impl Writer for Sinumerik {
             }
             Output::Cycle(block) => {
                 self.is_again = false;
-                if block.starts_block {
-                    self.begin(true, (&block.origin, block.number), out);
-                } else if self.line.has_motion {
-                    // The way to the hole ends here, with its exact stop: the hole is not a further piece of it.
-                    self.end_block(out);
-                    self.line.open();
+                if block.starts_block || self.line.has_motion {
+                    self.begin(block.starts_block, (&block.origin, block.number), out);
                 }
                 self.assume(out);
                 self.cycle(block, out);
