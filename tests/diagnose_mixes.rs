@@ -46,7 +46,7 @@ fn a_fresh_machine_on_a_ball_bar_is_named_and_corrected_whole() {
         ([40.0, 35.0, -50.0], [30.0, -25.0, 20.0], [6.0, 0.0, 5.0]),
         ([30.0, 0.0, 0.0], [0.0; 3], [5.0, 5.0, 0.0]),
     ];
-    let (mut inside, mut all) = (0, 0);
+    let (mut inside, mut all, mut extended) = (0, 0, 0);
     for (number_of_mix, (squareness, scale, backlash)) in (0_u64..).zip(mixes) {
         let plant = Plant {
             squareness: squareness.map(|urad| urad * 1e-6),
@@ -64,15 +64,19 @@ fn a_fresh_machine_on_a_ball_bar_is_named_and_corrected_whole() {
         assert_eq!(names(&report), wanted, "{number_of_mix}: {report:#}");
         for (wanted, size) in &truth {
             let found = one(&report, wanted);
-            assert_eq!(found["extends"], true, "{number_of_mix}: {found:#}");
+            assert_eq!(found["extends"] == true, number(&found, "probability") >= 0.95, "{number_of_mix}: {found:#}");
+            extended += u32::from(found["extends"] == true);
             all += 1;
             inside += u32::from((number(&found, "value").abs() - size.abs()).abs() < number(&found, "u95"));
         }
-        // The noise of the instrument is 0.5 µm.
+        // The noise of the instrument is 0.5 µm; a cause that is told with less than 95 % stays.
         let written = &report["written"];
-        assert!(shop.path("out.toml").exists() && number(written, "after_rms_um") < 0.55, "{written:#}");
-        assert!(number(written, "before_rms_um") > 1.0 && number(written, "causes") == truth.len() as f64);
+        let held: Vec<Value> = findings(&report).into_iter().filter(|one| one["extends"] == true).collect();
+        let limit_um = if held.len() == truth.len() { 0.55 } else { 0.7 };
+        assert!(shop.path("out.toml").exists() && number(written, "after_rms_um") < limit_um, "{written:#}");
+        assert!(number(written, "before_rms_um") > 1.0 && number(written, "causes") == held.len() as f64);
     }
+    assert!(extended >= 21, "{extended} of {all}");
     // Of 23 sizes that are each within their interval by 95 %, four or more are outside with a probability of 3 %.
     assert!(all == 23 && inside >= 20, "{inside} of {all}");
 }

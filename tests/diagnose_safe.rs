@@ -114,16 +114,23 @@ fn a_squareness_and_a_scale_on_circles_are_no_yaw_to_correct() {
     assert!(found_any > 6);
 }
 
+/// One that is told with less than 95 % is named all the same: only the file waits for the next measurement.
 #[test]
 fn one_error_on_circles_is_corrected_all_the_same() {
+    let mut corrected = 0;
     for seed in 1..4 {
         for (truth, slope) in [("location EC0Y", [0.0, 0.02]), ("motion EXX", [0.02, 0.0])] {
             let table = circles(seed, |[x, y, _]| [slope[0] * x + slope[1] * y, 0.0, 0.0]);
             let (_, report) = found(&table, CIRCLES, &[]);
             let all = findings(&report);
-            assert!(all.len() == 1 && name(&all[0]) == truth && all[0]["correctable"] == "program", "{report:#}");
+            assert!(all.len() == 1 && name(&all[0]) == truth, "{report:#}");
+            let is_certain = number(&all[0], "probability") >= 0.95;
+            assert_eq!(all[0]["correctable"] == "program", is_certain, "{report:#}");
+            assert!(is_certain || all[0]["separate_by"].as_str().is_some_and(|plan| plan.contains("ncfix plan")));
+            corrected += u32::from(is_certain);
         }
     }
+    assert!(corrected >= 4, "{corrected} of 6");
 }
 
 /// What goes round with the angle of the circles in all planes, as a radial error of so many lobes, µm; in each plane behind by its own phase.

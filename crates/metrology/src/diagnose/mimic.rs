@@ -13,6 +13,7 @@ use super::seek::information_of;
 use super::separate::steps;
 use super::size::weights_at;
 use ncfix_base::geometry::{AXES, Axis};
+use ncfix_base::numeric::sums::dot;
 use ncfix_model::motion::EntryFunction;
 use ncfix_model::name::{DIRECTIONS, ErrorName};
 
@@ -36,6 +37,8 @@ const SLOW: [f64; 2] = [0.5, 3.0];
 const STEP: f64 = 0.1;
 /// Amounts of a wave: sine and cosine.
 const WAVE: usize = 2;
+/// A sine or cosine is zero at the measured places if the sum of its squares is less than this share of that of the other one.
+const SHOWS: f64 = 1e-12;
 /// Steps are even if they differ by at most this share of a step.
 const EVEN: f64 = 0.02;
 
@@ -125,7 +128,10 @@ impl Field<'_, '_> {
         }
         let most = LARGER * (ends[1] - ends[0]);
         let explains = |period: f64, slack: f64, is_short: bool| {
-            let columns = self.columns(&periodic::candidate(name, axis, period));
+            let mut columns = self.columns(&periodic::candidate(name, axis, period));
+            // A sine that is zero at all places has any amount.
+            let largest = columns.iter().map(|column| dot(column, column)).fold(0.0, f64::max);
+            columns.retain(|column| dot(column, column) > SHOWS * largest);
             let (parts, _) = series.amounts(&columns);
             let gain = series.gain(&columns);
             // A table with an amount for each place follows the noise too. A slow wave needs no fewer amounts than a curve: its period is one.

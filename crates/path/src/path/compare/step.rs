@@ -207,18 +207,21 @@ impl<'a, I> Walk<'a, I> {
 }
 
 impl<I: Iterator<Item = Element>> Walk<'_, I> {
-    /// `true` if the last move triggers a drilling cycle.
-    fn triggers_cycle(&mut self) -> bool {
+    /// Plane of the drilling cycle that the last move triggers.
+    fn triggered_cycle(&mut self) -> Option<Plane> {
         self.held = self.held.take().or_else(|| self.elements.next());
-        let kind = self.held.as_ref().map(|element| &element.kind);
-        matches!(kind, Some(Kind::Cycle(Some(cycle))) if cycle.trigger == HoleTrigger::Motion)
+        match self.held.as_ref().map(|element| &element.kind) {
+            Some(Kind::Cycle(Some(cycle))) if cycle.trigger == HoleTrigger::Motion => Some(cycle.plane),
+            _ => None,
+        }
     }
 }
 
 impl<I> Walk<'_, I> {
-    /// `true` if a move of a cycle leads a tool that is nearly at the hole to the place of the call. The call of the program need not name that place.
-    fn is_at_hole(&self, motion: &Move) -> bool {
-        let Some([abscissa, ordinate, _]) = self.hole.map(Plane::axes) else { return false };
+    /// `true` if a move of a cycle, or one that triggers it, leads a tool that is nearly at the hole to the place of the call. The program need not name
+    /// that place, or has moved there with feed.
+    fn is_at_hole(&self, motion: &Move, plane: Option<Plane>) -> bool {
+        let Some([abscissa, ordinate, _]) = plane.map(Plane::axes) else { return false };
         let off_mm = |axis: Axis| motion.target[axis] - self.position[axis];
         let across_mm = off_mm(abscissa).hypot(off_mm(ordinate));
         motion.rapid
@@ -286,13 +289,15 @@ impl<'a, I: Iterator<Item = Element>> Iterator for Walk<'a, I> {
                 _ => continue,
             };
             self.ever_named = self.ever_named.union(motion.named);
-            if std::mem::take(&mut self.approaches) && self.is_at_hole(&motion) {
+            let triggered = if motion.rapid { self.triggered_cycle() } else { None };
+            let hole = if std::mem::take(&mut self.approaches) { self.hole } else { None };
+            if self.is_at_hole(&motion, hole.or(triggered)) {
                 let route = self.route(&motion);
                 self.lead.along(&mut self.band, &route, self.known, [0.0, 1.0]);
                 self.position = motion.target;
                 continue;
             }
-            let in_cycle = self.hole.is_some() || motion.rapid && self.triggers_cycle();
+            let in_cycle = self.hole.is_some() || triggered.is_some();
             let step = ComparedMove {
                 origin: element.origin,
                 route: self.route(&motion),
