@@ -151,7 +151,7 @@ fn nothing_is_written_where_there_is_an_error() {
 
 #[test]
 fn a_program_that_is_not_understood_exits_with_3() {
-    let shop = Shop::new().file("a.mpf", "N10 G0 X\n").file("b.mpf", "N10 CYCLE70(1,2,3)\n");
+    let shop = Shop::new().file("a.mpf", "N10 G0 X\n").file("b.mpf", "N10 CYCLE63(1,2,3)\n");
     fix(&shop, &["a.mpf", "-o", "out.mpf"]).exits(3);
     fix(&shop, &["b.mpf", "-o", "out.mpf"]).exits(3);
     assert_eq!(shop.names(), ["a.mpf", "b.mpf"]);
@@ -357,7 +357,7 @@ fn a_subprogram_that_was_corrected_before_is_refused() {
 #[test]
 fn a_fault_of_syntax_does_not_hide_what_is_not_supported() {
     let shop =
-        Shop::new().file("part.mpf", "N10 G90 G71 G54 G0 X0 Y0 Z50\nN20 X10..5\nN30 GEOAX(1,X)\nN40 CYCLE70(1)\n");
+        Shop::new().file("part.mpf", "N10 G90 G71 G54 G0 X0 Y0 Z50\nN20 X10..5\nN30 GEOAX(1,X)\nN40 CYCLE63(1)\n");
     let run = fix(&shop, &["part.mpf", "-o", "out.mpf"]).exits(3);
     for place in ["part.mpf:2:", "part.mpf:3:", "part.mpf:4:"] {
         assert!(run.stderr.contains(place), "{}", run.stderr);

@@ -284,7 +284,7 @@ fn a_doubt_about_units_is_found_where_the_unit_changes() {
 #[test]
 fn findings_come_with_their_lines_and_all_in_one_run() {
     check_codes(
-        "G0 X\nG1 Y5\nG0 X1 X2\nGEOAX(1,X)\nCYCLE70(1,2)\nG0 Q1\n",
+        "G0 X\nG1 Y5\nG0 X1 X2\nGEOAX(1,X)\nCYCLE63(1,2)\nG0 Q1\n",
         &["E0103:1", "W0202:2", "E0111:3", "E0201:4", "E0201:5", "E0201:6"],
     );
     check_codes("IF R1\nG0 X1\n", &["E0106:1"]);
