@@ -338,6 +338,7 @@ fn corrected(program: &str, machine: &Machine, errors: &ErrorModel) -> Said {
         crlf: false,
         stamp: Stamp::default(),
         last_block_number: None,
+        has_centers_reversed: false,
     };
     let mut writer = emit::writer("sinumerik", &writer_options).unwrap();
     let (mut out, mut codes) = (Vec::new(), Vec::new());

@@ -34,6 +34,7 @@ fn writer_options(machine: &Machine, frame: OutputFrame, crlf: bool) -> WriterOp
         crlf,
         stamp,
         last_block_number: None,
+        has_centers_reversed: false,
     }
 }
 

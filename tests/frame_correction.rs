@@ -46,6 +46,7 @@ pub(crate) fn corrected(text: &str, machine: &Machine, errors: &ErrorModel, opti
         crlf: false,
         stamp,
         last_block_number: None,
+        has_centers_reversed: false,
     };
     let mut writer = emit::writer("sinumerik", &writer_options).unwrap();
     let (mut out, mut pieces, mut findings) = (Vec::new(), Vec::new(), Vec::new());

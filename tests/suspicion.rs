@@ -172,6 +172,7 @@ fn corrected(pair: &Pair) -> (String, Vec<Diagnostic>) {
         crlf: false,
         stamp: Stamp::default(),
         last_block_number: None,
+        has_centers_reversed: false,
     };
     let mut writer = emit::writer(pair.dialect, &writer_options).unwrap();
     let (mut out, mut found) = (Vec::new(), Vec::new());

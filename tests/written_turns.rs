@@ -38,6 +38,7 @@ fn corrected(errors: &ErrorModel, turns: Turns, dialect: &str) -> (Vec<Output>, 
         crlf: false,
         stamp: Stamp::default(),
         last_block_number: None,
+        has_centers_reversed: false,
     };
     let mut writer = emit::writer(dialect, &options).unwrap();
     let mut out = Vec::new();

@@ -69,6 +69,7 @@ impl Writing {
             frame: options.frame,
             crlf: has_crlf(program.bytes()),
             last_block_number: machine.control.last_block_number,
+            has_centers_reversed: machine.control.has_arc_words_from_center,
             stamp: emit::Stamp {
                 machine: machine.name.clone(),
                 model: chosen.hash.clone(),

@@ -103,6 +103,7 @@ fn lines_of(machine: &Machine, base: &Model, outputs: &[Output]) -> Vec<Line> {
         names: machine.written_names(),
         stamp: Stamp::default(),
         last_block_number: None,
+        has_centers_reversed: false,
     };
     let writer = emit::writer("rs274", &writer_options).unwrap();
     let mut lines = Lines::new(machine, base, &CorrectionOptions::default(), writer, Settings::default());

@@ -69,6 +69,9 @@ pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
             section.report(Code::BAD_VALUE, section.place_of("compensation_corner"), message, help);
         }
     }
+    if let Some(value) = section.boolean("arc_words_from_center") {
+        control.has_arc_words_from_center = value;
+    }
     match section.text("arc_center") {
         None => {}
         Some("moved") => control.arc_center = Some(ArcCenter::Moved),

@@ -91,6 +91,8 @@ pub struct IsoControl {
     pub peck_clearance_mm: f64,
     /// Axis and direction in which G76 and G87 move by Q with the spindle oriented (Fanuc parameter 5101, bits 4 and 5).
     pub orient_shift: Option<(Axis, f64)>,
+    /// Seconds of one unit of P with a decimal point in a dwell or cycle; `None`: a Fanuc stops with an alarm, a Haas reads seconds.
+    pub pointed_dwell_s: Option<f64>,
     /// True if G74 and G84 tap rigidly without M29 (Fanuc parameter 5200, bit 0); `None` if the file does not state it.
     pub rigid_tapping: Option<bool>,
     /// True if planes, zero offsets and reference points may be programmed within G68, G51 and G51.1, which a Fanuc forbids.
@@ -138,6 +140,7 @@ impl Default for IsoControl {
             chip_clearance_mm: 1.0,
             peck_clearance_mm: 1.0,
             orient_shift: None,
+            pointed_dwell_s: None,
             rigid_tapping: None,
             codes_within_rotation: false,
             one_axis_in_rotation: None,
@@ -244,6 +247,15 @@ fn read_rotation(section: &mut Section<'_>, iso: &mut IsoControl) {
         Some(other) => {
             let message = format!("program_kind must be \"mill\", found \"{other}\"");
             section.report(Code::BAD_VALUE, section.place_of("program_kind"), message, "correct it, or remove it");
+        }
+    }
+    match section.text("dwell_with_point") {
+        None => {}
+        Some("seconds") => iso.pointed_dwell_s = Some(1.0),
+        Some("milliseconds") => iso.pointed_dwell_s = Some(1e-3),
+        Some(other) => {
+            let message = format!("dwell_with_point must be \"seconds\" or \"milliseconds\", found \"{other}\"");
+            section.report(Code::BAD_VALUE, section.place_of("dwell_with_point"), message, "correct it, or remove it");
         }
     }
     match section.text("word_meaning") {

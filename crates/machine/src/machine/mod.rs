@@ -183,6 +183,9 @@ pub struct Control {
     pub arc_tolerance_ratio: f64,
     /// Center of an arc with such a difference; `None`: as in the dialect.
     pub arc_center: Option<ArcCenter>,
+    /// `true` if I, J, K point from the center of an arc to its start; usually they point from the start to the center (Fanuc), or are the position of
+    /// the center (Grundig in G90).
+    pub has_arc_words_from_center: bool,
     /// Effect of T: immediately, or with M6 (Sinumerik MD22550).
     pub tool_change: ToolChange,
     /// Plane along whose axes the tool lengths lie, whichever plane is active (Sinumerik SD42940); `None`: those of the active plane.
@@ -316,6 +319,7 @@ impl Default for Control {
             arc_tolerance_mm: 0.01,
             arc_tolerance_ratio: 0.001,
             arc_center: None,
+            has_arc_words_from_center: false,
             tool_change: ToolChange::M6,
             tool_length_plane: None,
             edge_after_tool_change: 1,

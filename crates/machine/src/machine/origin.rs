@@ -20,6 +20,7 @@ pub struct WrittenValue {
 const OF_CONTROL: &[(&str, &str)] = &[
     ("allow_synchronised", "[]"),
     ("arc_radius_check", "true"),
+    ("arc_words_from_center", "false"),
     ("arc_tolerance_mm", "0.01"),
     ("arc_tolerance_ratio", "0.001"),
     ("arguments_two", "true"),
@@ -240,6 +241,7 @@ mod tests {
             "one_axis_in_rotation",
             "codes_within_rotation",
             "program_kind",
+            "dwell_with_point",
             "word_meaning",
             "number",
             "length_mm",

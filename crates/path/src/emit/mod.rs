@@ -49,6 +49,8 @@ pub struct WriterOptions {
     pub stamp: Stamp,
     /// The largest block number, if the language needs numbers and the control limits them.
     pub last_block_number: Option<u32>,
+    /// `true` if the control reads the words of an arc center as the way from it to the start of the arc (Fanuc, Grundig).
+    pub has_centers_reversed: bool,
 }
 
 /// Turns corrected output into lines of a control's language.

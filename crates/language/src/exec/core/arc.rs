@@ -48,6 +48,19 @@ impl ProgrammedArc<'_> {
     }
 }
 
+/// Difference of the radii, mm, below which a point is the center itself.
+const NO_RADIUS_MM: f64 = 1e-6;
+/// Largest difference of the radii, mm and as a share, with which another reading of a center is likely. Posts write centers with three decimals.
+const LIKELY_MM: f64 = 0.01;
+const LIKELY_SHARE: f64 = 0.001;
+
+/// `true` if a point has nearly the same distance from both ends of an arc: it is probably the center that was meant.
+pub(in crate::exec) fn is_likely_center(start: [f64; 2], end: [f64; 2], center: [f64; 2]) -> bool {
+    let radius = |point: [f64; 2]| (point[0] - center[0]).hypot(point[1] - center[1]);
+    let (first, last) = (radius(start), radius(end));
+    first > NO_RADIUS_MM && (first - last).abs() <= LIKELY_MM.max(LIKELY_SHARE * first)
+}
+
 /// Reason why there is no arc of a radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::exec) enum RadiusFault {

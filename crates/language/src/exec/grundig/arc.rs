@@ -10,7 +10,7 @@ use super::channel::Channel;
 use super::gathered::{Found, Gathered};
 use super::modal::{MotionKind, plus};
 use super::target::Target;
-use crate::exec::core::arc::{ProgrammedArc, behind_frame, center_of_radius};
+use crate::exec::core::arc::{ProgrammedArc, behind_frame, center_of_radius, is_likely_center};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::grid::{Meeting, meeting, unsure};
 use crate::exec::core::path::Shape;
@@ -76,7 +76,7 @@ pub(super) fn arc_words(channel: &mut Channel<'_>, gathered: &mut Gathered, targ
         let sweep_rad = sweep_between(start, end, center, clockwise);
         return circular(channel, Circle { clockwise, center, sweep_rad }, target.to, target.named.union(plane));
     }
-    let center = center(&channel.modal, words, polar, start, gathered.span)?;
+    let center = center(channel, words, polar, start, gathered.span)?;
     let depth = (target.to[applicate] - here[applicate]).abs();
     let turns = match pitch {
         None => None,
@@ -164,14 +164,15 @@ fn center_by_radius(
     })
 }
 
-/// The center by words of the axes, absolute or, in G91, from the start; or by B3 and L3 from the pole.
+/// The center by words of the axes: absolute, or from the start in G91, or pointing to the start if the control reads them so; or by B3 and L3 from the pole.
 fn center(
-    modal: &Modal,
+    channel: &Channel<'_>,
     words: [Option<Found>; 2],
     polar: [Option<Found>; 2],
     start: [f64; 2],
     span: Span,
 ) -> Result<[f64; 2], Fault> {
+    let modal = &channel.modal;
     let scale = modal.modes.scale();
     let [abscissa, ordinate, _] = modal.modes.plane.axes();
     if let [Some((angle, span)), Some((length, _))] = polar {
@@ -190,12 +191,14 @@ fn center(
         let message = "an arc without center and radius";
         return Err(fault(Code::NO_CENTER, span, message, "add the center with I, J, K, or R"));
     }
+    let is_reversed = channel.settings.machine.control.has_arc_words_from_center;
     let mut center = start;
     for ((place, word), axis) in center.iter_mut().zip(words).zip([abscissa, ordinate]) {
         match word {
+            Some((value, _)) if is_reversed => *place -= value * scale,
             Some((value, _)) if modal.modes.incremental => *place += value * scale,
             Some((value, _)) => *place = value * scale,
-            None if modal.modes.incremental => {}
+            None if modal.modes.incremental || is_reversed => {}
             None => {
                 let message = format!("the center of this arc has no coordinate along {axis}");
                 let help = "program both: absolute centers are not relative to the start";
@@ -246,6 +249,7 @@ pub(super) fn one_arc(channel: &mut Channel<'_>, circle: Circle, to: &AxisVector
     let span = channel.outlet.origin.span;
     let programmed = target::here(&channel.modal, &channel.standing);
     let to = *to;
+    let (is_incremental, is_reversed) = (channel.modal.modes.incremental, control.has_arc_words_from_center);
     let is_compensated = channel.modal.contour.compensates();
     step::elementary(channel, &to, named, false, channel.modal.modes.feed, |[start, target]| {
         // If the frame is a pure shift, arcs are computed in base coordinates, exact to the last bit.
@@ -260,14 +264,24 @@ pub(super) fn one_arc(channel: &mut Channel<'_>, circle: Circle, to: &AxisVector
         let tolerance = |radius: f64| control.arc_tolerance_mm.max(control.arc_tolerance_ratio * radius);
         let clockwise = circle.clockwise;
         let arc = ProgrammedArc { plane, clockwise, from: &from, to: &end, center_mm: center, extra_turns: 0 };
-        let arc = arc
-            .checked(Language::Grundig, control, is_compensated, tolerance)
-            .map_err(|found| center_fault(found, span))?;
+        let arc = arc.checked(Language::Grundig, control, is_compensated, tolerance).map_err(|found| {
+            let point = |at: &AxisVector| [at[abscissa], at[ordinate]];
+            let (first, last) = (point(&programmed), point(&to));
+            let word = |k: usize| if is_incremental { circle.center[k] - first[k] } else { circle.center[k] };
+            let other = [first[0] - word(0), first[1] - word(1)];
+            center_fault(found, span, !is_reversed && is_likely_center(first, last, other))
+        })?;
         Ok::<Shape, Fault>(behind_frame(&arc, [&from, &end], target, &setup, control.chord_tolerance_mm))
     })
 }
 
-fn center_fault(found: CenterFault, span: Span) -> Fault {
+/// `fits_from_center`: the arc is possible if its words point from the center to the start.
+fn center_fault(found: CenterFault, span: Span, fits_from_center: bool) -> Fault {
+    let help = if fits_from_center {
+        "the center fits if I, J and K point from the center to the start; set control.arc_words_from_center = true if the control reads them so, else correct the post-processor"
+    } else {
+        "correct the center (absolute in G90) or the end point; the limit is control.arc_tolerance_mm"
+    };
     match found {
         CenterFault::OffCircle { start_radius_mm, end_radius_mm, off_bisector_mm } => fault(
             Code::ARC_OFF_CIRCLE,
@@ -276,7 +290,7 @@ fn center_fault(found: CenterFault, span: Span) -> Fault {
                 "start radius {start_radius_mm:.4} mm, end radius {end_radius_mm:.4} mm, the center {off_bisector_mm:.4} mm off \
                  the perpendicular bisector of the chord"
             ),
-            "correct the center (absolute in G90) or the end point; the limit is control.arc_tolerance_mm",
+            help,
         ),
         CenterFault::ZeroRadius => fault(
             Code::BAD_ARC,

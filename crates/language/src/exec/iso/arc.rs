@@ -14,7 +14,7 @@ use std::sync::Arc as Shared;
 use super::channel::Channel;
 use super::gathered::Gathered;
 use super::step::Step;
-use crate::exec::core::arc::{ProgrammedArc, behind_frame, center_of_radius};
+use crate::exec::core::arc::{ProgrammedArc, behind_frame, center_of_radius, is_likely_center};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::grid::{Meeting, closes_in_linuxcnc, is_one_place, meeting, unsure};
 use ncfix_base::diagnostic::Code;
@@ -33,9 +33,6 @@ const SPIRAL_SHARE: f64 = 0.001;
 const SPIRAL_MOST: f64 = 100.0;
 /// Difference of the radii, mm, below which they are equal.
 const SAME_RADIUS_MM: f64 = 1e-6;
-/// Largest difference of the radii, mm and as a share, with which another reading of a center is likely.
-const LIKELY_MM: f64 = 0.01;
-const LIKELY_SHARE: f64 = 0.001;
 /// Angle between start and end, rad, below which they are in one direction from the center.
 const SAME_ANGLE_RAD: f64 = 1e-9;
 /// Largest excess of half the chord over a radius in LinuxCNC, mm.
@@ -163,7 +160,7 @@ pub(super) fn arc(
                     "start radius {start_radius_mm:.4} mm, end radius {end_radius_mm:.4} mm, the center \
                          {off_bisector_mm:.4} mm off the perpendicular bisector of the chord"
                 ),
-                likely_center(&channel.modal, s, e, center_mm).unwrap_or(help),
+                likely_center(channel, s, e, center_mm).unwrap_or(help),
             ),
             CenterFault::ZeroRadius => {
                 fault(Code::BAD_ARC, span, "the center of the arc is its start", "correct I, J, K")
@@ -198,14 +195,10 @@ fn spiral(arc: &Arc, [from, to]: [&AxisVector; 2], allowed_mm: impl Fn(f64) -> f
 }
 
 /// The help if another reading of the center words fits: a center of positions, or of distances without sign.
-fn likely_center(modal: &Modal, start: [f64; 2], end: [f64; 2], center: [f64; 2]) -> Option<&'static str> {
-    let radius = |point: [f64; 2], center: [f64; 2]| (point[0] - center[0]).hypot(point[1] - center[1]);
-    let fits = |center: [f64; 2]| {
-        let (first, last) = (radius(start, center), radius(end, center));
-        first > SAME_RADIUS_MM && (first - last).abs() <= LIKELY_MM.max(LIKELY_SHARE * first)
-    };
+fn likely_center(channel: &Channel<'_>, start: [f64; 2], end: [f64; 2], center: [f64; 2]) -> Option<&'static str> {
+    let fits = |center: [f64; 2]| is_likely_center(start, end, center);
     let words = [center[0] - start[0], center[1] - start[1]];
-    if modal.has_absolute_centers() {
+    if channel.modal.has_absolute_centers() || reads_from_center(channel) {
         return None;
     }
     if fits(words) {
@@ -215,6 +208,11 @@ fn likely_center(modal: &Modal, start: [f64; 2], end: [f64; 2], center: [f64; 2]
     }
     let mirrored = [[-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]];
     let turned = |[a, b]: [f64; 2]| [start[0] + a * words[0], start[1] + b * words[1]];
+    if !channel.is_rs274() && fits(turned([-1.0, -1.0])) {
+        return Some(
+            "the center fits if I, J and K point from the center to the start; set control.arc_words_from_center = true if the control reads them so, else correct the post-processor",
+        );
+    }
     mirrored.into_iter().map(turned).any(fits).then_some(
         "the center fits with another sign of I, J or K: they are signed distances from the start of the arc; correct the program",
     )
@@ -250,6 +248,11 @@ fn closed_on_grid(
     Ok(end)
 }
 
+/// `true` if I, J, K point from the center to the start; RS274/NGC has codes for what they are.
+fn reads_from_center(channel: &Channel<'_>) -> bool {
+    !channel.is_rs274() && channel.settings.machine.control.has_arc_words_from_center
+}
+
 /// Center by I, J, K, in base coordinates if the frame is a pure shift.
 fn center(
     channel: &mut Channel<'_>,
@@ -258,6 +261,7 @@ fn center(
     is_shifted: bool,
 ) -> Result<[f64; 2], Fault> {
     let [abscissa, ordinate, _] = channel.modal.modes.plane.axes();
+    let is_reversed = reads_from_center(channel);
     let mut center = start;
     for (place, axis) in center.iter_mut().zip([abscissa, ordinate]) {
         let letter = b"IJK"[axis.slot()];
@@ -269,6 +273,8 @@ fn center(
             };
             let shift = channel.standing.setup.frame.shift(axis) - channel.standing.setup.tool_mm[axis.slot()];
             *place = value + if is_shifted { shift } else { 0.0 };
+        } else if is_reversed {
+            *place -= value.unwrap_or_default();
         } else {
             *place += value.unwrap_or_default();
         }

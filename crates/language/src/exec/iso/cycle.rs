@@ -123,14 +123,16 @@ pub(super) fn cycle_at(
             false => target::absolute(channel.settings.machine, &channel.modal, gathered, axis, value, here[axis])?,
         };
     }
-    let call = call(
-        channel,
-        gathered,
-        code,
-        bottom,
-        Place { plane: [here[abscissa], here[ordinate]], height: here[applicate] },
-        pattern.as_ref(),
-    )?;
+    let from = Place { plane: [here[abscissa], here[ordinate]], height: here[applicate] };
+    let call = match call(channel, gathered, code, bottom, from, pattern.as_ref()) {
+        Ok(call) => call,
+        Err(found) => {
+            // The next holes of the cycle have these levels: they are not faults of their own.
+            let r = measure::length(channel, gathered, b'R')?;
+            channel.cycles.drill.keep_levels(code, r, bottom, incremental);
+            return Err(found);
+        }
+    };
     let mut polar = channel.special.polar;
     let mut hole = 0;
     let mut of_pattern = || {

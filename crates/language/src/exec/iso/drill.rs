@@ -86,6 +86,14 @@ impl Drill {
         };
     }
 
+    /// Records the levels of a cycle that cannot run, for the blocks that repeat it.
+    pub(super) fn keep_levels(&mut self, code: u16, r: Option<f64>, bottom: Option<f64>, is_incremental: bool) {
+        let level = |value: f64| Level { value, is_incremental };
+        self.code = Some(code);
+        self.r = r.map(level).or(self.r);
+        self.bottom = bottom.map(level).or(self.bottom);
+    }
+
     /// Records that another motion has stated the tool position.
     pub(super) fn moved(&mut self) {
         self.is_drawn_out = false;

@@ -139,12 +139,17 @@ pub(super) fn dwell_of_p(
         };
     }
     if gathered.is_pointed(b'P') {
+        if let Some(unit_s) = machine.control.iso.pointed_dwell_s {
+            return Ok(Some(value * unit_s));
+        }
         let message = format!("P of {name} with a decimal point: seconds on a Haas, and a Fanuc stops with an alarm");
         let help = match name {
             "G4" => {
-                "write milliseconds without a point, P1000, or seconds with X, X1.; if the control is a Haas, set controller = \"haas\""
+                "write milliseconds without a point, P1000, or seconds with X, X1.; or set control.dwell_with_point if the control accepts the point"
             }
-            _ => "write milliseconds without a point, P1000; if the control is a Haas, set controller = \"haas\"",
+            _ => {
+                "write milliseconds without a point, P1000; or set control.dwell_with_point if the control accepts the point"
+            }
         };
         return Err(fault(Code::TWO_MEANINGS, gathered.span_of(b'P'), message, help));
     }

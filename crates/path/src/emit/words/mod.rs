@@ -122,6 +122,7 @@ fn create(flavour: &'static Flavour, options: &WriterOptions) -> Option<Box<dyn 
         cycle: None,
         definition: String::new(),
         increment_mm: options.increments.linear_mm,
+        has_centers_reversed: options.has_centers_reversed && flavour.language != Language::Rs274,
         is_drilling: false,
         has_ended: false,
         feed: 0.0,
@@ -137,6 +138,8 @@ struct Words {
     is_stamped: bool,
     /// Lines after the assumptions.
     guard: Vec<String>,
+    /// `true` if the words of a center point from it to the start of the arc.
+    has_centers_reversed: bool,
     has_assumed: bool,
     /// The length unit of the output, mm.
     unit_mm: f64,

@@ -164,7 +164,9 @@ impl Words {
         for (letter, axis) in CENTERS.into_iter().filter(|&(_, axis)| axis != across) {
             self.line.word(&[letter]);
             let mut count = arc.center_counts[axis.slot()];
-            if self.flavour.language == Language::Grundig {
+            if self.has_centers_reversed {
+                count = -count;
+            } else if self.flavour.language == Language::Grundig {
                 count += arc.start_counts[axis.slot()];
             }
             self.numbers.linear.push(&mut self.line.text, count);

@@ -17,7 +17,8 @@ pub(super) fn written(dialect: &str, last_block_number: Option<u32>, stream: &[O
     let increments = Increments { linear_mm: 0.001, rotary_deg: 0.001, unit_mm: 1.0 };
     let frame = OutputFrame::Work;
     let names = Default::default();
-    let options = WriterOptions { increments, frame, crlf: false, names, stamp, last_block_number };
+    let options =
+        WriterOptions { increments, frame, crlf: false, names, stamp, last_block_number, has_centers_reversed: false };
     let mut writer = writer(dialect, &options).unwrap();
     let (mut out, mut findings) = (Vec::new(), Vec::new());
     let items = stream.iter().cloned().map(Ok);
