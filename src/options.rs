@@ -132,6 +132,8 @@ pub enum Compensation {
 pub struct Options {
     /// Largest deviation of an emitted piece from the exactly corrected path, mm.
     pub tolerance_mm: f64,
+    /// Largest deviation of a hole that stays a drilling cycle, mm; a value below [`Self::tolerance_mm`] has no effect.
+    pub hole_tolerance_mm: f64,
     /// Fixed step along the leading axis instead of subdivision by tolerance, mm.
     pub step_mm: Option<f64>,
     /// Handling of arcs.
@@ -166,10 +168,20 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Options {
-        let path::CorrectionOptions { tolerance_mm, arcs, rapids, frame, five_axis, rotary, max_correction_mm, .. } =
-            path::CorrectionOptions::default();
+        let path::CorrectionOptions {
+            tolerance_mm,
+            hole_tolerance_mm,
+            arcs,
+            rapids,
+            frame,
+            five_axis,
+            rotary,
+            max_correction_mm,
+            ..
+        } = path::CorrectionOptions::default();
         Options {
             tolerance_mm,
+            hole_tolerance_mm,
             step_mm: None,
             arcs,
             rapids,
@@ -194,6 +206,7 @@ impl Options {
     pub(crate) fn of_path(&self) -> path::CorrectionOptions {
         path::CorrectionOptions {
             tolerance_mm: self.tolerance_mm,
+            hole_tolerance_mm: self.hole_tolerance_mm,
             subdivision: self.step_mm.map_or(Subdivision::Adaptive, Subdivision::Step),
             arcs: self.arcs,
             rapids: self.rapids,

@@ -89,6 +89,7 @@ fn json_has_the_documented_keys() {
         "growth",
         "most_repeated",
         "drilling_cycles",
+        "cycles_off_um",
         "drilled_by_moves",
         "cycles_need_um",
         "guard",

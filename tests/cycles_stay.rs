@@ -355,6 +355,12 @@ fn the_summary_names_the_tolerance_that_keeps_cycles() {
     let report = fix(&[]);
     assert_eq!((&report["drilling_cycles"], &report["drilled_by_moves"]), (&0.into(), &40.into()), "{report}");
     assert_eq!(report["cycles_need_um"].as_f64(), Some(3.0), "{report}");
+    let report = fix(&["--hole-tolerance", "3um"]);
+    assert_eq!((&report["drilling_cycles"], &report["drilled_by_moves"]), (&40.into(), &0.into()), "{report}");
+    // Half of 5.12 µm, and up to half an increment of 0.1 µm in each of three directions.
+    let off_um = report["cycles_off_um"].as_f64().unwrap();
+    assert!((2.5..2.65).contains(&off_um), "{report}");
+    shop.run(["verify", "plate.ngc", "out.ngc", "--machine", "m.toml"]).exits(0);
     let report = fix(&["--tolerance", "3um"]);
     assert_eq!((&report["drilling_cycles"], &report["drilled_by_moves"]), (&40.into(), &0.into()), "{report}");
     let report = fix(&["--tolerance", "3um", "--expand-cycles"]);

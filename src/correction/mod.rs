@@ -382,7 +382,7 @@ impl<'a> Prepared<'a> {
             report.zeros = datum::of_run(machine, model, running.extent().zeros(), options.tolerance_mm, found);
             report.prediction = interval::of_run(machine, model, &passed.prediction.places());
         }
-        note(&passed.prediction, &running, &machine.machine, report);
+        note(&passed.prediction, &running, &machine.machine, options.tolerance_mm, report);
         if let Some((finding, source)) = short_blocks(&passed.prediction.short_blocks, sources, report) {
             found.add(finding, &[source]);
         }

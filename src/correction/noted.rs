@@ -52,6 +52,7 @@ pub(super) fn note(
     prediction: &Prediction,
     running: &Running,
     machine: &ncfix_machine::machine::Machine,
+    tolerance_mm: f64,
     report: &mut CorrectionReport,
 ) {
     report.before = Some(spread(prediction.before()));
@@ -67,6 +68,8 @@ pub(super) fn note(
     });
     report.blocks_in = running.blocks();
     report.drilling_cycles = prediction.kept_holes;
+    let off_um = um_from_mm(prediction.kept_hole_mm);
+    report.cycles_off_um = (off_um > um_from_mm(tolerance_mm)).then_some(off_um);
     report.drilled_by_moves = prediction.expanded_holes;
     let needed_um = um_from_mm(prediction.expanded_hole_mm);
     report.cycles_need_um = (needed_um > 0.0).then(|| needed_um.ceil());

@@ -80,6 +80,9 @@ pub(in crate::cli) struct CorrectionChoice {
     /// Largest deviation of an output piece from the exactly corrected path, with unit
     #[arg(long, value_name = "LENGTH", default_value = "1um", value_parser = value::positive_length_mm)]
     pub(in crate::cli) tolerance: f64,
+    /// Largest deviation of a hole that stays a drilling cycle, with unit, if larger than --tolerance
+    #[arg(long, value_name = "LENGTH", default_value = "2um", value_parser = value::positive_length_mm)]
+    pub(in crate::cli) hole_tolerance: f64,
     /// Fixed step along the leading axis instead of subdivision by tolerance, with unit, such as 20mm
     #[arg(long, value_name = "LENGTH", value_parser = value::step_mm)]
     pub(in crate::cli) step: Option<f64>,
@@ -111,6 +114,7 @@ impl CorrectionChoice {
     pub(in crate::cli) fn options(&self) -> Options {
         Options {
             tolerance_mm: self.tolerance,
+            hole_tolerance_mm: self.hole_tolerance,
             step_mm: self.step,
             arcs: if self.arcs == ArcChoice::Chords { Arcs::Chords } else { Arcs::Keep },
             rapids: match self.rapids {

@@ -5,7 +5,7 @@
 
 use std::fmt::Write as _;
 
-use crate::path::Promise;
+use crate::path::{HOLE_TOLERANCE_MM, Promise};
 
 /// Contents of the stamp.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,9 +29,17 @@ pub struct Stamp {
 /// Largest tolerance that a stamp may promise, mm; more is not a correction.
 const MOST_TOLERANCE_MM: f64 = 10.0;
 
+/// The tolerance of holes without an entry of its own, mm.
+fn usual_hole_mm(tolerance_mm: f64) -> f64 {
+    HOLE_TOLERANCE_MM.max(tolerance_mm)
+}
+
 /// A promise as text of the stamp.
 fn promise_text(promise: &Promise) -> String {
     let mut out = format!("tolerance={}", promise.tolerance_mm);
+    if promise.hole_tolerance_mm != usual_hole_mm(promise.tolerance_mm) {
+        let _ = write!(out, " holes={}", promise.hole_tolerance_mm);
+    }
     if let Some(increment_mm) = promise.increment_mm {
         let _ = write!(out, " increment={increment_mm}");
     }
@@ -61,8 +69,10 @@ fn promise_of(line: &str) -> Option<Promise> {
         (value > 0.0 && value <= MOST_TOLERANCE_MM).then_some(value)
     };
     let has = |name: &str| value(" made=").is_some_and(|made| made.split('-').any(|one| one == name));
+    let tolerance_mm = length(" tolerance=")?;
     Some(Promise {
-        tolerance_mm: length(" tolerance=")?,
+        tolerance_mm,
+        hole_tolerance_mm: length(" holes=").unwrap_or(usual_hole_mm(tolerance_mm)),
         increment_mm: length(" increment="),
         is_stepped: has("step"),
         leaves_rapids: has("rapids"),
@@ -281,6 +291,7 @@ mod tests {
     fn a_promise_is_in_the_stamp() {
         let promise = Promise {
             tolerance_mm: 2.5e-4,
+            hole_tolerance_mm: 5e-4,
             increment_mm: Some(1e-5),
             is_stepped: true,
             limits_feed: true,

@@ -221,7 +221,7 @@ where
         });
         if let (Some(cycle_s), Some(duration_s)) = (cycle_s, self.active.as_ref().and_then(|active| active.duration_s))
         {
-            self.prediction.short_blocks.source += u64::from(duration_s < cycle_s);
+            self.prediction.short_blocks.note_source(duration_s, cycle_s);
         }
     }
 

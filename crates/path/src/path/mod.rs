@@ -68,11 +68,17 @@ use ncfix_base::geometry::{AXIS_COUNT, AxisSet, AxisVector, Plane};
 use ncfix_machine::machine::{Machine, ToolChange};
 use ncfix_machine::snc::{BlockNumber, Element, FeedUnit, Kind, MotionMode, Origin, RotaryDirection, Word, WordValue};
 
+/// Largest deviation of a hole that stays a drilling cycle, mm: a third of the finest grade of bores (IT5 of 6 to 10 mm is 6 µm, ISO 286-1). A tool that
+/// drills keeps the line on which it enters, so that a correction along the hole has less effect than one of its place.
+pub const HOLE_TOLERANCE_MM: f64 = 2e-3;
+
 /// Options of a correction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CorrectionOptions {
     /// Largest deviation of an emitted piece from the exactly corrected path, mm.
     pub tolerance_mm: f64,
+    /// Largest deviation of a hole that stays a drilling cycle, mm; a value below [`Self::tolerance_mm`] has no effect.
+    pub hole_tolerance_mm: f64,
     /// Subdivision of moves into pieces.
     pub subdivision: Subdivision,
     /// Treatment of arcs.
@@ -117,6 +123,7 @@ impl Default for CorrectionOptions {
     fn default() -> Self {
         CorrectionOptions {
             tolerance_mm: 1e-3,
+            hole_tolerance_mm: HOLE_TOLERANCE_MM,
             subdivision: Subdivision::Adaptive,
             arcs: Arcs::Keep,
             turns: Turns::Several,

@@ -63,6 +63,8 @@ pub struct Prediction {
     pub repeated: RepeatedBlocks,
     /// Holes that stay a drilling cycle.
     pub kept_holes: u64,
+    /// Largest distance of the tip from the path on the feed moves of these holes, mm.
+    pub kept_hole_mm: f64,
     /// Holes of drilling cycles that are written as moves.
     pub expanded_holes: u64,
     /// Largest distance of the tip from the path with which these holes could stay cycles, mm; 0 if they are moves for another reason.
@@ -92,10 +94,18 @@ pub struct ShortBlocks {
     pub first_divided: Option<Origin>,
 }
 
+/// A block that takes less time at its feed moves no tip: rotary axes turn about it, and their speed decides, s.
+const STANDS_S: f64 = 1e-9;
+
 impl ShortBlocks {
+    /// Counts a programmed move that takes `duration_s`, for a block cycle, s.
+    pub(super) fn note_source(&mut self, duration_s: f64, cycle_s: f64) {
+        self.source += u64::from((STANDS_S..cycle_s).contains(&duration_s));
+    }
+
     /// Counts a written piece that takes `duration_s` of a programmed move that takes `whole_s`, for a block cycle, s.
     pub(super) fn note(&mut self, [duration_s, whole_s]: [f64; 2], cycle_s: f64, origin: &Origin) {
-        if duration_s >= cycle_s {
+        if duration_s >= cycle_s || whole_s < STANDS_S {
             return;
         }
         self.shortest_s = if self.written == 0 { duration_s } else { self.shortest_s.min(duration_s) };

@@ -61,6 +61,8 @@ pub(super) struct Judge<'d> {
     tilt: Option<(f64, f64, Origin)>,
     /// The spindle axis, if rotary axes turn it.
     tool_axis: Option<Vector>,
+    /// Permitted deviation of a hole that is a drilling cycle in the output, mm.
+    hole_limit_mm: f64,
     /// Permitted deviation on an arc, whose center is rounded too, mm.
     arc_limit_mm: f64,
     /// The feed with the largest ratio.
@@ -86,8 +88,11 @@ impl<'d> Judge<'d> {
             increments.linear_mm = increment_mm;
         }
         let tolerance_mm = promise.map_or(0.0, |promise| promise.tolerance_mm);
-        let limit_mm =
-            increments.allowed_mm(tolerance_mm) + BETWEEN_SAMPLES * tolerance_mm.max(increments.rounding_mm());
+        let limit = |tolerance_mm: f64| {
+            increments.allowed_mm(tolerance_mm) + BETWEEN_SAMPLES * tolerance_mm.max(increments.rounding_mm())
+        };
+        let limit_mm = limit(tolerance_mm);
+        let hole_limit_mm = limit(promise.map_or(0.0, |promise| promise.hole_tolerance_mm));
         // The center of a fitted arc is rounded by half an increment in each of two directions.
         let center_mm = 0.5 * 2.0_f64.sqrt() * increments.linear_mm;
         let arc_limit_mm = limit_mm + center_mm;
@@ -97,6 +102,7 @@ impl<'d> Judge<'d> {
         Judge {
             promise,
             limit_mm,
+            hole_limit_mm,
             arc_limit_mm,
             increments,
             differ,
@@ -317,7 +323,11 @@ impl<'d> Judge<'d> {
     }
 
     fn limit_of(&self, piece: &ComparedMove<'_>) -> f64 {
-        if piece.route.arc().is_some() { self.arc_limit_mm } else { self.limit_mm }
+        match piece.route.arc() {
+            Some(_) => self.arc_limit_mm,
+            None if piece.in_cycle => self.hole_limit_mm,
+            None => self.limit_mm,
+        }
     }
 
     /// Deviation of the tool from the promised place, mm.

@@ -7,6 +7,8 @@ use super::super::{CorrectionOptions, FiveAxis, Rapids, Rotary, Subdivision};
 pub struct Promise {
     /// The largest deviation of a piece from its exactly corrected path, mm.
     pub tolerance_mm: f64,
+    /// The largest deviation of a hole that stays a drilling cycle, mm.
+    pub hole_tolerance_mm: f64,
     /// The increment of the coordinates, if it differs from that of the machine file, mm.
     pub increment_mm: Option<f64>,
     /// `true` if moves were cut at fixed steps: the ends of pieces then keep the tolerance, the path between them may not.
@@ -35,6 +37,7 @@ impl Promise {
     pub fn of(options: &CorrectionOptions) -> Promise {
         Promise {
             tolerance_mm: options.tolerance_mm,
+            hole_tolerance_mm: options.hole_tolerance_mm.max(options.tolerance_mm),
             increment_mm: None,
             is_stepped: matches!(options.subdivision, Subdivision::Step(_)),
             leaves_rapids: options.rapids == Rapids::None,

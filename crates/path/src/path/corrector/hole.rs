@@ -2,7 +2,7 @@
 //!
 //! A cycle moves along one straight line at constant X and Y, and its pecks follow from its heights. So the moves of a hole are shifted as a whole: by
 //! the mean correction of both ends of the line across it, and by whole increments along it. If the tip of a feed move is then outside the
-//! tolerance, the hole is written as moves.
+//! tolerance of holes, the hole is written as moves.
 
 use std::sync::Arc;
 
@@ -298,28 +298,38 @@ where
         let count = |mm: f64| self.placer.increments.count(along, mm);
         // The shift of the hole before saves words; the one of the bottom is the best; the mean is for a deep hole.
         let best = count(bottom[along]);
-        let mut nearest_mm = f64::INFINITY;
+        let mut nearest: Option<(f64, (HoleShift, Option<i64>))> = None;
         for along in [self.last_shift, best, count(middle(along))] {
             let shift = HoleShift { plane, along };
             let Some(HoleFit { deviation_mm, peck }) = self.fit_hole(cycle, line, &shift, hole) else { continue };
-            if deviation_mm <= self.allowed_at_hole_mm() {
+            if deviation_mm <= self.allowed_at_hole_mm(self.options.tolerance_mm) {
+                self.prediction.kept_hole_mm = self.prediction.kept_hole_mm.max(deviation_mm);
                 return Some((shift, peck));
             }
-            nearest_mm = nearest_mm.min(deviation_mm);
+            if nearest.is_none_or(|(nearest_mm, _)| deviation_mm < nearest_mm) {
+                nearest = Some((deviation_mm, (shift, peck)));
+            }
+        }
+        let hole_tolerance_mm = self.options.hole_tolerance_mm.max(self.options.tolerance_mm);
+        if let Some((nearest_mm, fit)) = nearest
+            && nearest_mm <= self.allowed_at_hole_mm(hole_tolerance_mm)
+        {
+            self.prediction.kept_hole_mm = self.prediction.kept_hole_mm.max(nearest_mm);
+            return Some(fit);
         }
         if taps(cycle) {
             // No moves can replace it; the error along it is reported.
             return Some((HoleShift { plane, along: best }, None));
         }
-        if nearest_mm.is_finite() {
+        if let Some((nearest_mm, _)) = nearest {
             self.prediction.expanded_hole_mm = self.prediction.expanded_hole_mm.max(nearest_mm);
         }
         None
     }
 
     /// Largest deviation of a hole that stays a cycle, mm. Rounding that exceeds the tolerance is no reason for moves: they have it too.
-    fn allowed_at_hole_mm(&self) -> f64 {
-        let (increments, tolerance_mm) = (&self.placer.increments, self.options.tolerance_mm);
+    fn allowed_at_hole_mm(&self, tolerance_mm: f64) -> f64 {
+        let increments = &self.placer.increments;
         if increments.rounding_mm() > tolerance_mm { increments.allowed_mm(tolerance_mm) } else { tolerance_mm }
     }
 
