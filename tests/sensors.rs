@@ -7,7 +7,7 @@ use ncfix_base::geometry::{Axis, AxisVector, Vector};
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::{Condition, Machine, State};
 use ncfix_metrology::calibrate::sensors::data::{SensorRun, over, read};
-use ncfix_metrology::calibrate::sensors::{SelectionOptions, SensorSelection, SubsetSize, select, text};
+use ncfix_metrology::calibrate::sensors::{SelectionOptions, SensorSelection, Shrinkage, SubsetSize, select, text};
 use ncfix_model::{ErrorModel, Model, file};
 
 use crate::bench_machine::Random;
@@ -17,7 +17,7 @@ use crate::thermal_plant::{SENSOR_NOISE_K, Sample, Stage, TOOL_MM, din_8602, dri
 const MACHINE: &str = "[machine]\nname = \"warm\"\ntopology = \"wXYFZSt\"\n\
     [axis.X]\ndirection = [-1, 0, 0]\ntravel_mm = [0, 700]\n[axis.Y]\ndirection = [0, -1, 0]\ntravel_mm = [0, 500]\n\
     [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [0, 400]\n";
-const PLAIN: SelectionOptions = SelectionOptions { most: 9, lags: false, fault_k: 0.0 };
+const PLAIN: SelectionOptions = SelectionOptions { most: 9, lags: false, shrinkage: Shrinkage::ReadingError(0.0) };
 
 fn source(name: &str, text: &str) -> Source {
     Source::new(FileId(0), name, text.as_bytes().to_vec()).unwrap()
@@ -96,7 +96,7 @@ fn what_is_written_loads_and_predicts_a_run_that_it_has_not_seen() {
     let (axis, found) = over(&runs).unwrap().unwrap();
     assert_eq!((axis, found.as_slice()), (Axis::Z, &positions[..]));
     for (lags, least) in [(false, 0.88), (true, 0.93)] {
-        let options = SelectionOptions { most: 4, lags, fault_k: 0.0 };
+        let options = SelectionOptions { most: 4, lags, ..PLAIN };
         let selections: Vec<SensorSelection> =
             positions.iter().filter_map(|&z| select(&runs, &others, 1, Some((Axis::Z, z)), &options)).collect();
         let entries = text::entries(&selections);
@@ -153,8 +153,9 @@ fn shrinkage_makes_a_sensor_that_reads_wrong_less_harmful() {
     let (learned, _) = random_run(0, 41);
     let (mut other, samples) = random_run(0, 51);
     let (runs, at) = ([learned], Some((Axis::Z, 200.0)));
-    let [plain, shrunk] = [0.0, 2.0].map(|fault_k| {
-        let options = SelectionOptions { most: 6, fault_k, ..PLAIN };
+    let kinds = [Shrinkage::ReadingError(0.0), Shrinkage::ReadingError(2.0), Shrinkage::Components(2)];
+    let [plain, shrunk, components] = kinds.map(|shrinkage| {
+        let options = SelectionOptions { most: 6, shrinkage, ..PLAIN };
         // The same six sensors, so that the coefficients can be held against each other.
         let mut found = select(&runs, &[], 2, at, &options).unwrap();
         found.chosen = Some(5);
@@ -176,14 +177,43 @@ fn shrinkage_makes_a_sensor_that_reads_wrong_less_harmful() {
     for (k, (time_s, value)) in points.iter().enumerate() {
         condition.add_reading(&sensor, *time_s, value + if k > points.len() / 4 { 5.0 } else { 0.0 });
     }
-    let sound = [&plain, &shrunk]
+    let sound = [&plain, &shrunk, &components]
         .map(|found| predicted(&text::entries(std::slice::from_ref(found)), &other, &samples, 200.0, 2));
     other.condition = condition;
-    let wrong = [&plain, &shrunk]
+    let wrong = [&plain, &shrunk, &components]
         .map(|found| predicted(&text::entries(std::slice::from_ref(found)), &other, &samples, 200.0, 2));
-    assert!(wrong[1] > wrong[0] + 0.1, "{sound:?} {wrong:?}");
+    assert!(wrong[1] > wrong[0] + 0.1 && wrong[2] > wrong[0] + 0.1, "{sound:?} {wrong:?}");
     // The price where all readings are right.
-    assert!(sound[1] > 0.5 && sound[0] > 0.9, "{sound:?} {wrong:?}");
+    assert!(sound[1] > 0.5 && sound[2] > 0.5 && sound[0] > 0.9, "{sound:?} {wrong:?}");
+}
+
+#[test]
+fn two_sensors_that_read_nearly_the_same_share_a_component() {
+    // Both rise by u; 4 µm/K of the first component are 2 µm/K of each, whatever their small difference correlates with.
+    let mut text = "t_s,dx_um,A_C,B_C".to_owned();
+    for k in 0..200 {
+        let u = 0.05 * f64::from(k);
+        let difference = 0.01 * f64::from(k % 2);
+        write!(
+            text,
+            "\n{},{:.3},{:.3},{:.3}",
+            60 * k,
+            4.0 * u + 0.3 * f64::from(k % 2),
+            20.0 + u + difference,
+            20.0 + u
+        )
+        .unwrap();
+    }
+    let runs = [read(&source("run.csv", &text), None, &machine(MACHINE).0).unwrap()];
+    let um_per_k = |shrinkage| {
+        let found = select(&runs, &runs, 0, None, &SelectionOptions { most: 2, shrinkage, ..PLAIN }).unwrap();
+        found.sizes[1].terms.iter().map(|term| term.um_per_k).collect::<Vec<f64>>()
+    };
+    // Least squares follows the difference: 0.3 µm of 0.01 K.
+    assert!(um_per_k(Shrinkage::ReadingError(0.0))[0] > 20.0);
+    for value in um_per_k(Shrinkage::Components(1)) {
+        assert!((value - 2.0).abs() < 0.02, "{value}");
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@ use clap::Args;
 
 use crate::cli::arguments::MachineChoice;
 use crate::cli::value;
-use ncfix_metrology::calibrate::sensors::SelectionOptions;
+use ncfix_metrology::calibrate::sensors::{SelectionOptions, Shrinkage};
 
 /// End of `ncfix sensors --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
@@ -48,6 +48,9 @@ pub(in crate::cli) struct SensorsArguments {
     /// Shrink the coefficients as for reading errors of this size, K (0.5 if no value is given)
     #[arg(long, value_name = "K", num_args = 0..=1, require_equals = true, default_missing_value = "0.5", value_parser = value::kelvin)]
     pub(in crate::cli) ridge: Option<f64>,
+    /// Fit the coefficients to this number of principal components of the temperatures, instead of --ridge
+    #[arg(long, value_name = "N", conflicts_with = "ridge", value_parser = clap::value_parser!(u8).range(1..=12))]
+    pub(in crate::cli) components: Option<u8>,
     /// File to write, with drift entries for the machine file; - for standard output
     #[arg(short, long, value_name = "DRIFT.toml")]
     pub(in crate::cli) output: Option<PathBuf>,
@@ -55,7 +58,7 @@ pub(in crate::cli) struct SensorsArguments {
     #[arg(long)]
     pub(in crate::cli) json: bool,
     /// Read and show live sensors
-    #[arg(long, conflicts_with_all = ["machine", "setup", "verify", "most", "lags", "ridge", "output"])]
+    #[arg(long, conflicts_with_all = ["machine", "setup", "verify", "most", "lags", "ridge", "components", "output"])]
     pub(in crate::cli) watch: bool,
     /// End after this time, s
     #[arg(long = "for", value_name = "SECONDS", requires = "watch", value_parser = value::seconds)]
@@ -65,6 +68,8 @@ pub(in crate::cli) struct SensorsArguments {
 impl SensorsArguments {
     /// Settings of the selection.
     pub(super) fn options(&self) -> SelectionOptions {
-        SelectionOptions { most: usize::from(self.most), lags: self.lags, fault_k: self.ridge.unwrap_or_default() }
+        let ridge = Shrinkage::ReadingError(self.ridge.unwrap_or_default());
+        let shrinkage = self.components.map_or(ridge, |count| Shrinkage::Components(usize::from(count)));
+        SelectionOptions { most: usize::from(self.most), lags: self.lags, shrinkage }
     }
 }

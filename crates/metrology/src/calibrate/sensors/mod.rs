@@ -16,14 +16,17 @@
 //! independent run better than no correction, there is no drift model.
 //!
 //! Shrinkage is a ridge: a reading error f, independent for every sensor, adds f² Σ c² to the mean square residual; the coefficients that minimize
-//! the sum for f in K are those of a ridge with weight n f².
+//! the sum for f in K are those of a ridge with weight n f². The other kind is a regression on the first principal components of the rises in kelvin: every
+//! component is a distribution of temperatures over all sensors, and an error of one sensor changes it by its share only.
 
 pub mod data;
 mod products;
 mod select;
+mod shrinkage;
 pub mod subset;
 #[cfg(test)]
 mod subset_tests;
 pub mod text;
 
 pub use select::{SelectionOptions, SensorSelection, SensorTerm, SubsetSize, select};
+pub use shrinkage::Shrinkage;

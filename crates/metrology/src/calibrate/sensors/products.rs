@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use ncfix_base::geometry::Axis;
 
 use super::data::SensorRun;
+use super::shrinkage::{Shrinkage, of_components};
 use super::subset::Products;
 
 /// Maximum number of rows of a fit: a slow process has no more information in more rows.
@@ -128,10 +129,17 @@ impl Bank {
         self.candidates.iter().position(|&known| known == candidate)
     }
 
-    /// Coefficients of some candidates, µm/K, shrunk for reading errors `fault_k`; `None` if they are linearly dependent.
-    pub(super) fn coefficients(&self, members: &[usize], fault_k: f64) -> Option<Vec<f64>> {
+    /// Coefficients of some candidates, µm/K; `None` if they are linearly dependent.
+    pub(super) fn coefficients(&self, members: &[usize], shrinkage: Shrinkage) -> Option<Vec<f64>> {
         let mut part = self.products.of(members);
         let lengths: Vec<f64> = members.iter().filter_map(|&member| self.lengths.get(member).copied()).collect();
+        let fault_k = match shrinkage {
+            Shrinkage::ReadingError(fault_k) => fault_k,
+            Shrinkage::Components(count) if count < members.len() => {
+                return Some(of_components(&part, &DVector::from_vec(lengths), count));
+            }
+            Shrinkage::Components(_) => 0.0,
+        };
         for (i, length) in lengths.iter().enumerate() {
             part.columns[(i, i)] += self.rows as f64 * (fault_k / length).powi(2);
         }

@@ -4,6 +4,7 @@ use ncfix_base::geometry::Axis;
 
 use super::data::SensorRun;
 use super::products::{Bank, LaggedSensor, RowPart, RunRows, pieces};
+use super::shrinkage::Shrinkage;
 use super::subset::Subset;
 
 /// Maximum number of multiplications of a search: some seconds.
@@ -30,8 +31,8 @@ pub struct SelectionOptions {
     pub most: usize,
     /// `true` to search time constants.
     pub lags: bool,
-    /// Assumed reading error, K; 0 for no shrinkage.
-    pub fault_k: f64,
+    /// Protection against sensors that read wrong.
+    pub shrinkage: Shrinkage,
 }
 
 /// One sensor of a model.
@@ -120,13 +121,13 @@ pub fn select(
     let mut sizes = Vec::new();
     let mut rests = Vec::new();
     for subset in &found {
-        let Some(learned_um_per_k) = bank.coefficients(&subset.members, options.fault_k) else { continue };
+        let Some(learned_um_per_k) = bank.coefficients(&subset.members, options.shrinkage) else { continue };
         let terms: Vec<LaggedSensor> =
             subset.members.iter().filter_map(|&member| bank.candidates.get(member).copied()).collect();
         let um_per_k = match &all {
             Some(all) => {
                 let members: Option<Vec<usize>> = terms.iter().map(|&term| all.place(term)).collect();
-                let Some(values) = members.and_then(|members| all.coefficients(&members, options.fault_k)) else {
+                let Some(values) = members.and_then(|members| all.coefficients(&members, options.shrinkage)) else {
                     continue;
                 };
                 values
@@ -134,7 +135,11 @@ pub fn select(
             None => learned_um_per_k.clone(),
         };
         let lags = terms.iter().filter(|(_, lag_s)| *lag_s > 0.0).count();
-        let p = (terms.len() + lags + bank.offsets) as f64;
+        let free = match options.shrinkage {
+            Shrinkage::Components(count) => terms.len().min(count),
+            Shrinkage::ReadingError(_) => terms.len(),
+        };
+        let p = (free + lags + bank.offsets) as f64;
         let cp = noise.map(|noise| subset.squares / noise + 2.0 * p - bank.rows as f64);
         let [measured, left] = rest(&data, learned, true, &sensors, &terms, &learned_um_per_k);
         let [held_measured, held_left] = rest(held, held_part, false, &sensors, &terms, &learned_um_per_k);
