@@ -59,6 +59,7 @@ fn seconds(text: &str, machine: &Machine, errors: &ErrorModel) -> f64 {
         names: machine.written_names(),
         increments: Increments::new(&machine.control),
         last_block_number: None,
+        has_centers_reversed: false,
         frame: OutputFrame::Work,
         crlf: false,
         stamp: Stamp::default(),

@@ -118,6 +118,7 @@ fn experiment(silent_s: [f64; 2]) -> [(f64, f64); 2] {
         names: machine.0.written_names(),
         stamp: Stamp::default(),
         last_block_number: None,
+        has_centers_reversed: false,
     };
     let settings = Settings {
         // The axes stand: only the limits per block and second can count.

@@ -109,6 +109,7 @@ pub(crate) fn corrected(
         crlf: false,
         stamp,
         last_block_number: None,
+        has_centers_reversed: false,
     };
     let mut writer = emit::writer("Sinumerik", &writer_options).unwrap();
     let mut commands = Vec::new();

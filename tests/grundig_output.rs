@@ -43,6 +43,7 @@ fn written(text: &str, start: Option<AxisVector>) -> String {
         crlf: false,
         stamp: Stamp { machine: "shop".into(), model: "0a".into(), source: "0b".into(), ..Stamp::default() },
         last_block_number: None,
+        has_centers_reversed: false,
     };
     let mut corrector = Corrector::new(execution, &machine, &model, options);
     let mut writer = emit::writer("grundig", &writer_options).unwrap();

@@ -31,6 +31,7 @@ pub(crate) fn written(
         crlf: false,
         stamp,
         last_block_number: None,
+        has_centers_reversed: false,
     };
     let mut corrector = Corrector::new(execution, machine, &model, options);
     let mut writer = emit::writer("sinumerik", &writer).unwrap();

@@ -135,6 +135,7 @@ fn written(name: &str, elements: &[Element], machine: &Machine, model: &Model, h
         frame: options.frame,
         crlf: false,
         last_block_number: machine.control.last_block_number,
+        has_centers_reversed: false,
         stamp,
     };
     let mut writer = (entry.create)(&writer_options).expect("the sample has increments that can be written");
