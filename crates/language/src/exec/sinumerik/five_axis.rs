@@ -4,11 +4,16 @@ use ncfix_base::geometry::Vector;
 use ncfix_base::source::Span;
 use ncfix_machine::machine::OrientationAngles;
 use ncfix_machine::snc::Turning;
+/// The G group of TOROT, TOFRAME and TOROTOF.
+pub(super) const TOOL_FRAME: u8 = 53;
+
 /// Transformation words of a block.
 #[derive(Debug, Default)]
 pub(super) struct TransformWords {
     /// `TRAORI`, `TRAORI(2)`, `TRAFOOF`.
     pub(super) switch: Option<(&'static str, Span)>,
+    /// `TOROT`, `TOFRAME`, `TOROTOF`.
+    pub(super) tool_frame: Option<(&'static str, Span)>,
     /// `ORIWKS`, `ORIAXES` …
     pub(super) codes: Vec<&'static str>,
 }

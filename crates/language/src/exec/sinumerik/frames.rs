@@ -18,9 +18,9 @@ use ncfix_machine::snc::{FrameKind, FrameStatement, FrameWords};
 
 pub(super) fn offset(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     let Some((name, span)) = &gathered.offset else { return Ok(()) };
-    if channel.modal.swivelled.is_some() && *name != channel.modal.stated.offset() {
-        let message = format!("{name} in a plane that CYCLE800 has tilted");
-        return Err(fault(Code::BAD_SWIVEL, *span, message, "end the tilted plane with CYCLE800() first"));
+    if let Some(swivelled) = channel.modal.swivelled.as_ref().filter(|_| *name != channel.modal.stated.offset()) {
+        let message = format!("{name} in a plane that {} has tilted", swivelled.source());
+        return Err(fault(Code::BAD_SWIVEL, *span, message, swivelled.way_out()));
     }
     let order = setup::rotation_order(channel.settings.machine);
     let parts =

@@ -3,6 +3,7 @@
 use super::address::Named;
 use super::contour_words::PASSED_ON;
 use super::curve::End;
+use super::five_axis::TOOL_FRAME;
 use super::gathered::NamedValue;
 use super::gathered::{Call, Gathered};
 use super::gatherer;
@@ -238,6 +239,9 @@ impl Gatherer<'_> {
             CodeEffect::FeedMode => {
                 out.feed_mode = Some(entry.name);
                 out.keep.push(entry.name);
+            }
+            CodeEffect::Transform if entry.group == TOOL_FRAME => {
+                out.transform.tool_frame = Some((entry.name, span));
             }
             CodeEffect::Transform => out.transform.switch = Some((entry.name, span)),
             CodeEffect::Orientation => {

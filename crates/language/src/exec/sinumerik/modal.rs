@@ -279,4 +279,22 @@ pub(super) struct Swivelled {
     pub(super) tilt: Frame,
     /// The tool for which the frame is valid.
     pub(super) tool_mm: Vector,
+    /// `true` if TOROT or TOFRAME has made it, not CYCLE800.
+    pub(super) is_of_tool: bool,
+}
+
+impl Swivelled {
+    /// The word that has tilted the plane.
+    pub(super) fn source(&self) -> &'static str {
+        if self.is_of_tool { "TOROT" } else { "CYCLE800" }
+    }
+
+    /// What to do before the plane can change.
+    pub(super) fn way_out(&self) -> &'static str {
+        if self.is_of_tool {
+            "end the tilted plane with TOROTOF first"
+        } else {
+            "end the tilted plane with CYCLE800() first"
+        }
+    }
 }

@@ -15,6 +15,7 @@ use super::save;
 use super::stream;
 use super::surface;
 use super::tool;
+use super::tool_frame;
 use super::transform;
 use crate::exec::core::fault::Fault;
 use crate::exec::core::motion_sink::MotionSink;
@@ -44,6 +45,7 @@ pub(super) fn execute(
     channel.outlet.warnings.extend(gathered.warning.take());
     pass::check_diameter(channel.settings.machine, &mut channel.modal, gathered)?;
     transform::transform(channel, gathered)?;
+    tool_frame::tool_frame(channel, gathered)?;
     surface::surface(&mut channel.modal, gathered)?;
     frames::offset(channel, gathered)?;
     if let Some(statement) = gathered.frame {

@@ -84,7 +84,7 @@ pub(super) fn suppressed(modal: &Modal, standing: &InForce, word: &str) -> Setup
 /// Rejects state that is incompatible with a swivelled plane.
 pub(super) fn check_swivelled(machine: &Machine, modal: &Modal, span: Span) -> Result<(), Fault> {
     let Some(swivelled) = &modal.swivelled else { return Ok(()) };
-    let turns_tool = machine.topology.tool.iter().any(|axis| axis.is_rotary());
+    let turns_tool = !swivelled.is_of_tool && machine.topology.tool.iter().any(|axis| axis.is_rotary());
     if turns_tool && swivelled.tool_mm != modal.tool_mm() {
         let message = "the tool length changed in a tilted plane on a swivel head";
         return Err(fault(Code::BAD_SWIVEL, span, message, "tilt the plane again after the tool change"));

@@ -14,26 +14,22 @@ use super::modal::Swivelled;
 use super::order;
 use super::save;
 use super::scope::scope_of;
-use super::setup;
+use super::tilt_frame::{self, PARTS, SAME_ROTATION};
 use super::value::Value;
 use ncfix_machine::machine::Machine;
 
 use crate::exec::core::fault::{Fault, fault};
 use crate::exec::core::tilted_plane::{tilting_axis, turned_frame, unknown_places, workpiece_normal};
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector, Frame, Matrix, RotationOrder, Vector, about};
+use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame, Matrix, Vector, about};
 use ncfix_base::source::Span;
 use ncfix_machine::machine::Kinematics;
-use ncfix_machine::snc::{FrameKind, FrameStatement, RotaryDirection};
+use ncfix_machine::snc::RotaryDirection;
 
-/// Tolerance of a rotation matrix.
-const SAME_ROTATION: f64 = 1e-9;
 /// Angles nearer to each other than this are equal, rad.
 const SAME_ANGLE: f64 = 1e-9;
 /// _MODE for a rotation about Z and then about the new Y.
 const SOLID_ANGLE: f64 = 64.0;
-/// Resolution of values in the statements, parts of a mm or degree.
-const PARTS: f64 = 1e9;
 
 /// The arguments of a call.
 struct Request {
@@ -187,14 +183,8 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
     };
     let total = total.ok_or_else(|| save::refused(span, "the tilted plane does not give a valid frame".to_owned()))?;
     let relative = below.inverse().compose(&total);
-    let statements = statements_of(&relative, setup::rotation_order(channel.settings.machine))
-        .ok_or_else(|| save::refused(span, "the zero offset scales or mirrors".to_owned()))?;
-    let frame = statements.iter().fold(Frame::identity(), |frame, statement| {
-        let added =
-            super::frame_store::frame_of(statement, channel.modal.modes.plane, &channel.settings.machine.control);
-        frame.compose(&added.unwrap_or_else(Frame::identity))
-    });
-    channel.modal.swivelled = Some(Box::new(Swivelled { frame, statements, tilt, tool_mm }));
+    let (frame, statements) = tilt_frame::stated(channel, &relative, span)?;
+    channel.modal.swivelled = Some(Box::new(Swivelled { frame, statements, tilt, tool_mm, is_of_tool: false }));
     save::restate(channel, span)
 }
 
@@ -357,29 +347,6 @@ fn tool_keeps_direction(kinematics: &Kinematics, tool_mm: &Vector) -> bool {
     };
     let mut places = kinematics.rotary_axes().map(turned).chain([AxisVector::ZERO]);
     places.all(|command| lifts_along_z(kinematics, &command, tool_mm))
-}
-
-/// `TRANS` and `AROT` that form a frame; `None` if it scales or mirrors.
-fn statements_of(frame: &Frame, order: RotationOrder) -> Option<[FrameStatement; 2]> {
-    let linear = frame.linear();
-    let is_rotation =
-        (linear * linear.transpose() - Matrix::identity()).norm() < SAME_ROTATION && linear.determinant() > 0.0;
-    let shown = |value: f64| (value * PARTS).round() / PARTS;
-    let mut shift = AxisVector::ZERO;
-    let mut angles = AxisVector::ZERO;
-    for (slot, axis) in [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate() {
-        shift[axis] = shown(frame.shift(axis));
-        angles[axis] = shown(order.angles_rad(linear)[slot].to_degrees()).to_radians();
-    }
-    let named = |values: &AxisVector| AXES.into_iter().filter(|&axis| values[axis] != 0.0).collect::<AxisSet>();
-    let statement = |kind, additive, values: AxisVector| FrameStatement {
-        kind,
-        additive,
-        values,
-        named: named(&values),
-        in_plane_rad: None,
-    };
-    is_rotation.then(|| [statement(FrameKind::Translate, false, shift), statement(FrameKind::Rotate, true, angles)])
 }
 
 fn translation(shift: Vector) -> Frame {

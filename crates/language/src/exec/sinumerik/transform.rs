@@ -79,9 +79,9 @@ pub(super) fn transform(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
             return Err(fault(Code::MUST_STAND_ALONE, span, message, "give it its own block"));
         }
         let is_on = name != "TRAFOOF";
-        if is_on && channel.modal.swivelled.is_some() {
-            let message = format!("{name} in a plane that CYCLE800 has tilted");
-            return Err(fault(Code::BAD_SWIVEL, span, message, "end the tilted plane with CYCLE800() first"));
+        if let Some(swivelled) = channel.modal.swivelled.as_ref().filter(|_| is_on) {
+            let message = format!("{name} in a plane that {} has tilted", swivelled.source());
+            return Err(fault(Code::BAD_SWIVEL, span, message, swivelled.way_out()));
         }
         if is_on {
             check_kinematics(&channel.settings, &channel.modal, &channel.standing, &mut channel.outlet, span)?;
