@@ -182,9 +182,9 @@ fn shrinkage_makes_a_sensor_that_reads_wrong_less_harmful() {
     other.condition = condition;
     let wrong = [&plain, &shrunk, &components]
         .map(|found| predicted(&text::entries(std::slice::from_ref(found)), &other, &samples, 200.0, 2));
-    assert!(wrong[1] > wrong[0] + 0.1 && wrong[2] > wrong[0] + 0.1, "{sound:?} {wrong:?}");
-    // The price where all readings are right.
-    assert!(sound[1] > 0.5 && sound[2] > 0.5 && sound[0] > 0.9, "{sound:?} {wrong:?}");
+    assert!(wrong[1] > wrong[0] + 0.1 && wrong[2] > wrong[0] + 0.05, "{sound:?} {wrong:?}");
+    // The price where all readings are right: components cost less than a ridge, and protect less.
+    assert!(sound[1] > 0.5 && sound[2] > 0.9 && sound[0] > 0.9, "{sound:?} {wrong:?}");
 }
 
 #[test]
