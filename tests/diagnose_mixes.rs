@@ -69,7 +69,7 @@ fn a_fresh_machine_on_a_ball_bar_is_named_and_corrected_whole() {
             all += 1;
             inside += u32::from((number(&found, "value").abs() - size.abs()).abs() < number(&found, "u95"));
         }
-        // The noise of the instrument is 0.5 µm; a cause that is told with less than 95 % stays.
+        // The noise of the instrument is 0.5 µm; a cause with a probability below 95 % stays.
         let written = &report["written"];
         let held: Vec<Value> = findings(&report).into_iter().filter(|one| one["extends"] == true).collect();
         let limit_um = if held.len() == truth.len() { 0.55 } else { 0.7 };

@@ -114,7 +114,7 @@ fn a_squareness_and_a_scale_on_circles_are_no_yaw_to_correct() {
     assert!(found_any > 6);
 }
 
-/// One that is told with less than 95 % is named all the same: only the file waits for the next measurement.
+/// One with a probability below 95 % is named all the same: only the file waits for the next measurement.
 #[test]
 fn one_error_on_circles_is_corrected_all_the_same() {
     let mut corrected = 0;

@@ -106,30 +106,39 @@ impl Field<'_, '_> {
     }
 
     /// Gives the terms of explanations that are not among the findings `kept` to their rivals too: a list of explanations must not be surer than a finding.
+    /// Each is compared beside the findings of its most probable explanation: those that it replaces would leave nothing for it.
     pub(super) fn share_others(&self, weights: &Weights, kept: &[usize], explanations: &mut Vec<ExplanationSummary>) {
-        let known: Vec<String> =
-            kept.iter().filter_map(|&number| self.candidates.get(number)).map(Candidate::title).collect();
-        let mut titles: Vec<String> = explanations.iter().flat_map(|one| one.terms.iter().cloned()).collect();
-        titles.sort();
-        titles.dedup();
-        titles.retain(|title| !known.contains(title));
-        let numbers: Vec<usize> =
-            titles.iter().filter_map(|title| self.candidates.iter().position(|one| one.title() == *title)).collect();
-        if numbers.is_empty() {
-            return;
+        let title = |number: &usize| self.candidates.get(*number).map(Candidate::title);
+        let known: Vec<String> = kept.iter().filter_map(title).collect();
+        let mut terms: Vec<(String, Vec<String>)> = Vec::new();
+        let share = |term: &String| -> f64 {
+            explanations.iter().filter(|one| one.terms.contains(term)).map(|one| one.probability).sum()
+        };
+        for one in explanations.iter() {
+            for term in one.terms.iter().filter(|term| !known.contains(term) && share(term) >= SHARED_OUT) {
+                if !terms.iter().any(|(other, _)| other == term) {
+                    terms.push((term.clone(), one.terms.clone()));
+                }
+            }
         }
-        let series = self.series(weights, kept, self.memory(weights, kept));
-        let gains = self.gains(weights, &series);
-        for number in numbers {
-            let Some((one, gain)) = self.candidates.get(number).zip(gains.get(number)) else { continue };
-            let with: Vec<usize> = kept.iter().copied().chain([number]).collect();
+        for (term, beside) in terms {
+            let Some(number) = self.candidates.iter().position(|one| one.title() == term) else { continue };
+            let others: Vec<usize> = kept
+                .iter()
+                .copied()
+                .filter(|other| title(other).is_some_and(|title| beside.contains(&title)))
+                .collect();
+            let with: Vec<usize> = others.iter().copied().chain([number]).collect();
+            let series = self.series(weights, &others, self.memory(weights, &with));
+            let gains = self.gains(weights, &series);
+            let Some(gain) = gains.get(number) else { continue };
             let unknowns = (series.rank() + gain.rank).min(series.count());
             let freedom = (series.count() - unknowns).max(1) as f64;
             let noise = (series.squares() - gain.squares).max(0.0) / freedom;
-            let noise = noise * self.inflation(weights, &with, kept, number);
-            let undecided = self.undecided((&series, &gains), (number, kept), noise);
+            let noise = noise * self.inflation(weights, &with, &others, number);
+            let undecided = self.undecided((&series, &gains), (number, &others), noise);
             if !undecided.is_certain() {
-                share_out(explanations, &one.title(), undecided.own, &self.rivals(&undecided));
+                share_out(explanations, &term, undecided.own, &self.rivals(&undecided));
             }
         }
     }
@@ -192,6 +201,9 @@ fn certified(one: &Candidate) -> f64 {
 fn is_named(one: &Candidate) -> bool {
     !matches!(one.cause.effect, EffectKind::Unknown | EffectKind::Cross) && one.columns.len() <= MOST
 }
+
+/// Terms with a smaller probability than this keep it: their rivals change no figure that is shown.
+const SHARED_OUT: f64 = 0.05;
 
 /// Columns of a rival at most: separate amounts at many places follow everything.
 const MOST: usize = 3;

@@ -67,6 +67,8 @@ pub struct Corrector<'a, I> {
 /// The move in progress.
 #[derive(Debug)]
 struct Active<'a> {
+    /// Largest deviation of its pieces before it is reported, mm.
+    tolerance_mm: f64,
     origin: Origin,
     starts_block: bool,
     number: Option<BlockNumber>,
@@ -208,6 +210,7 @@ where
             is_first: true,
             unwritten: 0.0,
             as_chords: self.options.arcs == Arcs::Chords,
+            tolerance_mm: self.options.tolerance_mm,
             is_counted: starts_at_known && self.ever_named.difference(known).is_empty(),
             sampled: 0.0,
             settled,
@@ -348,9 +351,9 @@ where
             self.findings.not_converged(&active.origin, failure);
         }
         let is_measured = trial.deviation_mm > 0.0 && !self.placer.model.is_empty();
-        if is_measured && trial.deviation_mm > self.options.tolerance_mm {
+        if is_measured && trial.deviation_mm > active.tolerance_mm {
             let is_cut = active.motion.motion_mode == MotionMode::Path;
-            self.findings.tolerance_missed(&active.origin, is_cut, trial.deviation_mm, self.options.tolerance_mm);
+            self.findings.tolerance_missed(&active.origin, is_cut, trial.deviation_mm, active.tolerance_mm);
         }
         let mut piece = self.write(active, &trial.end, Some(trial), (to - from, &nominal), is_last);
         if let Some(piece) = &mut piece {

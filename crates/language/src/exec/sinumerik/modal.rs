@@ -289,7 +289,7 @@ impl Swivelled {
         if self.is_of_tool { "TOROT" } else { "CYCLE800" }
     }
 
-    /// What to do before the plane can change.
+    /// The step that ends the plane, as a help.
     pub(super) fn way_out(&self) -> &'static str {
         if self.is_of_tool {
             "end the tilted plane with TOROTOF first"

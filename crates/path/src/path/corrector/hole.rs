@@ -166,6 +166,7 @@ where
             self.begin(element, motion);
             let Some(mut active) = self.active.take() else { continue };
             active.treatment = MoveTreatment::End;
+            active.tolerance_mm = self.options.hole_tolerance_mm.max(self.options.tolerance_mm);
             active.settled = Default::default();
             let standing = self.standing;
             let placed = self.shifted(&line, &shift, motion, &standing);

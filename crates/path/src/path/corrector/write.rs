@@ -110,7 +110,7 @@ where
         let found = self.sample(active, emitted, (trial.between[1], is_last), middle_mm);
         let nearest_mm = found.map_or(0.0, |found| found.nearest_mm.max(found.start_mm));
         // Rounding may leave bodies within their dead bands, away from the side for which they were placed.
-        let tolerance_mm = self.options.tolerance_mm;
+        let tolerance_mm = active.tolerance_mm;
         if !bands.are_led && !active.motion.rapid && nearest_mm > self.placer.increments.allowed_mm(tolerance_mm) {
             let is_cut = active.motion.motion_mode == MotionMode::Path;
             self.findings.tolerance_missed(&active.origin, is_cut, nearest_mm, tolerance_mm);
