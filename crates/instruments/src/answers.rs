@@ -4,6 +4,7 @@ use ncfix_base::geometry::{Axis, Vector};
 use ncfix_machine::machine::Machine;
 
 use crate::unit::ReadingUnit;
+use crate::words;
 
 /// Option that answers a question.
 #[derive(Clone, Copy, Debug)]
@@ -94,7 +95,7 @@ pub const OPTIONS: &[ImportOption] = &[
     ImportOption {
         name: "plane",
         example: "XY",
-        meaning: "Plane of a ball-bar circle: XY, YZ or ZX",
+        meaning: "Plane of a ball-bar circle, and the two axes from which and to which angles count: XY, YZ or ZX (XZ counts from X to Z)",
         set: |to, text| {
             to.plane = Some(plane(text)?);
             Ok(())
@@ -130,9 +131,9 @@ pub const OPTIONS: &[ImportOption] = &[
     ImportOption {
         name: "turn",
         example: "ccw",
-        meaning: "Direction of the ball-bar circles by time: ccw from the first axis of the plane to the second, or cw",
+        meaning: "Direction of ball-bar circles: ccw from the first axis of the plane to the second, or cw; one for all, or one for each run such as ccw,cw",
         set: |to, text| {
-            to.turn = Some(turn(text)?);
+            to.turns = text.split(',').map(turn).collect::<Result<_, _>>()?;
             Ok(())
         },
     },
@@ -260,8 +261,8 @@ pub struct ImportAnswers {
     pub feed: Option<f64>,
     /// Angle at the first reading of a circle by time, degrees.
     pub start_deg: Option<f64>,
-    /// Direction of circles by time: 1 from the first axis of the plane to the second, else -1.
-    pub turn: Option<f64>,
+    /// Direction of circles, one for all or one for each run: 1 from the first axis of the plane to the second, else -1.
+    pub turns: Vec<f64>,
     /// Standard uncertainty, µm or µrad.
     pub sigma: Option<f64>,
     /// True if a height map is that of a calibrated flat.
@@ -289,10 +290,12 @@ fn angle(text: &str) -> Result<f64, String> {
 /// # Errors
 /// If the text is neither.
 pub fn turn(text: &str) -> Result<f64, String> {
-    match text.trim().to_lowercase().as_str() {
-        "ccw" | "g3" | "+" | "1" => Ok(1.0),
-        "cw" | "g2" | "-" | "-1" => Ok(-1.0),
-        _ => Err(format!("'{text}' is not a direction of a circle; write ccw or cw")),
+    match text.trim() {
+        "+" | "+1" | "1" => Ok(1.0),
+        "-" | "-1" | "\u{2212}" => Ok(-1.0),
+        text => words::turn(text)
+            .map(f64::from)
+            .ok_or_else(|| format!("'{text}' is not a direction of a circle; write ccw or cw")),
     }
 }
 
@@ -386,7 +389,10 @@ pub fn plane(text: &str) -> Result<[Axis; 2], String> {
     match text.trim().to_uppercase().as_str() {
         "XY" | "G17" => Ok([Axis::X, Axis::Y]),
         "YZ" | "G19" => Ok([Axis::Y, Axis::Z]),
-        "ZX" | "XZ" | "G18" => Ok([Axis::Z, Axis::X]),
+        "ZX" | "G18" => Ok([Axis::Z, Axis::X]),
+        "YX" => Ok([Axis::Y, Axis::X]),
+        "ZY" => Ok([Axis::Z, Axis::Y]),
+        "XZ" => Ok([Axis::X, Axis::Z]),
         _ => Err(format!("'{text}' is not a plane; write XY, YZ or ZX")),
     }
 }

@@ -5,6 +5,7 @@ use ncfix_base::geometry::{Axis, Vector};
 use ncfix_machine::machine::Machine;
 
 use crate::answers::{ImportAnswers, MeasuringPoint, ReadingMaterial};
+use crate::grid::{self, GridHeading, GridTable};
 use crate::readings::{ImportedReadings, shown};
 use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
@@ -94,6 +95,28 @@ impl<'a> Inquiry<'a> {
         if !self.notes.contains(&note) {
             self.notes.push(note);
         }
+    }
+
+    /// Headings of the table as given by `--columns`, or its own.
+    ///
+    /// # Errors
+    /// If `--columns` names more or fewer columns than the table has.
+    pub fn headings(&self, table: &GridTable) -> Result<Vec<GridHeading>, ImportStop> {
+        if self.answers.columns.is_empty() {
+            return Ok(table.headings.clone());
+        }
+        let given = &self.answers.columns;
+        if given.len() != table.width() {
+            let message = format!("--columns names {} columns, the table has {}", given.len(), table.width());
+            let help = "name each column in order; write - for a column that is not read";
+            return Err(self.refused(message, help, table.heading_line));
+        }
+        let units = table.headings.iter().map(|heading| heading.unit).chain(std::iter::repeat(None));
+        let one = |(text, unit): (&String, Option<ReadingUnit>)| {
+            let heading = grid::heading_of(text);
+            GridHeading { unit: heading.unit.or(unit), ..heading }
+        };
+        Ok(given.iter().zip(units).map(one).collect())
     }
 
     /// Sign of the readings. `proven` is what the file itself says, with its line; `question` describes a positive reading.

@@ -243,6 +243,79 @@ pub fn sense(text: &str) -> Option<i8> {
     SENSES.iter().find(|(_, words)| words.contains(&text.as_str())).map(|(sense, _)| *sense)
 }
 
+/// Words for a circle counterclockwise and clockwise.
+const TURNS: &[(i8, &[&str])] = &[
+    (
+        1,
+        &[
+            "ccw",
+            "g3",
+            "g03",
+            "counterclockwise",
+            "anticlockwise",
+            "gegenuhrzeigersinn",
+            "antihoraire",
+            "antiorario",
+            "antihorario",
+        ],
+    ),
+    (-1, &["cw", "g2", "g02", "clockwise", "uhrzeigersinn", "horaire", "orario", "horario"]),
+];
+
+/// Parts of the headings of circles that say neither a run nor a direction: `Run 1 CCW`, `dev_cw`.
+const CIRCLE_ROLES: [ColumnRole; 3] = [ColumnRole::Run, ColumnRole::Deviation, ColumnRole::Radius];
+
+/// Returns the direction of a circle: 1 counterclockwise, -1 clockwise; `None` for other words.
+#[must_use]
+pub fn turn(text: &str) -> Option<i8> {
+    let text = text.trim().to_lowercase().replace(['-', ' '], "");
+    TURNS.iter().find(|(_, words)| words.contains(&text.as_str())).map(|(turn, _)| *turn)
+}
+
+/// Heading of a column with the readings of one circle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CircleHeading {
+    /// Number of the repetition.
+    pub run: Option<u32>,
+    /// 1 counterclockwise, -1 clockwise; `None` if the heading does not say it.
+    pub turn: Option<i8>,
+    /// True if the readings are radii.
+    pub is_radius: bool,
+}
+
+/// Reads the heading of the readings of one circle, given in lower case without its unit: `ccw`, `cw2`, `run 1 ccw`, `dev_cw`, `1+`, `2`.
+#[must_use]
+pub fn circle(words: &str) -> Option<CircleHeading> {
+    let text = words.replace("counter-clock", "counterclock").replace("anti-clock", "anticlock");
+    let text = text.replace("counter clock", "counterclock").replace("anti clock", "anticlock");
+    let mut found = CircleHeading { run: None, turn: None, is_radius: false };
+    if let Some(ColumnRole::Series(run, sense)) = series(words)
+        && (sense == 0 || words.contains(['+', '-', '\u{2212}']))
+    {
+        return Some(CircleHeading { run: Some(run), turn: (sense != 0).then_some(sense), ..found });
+    }
+    for part in text.split([' ', '_', '-', '.', '#', '(', ')', ':', '/']).filter(|part| !part.is_empty()) {
+        // `g2` and `g3` are words, the digits of `cw2` are the number of the run.
+        let letters = if turn(part).is_some() { part } else { part.trim_matches(|c: char| c.is_ascii_digit()) };
+        let number: String = part.replacen(letters, "", 1);
+        if let Ok(number) = number.parse::<u32>() {
+            if found.run.replace(number).is_some() {
+                return None;
+            }
+        } else if !number.is_empty() {
+            return None;
+        }
+        let own = ROLES.iter().find(|(_, words)| words.contains(&letters)).map(|(role, _)| *role);
+        match (turn(letters), own) {
+            _ if letters.is_empty() => {}
+            (Some(turn), _) if found.turn.is_none() => found.turn = Some(turn),
+            (None, Some(role)) if CIRCLE_ROLES.contains(&role) => found.is_radius |= role == ColumnRole::Radius,
+            _ => return None,
+        }
+    }
+    found.turn.is_some().then_some(found)
+}
+
 /// Returns the meaning of a heading, given in lower case without its unit.
 #[must_use]
 pub fn role(words: &str) -> ColumnRole {
@@ -307,6 +380,25 @@ mod tests {
             ("humidity", ColumnRole::Unknown),
         ] {
             assert_eq!(role(words), expected, "{words}");
+        }
+        for (words, run, turn) in [
+            ("ccw", None, Some(1)),
+            ("cw", None, Some(-1)),
+            ("ccw1", Some(1), Some(1)),
+            ("cw 12", Some(12), Some(-1)),
+            ("run 1 ccw", Some(1), Some(1)),
+            ("dev_cw", None, Some(-1)),
+            ("g2", None, Some(-1)),
+            ("counter-clockwise 3", Some(3), Some(1)),
+            ("lauf 2 cw", Some(2), Some(-1)),
+            ("run 2", Some(2), None),
+            ("1+", Some(1), Some(1)),
+        ] {
+            assert_eq!(circle(words), Some(CircleHeading { run, turn, is_radius: false }), "{words}");
+        }
+        assert_eq!(circle("radius cw").map(|found| found.is_radius), Some(true));
+        for words in ["humidity", "dev", "angle", "ccw cw", "1 ccw 2", "temperature ccw"] {
+            assert_eq!(circle(words), None, "{words}");
         }
         assert_eq!(axis("x-axis"), Some(Axis::X));
         assert_eq!(axis("pos y"), Some(Axis::Y));

@@ -1,9 +1,13 @@
 //! Circles of a telescoping ball-bar: angle and deviation, or angle and radius.
 //!
-//! The lines before the table may state plane, radius, feed, center, and the angles between which the circle counts: `plane;XY`, `radius_mm;150`. Angles count from
-//! the first axis of the plane to the second. Instead of angles, the readings may have times. Readings of the overshoot, outside of start and end angle, are cut.
+//! The lines before the table may state plane, radius, feed, center, and the angles between which the circle counts: `plane;XY`, `radius_mm;150`. Angles
+//! count from the first axis of the plane to the second. A table may have a column for each circle. Instead of angles, the readings may have times.
+//! Readings of the overshoot, outside of start and end angle, are cut.
 
 mod clock;
+mod columns;
+mod facts;
+mod runs;
 
 use ncfix_base::geometry::Axis;
 
@@ -13,9 +17,11 @@ use crate::grid::{self, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
 use crate::text::DecodedText;
-use crate::unit::ReadingUnit;
 use crate::words::{self, ColumnRole};
 use clock::CircleClock;
+use columns::CircleColumns;
+use facts::facts;
+use runs::CircleRun;
 
 /// The format.
 pub(super) const FORMAT: InstrumentFormat = InstrumentFormat {
@@ -26,116 +32,29 @@ pub(super) const FORMAT: InstrumentFormat = InstrumentFormat {
     read,
 };
 
-fn roles(table: &GridTable) -> Vec<ColumnRole> {
-    table.headings.iter().map(|heading| words::role(&heading.words)).collect()
-}
-
 fn recognize(text: &DecodedText) -> u8 {
     let Ok(table) = grid::table(text) else { return 0 };
-    let roles = roles(&table);
+    let roles: Vec<ColumnRole> = table.headings.iter().map(|heading| words::role(&heading.words)).collect();
     let has_angle = roles.contains(&ColumnRole::Angle);
-    let has_reading = roles.iter().any(|role| matches!(role, ColumnRole::Deviation | ColumnRole::Radius));
-    // Times alone may be those of any instrument: the lines before the table must be those of a circle.
-    let is_timed = || roles.contains(&ColumnRole::Time) && facts(text, &table).is_circle();
-    if has_reading && !roles.contains(&ColumnRole::Target) && (has_angle || is_timed()) { 3 } else { 0 }
-}
-
-/// Values that the lines before the table state, with their lines.
-#[derive(Default)]
-struct CircleFacts {
-    plane: Option<([Axis; 2], usize)>,
-    radius_mm: Option<(f64, usize)>,
-    feed: Option<(f64, usize)>,
-    start_deg: Option<(f64, usize)>,
-    end_deg: Option<(f64, usize)>,
-    center: Vec<(Axis, f64, usize)>,
-    unit: Option<(ReadingUnit, usize)>,
-}
-
-impl CircleFacts {
-    /// True if they are those of a circle.
-    fn is_circle(&self) -> bool {
-        self.plane.is_some() || self.radius_mm.is_some()
-    }
-}
-
-fn facts(text: &DecodedText, table: &GridTable) -> CircleFacts {
-    let mut found = CircleFacts::default();
-    for &line in &table.before {
-        let Some((key, value)) = text.line(line).split_once([';', ':', '=', '\t', ',']) else { continue };
-        let key = key.trim().to_lowercase();
-        let value = value.trim().trim_matches([';', ',', '"', ' ']);
-        let number = grid::number(value.split_whitespace().next().unwrap_or_default(), table.decimal);
-        let has = |words: &[&str]| words.iter().any(|word| key.starts_with(word));
-        if has(&["plane", "ebene", "plan", "piano", "plano"]) {
-            found.plane = answers::plane(value).ok().map(|plane| (plane, line));
-        } else if has(&["radius", "nominal radius", "nennradius", "rayon", "raggio", "radio"]) {
-            found.radius_mm = number.map(|value| (value, line));
-        } else if has(&["feed", "vorschub", "avance", "avanzamento"]) {
-            found.feed = number.map(|value| (value, line));
-        } else if has(&["start angle", "start_angle", "startwinkel", "start"]) {
-            found.start_deg = number.map(|value| (value, line));
-        } else if has(&["end angle", "end_angle", "endwinkel", "end"]) {
-            found.end_deg = number.map(|value| (value, line));
-        } else if has(&["center", "centre", "mittelpunkt", "zentrum"]) {
-            let letter = key.bytes().last().map(|byte| byte.to_ascii_uppercase());
-            if let (Some(axis), Some(value)) = (letter.and_then(Axis::from_letter), number) {
-                found.center.push((axis, value, line));
-            }
-        } else if has(&["unit", "einheit"]) {
-            found.unit = ReadingUnit::find(value).map(|unit| (unit, line));
-        }
-    }
-    found
+    let is_reading = |role: &ColumnRole| matches!(role, ColumnRole::Deviation | ColumnRole::Radius);
+    let is_circle = |(heading, role): (&grid::GridHeading, &ColumnRole)| {
+        words::circle(&heading.words).is_some() && !matches!(role, ColumnRole::Series(..))
+    };
+    let has_reading = roles.iter().any(is_reading) || table.headings.iter().zip(&roles).any(is_circle);
+    // Times, and runs without the word for a circle, may be those of any instrument: then the lines before the table must be those of a circle.
+    let has_words = || facts(text, &table).is_circle();
+    let has_runs = || roles.iter().any(|role| matches!(role, ColumnRole::Series(..))) && has_words();
+    let is_timed = || roles.contains(&ColumnRole::Time) && has_words();
+    let is_known = !roles.contains(&ColumnRole::Target) && (has_reading || has_runs()) && (has_angle || is_timed());
+    if is_known { 3 } else { 0 }
 }
 
 fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     let table = grid::table(inquiry.text)?;
     let facts = facts(inquiry.text, &table);
     let line = table.heading_line;
-    let roles = roles(&table);
-    let of = |wanted: ColumnRole| roles.iter().position(|role| *role == wanted);
-    let (angle, reading) = (of(ColumnRole::Angle), of(ColumnRole::Deviation).or(of(ColumnRole::Radius)));
-    let time = of(ColumnRole::Time);
-    if angle.or(time).is_none() {
-        return Err(inquiry.refused(
-            "the table has no column of angles or times",
-            "export angle and deviation of each reading",
-            line,
-        ));
-    }
-    let Some(reading) = reading else {
-        return Err(inquiry.refused(
-            "the table has no column of deviations or radii",
-            "export angle and deviation of each reading",
-            line,
-        ));
-    };
-    let is_radius = of(ColumnRole::Deviation).is_none();
-    let unread: Vec<&str> = table
-        .headings
-        .iter()
-        .zip(&roles)
-        .filter(|(_, role)| **role == ColumnRole::Unknown)
-        .map(|(heading, _)| heading.written.as_str())
-        .collect();
-    if !unread.is_empty() {
-        inquiry.note(format!("columns that are not read: {}", unread.join(", ")), line);
-    }
-    let plane = match (inquiry.answers.plane, facts.plane) {
-        (Some(said), Some((stated, line))) if said != stated => {
-            return Err(inquiry.refused("--plane contradicts the file", "correct one of them", line));
-        }
-        (Some(said), _) => said,
-        (None, Some((stated, line))) => {
-            inquiry.note("plane of the circle", line);
-            stated
-        }
-        (None, None) => {
-            inquiry.ask("plane", "the file does not state the plane of the circle", "XY, YZ or ZX");
-            [Axis::X, Axis::Y]
-        }
-    };
+    let columns = columns::find(inquiry, &table)?;
+    let plane = facts.plane(inquiry)?;
     let radius_mm = match (inquiry.answers.radius_mm, facts.radius_mm) {
         (Some(said), _) => said,
         (None, Some((stated, line))) => {
@@ -162,13 +81,15 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
         inquiry.note("feed", line);
         feed
     }));
-    let (run, sense) = (of(ColumnRole::Run), of(ColumnRole::Sense));
     let bounds_deg = facts.start_deg.zip(facts.end_deg).map(|((start, _), (end, _))| [start, end]);
-    let mut clock = match (angle, time) {
-        (None, Some(time)) => Some(CircleClock::ask(inquiry, &table, time, sense, (feed, radius_mm), bounds_deg)?),
+    let mut clock = match (columns.angle, columns.time) {
+        (None, Some(time)) => {
+            let turns = stated_turns(inquiry, &table, &columns)?;
+            Some(CircleClock::ask(inquiry, &table, (time, turns), (feed, radius_mm), bounds_deg)?)
+        }
         _ => None,
     };
-    let mut raw = Vec::new();
+    let mut runs: Vec<CircleRun> = Vec::new();
     let mut cut = 0;
     let is_outside = |deg: f64| {
         let bound = |limit: Option<(f64, usize)>, other: f64| limit.map_or(other, |(deg, _)| deg);
@@ -176,29 +97,47 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
         deg < start.min(end) - 1e-6 || deg > start.max(end) + 1e-6
     };
     for row in &table.rows {
-        let text = |column: Option<usize>| {
-            column.and_then(|column| row.cells.get(column)).map_or("", |cell| cell.text.as_str())
+        let name = columns.run.and_then(|column| row.cells.get(column)).map_or("", |cell| cell.text.as_str());
+        let sense = columns.sense.and_then(|column| row.cells.get(column)).map(|cell| cell.text.as_str());
+        let turn = match sense.filter(|text| !text.is_empty()) {
+            Some(text) => Some(answers::turn(text).map_err(|message| {
+                inquiry.refused(message, "write ccw or cw in the column of the direction", row.number)
+            })?),
+            None => None,
         };
-        let label = [text(run), text(sense)].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("-");
-        let deg = match (&mut clock, angle) {
-            (Some(clock), _) => clock.deg(inquiry, &table, row, &label)?,
-            (None, Some(angle)) => table.needed(row, angle)?,
-            (None, None) => continue,
-        };
-        if deg.abs() > 36_000.0 {
-            return Err(inquiry.refused(
-                format!("{} is not an angle in degrees", shown(deg)),
-                "export angles in degrees",
-                row.number,
-            ));
+        for (column, heading) in &columns.readings {
+            let name = heading.run.map_or_else(|| name.to_owned(), |run| run.to_string());
+            let turn = turn.or(heading.turn.map(f64::from));
+            let index = runs.iter().position(|run| run.name == name && run.turn == turn).unwrap_or_else(|| {
+                runs.push(CircleRun { name, turn, readings: Vec::new() });
+                runs.len() - 1
+            });
+            let deg = match (&mut clock, columns.angle) {
+                (Some(clock), _) => {
+                    clock.deg(inquiry, &table, row, index, turn.or(runs::by_option(inquiry, index)).unwrap_or(1.0))?
+                }
+                (None, Some(angle)) => table.needed(row, angle)? * columns.deg,
+                (None, None) => continue,
+            };
+            if deg.abs() > 36_000.0 {
+                return Err(inquiry.refused(
+                    format!("{} is not an angle in degrees", shown(deg)),
+                    "export angles in degrees",
+                    row.number,
+                ));
+            }
+            if is_outside(deg) {
+                cut += 1;
+                continue;
+            }
+            let Some(value) = table.value(row, *column)? else { continue };
+            if let Some(run) = runs.get_mut(index) {
+                run.readings.push((deg, value, row.number));
+            }
         }
-        if is_outside(deg) {
-            cut += 1;
-            continue;
-        }
-        let Some(value) = table.value(row, reading)? else { continue };
-        raw.push((label, deg, value, row.number));
     }
+    runs.retain(|run| !run.readings.is_empty());
+    runs::sort(inquiry, &mut runs, clock.is_some(), line)?;
     if let Some(clock) = &clock {
         clock.check(inquiry, facts.end_deg.map(|(deg, _)| deg))?;
     }
@@ -208,14 +147,15 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
             facts.start_deg.or(facts.end_deg).map_or(0, |(_, line)| line),
         );
     }
-    let largest = raw.iter().map(|(_, _, value, _)| value.abs()).fold(0.0, f64::max);
-    let written = table.headings.get(reading).and_then(|heading| heading.unit).map(|unit| (unit, line)).or(facts.unit);
+    let raw = || runs.iter().flat_map(|run| &run.readings);
+    let largest = raw().map(|(_, value, _)| value.abs()).fold(0.0, f64::max);
+    let written = columns.unit.map(|unit| (unit, line)).or(facts.unit);
     let unit = inquiry.unit(written, false, largest)?;
-    let nominal = if is_radius { radius_mm } else { 0.0 };
-    let first = raw.first().map_or(0.0, |(_, _, value, _)| unit.inner(*value));
-    if is_radius && inquiry.questions().is_empty() && (first - radius_mm).abs() > 5.0 {
+    let nominal = if columns.is_radius { radius_mm } else { 0.0 };
+    let first = raw().next().map_or(0.0, |(_, value, _)| unit.inner(*value));
+    if columns.is_radius && inquiry.questions().is_empty() && (first - radius_mm).abs() > 5.0 {
         let message = format!("the radius {} mm is not near the nominal length {} mm", shown(first), shown(radius_mm));
-        return Err(inquiry.refused(message, "check --radius and --unit", raw.first().map_or(0, |row| row.3)));
+        return Err(inquiry.refused(message, "check --radius and --unit", raw().next().map_or(0, |row| row.2)));
     }
     // A longer bar reads positive in every layout; a radius has no sign at all.
     let sign = inquiry.sign(Some((1.0, line)), "");
@@ -256,19 +196,30 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
         inquiry.note("the feed is not known; backlash does not need it, errors at speed do", 0);
     }
     let mut worst = (0.0_f64, 0.0_f64);
-    for (run, deg, value, line) in raw {
-        let mut position = center.to_vec();
-        let angle = deg.to_radians();
-        for (axis, share) in plane.iter().zip([angle.cos(), angle.sin()]) {
-            if let Some(place) = axes.iter().position(|own| own == axis).and_then(|k| position.get_mut(k)) {
-                *place += radius_mm * share;
+    if !facts::is_standard(plane) && runs.iter().any(|run| run.turn.is_some()) {
+        let [first, second] = plane;
+        inquiry.note(
+            format!("ccw from {first} to {second} is cw in the plane {second}{first} of ISO 230-4, whose words name the runs"),
+            0,
+        );
+    }
+    for run in &runs {
+        let label = runs::standard_label(run, plane);
+        for &(deg, value, line) in &run.readings {
+            let mut position = center.to_vec();
+            let angle = deg.to_radians();
+            for (axis, share) in plane.iter().zip([angle.cos(), angle.sin()]) {
+                if let Some(place) = axes.iter().position(|own| own == axis).and_then(|k| position.get_mut(k)) {
+                    *place += radius_mm * share;
+                }
             }
+            let fine = sign * (unit.inner(value) - nominal) * 1000.0;
+            if fine.abs() > worst.0.abs() {
+                worst = (fine, deg);
+            }
+            let run = label.clone();
+            out.rows.push(ImportedRow { run, position, values: vec![Some(fine)], line, ..ImportedRow::default() });
         }
-        let fine = sign * (unit.inner(value) - nominal) * 1000.0;
-        if fine.abs() > worst.0.abs() {
-            worst = (fine, deg);
-        }
-        out.rows.push(ImportedRow { run, position, values: vec![Some(fine)], line, ..ImportedRow::default() });
     }
     let how = if worst.0 < 0.0 { "shorter" } else { "longer" };
     out.sign_sentence = format!(
@@ -279,4 +230,25 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
         worst.0.abs()
     );
     Ok(out)
+}
+
+/// The directions that the file or the option states, for circles whose angles follow from them.
+///
+/// # Errors
+/// If a cell is no direction.
+fn stated_turns(
+    inquiry: &Inquiry<'_>,
+    table: &GridTable,
+    columns: &CircleColumns,
+) -> Result<Vec<f64>, ImportStop> {
+    let mut found: Vec<f64> = columns.readings.iter().filter_map(|(_, heading)| heading.turn).map(f64::from).collect();
+    for row in &table.rows {
+        let cell = columns.sense.and_then(|column| row.cells.get(column)).filter(|cell| !cell.text.is_empty());
+        if let Some(cell) = cell {
+            let wrong = |message| inquiry.refused(message, "write ccw or cw in the column of the direction", row.number);
+            found.push(answers::turn(&cell.text).map_err(wrong)?);
+        }
+    }
+    found.extend(&inquiry.answers.turns);
+    Ok(found)
 }

@@ -10,7 +10,7 @@ use ncfix_machine::machine::{Branch, Machine};
 
 use super::InstrumentFormat;
 use crate::answers::{MeasuredComponent, component};
-use crate::grid::{self, GridCell, GridHeading, GridLine, GridTable};
+use crate::grid::{self, GridCell, GridLine, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
 use crate::text::DecodedText;
@@ -125,31 +125,6 @@ pub(super) fn stated(text: &DecodedText, table: &GridTable) -> StatedFacts {
     facts
 }
 
-/// Headings of the table as given by `--columns`, or its own.
-fn headings(inquiry: &Inquiry<'_>, table: &GridTable) -> Result<Vec<GridHeading>, ImportStop> {
-    if inquiry.answers.columns.is_empty() {
-        return Ok(table.headings.clone());
-    }
-    let given = &inquiry.answers.columns;
-    if given.len() != table.width() {
-        let message = format!("--columns names {} columns, the table has {}", given.len(), table.width());
-        return Err(inquiry.refused(
-            message,
-            "name each column in order; write - for a column that is not read",
-            table.heading_line,
-        ));
-    }
-    let units = table.headings.iter().map(|heading| heading.unit).chain(std::iter::repeat(None));
-    Ok(given
-        .iter()
-        .zip(units)
-        .map(|(text, unit)| {
-            let heading = grid::heading_of(text);
-            GridHeading { unit: heading.unit.or(unit), ..heading }
-        })
-        .collect())
-}
-
 /// Targets of a table that has them in its first row, with the series in the rows below.
 fn targets_in_row(table: &GridTable) -> Option<Vec<f64>> {
     let (first, rest) = table.rows.split_first()?;
@@ -226,7 +201,7 @@ fn collect(
     if let Some(targets) = targets_in_row(table) {
         return collect_rows(inquiry, table, &targets, facts);
     }
-    let headings = headings(inquiry, table)?;
+    let headings = inquiry.headings(table)?;
     let line = table.heading_line;
     let mut columns: Vec<(usize, ColumnRole)> = Vec::new();
     let mut components: Vec<(usize, MeasuredComponent)> = Vec::new();

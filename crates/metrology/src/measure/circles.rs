@@ -1,10 +1,12 @@
 //! Circles in the readings of a ball-bar: runs of rows whose bar stays in one plane through the table ball.
 
-use ncfix_base::geometry::{AxisVector, Vector};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::{AXES, AxisVector, Vector};
 use ncfix_machine::machine::Machine;
 use ncfix_model::{ErrorModel, Model};
 
 use super::data::DataSet;
+use super::kind::Measurand;
 
 /// Permitted distance of the bar from the plane of its circle, as a share of its length: ball-bars are mounted by hand.
 const OFF_PLANE: f64 = 0.03;
@@ -14,6 +16,8 @@ const TOO_NEAR: f64 = 0.05;
 const JUMP: f64 = 1.1;
 /// Angle of backward motion at which the direction of a circle changes, rad: measured positions are not exact.
 const BACK: f64 = 0.1;
+/// Step of an axis below which it does not move between two rows, mm or rad.
+const STILL: f64 = 1e-6;
 /// Minimum number of rows of a circle.
 const FEWEST_ROWS: usize = 8;
 
@@ -142,9 +146,76 @@ fn by_sense(rows: &[(usize, f64)]) -> Vec<(&[(usize, f64)], bool)> {
     out
 }
 
+/// Share of the rows of a circle whose stated directions must oppose the order of the rows for a contradiction: measured positions jitter at the reversals.
+const MOST: f64 = 0.5;
+
+/// Reports circles whose rows go against the name of their run (`ccw`, `cw`), or against their columns `X_dir` …: figures follow the rows, backlash the
+/// columns, so that each would silently contradict the other.
+pub(super) fn contradictions(machine: &Machine, data: &DataSet, findings: &mut Vec<Diagnostic>) {
+    if data.kind.measurand != Measurand::BallDistance || data.is_plan {
+        return;
+    }
+    let mut told: Vec<usize> = Vec::new();
+    for circle in circles(machine, data) {
+        let Some(first) = circle.rows.first().and_then(|(row, _)| data.observations.get(*row)) else { continue };
+        let Some(plane) = circle.main_plane().and_then(|plane| ["XY", "YZ", "ZX"].get(plane)) else { continue };
+        let label = data.runs.get(first.run).map_or("", String::as_str);
+        let help = "put the rows into the order of the motion, or correct what states the direction";
+        let way = if circle.is_counterclockwise { "counterclockwise" } else { "clockwise" };
+        let message = if named(label).is_some_and(|is_counter| is_counter != circle.is_counterclockwise) {
+            format!("the rows of the run '{label}' go {way} in the plane {plane}, against the name of the run")
+        } else if opposes(data, &circle) {
+            format!("the rows go {way} in the plane {plane}, against the columns with the directions of the axes")
+        } else {
+            continue;
+        };
+        if !told.contains(&first.run) {
+            told.push(first.run);
+            findings.push(Diagnostic::at(Code::IMPORT_CONTRADICTION, first.place, message, help));
+        }
+    }
+}
+
+/// The direction in the name of a run, `true` for counterclockwise; `None` without one, or with both.
+fn named(label: &str) -> Option<bool> {
+    let label = label.to_lowercase();
+    let words = || label.split(|c: char| !c.is_alphabetic());
+    let has = |word: &str| words().any(|own| own == word);
+    (has("ccw") != has("cw")).then(|| has("ccw"))
+}
+
+/// `true` if most stated directions of the axes oppose the order of the rows.
+fn opposes(data: &DataSet, circle: &Circle) -> bool {
+    if !data.has_senses {
+        return false;
+    }
+    let (mut known, mut against) = (0.0, 0.0);
+    for pair in circle.rows.windows(2) {
+        let [Some(from), Some(to)] = [pair[0].0, pair[1].0].map(|row| data.observations.get(row)) else { continue };
+        for axis in AXES {
+            let stated = f64::from(to.reading.state.direction(axis));
+            let step = to.reading.position[axis] - from.reading.position[axis];
+            if stated != 0.0 && step.abs() > STILL {
+                known += 1.0;
+                against += f64::from(u8::from(stated * step < 0.0));
+            }
+        }
+    }
+    against > MOST * known
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_of_runs_may_have_a_direction() {
+        for (label, expected) in
+            [("2-cw", Some(false)), ("ccw", Some(true)), ("CCW2", Some(true)), ("1", None), ("cw ccw", None), ("cwt", None)]
+        {
+            assert_eq!(named(label), expected, "{label}");
+        }
+    }
 
     fn rows(degrees: &[f64]) -> Vec<(usize, f64)> {
         degrees

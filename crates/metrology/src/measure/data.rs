@@ -1,5 +1,6 @@
 //! One measurement: readings, their set-ups, and the unknowns of the set-ups.
 
+mod approach;
 mod bodies;
 mod condition;
 pub mod cycles;
@@ -21,6 +22,7 @@ use ncfix_machine::machine::{Condition, Machine};
 use ncfix_model::ErrorName;
 
 use self::cycles::RepeatCycle;
+use super::circles;
 use super::kind::{Instrument, Instruments};
 use super::reading::{Reading, Readings};
 
@@ -270,12 +272,14 @@ pub fn load_with(
             data.drivers = drivers::read(&rows, machine, sign, &data);
         }
     }
+    approach::turn_at_ends(&mut data, |axis| rows.column(&format!("{axis}_dir")).is_some());
     bodies::finish(&mut data, machine);
     if findings.is_empty() && data.free.contains(&Free::Drift) {
         cycles::find(&mut data, &rows, &mut findings);
     }
     if findings.is_empty() {
         (data.kind.check)(&data, &rows, &mut findings);
+        circles::contradictions(machine, &data, &mut findings);
     }
     let sound = !findings.iter().any(Diagnostic::is_error);
     repeats::without_repeats(&mut findings, ALIKE);

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use crate::answers::turn;
 use crate::grid::{GridLine, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::shown;
@@ -15,23 +14,20 @@ const END_DEG: f64 = 5.0;
 /// Angle as a function of time.
 pub(super) struct CircleClock {
     time: usize,
-    sense: Option<usize>,
     seconds: f64,
     /// Angle at the first reading of circles in the positive and in the negative direction.
     starts_deg: [f64; 2],
     deg_per_s: f64,
-    turn: f64,
     /// First time of each run, in the unit of the file, and the last angle of it with its line.
-    runs: BTreeMap<String, (f64, f64, usize)>,
+    runs: BTreeMap<usize, (f64, f64, usize)>,
 }
 
 impl CircleClock {
-    /// Asks for what the angles need. `sense` is the column of the direction.
+    /// Asks for what the angles need. `turns` are the directions that the file or an option states.
     pub(super) fn ask(
         inquiry: &mut Inquiry<'_>,
         table: &GridTable,
-        time: usize,
-        sense: Option<usize>,
+        (time, turns): (usize, Vec<f64>),
         (feed, radius_mm): (Option<f64>, f64),
         bounds_deg: Option<[f64; 2]>,
     ) -> Result<CircleClock, ImportStop> {
@@ -53,15 +49,12 @@ impl CircleClock {
             let sentence = "the readings have times, and the file does not state the angle at the first reading";
             inquiry.ask("start-angle", sentence, "degrees, with the overshoot, such as -180");
         }
-        if sense.is_none() && inquiry.answers.turn.is_none() {
+        if turns.is_empty() {
             let sentence = "the readings have times, and the file does not state the direction of the circles";
             inquiry.ask("turn", sentence, "ccw or cw");
         }
         let start_deg = inquiry.answers.start_deg.unwrap_or(0.0);
-        let has = |wanted: f64| {
-            let cells = table.rows.iter().filter_map(|row| row.cells.get(sense?));
-            cells.map(|cell| turn(&cell.text)).any(|turn| turn == Ok(wanted))
-        };
+        let has = |wanted: f64| turns.contains(&wanted);
         let mut starts_deg = [start_deg; 2];
         if let (Some([from, to]), true, true) = (bounds_deg, has(1.0), has(-1.0)) {
             // The overshoot is the same at both ends, so the circle back begins as far beyond the end as the other one before the start.
@@ -78,33 +71,20 @@ impl CircleClock {
             ),
             line,
         );
-        Ok(CircleClock {
-            time,
-            sense,
-            seconds,
-            starts_deg,
-            deg_per_s,
-            turn: inquiry.answers.turn.unwrap_or(1.0),
-            runs: BTreeMap::new(),
-        })
+        Ok(CircleClock { time, seconds, starts_deg, deg_per_s, runs: BTreeMap::new() })
     }
 
-    /// The angle of a row, degrees.
+    /// The angle of a row of a run with a direction, degrees.
     pub(super) fn deg(
         &mut self,
         inquiry: &Inquiry<'_>,
         table: &GridTable,
         row: &GridLine,
-        run: &str,
+        run: usize,
+        turn: f64,
     ) -> Result<f64, ImportStop> {
         let at = table.needed(row, self.time)?;
-        let turn = match self.sense.and_then(|column| row.cells.get(column)) {
-            Some(cell) => {
-                turn(&cell.text).map_err(|message| inquiry.refused(message, "write ccw or cw", row.number))?
-            }
-            None => self.turn,
-        };
-        let (first, _, _) = *self.runs.entry(run.to_owned()).or_insert((at, 0.0, row.number));
+        let (first, _, _) = *self.runs.entry(run).or_insert((at, 0.0, row.number));
         let swept = (at - first) * self.seconds * self.deg_per_s;
         if swept < 0.0 {
             return Err(inquiry.refused(
@@ -113,7 +93,7 @@ impl CircleClock {
                 row.number,
             ));
         }
-        self.runs.insert(run.to_owned(), (first, swept, row.number));
+        self.runs.insert(run, (first, swept, row.number));
         Ok(self.starts_deg[usize::from(turn < 0.0)] + turn * swept)
     }
 

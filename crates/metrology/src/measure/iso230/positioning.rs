@@ -102,6 +102,8 @@ pub enum FiguresError {
     NoSense(f64),
     /// A target was approached only once in a direction, so that there is no scatter.
     Once(f64),
+    /// The first target was approached only in the positive, the second only in the negative direction.
+    Mixed(f64, f64),
     /// Too few targets or pairs of readings for a drift.
     TooFew,
     /// A reversal error with its standard error: it cannot be separated from a drift.
@@ -128,6 +130,11 @@ impl FiguresError {
                 "target {} was approached only once in one direction: at least two runs are needed, the standard requires five",
                 place(target)
             ),
+            FiguresError::Mixed(up, down) => format!(
+                "{} was approached in the positive direction only, {} in the negative direction only: approach all targets from one side, or give the directions in the column {axis}_dir",
+                place(up),
+                place(down)
+            ),
             _ => self.to_string(),
         }
     }
@@ -146,6 +153,12 @@ impl fmt::Display for FiguresError {
                     "{target} was approached only once in one direction: at least two runs are needed, the standard requires five"
                 )
             }
+            FiguresError::Mixed(up, down) => {
+                write!(
+                    f,
+                    "{up} was approached in the positive direction only, {down} in the negative direction only: give the directions in the column X_dir …"
+                )
+            }
             FiguresError::TooFew => {
                 write!(f, "too few targets were read in both directions of a cycle: a drift needs three or more")
             }
@@ -160,7 +173,7 @@ impl fmt::Display for FiguresError {
 /// The figures.
 ///
 /// # Errors
-/// [`FiguresError`] if there are no readings, or a target was approached only once.
+/// [`FiguresError`] if there are no readings, a target was approached only once, or no direction has all targets.
 pub fn figures(readings: &[ApproachReading]) -> Result<PositioningFigures, FiguresError> {
     let targets = targets(readings)?;
     let one = |side: fn(&PositioningTarget) -> Option<[f64; 2]>| -> Option<OneWay> {
@@ -188,7 +201,15 @@ pub fn figures(readings: &[ApproachReading]) -> Result<PositioningFigures, Figur
         }
     });
     let runs = targets.iter().map(|target| target.runs).min().unwrap_or(0);
-    Ok(PositioningFigures { up: one(|target| target.up), down: one(|target| target.down), both, targets, runs })
+    let (up, down) = (one(|target| target.up), one(|target| target.down));
+    if both.is_none() && up.is_none() && down.is_none() {
+        let only_up = targets.iter().find(|target| target.down.is_none());
+        let only_down = targets.iter().find(|target| target.up.is_none());
+        return Err(only_up.zip(only_down).map_or(FiguresError::Nothing, |(up, down)| {
+            FiguresError::Mixed(up.position, down.position)
+        }));
+    }
+    Ok(PositioningFigures { up, down, both, targets, runs })
 }
 
 /// The readings of a component, in all set-ups or one, and the number of those left out because the direction of their approach is unknown: without a
@@ -196,7 +217,7 @@ pub fn figures(readings: &[ApproachReading]) -> Result<PositioningFigures, Figur
 /// the direction of its start.
 ///
 /// # Errors
-/// [`FiguresError`] if there are no readings, or no direction of approach is known at a target.
+/// [`FiguresError`] if there are no readings, or a target lacks a direction that the others have and its readings may have.
 pub fn approaches(
     data: &DataSet,
     component: ErrorName,
@@ -231,8 +252,16 @@ pub fn approaches(
             time: observation.t_s.unwrap_or(out.len() as f64),
         });
     }
-    let is_known = |target: &f64| out.iter().any(|reading| (reading.target - target).abs() < SAME);
-    match left_out.iter().find(|target| !is_known(target)) {
+    // A reading without a direction is left out only where the figures are complete without it.
+    let has = |target: f64, is_up: bool| {
+        out.iter().any(|reading| reading.is_up == is_up && (reading.target - target).abs() < SAME)
+    };
+    let is_bidirectional = out.iter().any(|reading| has(reading.target, true) && has(reading.target, false));
+    let is_known = |target: f64| match [has(target, true), has(target, false)] {
+        [up, down] if is_bidirectional => up && down,
+        [up, down] => up || down,
+    };
+    match left_out.iter().find(|target| !is_known(**target)) {
         Some(&target) => Err(FiguresError::NoSense(target)),
         None if out.is_empty() => Err(FiguresError::Nothing),
         None => Ok((out, left_out.len())),
