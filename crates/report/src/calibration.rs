@@ -123,6 +123,15 @@ impl CalibrationReport {
                 "{:<width$}{:>9}{measured:>11}{most:>9}{left:>11}{left_most:>9}{sigma:>9}{efficiency:>11}  {unit}{held}",
                 one.name, one.readings
             );
+            if let Some(kept) = one.kept {
+                let [left, left_most] = [kept.left_rms, kept.left_max].map(significant);
+                let readings = if kept.rejected == 1 { "reading" } else { "readings" };
+                let _ = writeln!(
+                    out,
+                    "  without the {} {readings} of weight 0, which the line above includes: residual {left}, max {left_most} {unit}",
+                    kept.rejected
+                );
+            }
         }
         if !found.weighted_down.is_empty() {
             out.push('\n');

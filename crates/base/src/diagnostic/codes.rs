@@ -784,6 +784,10 @@ on, single outliers, or the coarse resolution of a display. The message gives th
 consequence: ncfix excludes faulty rows from the search for causes, or gives them their own zero or noise. The file does not change.
 If the temperature log ends or pauses, ncfix excludes only the rows without temperatures. In held-out data it keeps all other rows, so
 that the test data are not selected.";
+    NOT_SHOWN = "W0608" "term that the readings do not show"
+"ncfix calibrate fits a term of --model, such as EXX ~ Y^2, and its interval of 95 % contains 0. The machine file gets the term, because the
+command asks for it. A program would then be corrected by an amount whose sign is not known. Remove the term, or take readings where it
+acts: at several positions of the axis on which it depends.";
     STARVING = "W0701" "the link is too slow in places"
 "In some places the control waits briefly for lines (see E0702), but not long enough to forbid the transfer.";
     SERIAL_SETTINGS = "W0702" "port with different settings or a name that may change"

@@ -576,6 +576,10 @@ pub(super) fn direct(
     out.fixed = inquiry.other_positions(&[axis]);
     out.tool_mm = [tool[0], tool[1], tool[2]];
     out.sigma = inquiry.answers.sigma;
+    if found.iter().all(|reading| reading.sense.is_none()) {
+        let note = "direction of approach: from the order of the rows; an end target that is read twice is the turn";
+        inquiry.note(note, 0);
+    }
     let mut worst: Option<(f64, f64, MeasuredComponent)> = None;
     for reading in found {
         let own = reading.component.unwrap_or(component);

@@ -94,6 +94,8 @@ pub struct Data {
     /// Share of the measured sizes that the model explains (Spaan, eq. 3.6).
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub efficiency: f64,
+    /// Residuals without the readings of weight 0, which all other sizes include; `null` if there are no such readings.
+    pub kept: Option<KeptReadings>,
     /// By direction or component.
     pub parts: Vec<MeasurementPart>,
     /// Sums of the magnitudes of measured values and of residuals, for the efficiency of several measurements together.
@@ -102,6 +104,18 @@ pub struct Data {
     /// The readings themselves; empty if no pictures are requested.
     #[serde(skip)]
     pub shown: ReadingSeries,
+}
+
+/// Readings that the fit used: those whose weight is not 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct KeptReadings {
+    /// Number of the readings of weight 0.
+    pub rejected: usize,
+    /// RMS residual of the other readings.
+    pub left_rms: f64,
+    /// The largest residual of the other readings.
+    pub left_max: f64,
 }
 
 /// A row that does not fit.
@@ -118,6 +132,9 @@ pub struct OutlierRow {
     pub unit: Unit,
     /// Its weight, 0 to 1.
     pub weight: f64,
+    /// True if the direction of approach of its axis is not known.
+    #[serde(skip)]
+    pub is_without_direction: bool,
 }
 
 impl CalibrationResult {

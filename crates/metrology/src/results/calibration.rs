@@ -1,8 +1,8 @@
 //! A complete calibration: checks of the readings, the fit, its uncertainties, and the residuals of every measurement.
 
-pub use super::calibrated::{CalibrationResult, Data, EstimateReport, OutlierRow};
+pub use super::calibrated::{CalibrationResult, Data, EstimateReport, KeptReadings, OutlierRow};
 use super::cells::{cell, estimate, weighted_down};
-use super::held::{ComparedMeasurement, weights};
+use super::held::{ComparedMeasurement, fitted};
 use super::measurement::{Measurement, check_copies, data_of};
 pub use super::not_identified::LeftOut;
 use super::selection;
@@ -206,7 +206,12 @@ impl PreparedFit<'_> {
         for (row, place) in weighted_down(fit, &self.used) {
             let size = format!("{} {}", significant(row.residual), row.unit.sign());
             let message = format!("the residual of this reading is {size}; its weight is {:.0} %", row.weight * 100.0);
-            let help = "find its cause; --no-robust gives it full weight";
+            // Where the table does not tell the direction of approach, the model has no backlash for the reading: the reading is not at fault.
+            let help = if row.is_without_direction {
+                "its direction of approach is not known, so the model has no backlash for it: give the directions in columns X_dir …"
+            } else {
+                "find its cause; --no-robust gives it full weight"
+            };
             findings.push(Diagnostic::at(Code::ROW_DOES_NOT_FIT, place, message, help));
             report.weighted_down.push(row);
         }
@@ -216,10 +221,10 @@ impl PreparedFit<'_> {
     fn compare(&self, fit: &Fit, findings: &mut Vec<Diagnostic>, report: &mut CalibrationResult) {
         let used = self.used.iter().enumerate().map(|(number, one)| {
             let sigmas = [fit.sigmas.get(number).copied(), fit.angle_sigmas.get(number).copied()];
-            (one, sigmas, weights(fit, number), false)
+            (one, sigmas, fitted(fit, number), false)
         });
         let held_out = self.held_out.iter().map(|one| (one, [one.data.sigma, one.data.sigma_rad], Vec::new(), true));
-        for (one, sigmas, weights, is_held_out) in used.chain(held_out) {
+        for (one, sigmas, fitted, is_held_out) in used.chain(held_out) {
             let data = &one.data;
             let quality = match quality(self.begin.machine, &fit.errors, data) {
                 Ok(found) => found,
@@ -241,7 +246,7 @@ impl PreparedFit<'_> {
                     findings.push(Diagnostic::nowhere(Code::POOR_FIT, message, help));
                 }
             }
-            let held = ComparedMeasurement { data, quality, sigmas, weights, is_held_out };
+            let held = ComparedMeasurement { data, quality, sigmas, fitted, is_held_out };
             report.data.extend(held.shown(self.begin.machine, self.settings.with_readings));
         }
     }

@@ -74,6 +74,10 @@ pub(super) fn weighted_down(fit: &Fit, all: &[Measurement]) -> Vec<(calibrated::
             residual: Unit::of(observation.is_angle()).shown(residual),
             unit: Unit::of(observation.is_angle()),
             weight,
+            is_without_direction: observation
+                .component
+                .and_then(|component| component.axis())
+                .is_some_and(|axis| observation.reading.state.direction(axis) == 0),
         };
         // A row may have three readings: the worst is reported.
         match rows.last_mut().filter(|_| shown == (set, row)) {

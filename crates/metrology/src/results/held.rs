@@ -1,6 +1,6 @@
 //! Comparison data of a measurement: statistics by direction and component, readings and circles for pictures.
 
-use super::calibrated::Data;
+use super::calibrated::{Data, KeptReadings};
 use super::compared::{Circle, MeasurementPart, ReadingPoint, ReadingSeries};
 use crate::calibrate::{ComparedReading, Fit, Quality};
 use crate::measure::circles::{self, circles};
@@ -18,15 +18,15 @@ pub(super) struct ComparedMeasurement<'a> {
     pub(super) quality: Quality,
     /// Standard uncertainty of a length, mm, and of an angle, rad.
     pub(super) sigmas: [Option<f64>; 2],
-    /// The weight of each reading; empty if it was held out.
-    pub(super) weights: Vec<f64>,
+    /// Residual of the fit, mm or rad, and weight of each reading; empty if it was held out.
+    pub(super) fitted: Vec<[f64; 2]>,
     /// `true` if it was held out.
     pub(super) is_held_out: bool,
 }
 
-/// The weights of the readings of a measurement.
-pub(super) fn weights(fit: &Fit, set: usize) -> Vec<f64> {
-    fit.residuals.iter().filter(|(of, ..)| *of == set).map(|&(.., weight)| weight).collect()
+/// Residuals and weights of the readings of a measurement.
+pub(super) fn fitted(fit: &Fit, set: usize) -> Vec<[f64; 2]> {
+    fit.residuals.iter().filter(|(of, ..)| *of == set).map(|&(.., left, weight)| [left, weight]).collect()
 }
 
 impl ComparedMeasurement<'_> {
@@ -75,7 +75,7 @@ impl ComparedMeasurement<'_> {
                 setup: self.row(line).map_or(0, |row| row.setup),
                 measured: shown(line.measured),
                 left: shown(line.left),
-                weight: self.weights.get(number).copied().unwrap_or(1.0),
+                weight: self.fitted.get(number).map_or(1.0, |[_, weight]| *weight),
             });
             let points: Vec<ReadingPoint> = points.collect();
             ReadingSeries {
@@ -99,9 +99,30 @@ impl ComparedMeasurement<'_> {
             left_max: shown(whole.left[1]),
             sigma: self.sigmas[usize::from(angles)].map(shown),
             efficiency: whole.efficiency,
+            kept: self.kept(&is_of_unit).map(|kept| KeptReadings {
+                left_rms: shown(kept.left_rms),
+                left_max: shown(kept.left_max),
+                ..kept
+            }),
             parts,
             sums: whole.sums.map(shown),
             shown: shown_readings,
+        })
+    }
+
+    /// Residuals without the readings of weight 0, mm or rad; `None` if there are no such readings, or no others.
+    fn kept(&self, is_of_unit: impl Fn(&ComparedReading) -> bool) -> Option<KeptReadings> {
+        let own = self.quality.lines.iter().zip(&self.fitted).filter(|(line, _)| is_of_unit(line));
+        let (kept, gone): (Vec<[f64; 2]>, Vec<[f64; 2]>) =
+            own.map(|(_, fitted)| *fitted).partition(|[_, weight]| *weight > 0.0);
+        if kept.is_empty() || gone.is_empty() {
+            return None;
+        }
+        let squares = kept.iter().map(|[left, _]| left * left).sum::<f64>();
+        Some(KeptReadings {
+            rejected: gone.len(),
+            left_rms: (squares / kept.len() as f64).sqrt(),
+            left_max: kept.iter().fold(0.0, |most, [left, _]| most.max(left.abs())),
         })
     }
 

@@ -10,6 +10,7 @@ use crate::diagnose::stated::{self, ModelTerm, StatedHypothesis, TermAmount, sta
 use crate::diagnose::{EXPANDED, Scene};
 use crate::measure::data::DataSet;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::number::significant;
 use ncfix_base::source::Source;
 use ncfix_machine::machine::Machine;
 use ncfix_machine::machine::edit::Edit;
@@ -62,7 +63,7 @@ pub fn start_with_terms(
     if findings.len() > before {
         return None;
     }
-    let mut refuse = |one: Option<&StatedHypothesis>, message: String, help: &str| {
+    let refuse = |findings: &mut Vec<Diagnostic>, one: Option<&StatedHypothesis>, message: String, help: &str| {
         let Some(one) = one.or(stated.first()) else { return };
         let place = Place { file: text.id(), span: one.span };
         findings.push(Diagnostic::at(Code::NOT_TOLD, place, message, help));
@@ -70,7 +71,7 @@ pub fn start_with_terms(
     let (Ok(scene), Ok(bare)) = (Scene::new(machine, errors, sets), Scene::new(machine, &ErrorModel::default(), sets))
     else {
         let help = "check the columns of positions and their units, or describe what is known of the set-ups";
-        refuse(None, "the readings do not even determine the set-ups".into(), help);
+        refuse(findings, None, "the readings do not even determine the set-ups".into(), help);
         return None;
     };
     let beside: Vec<ParameterName> = parameters
@@ -83,6 +84,7 @@ pub fn start_with_terms(
     let found = stated_model(&stated, &beside, &Causes::default(), &scene, &bare);
     let (mut grown, mut terms, mut all) = (std::str::from_utf8(file.bytes()).ok()?.to_owned(), Vec::new(), Vec::new());
     let mut is_sound = true;
+    let mut doubts = Vec::new();
     for (one, found) in stated.iter().zip(found) {
         match found {
             Ok(ModelTerm::Parameters(names)) => {
@@ -98,9 +100,10 @@ pub fn start_with_terms(
                     Ok(text) => grown = text,
                     Err(why) => {
                         is_sound = false;
-                        refuse(Some(one), format!("{}: {why}", one.text), "remove the entry, or the term");
+                        refuse(findings, Some(one), format!("{}: {why}", one.text), "remove the entry, or the term");
                     }
                 }
+                doubts.extend(doubt(one, &amounts, Place { file: text.id(), span: one.span }));
                 if changes.iter().any(|change| matches!(change, Change::Shape { .. })) {
                     terms.extend(amounts.into_iter().map(|amount| estimate(one, amount)));
                 }
@@ -110,16 +113,17 @@ pub fn start_with_terms(
                 is_sound = false;
                 let help =
                     "test it with ncfix diagnose --hypothesis, which reports the evidence and the measurement it needs";
-                refuse(Some(one), format!("{} cannot be fitted: {why}", one.text), help);
+                refuse(findings, Some(one), format!("{} cannot be fitted: {why}", one.text), help);
             }
         }
     }
     if !is_sound {
         return None;
     }
+    findings.extend(doubts);
     let read = load((file, registers), &grown);
     let Some(read) = read else {
-        refuse(None, format!("{} cannot be read back", file.name()), SECTIONS);
+        refuse(findings, None, format!("{} cannot be read back", file.name()), SECTIONS);
         return None;
     };
     // Time constants are those of the terms.
@@ -148,6 +152,25 @@ fn enter(from: (&Source, &ModelRegisters), text: &str, changes: &[Change], note:
         Anchor::Entry(list, index) => edit.note(list, *index, note),
     };
     Ok(if is_noted { edit.text() } else { own })
+}
+
+/// The warning that the readings do not show a term: every amount of it may be 0. The term is written all the same, because the user stated it.
+fn doubt(one: &StatedHypothesis, amounts: &[TermAmount], place: Place) -> Option<Diagnostic> {
+    if amounts.is_empty() || amounts.iter().any(|own| own.value.abs() > own.u95) {
+        return None;
+    }
+    let sizes: Vec<String> = amounts
+        .iter()
+        .map(|own| {
+            let [value, u95] = [own.value, own.u95].map(significant);
+            // Names of keys have no µ.
+            format!("{value} ± {u95} {}", own.unit.replacen('u', "µ", 1))
+        })
+        .collect();
+    let message =
+        format!("{}: the readings do not show this term: its 95 % interval contains 0 ({})", one.text, sizes.join(", "));
+    let help = "remove the term, or measure where it acts; `ncfix diagnose --hypothesis` weighs the evidence";
+    Some(Diagnostic::at(Code::NOT_SHOWN, place, message, help))
 }
 
 /// The note at the term in the file.

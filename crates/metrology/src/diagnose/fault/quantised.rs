@@ -22,10 +22,9 @@ const COUNT: usize = 20;
 
 /// RMS noise from the display steps in the readings of a scene, mm or rad: the noise is not less than this.
 pub(in crate::diagnose) fn least_noise(scene: &Scene<'_>, is_angle: bool) -> f64 {
-    let finest = if is_angle { FINEST * 1e-3 } else { FINEST };
     let of = |data: &DataSet| {
         let values: Vec<f64> = data.observations.iter().flat_map(|one| one.values).flatten().collect();
-        step(&values, finest).unwrap_or(0.0) / 12.0_f64.sqrt()
+        display_noise(&values, is_angle)
     };
     scene.sets.iter().map(of).fold(0.0, f64::max)
 }
@@ -65,6 +64,11 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
             then: Then::MoreNoise(step / 12.0_f64.sqrt()),
         });
     }
+}
+
+/// RMS noise from the display steps of values, mm or rad: half a step on either side is one value.
+pub(super) fn display_noise(values: &[f64], is_angle: bool) -> f64 {
+    step(values, if is_angle { FINEST * 1e-3 } else { FINEST }).unwrap_or(0.0) / 12.0_f64.sqrt()
 }
 
 /// The largest step that divides all values; `None` if it is not much larger than the finest.

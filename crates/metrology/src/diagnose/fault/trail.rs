@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
-use super::{median, spread};
+use super::{median, quantised, spread};
 use crate::diagnose::scene::{NO_ROW, Scene, SceneReading};
 use crate::measure::data::DataSet;
 use ncfix_base::geometry::AXES;
@@ -164,8 +164,12 @@ impl Trail {
             if let Some(noise) = noise {
                 ratios.push(noise / own.sigma);
             }
-            // With large display steps neighbors are often equal.
-            own.noise = noise.unwrap_or(own.sigma).max(1e-3 * own.sigma);
+            // Neighbors may be equal by chance: where runs differ by whole display steps, or where few readings repeat. The noise is not less than that of the
+            // display, nor than the scatter of the repetitions as far as the uncertainty of a reading explains it.
+            let is_angle = places.first().is_some_and(|&place| items[place].0.is_angle);
+            let repeats = spread(own.left.iter().copied()).min(own.sigma);
+            let least = quantised::display_noise(&raw, is_angle).max(repeats).max(1e-3 * own.sigma);
+            own.noise = noise.unwrap_or(own.sigma).max(least);
             own.sum_up();
         }
         trail.noise_ratio = (!ratios.is_empty()).then(|| median(ratios));

@@ -18,7 +18,7 @@ use super::form::{Factor, Operand, Quantity, StatedContent, StatedHypothesis, St
 use super::token::{TermPiece, Token, tokens};
 use crate::measure::data::{DataSet, TIME};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
-use ncfix_base::geometry::Axis;
+use ncfix_base::geometry::{AXES, Axis};
 use ncfix_base::source::{Source, Span};
 use ncfix_base::units::MM_PER_INCH;
 use ncfix_machine::machine::Machine;
@@ -124,6 +124,21 @@ pub fn read(source: &Source, machine: &Machine, sets: &[&DataSet]) -> (Vec<State
 
 const EXAMPLES: &str = "write an error and what it depends on, for example EXX ~ Y^2 or EYY ~ T_head_C lag 600s, or a cause, for example backlash EXX";
 
+/// True for the words behind the component in the name of an explanation: none, `X order 2`, `sin 1C`, `X_dir`, `X and Y`, `X lag`.
+fn is_shape(words: &[&str]) -> bool {
+    let is_axis = |word: &str| AXES.iter().any(|axis| axis.to_string() == word);
+    let is_number = |word: &str| !word.is_empty() && word.bytes().all(|byte| byte.is_ascii_digit());
+    match words {
+        [] => true,
+        [one] => one.strip_suffix("_dir").is_some_and(is_axis),
+        ["sin" | "cos", wave] => wave.split_at_checked(1).is_some_and(|(number, axis)| is_number(number) && is_axis(axis)),
+        [axis, "lag"] => is_axis(axis),
+        [axis, "order", number] => is_axis(axis) && is_number(number),
+        [axis, "and", other] => is_axis(axis) && is_axis(other),
+        _ => false,
+    }
+}
+
 /// Reads one line.
 struct Reader<'t, 'p> {
     text: &'t str,
@@ -211,7 +226,14 @@ impl<'t> Reader<'t, '_> {
             }
             (Some(component), _) => {
                 self.check_axis(component, span);
-                Some(StatedContent::Shape(own.split_whitespace().collect::<Vec<_>>().join(" ")))
+                let words: Vec<&str> = own.split_whitespace().collect();
+                if !is_shape(words.get(1..).unwrap_or_default()) {
+                    let rest = own.get(first.len()..).unwrap_or_default().trim();
+                    let message = format!("'{rest}' is not a form of {component}; '~' is missing if it is what {component} depends on");
+                    self.fault(span, message, EXAMPLES.to_owned());
+                    return None;
+                }
+                Some(StatedContent::Shape(words.join(" ")))
             }
             (None, _) => {
                 let (word, parameter) = own.split_once(char::is_whitespace).unwrap_or((own, ""));
