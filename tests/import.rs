@@ -18,18 +18,18 @@ const TABLE_SIDE: &str = "[machine]\nname = \"mill\"\ntopology = \"wXYFZSt\"\nco
 const LASER: &[&str] =
     &["--axis", "X", "--at", "Y200,Z100", "--sign", "+", "--unit", "um", "--tool", "0", "--material", "20C"];
 
-fn shop() -> Shop {
+pub(crate) fn shop() -> Shop {
     Shop::new().file("tool.toml", TOOL_SIDE).file("table.toml", TABLE_SIDE)
 }
 
-fn import(shop: &Shop, file: &str, machine: &str, more: &[&str]) -> Run {
+pub(crate) fn import(shop: &Shop, file: &str, machine: &str, more: &[&str]) -> Run {
     let mut words = vec!["import", file, "--machine", machine, "-o", "out", "--force"];
     words.extend(more);
     shop.run(words)
 }
 
 /// Calibrates `out.csv`, and gives estimate and standard uncertainty of each parameter.
-fn calibrated(shop: &Shop, machine: &str, model: &str) -> Vec<(String, f64, f64)> {
+pub(crate) fn calibrated(shop: &Shop, machine: &str, model: &str) -> Vec<(String, f64, f64)> {
     let words = ["calibrate", "out.csv", "--machine", machine, "--model", model, "-o", "fitted.toml", "--json"];
     let json = shop.run(words).exits(0).json();
     let rows = json["parameters"].as_array().unwrap().iter();
@@ -49,10 +49,10 @@ fn demand(found: &[(String, f64, f64)], expected: &[(&str, f64)], floor: f64) {
 }
 
 /// Noise of a known sequence, uniform with the standard deviation `sigma`.
-struct Noise(u64);
+pub(crate) struct Noise(pub(crate) u64);
 
 impl Noise {
-    fn next(&mut self, sigma: f64) -> f64 {
+    pub(crate) fn next(&mut self, sigma: f64) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5) * sigma * 12f64.sqrt()
     }
@@ -278,7 +278,7 @@ fn ball_bar_circles_give_squareness_and_scales() {
         }
     }
     let shop = shop().file("bar.csv", text);
-    let run = import(&shop, "bar.csv", "tool.toml", &["--at", "X300,Y250,Z100", "--tool", "50"]).exits(0);
+    let run = import(&shop, "bar.csv", "tool.toml", &["--at", "X300,Y250,Z100", "--tool", "50", "--turn", "ccw"]).exits(0);
     assert!(run.stderr.contains("20 readings of the overshoot are cut"), "{}", run.stderr);
     let description = shop.text("out.toml").replace("free = [\"centre\", \"length\"]", "free = [\"centre\"]");
     let shop = shop.file("out.toml", description);
@@ -619,6 +619,7 @@ fn damaged_files_never_end_in_a_panic() {
         ("material", "20C"),
         ("plane", "XY"),
         ("radius", "150"),
+        ("turn", "ccw"),
     ] {
         answers.set(option, text).unwrap();
     }
@@ -628,6 +629,7 @@ fn damaged_files_never_end_in_a_panic() {
         "F(A)=FEAT/POINT,CART,1,2,3\nFA(A)=FEAT/POINT,CART,1,2,3\n".to_owned(),
         "#*# [bed_mesh a]\n#*# points =\n#*# 1, 2\n#*# 1, 2\n#*# x_count = 2\n#*# y_count = 2\n".to_owned(),
         "plane;XY\nangle;dev\n0;1\n90;2\n".to_owned(),
+        "plane;XY\nangle;ccw1;ccw2\n0;1;2\n90;2;3\n180;2;3\n".to_owned(),
         "0 0 0\n1 1 1\n2 2 2\n".to_owned(),
     ];
     let mut noise = Noise(23);

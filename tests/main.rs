@@ -116,6 +116,7 @@ mod grundig_requirements;
 mod guard;
 mod hostile;
 mod import;
+mod import_directions;
 mod instruments;
 mod iso;
 mod iso230;

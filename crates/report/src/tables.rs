@@ -165,10 +165,11 @@ pub fn list() -> String {
         let holds: Vec<&str> = one.holds.iter().map(|what| kind_name(*what)).collect();
         let _ = writeln!(
             text,
-            "  {:<11} {}: {}; tables {}, points {}, largest value {}",
+            "  {:<11} {}: {}; {}tables {}, points {}, largest value {}",
             one.name,
             one.title,
             holds.join(", "),
+            if one.limits.further.is_empty() { String::new() } else { format!("{}; ", one.limits.further) },
             limit(one.limits.tables),
             limit(one.limits.points),
             if one.limits.value_mm > 0.0 { format!("{} mm", one.limits.value_mm) } else { "-".to_owned() }

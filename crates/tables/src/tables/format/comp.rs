@@ -31,7 +31,7 @@ pub(super) const FORMAT: Format = Format {
     sign: "values are added to the command of the joint: COMP_FILE_TYPE = 1",
     holds: &[Holds::Own, Holds::Senses],
     // 256 triplets per joint (INI configuration); a joint has one file for both directions; values are single precision.
-    limits: FormatLimits { tables: 0, points: 256, value_mm: 0.0, resolution_mm: 1e-6 },
+    limits: FormatLimits { tables: 0, points: 256, value_mm: 0.0, resolution_mm: 1e-6, further: "" },
     round,
     faults,
     write,

@@ -29,7 +29,7 @@ pub(super) const FORMAT: Format = Format {
     sign: "positive values move the axis in the negative direction, because they correct the encoder reading",
     holds: &[Holds::Own, Holds::Repetition],
     // One for each of 31 axes; MD38000 accepts 5000 points; the largest value is not documented.
-    limits: FormatLimits { tables: 31, points: 5000, value_mm: 0.0, resolution_mm: 1e-6 },
+    limits: FormatLimits { tables: 31, points: 5000, value_mm: 0.0, resolution_mm: 1e-6, further: "" },
     round,
     faults,
     write,

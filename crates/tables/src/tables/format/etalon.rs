@@ -28,7 +28,7 @@ pub(super) const FORMAT: Format = Format {
     sign: "values are errors of the moving body as in ISO 230-1, mm and rad; the control's list can turn their sign (negate): try one large value",
     holds: &[Holds::Errors, Holds::Locations],
     // As for isg, whose control reads both.
-    limits: FormatLimits { tables: 6, points: 0, value_mm: 0.0, resolution_mm: 1e-6 },
+    limits: FormatLimits { tables: 6, points: 0, value_mm: 0.0, resolution_mm: 1e-6, further: "" },
     round: isg::round,
     faults: isg::faults,
     write,

@@ -33,7 +33,7 @@ pub(super) const FORMAT: Format = Format {
     sign: "values are added to the commands in mm; unit, magnification and sign are those of the machine builder's loader: try one large value",
     holds: &[Holds::Grid],
     // 25 nodes along each axis (Esmaeili 2021, 4.5.2); the largest value depends on a magnification that the builder sets.
-    limits: FormatLimits { tables: 1, points: 25, value_mm: 0.0, resolution_mm: 1e-6 },
+    limits: FormatLimits { tables: 1, points: 25, value_mm: 0.0, resolution_mm: 1e-6, further: "" },
     round,
     faults,
     write,

@@ -34,7 +34,7 @@ pub(super) const FORMAT: Format = Format {
     sign: "values are errors of the moving body, not corrections; try one large value on the machine",
     holds: &[Holds::Errors],
     // Table 6.1 has whole µm and arc seconds and the three linear axes; it gives no limit for points or values.
-    limits: FormatLimits { tables: 3, points: 0, value_mm: 0.0, resolution_mm: UM },
+    limits: FormatLimits { tables: 3, points: 0, value_mm: 0.0, resolution_mm: UM, further: "" },
     round,
     faults,
     write,

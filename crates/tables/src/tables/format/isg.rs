@@ -36,7 +36,7 @@ pub(super) const FORMAT: Format = Format {
     sign: "values are errors of the moving body as in ISO 230-1, mm and rad; the control's list can turn their sign (negate): try one large value",
     holds: &[Holds::Errors, Holds::Locations],
     // Six axes; the number of rows is max_records of the control's list, set by its builder.
-    limits: FormatLimits { tables: 6, points: 0, value_mm: 0.0, resolution_mm: 1e-6 },
+    limits: FormatLimits { tables: 6, points: 0, value_mm: 0.0, resolution_mm: 1e-6, further: "" },
     round,
     faults,
     write,

@@ -39,6 +39,8 @@ pub struct FormatLimits {
     pub value_mm: f64,
     /// Smallest difference of two written values, mm.
     pub resolution_mm: f64,
+    /// Limits of other kinds in words, which the format checks itself; empty if there are none.
+    pub further: &'static str,
 }
 
 /// Table kinds that the format does not support.

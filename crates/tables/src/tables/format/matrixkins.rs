@@ -28,7 +28,7 @@ pub(super) const FORMAT: Format = Format {
     sign: "motors are the matrix times the commands",
     holds: &[Holds::Matrix],
     // Nine numbers of double precision.
-    limits: FormatLimits { tables: 1, points: 0, value_mm: 0.0, resolution_mm: 1e-6 },
+    limits: FormatLimits { tables: 1, points: 0, value_mm: 0.0, resolution_mm: 1e-6, further: "" },
     round,
     faults,
     write,

@@ -30,6 +30,8 @@ const UNIT: f64 = 1e-3;
 const MOST_VALUE: i64 = 7;
 /// Largest magnification (parameter 3623).
 const MOST_MAGNIFICATION: i64 = 100;
+/// These limits in words.
+const FURTHER: &str = "128 values for an axis, 1024 points for all, a change of 7 x 100 detection units between two points";
 /// Largest number of values of an axis, and numbers of points of all axes: 0 to 1023.
 const MOST_VALUES: usize = 128;
 const MOST_NUMBERS: usize = 1024;
@@ -52,7 +54,7 @@ pub(super) const FORMAT: Format = Format {
     sign: "a positive value moves the axis further in the positive direction between two points, in detection units: try one value",
     holds: &[Holds::Own, Holds::Repetition],
     // The limits hold for values and numbers, which `faults` knows; the detection unit is that of IS-B.
-    limits: FormatLimits { tables: 0, points: 0, value_mm: 0.0, resolution_mm: UNIT },
+    limits: FormatLimits { tables: 0, points: 0, value_mm: 0.0, resolution_mm: UNIT, further: FURTHER },
     round,
     faults,
     write,

@@ -31,7 +31,7 @@ pub(super) const FORMAT: Format = Format {
     sign: "values are measured minus programmed position; the control adds their negatives",
     holds: &[Holds::Own, Holds::Senses, Holds::Repetition],
     // 1500 entries unless P-COMP-00059 allows more; values have 32 bits (16 in old ones, 3.2767 mm).
-    limits: FormatLimits { tables: 0, points: 1500, value_mm: 3.2767, resolution_mm: 1e-4 },
+    limits: FormatLimits { tables: 0, points: 1500, value_mm: 3.2767, resolution_mm: 1e-4, further: "" },
     round,
     faults,
     write,

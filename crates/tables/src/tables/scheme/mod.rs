@@ -7,6 +7,7 @@ mod fit;
 mod functions;
 mod matrix;
 mod mesh;
+mod own;
 mod reversal;
 mod sums;
 mod trigonometric;
@@ -87,7 +88,7 @@ pub const SCHEMES: &[Scheme] = &[
     functions::SCHEME,
     mesh::SCHEME,
     matrix::SCHEME,
-    sums::OWN,
+    own::SCHEME,
     sums::POLYNOMIALS,
     sums::FREE,
     trigonometric::SCHEME,

@@ -29,15 +29,6 @@ pub(super) const FREE: Scheme = Scheme {
     fill: free,
 };
 
-pub(super) const OWN: Scheme = Scheme {
-    name: "own",
-    title: "a table for each axis over its own position, each point fitted freely",
-    needs: &[Holds::Own],
-    home: Orientation::Smooth,
-    finds_nodes: false,
-    fill: own,
-};
-
 fn polynomials(task: &Task<'_>) -> Result<Tables, String> {
     let powers = |axis| (1..=DEGREE).map(move |power| FitTerm::Power(axis, power));
     let terms: Vec<FitTerm> = [FitTerm::One].into_iter().chain(task.region.axes().flat_map(powers)).collect();
@@ -47,10 +38,6 @@ fn polynomials(task: &Task<'_>) -> Result<Tables, String> {
 fn free(task: &Task<'_>) -> Result<Tables, String> {
     let terms: Vec<FitTerm> = task.region.axes().flat_map(|axis| hats(task, axis)).collect();
     fill(task, &|_| terms.clone())
-}
-
-fn own(task: &Task<'_>) -> Result<Tables, String> {
-    fill(task, &|axis| hats(task, axis))
 }
 
 /// A function of an axis that is free at every point.
