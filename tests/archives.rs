@@ -128,7 +128,7 @@ fn support_files_are_called_what_they_are() {
         ("RUN.LOG", "12:00 started (\n", "log"),
     ] {
         let shop = Shop::new().file(name, text);
-        let says = format!("{name}: understood; a support file, not a program: {kind}; no diagnostics");
+        let says = format!("{name}: understood; a support file, not a program: {kind}; no errors or warnings");
         shop.run(["check", name, "--machine", &demo]).exits(0).says(&says);
         let json = shop.run(["check", name, "--json", "--machine", &demo]).exits(0).json();
         assert_eq!(json["support_file"], kind);

@@ -136,3 +136,21 @@ fn a_model_that_cannot_be_read_or_fitted_says_where_and_why() {
     let text = shop.run(arguments("none").into_iter().chain(select)).exits(2).stderr;
     assert!(text.contains("EXX ~ Y^2"), "{text}");
 }
+
+/// The same scatter at every Y: least squares over a grid give Y² the amount 0, so its interval contains 0. A term of 400 µm/m² is shown.
+#[test]
+fn a_term_that_the_readings_do_not_show_is_named() {
+    let mut text = "setup,run,X,Y,Z,dx_um\n".to_owned();
+    for y in [0.0, 100.0, 200.0, 300.0, 400.0] {
+        for (place, scatter) in [0.3, -0.2, 0.1, -0.4, 0.2].into_iter().enumerate() {
+            text += &format!("S1,r{y},{},{y},0,{scatter}\n", 100 * place);
+        }
+    }
+    let description = "[measurement]\nkind = \"displacement\"\nfree = [\"offset\"]\n";
+    let shop = shop().file("flat.csv", text).file("flat.toml", description);
+    let words = ["calibrate", "flat.csv", "--machine", "bench.toml", "--model", "EXX ~ Y^2", "-o", "out.toml"];
+    let run = shop.run(words).exits(0).says("warning[W0608]").says("its 95 % interval contains 0");
+    assert_eq!(run.stderr.matches("W0608").count(), 1, "{}", run.stderr);
+    let shown = shop.run(["calibrate", "grid.csv"].into_iter().chain(arguments("EXX1,EXX ~ Y^2").into_iter().skip(2)));
+    assert!(!shown.exits(0).stderr.contains("W0608"));
+}

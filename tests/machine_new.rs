@@ -54,7 +54,7 @@ fn every_template_passes_the_check_and_corrects_a_program() {
     for template in usable() {
         let (shop, sketch) = made(template, "sinumerik", '-', &["--picture", "m.svg"]);
         assert!(sketch.contains(template.topology), "{sketch}");
-        shop.run(["machine", "check", "m.toml"]).exits(0).says("m.toml: no diagnostics");
+        shop.run(["machine", "check", "m.toml"]).exits(0).says("m.toml: no errors or warnings");
         let text = shop.text("m.toml");
         assert!(text.contains("ASSUMED") && text.contains("Not measured"), "{text}");
         let svg = shop.text("m.svg");
@@ -250,7 +250,7 @@ fn machine_data_of_a_sinumerik_give_the_chain_of_traori() {
         assert!(text.contains(part), "{part}: {text}");
     }
     assert!(!text.contains("not closed"), "{text}");
-    shop.run(["machine", "check", "m.toml"]).exits(0).says("no diagnostics");
+    shop.run(["machine", "check", "m.toml"]).exits(0).says("no errors or warnings");
     // The data state two axes in the table.
     shop.run(["machine", "new", "h.toml", "--like", "head-ac", "--from", "md.ini"])
         .exits(2)

@@ -86,7 +86,7 @@ fn check_location(root: &mut Section<'_>, machine: &Machine, errors: &ErrorModel
             ),
         };
         let message =
-            format!("{name} has no effect on this machine: it moves the workpiece with everything on its side");
+            format!("{name} has no effect on this machine: it tilts the workpiece together with all axes on its side, so no angle between axes changes");
         root.report(Code::NO_EFFECT, section.place_of_key(&name.to_string()), message, help);
     }
 }

@@ -89,8 +89,8 @@ impl ZeroReport {
             .map(|(axis, um)| format!("{axis} {}{}", if um < 0.0 { "-" } else { "" }, micrometers(um.abs())))
             .collect();
         match parts.as_slice() {
-            [] => "no error of the machine if touched".to_owned(),
-            parts => format!("error if touched: {}", parts.join(", ")),
+            [] => "a touch-off here contains no error of the machine".to_owned(),
+            parts => format!("a touch-off here contains {}", parts.join(", ")),
         }
     }
 }

@@ -74,7 +74,7 @@ pub fn hint(sentence: &str, colors: Colors) -> String {
 pub fn count(errors: usize, warnings: usize) -> String {
     let one = |number: usize, word: &str| format!("{number} {word}{}", if number == 1 { "" } else { "s" });
     match (errors, warnings) {
-        (0, 0) => "no diagnostics".into(),
+        (0, 0) => "no errors or warnings".into(),
         (_, 0) => one(errors, "error"),
         (0, _) => one(warnings, "warning"),
         _ => format!("{}, {}", one(errors, "error"), one(warnings, "warning")),
@@ -124,7 +124,7 @@ mod tests {
 
     #[test]
     fn counts_are_words() {
-        assert_eq!(count(0, 0), "no diagnostics");
+        assert_eq!(count(0, 0), "no errors or warnings");
         assert_eq!(count(1, 0), "1 error");
         assert_eq!(count(2, 1), "2 errors, 1 warning");
     }

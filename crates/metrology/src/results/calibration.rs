@@ -242,7 +242,9 @@ impl PreparedFit<'_> {
                     let times = significant(left / described);
                     let name = &quality.name;
                     let message = format!("{name}: the residual (RMS) is {times} times {key}");
-                    let help = format!("choose a model with more parameters, measure faster, or correct {key}");
+                    let help = format!(
+                        "choose a model with more parameters, or correct {key}; if the readings drift, measure faster or add \"drift\" to free"
+                    );
                     findings.push(Diagnostic::nowhere(Code::POOR_FIT, message, help));
                 }
             }

@@ -108,6 +108,7 @@ fn excluded(fault: &DataDefect, is_held_out: bool) -> String {
         Then::Refuse => "the whole file".into(),
         Then::WithoutRows => "these rows".into(),
         Then::WithoutReadings(readings) if is_range(fault) => format!("{} readings in these rows", readings.len()),
+        Then::WithoutReadings(readings) if readings.len() == 1 => "1 single reading".into(),
         Then::WithoutReadings(readings) => format!("{} single readings", readings.len()),
         Then::OwnZero => "nothing; the rows after the step have their own zero".into(),
         Then::Nothing => "nothing".into(),
@@ -187,7 +188,7 @@ fn finding(fault: &DataDefect, set: &DataSet, is_held_out: bool, place: Option<P
         DefectKind::Sensor if matches!(fault.then, Then::InFahrenheit(_)) => {
             "converted for this diagnosis; convert the column, (°F − 32) / 1.8, for all users of the file".into()
         }
-        DefectKind::Compensated => "check whether a table of the control was active; if not, the model has expired".into(),
+        DefectKind::Compensated => "check whether a table of the control was active; if not, the model no longer fits the machine".into(),
         DefectKind::Order => "give the rows in the order of measurement, or the directions of motion in columns X_dir …".into(),
         _ => format!("excluded: {}", excluded(fault, is_held_out)),
     };

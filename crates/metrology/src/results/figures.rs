@@ -145,11 +145,11 @@ fn fill(group: &mut FigureGroup, figures: &Figures) {
             group.standard = Standard::Iso230Part2;
             group.unit = Unit::of(*is_angle);
             let fewer =
-                if figures.runs < RUNS { format!(" of the {RUNS} that the standard requires") } else { String::new() };
+                if figures.runs < RUNS { format!(", the standard requires {RUNS}") } else { String::new() };
             group.conditions =
                 vec![format!("{} targets", figures.targets.len()), format!("{} runs{fewer}", figures.runs)];
             if *without_drift {
-                group.conditions.push("without drift".into());
+                group.conditions.push("zero drift removed".into());
             }
             if *left_out > 0 {
                 group.conditions.push(format!("{left_out} left out, direction unknown"));

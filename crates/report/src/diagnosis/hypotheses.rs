@@ -57,7 +57,7 @@ impl DiagnosisReport {
         }
         let unseen = if one.gain_is_held_out { "the data held out" } else { "parts left out in turn" };
         let gain = match one.gain_unseen {
-            Some(gain) if gain >= 0.0 => format!("{:.0} % less residual on {unseen}", 100.0 * gain),
+            Some(gain) if gain >= 0.0 => format!("{:.0} % smaller residual on {unseen}", 100.0 * gain),
             Some(gain) => format!("{:.0} % more residual on {unseen}", -100.0 * gain),
             None => "no part that was left out can show whether it improves the prediction".into(),
         };

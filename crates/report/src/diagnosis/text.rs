@@ -115,7 +115,15 @@ impl DiagnosisReport {
                 );
             }
             if !found.unexplained.structure {
-                return "The model explains the readings within their noise: the machine file needs no change.".into();
+                // The explanations below the verdict may name causes that are probable and not accepted.
+                return match self.found.explanations.first().filter(|first| !first.terms.is_empty()) {
+                    Some(first) if first.probability >= 0.5 => format!(
+                        "No cause passes all tests, although {} is probable ({}). Next: measure more readings in both directions.",
+                        first.terms.join(" with "),
+                        probability(first.probability)
+                    ),
+                    _ => "The model explains the readings within their noise: the machine file needs no change.".into(),
+                };
             }
             return format!(
                 "{} {unit} RMS are systematic, but no cause is certain. Next: measure more set-ups, in both directions of every axis.",
@@ -217,9 +225,10 @@ impl DiagnosisReport {
             _ => String::new(),
         };
         let holds = if self.output.is_some() { "holds" } else { "would hold" };
-        let count = match written.causes {
-            1 => "1 cause".to_owned(),
-            count => format!("{count} causes"),
+        let all = self.found.findings.len();
+        let count = match (written.causes, all) {
+            (own, 1) => format!("{own} of 1 cause"),
+            (own, all) => format!("{own} of {all} causes"),
         };
         let cancels = if written.after_rms_um > written.before_rms_um {
             " Causes that a file cannot hold cancel a part of its correction in these readings."
@@ -228,14 +237,13 @@ impl DiagnosisReport {
         };
         let travel = written.travel.map_or(String::new(), |travel| {
             format!(
-                " A test on lines through the whole travel: {} µm RMS before the correction with it, {} µm after, as it predicts.",
+                " Predicted with the extended file, on lines through the whole travel: {} µm RMS uncorrected, {} µm corrected.",
                 significant(travel.before_rms_um),
                 significant(travel.after_rms_um)
             )
         });
         Some(format!(
-            "The extended machine file {holds} {count} of {}: residual {} → {} {unit} RMS{held_out}.{cancels}{travel}",
-            self.found.findings.len(),
+            "The extended machine file {holds} {count}: residual {} → {} {unit} RMS{held_out}.{cancels}{travel}",
             significant(written.before_rms_um),
             significant(written.after_rms_um)
         ))
@@ -261,7 +269,10 @@ impl DiagnosisReport {
         let without = self.found.without_model.holdout_rms_um.unwrap_or(self.found.without_model.rms_um);
         self.found.expired.then(|| {
             let unit = self.unit_sign();
-            format!("The model has expired: without any model the residual is {} {unit} RMS.", significant(without))
+            format!(
+                "The model predicts worse than no model, with which the residual is {} {unit} RMS.",
+                significant(without)
+            )
         })
     }
 
@@ -326,7 +337,7 @@ impl DiagnosisReport {
             .take(CAUSES)
             .map(|one| {
                 let what = one.what.as_deref().and_then(|what| what.strip_prefix("unknown: "));
-                let what = what.map_or_else(|| one.name(), |what| what.trim_end_matches("; shape attached").to_owned());
+                let what = what.map_or_else(|| self.distinct_name(one), |what| what.trim_end_matches("; shape attached").to_owned());
                 format!("{what}, {} ({:.0} % of the sum of squares)", one.size(), 100.0 * one.share)
             })
             .collect();
@@ -399,18 +410,30 @@ impl DiagnosisReport {
             let _ = writeln!(out, "\nWritten: {path}");
             for one in self.found.findings.iter().filter(|one| !one.extends) {
                 let why = one.extends_why.as_deref().unwrap_or("it has no entry");
-                let _ = writeln!(out, "Not written: {}: {why}.", one.name());
+                let _ = writeln!(out, "Not written: {}: {why}.", self.distinct_name(one));
             }
         }
+    }
+
+    /// Returns the name of a finding, with its form if another finding has the same name.
+    fn distinct_name(&self, one: &CauseReport) -> String {
+        one.name() + &self.form_among(one)
+    }
+
+    /// Returns the form of a finding, after a comma, if another finding has the same name; else nothing.
+    fn form_among(&self, one: &CauseReport) -> String {
+        let alike = self.found.findings.iter().filter(|other| other.name() == one.name()).count();
+        if alike > 1 { format!(", {}", one.form()) } else { String::new() }
     }
 
     fn cause(&self, rank: usize, one: &CauseReport, out: &mut String) {
         let words = spelled_out(&one.parameter).filter(|_| one.is_component());
         let words = words.map_or(String::new(), |words| format!(" ({words})"));
-        let _ = writeln!(out, "\n{rank}. {}{words}{}: {} (95 %)", one.name(), by_sensor(one), one.size());
+        let form = self.form_among(one);
+        let _ = writeln!(out, "\n{rank}. {}{words}{form}{}: {} (95 %)", one.name(), by_sensor(one), one.size());
         let _ = writeln!(
             out,
-            "   explains {} {} RMS, {:.0} % of the residual; on unseen readings {:.0} % less residual; {}{}",
+            "   explains {} {} RMS, {:.0} % of the residual; {:.0} % smaller residual on readings not used; {}{}",
             significant(one.rms_um),
             self.unit_sign(),
             100.0 * one.share,
@@ -486,6 +509,20 @@ impl CauseText for CauseReport {
 
     fn name(&self) -> String {
         name(&self.effect, &self.parameter)
+    }
+
+    /// Returns the form of the effect over its drivers: what tells it from another finding of the same name.
+    fn form(&self) -> String {
+        let over = if self.drivers.is_empty() { String::new() } else { format!(" over {}", self.drivers.join(" and ")) };
+        match (self.threshold_mm, &self.threshold_axis, self.period) {
+            (Some([low, high]), Some(axis), _) => {
+                format!("on one side of {axis} {} to {} mm", significant(low), significant(high))
+            }
+            (_, _, Some(period)) => format!("period {}{over}", significant(period)),
+            // A slope has a unit per length or angle; a range over the travel does not.
+            _ if self.unit.contains('/') => format!("a line{over}"),
+            _ => format!("a curve{over}"),
+        }
     }
 
     fn full_name(&self) -> String {

@@ -264,12 +264,12 @@ fn changes(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Result<Vec<Ch
         EffectKind::ThermalSquareness => Err("the machine file has no angle between axes that depends on a temperature: setting the zero point removes a drift, but not an angle; beams ([[segment]]) tilt axes if the structure and its sensors are known"
             .into()),
         EffectKind::Drift => {
-            Err("it depends on time, and the time at which a program will run is not known; log temperatures: a drift with temperature has an entry ([[drift]])"
+            Err("it depends on time, and the time at which a program will run is not known; log temperatures: the machine file can hold a drift only if it follows a temperature ([[drift]])"
                 .into())
         }
         EffectKind::Setup | EffectKind::Probe => Err("it belongs to the instrument and its set-up, not to the machine".into()),
         EffectKind::SpindleSpeed => {
-            Err("it depends on the spindle speed, and errors of the machine file do not; a temperature sensor at the spindle makes it a drift with temperature, which has an entry ([[drift]])"
+            Err("it depends on the spindle speed, and errors of the machine file do not; with a temperature sensor at the spindle it is a drift that follows a temperature, which the machine file can hold ([[drift]])"
                 .into())
         }
         EffectKind::Earlier => Err("this was the state in earlier files; the machine file has the current state".into()),

@@ -27,7 +27,10 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
             name: data.name.clone(),
             what: "far from neighbors and repetitions".into(),
             rows: [first.0, last.0],
-            evidence: format!("{} readings are more than {FAR} times the noise from both", readings.len()),
+            evidence: match readings.len() {
+                1 => format!("1 reading is more than {FAR} times the noise from both"),
+                count => format!("{count} readings are more than {FAR} times the noise from both"),
+            },
             then: Then::WithoutReadings(readings),
         });
     }
