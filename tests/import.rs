@@ -278,7 +278,8 @@ fn ball_bar_circles_give_squareness_and_scales() {
         }
     }
     let shop = shop().file("bar.csv", text);
-    let run = import(&shop, "bar.csv", "tool.toml", &["--at", "X300,Y250,Z100", "--tool", "50", "--turn", "ccw"]).exits(0);
+    let run =
+        import(&shop, "bar.csv", "tool.toml", &["--at", "X300,Y250,Z100", "--tool", "50", "--turn", "ccw"]).exits(0);
     assert!(run.stderr.contains("20 readings of the overshoot are cut"), "{}", run.stderr);
     let description = shop.text("out.toml").replace("free = [\"centre\", \"length\"]", "free = [\"centre\"]");
     let shop = shop.file("out.toml", description);

@@ -150,7 +150,8 @@ fn rows_against_the_name_of_their_run_are_refused() {
         let mut text = format!("run,X,Y,Z{columns},dr_um\n");
         for deg in angles() {
             let (sin, cos) = deg.to_radians().sin_cos();
-            writeln!(text, "{label},{:.4},{:.4},100{},0.1", 300.0 + 100.0 * cos, 250.0 + 100.0 * sin, cells(deg)).unwrap();
+            writeln!(text, "{label},{:.4},{:.4},100{},0.1", 300.0 + 100.0 * cos, 250.0 + 100.0 * sin, cells(deg))
+                .unwrap();
         }
         text
     };

@@ -85,8 +85,9 @@ fn check_location(root: &mut Section<'_>, machine: &Machine, errors: &ErrorModel
                 names.join(" or ")
             ),
         };
-        let message =
-            format!("{name} has no effect on this machine: it tilts the workpiece together with all axes on its side, so no angle between axes changes");
+        let message = format!(
+            "{name} has no effect on this machine: it tilts the workpiece together with all axes on its side, so no angle between axes changes"
+        );
         root.report(Code::NO_EFFECT, section.place_of_key(&name.to_string()), message, help);
     }
 }

@@ -45,11 +45,25 @@ impl TablesReport {
         if let Some([x, y, z]) = self.found.grid {
             let _ = writeln!(page, "a grid of {x} x {y} x {z} nodes");
         }
+        let has_times = self.found.rows.iter().any(|row| row.times.is_some());
+        let is_rotary =
+            |wanted: bool| self.found.rows.iter().any(|row| row.output.starts_with(['A', 'B', 'C']) == wanted);
         if !self.found.rows.is_empty() {
-            page.push_str("   no  corrects  over  points           range        largest  times\n");
+            let times = if has_times { "  times" } else { "" };
+            let unit = match (is_rotary(true), is_rotary(false)) {
+                (true, true) => "mm, °",
+                (true, false) => "°",
+                _ => "mm",
+            };
+            let _ = writeln!(
+                page,
+                "   no  corrects  over  points           range  {:>12}{times}",
+                format!("largest {unit}")
+            );
         }
         for row in self.found.rows.iter().take(MOST_ROWS) {
             let times = row.times.map_or(String::new(), |times| times.to_string());
+            let times = if has_times { format!("  {times:>5}") } else { String::new() };
             let notes = match (row.sense, row.modulo, row.enabled) {
                 (_, _, false) => " off",
                 (Sense::Both, false, _) => "",
@@ -60,7 +74,7 @@ impl TablesReport {
             let [low, high] = row.range;
             let _ = writeln!(
                 page,
-                "  {:>3}  {:>8}  {:>4}  {:>6}  {low:>7} .. {high:<7}  {:>10.6}  {times:>5}{notes}",
+                "  {:>3}  {:>8}  {:>4}  {:>6}  {low:>7} .. {high:<7}  {:>10.6}{times}{notes}",
                 row.number, row.output, row.input, row.points, row.largest
             );
         }

@@ -36,8 +36,8 @@ Examples:
   ncfix machine show --origin --setup job.toml";
 
 pub(in crate::cli) const NEW: &str = "\
-On a terminal, ncfix asks for travels, senses and pivots that no option states. In a script it assumes the travels of the template, and marks them in the \
-file. It never assumes the sense of a rotary axis or a point on it.
+On a terminal, ncfix asks for travels, directions and pivots that no option states. In a script it assumes the travels of the template, and marks them in the \
+file. It never assumes the direction of a rotary axis or a point on it.
 
 Examples:
   ncfix machine new --list

@@ -78,7 +78,7 @@ pub(in crate::cli) struct NewMachineArguments {
     /// Data of the control: Sinumerik machine data, LinuxCNC INI, Grbl settings ($$); repeatable
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) from: Vec<PathBuf>,
-    /// Write a picture of the chain with the senses of its axes
+    /// Write a picture of the chain with the directions of its axes
     #[arg(long, value_name = "PICTURE.svg")]
     pub(in crate::cli) picture: Option<PathBuf>,
 }

@@ -236,16 +236,13 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
 ///
 /// # Errors
 /// If a cell is no direction.
-fn stated_turns(
-    inquiry: &Inquiry<'_>,
-    table: &GridTable,
-    columns: &CircleColumns,
-) -> Result<Vec<f64>, ImportStop> {
+fn stated_turns(inquiry: &Inquiry<'_>, table: &GridTable, columns: &CircleColumns) -> Result<Vec<f64>, ImportStop> {
     let mut found: Vec<f64> = columns.readings.iter().filter_map(|(_, heading)| heading.turn).map(f64::from).collect();
     for row in &table.rows {
         let cell = columns.sense.and_then(|column| row.cells.get(column)).filter(|cell| !cell.text.is_empty());
         if let Some(cell) = cell {
-            let wrong = |message| inquiry.refused(message, "write ccw or cw in the column of the direction", row.number);
+            let wrong =
+                |message| inquiry.refused(message, "write ccw or cw in the column of the direction", row.number);
             found.push(answers::turn(&cell.text).map_err(wrong)?);
         }
     }

@@ -210,9 +210,14 @@ mod tests {
 
     #[test]
     fn names_of_runs_may_have_a_direction() {
-        for (label, expected) in
-            [("2-cw", Some(false)), ("ccw", Some(true)), ("CCW2", Some(true)), ("1", None), ("cw ccw", None), ("cwt", None)]
-        {
+        for (label, expected) in [
+            ("2-cw", Some(false)),
+            ("ccw", Some(true)),
+            ("CCW2", Some(true)),
+            ("1", None),
+            ("cw ccw", None),
+            ("cwt", None),
+        ] {
             assert_eq!(named(label), expected, "{label}");
         }
     }

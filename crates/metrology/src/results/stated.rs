@@ -167,8 +167,11 @@ fn doubt(one: &StatedHypothesis, amounts: &[TermAmount], place: Place) -> Option
             format!("{value} ± {u95} {}", own.unit.replacen('u', "µ", 1))
         })
         .collect();
-    let message =
-        format!("{}: the readings do not show this term: its 95 % interval contains 0 ({})", one.text, sizes.join(", "));
+    let message = format!(
+        "{}: the readings do not show this term: its 95 % interval contains 0 ({})",
+        one.text,
+        sizes.join(", ")
+    );
     let help = "remove the term, or measure where it acts; `ncfix diagnose --hypothesis` weighs the evidence";
     Some(Diagnostic::at(Code::NOT_SHOWN, place, message, help))
 }

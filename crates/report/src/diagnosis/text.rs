@@ -337,7 +337,10 @@ impl DiagnosisReport {
             .take(CAUSES)
             .map(|one| {
                 let what = one.what.as_deref().and_then(|what| what.strip_prefix("unknown: "));
-                let what = what.map_or_else(|| self.distinct_name(one), |what| what.trim_end_matches("; shape attached").to_owned());
+                let what = what.map_or_else(
+                    || self.distinct_name(one),
+                    |what| what.trim_end_matches("; shape attached").to_owned(),
+                );
                 format!("{what}, {} ({:.0} % of the sum of squares)", one.size(), 100.0 * one.share)
             })
             .collect();
@@ -513,7 +516,8 @@ impl CauseText for CauseReport {
 
     /// Returns the form of the effect over its drivers: what tells it from another finding of the same name.
     fn form(&self) -> String {
-        let over = if self.drivers.is_empty() { String::new() } else { format!(" over {}", self.drivers.join(" and ")) };
+        let over =
+            if self.drivers.is_empty() { String::new() } else { format!(" over {}", self.drivers.join(" and ")) };
         match (self.threshold_mm, &self.threshold_axis, self.period) {
             (Some([low, high]), Some(axis), _) => {
                 format!("on one side of {axis} {} to {} mm", significant(low), significant(high))

@@ -72,7 +72,11 @@ pub(super) fn find(inquiry: &mut Inquiry<'_>, table: &GridTable) -> Result<Circl
     let is_wide = readings.len() > 1;
     if is_wide && (run.is_some() || sense.is_some()) {
         let message = "the table has a column for each circle, and a column of runs or directions";
-        return Err(inquiry.refused(message, "name the columns with --columns; write - for one that is not read", line));
+        return Err(inquiry.refused(
+            message,
+            "name the columns with --columns; write - for one that is not read",
+            line,
+        ));
     }
     if is_wide && readings.iter().enumerate().any(|(k, (_, one))| readings[..k].iter().any(|(_, other)| one == other)) {
         let message = "two columns have the same run and direction";

@@ -101,8 +101,9 @@ pub(super) fn facts(text: &DecodedText, table: &GridTable) -> CircleFacts {
         let value = value.trim().trim_matches([';', ',', '"', ' ']).to_lowercase();
         let number = grid::number(value.split_whitespace().next().unwrap_or_default(), table.decimal);
         // The unit of a length is in its key, as in `Radius [inch]`, or behind its value.
-        let unit =
-            grid::heading_of(&key).unit.or(value.split_once(char::is_whitespace).and_then(|(_, u)| ReadingUnit::find(u)));
+        let unit = grid::heading_of(&key)
+            .unit
+            .or(value.split_once(char::is_whitespace).and_then(|(_, u)| ReadingUnit::find(u)));
         let length_mm = number.map(|value| match unit {
             Some(unit @ ReadingUnit::Length(..)) => unit.inner(value),
             _ => value,

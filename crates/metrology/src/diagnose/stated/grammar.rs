@@ -131,7 +131,9 @@ fn is_shape(words: &[&str]) -> bool {
     match words {
         [] => true,
         [one] => one.strip_suffix("_dir").is_some_and(is_axis),
-        ["sin" | "cos", wave] => wave.split_at_checked(1).is_some_and(|(number, axis)| is_number(number) && is_axis(axis)),
+        ["sin" | "cos", wave] => {
+            wave.split_at_checked(1).is_some_and(|(number, axis)| is_number(number) && is_axis(axis))
+        }
         [axis, "lag"] => is_axis(axis),
         [axis, "order", number] => is_axis(axis) && is_number(number),
         [axis, "and", other] => is_axis(axis) && is_axis(other),
@@ -229,7 +231,9 @@ impl<'t> Reader<'t, '_> {
                 let words: Vec<&str> = own.split_whitespace().collect();
                 if !is_shape(words.get(1..).unwrap_or_default()) {
                     let rest = own.get(first.len()..).unwrap_or_default().trim();
-                    let message = format!("'{rest}' is not a form of {component}; '~' is missing if it is what {component} depends on");
+                    let message = format!(
+                        "'{rest}' is not a form of {component}; '~' is missing if it is what {component} depends on"
+                    );
                     self.fault(span, message, EXAMPLES.to_owned());
                     return None;
                 }

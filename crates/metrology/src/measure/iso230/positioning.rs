@@ -205,9 +205,9 @@ pub fn figures(readings: &[ApproachReading]) -> Result<PositioningFigures, Figur
     if both.is_none() && up.is_none() && down.is_none() {
         let only_up = targets.iter().find(|target| target.down.is_none());
         let only_down = targets.iter().find(|target| target.up.is_none());
-        return Err(only_up.zip(only_down).map_or(FiguresError::Nothing, |(up, down)| {
-            FiguresError::Mixed(up.position, down.position)
-        }));
+        return Err(only_up
+            .zip(only_down)
+            .map_or(FiguresError::Nothing, |(up, down)| FiguresError::Mixed(up.position, down.position)));
     }
     Ok(PositioningFigures { up, down, both, targets, runs })
 }

@@ -31,7 +31,8 @@ const MOST_VALUE: i64 = 7;
 /// Largest magnification (parameter 3623).
 const MOST_MAGNIFICATION: i64 = 100;
 /// These limits in words.
-const FURTHER: &str = "128 values for an axis, 1024 points for all, a change of 7 x 100 detection units between two points";
+const FURTHER: &str =
+    "128 values for an axis, 1024 points for all, a change of 7 x 100 detection units between two points";
 /// Largest number of values of an axis, and numbers of points of all axes: 0 to 1023.
 const MOST_VALUES: usize = 128;
 const MOST_NUMBERS: usize = 1024;
