@@ -57,7 +57,7 @@ impl TablesReport {
             };
             let _ = writeln!(
                 page,
-                "   no  corrects  over  points           range  {:>12}{times}",
+                "   no  corrects  over  points           range  {:>14}{times}",
                 format!("largest {unit}")
             );
         }

@@ -487,6 +487,8 @@ pub(crate) trait CauseText {
     /// Returns true if its parameter is an error component, which is spelled out; other effects have words of their own.
     fn is_component(&self) -> bool;
     /// Returns effect and parameter.
+    /// Form of the effect over its drivers: what tells it from another finding of the same name.
+    fn form(&self) -> String;
     fn name(&self) -> String;
     /// Returns effect and parameter, and the drivers if the cause is unnamed.
     fn full_name(&self) -> String;
@@ -514,7 +516,6 @@ impl CauseText for CauseReport {
         name(&self.effect, &self.parameter)
     }
 
-    /// Returns the form of the effect over its drivers: what tells it from another finding of the same name.
     fn form(&self) -> String {
         let over =
             if self.drivers.is_empty() { String::new() } else { format!(" over {}", self.drivers.join(" and ")) };
