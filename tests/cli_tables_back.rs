@@ -171,3 +171,34 @@ fn tables_that_state_no_errors_of_single_axes_are_refused() {
     run.exits(2).says("already states errors");
     assert!(!shop.names().contains(&"back.toml".to_owned()));
 }
+
+/// A machine with a curved positioning error of X, 40 µm/m and 60 µm/m², a scale error of Y, and two squarenesses. The table of X has the correction along the line through
+/// the middle of the travel and nothing of the other errors: its sums are the rounded polynomial.
+#[test]
+fn the_own_table_of_an_axis_is_as_smooth_as_its_error() {
+    let poly = |component: &str, values: &str| {
+        format!("[[motion]]\ncomponent = \"{component}\"\nkind = \"polynomial\"\ncoefficients = {values}\n")
+    };
+    let errors =
+        poly("EXX", "[0.0, 4.0e-5, 6.0e-8]") + &poly("EYY", "[0.0, -3.0e-5]") + "[location]\nEC0Y = 60\nEB0Z = -80\n";
+    let shop = Shop::new().file("m.toml", mill("wFXYZSt", 1) + &errors);
+    let make =
+        ["tables", "--machine", "m.toml", "--format", "pitch", "--scheme", "own", "--points", "31", "-o", "P.csv"];
+    shop.run(make).exits(0);
+    let text = shop.text("P.csv");
+    let mut sum = 0.0;
+    let mut count = 0;
+    let values = text.lines().skip_while(|line| *line != "number,axis,position,value").skip(1);
+    for cells in values.map(|line| line.split(',').collect::<Vec<_>>()).filter(|cells| cells[1] == "X") {
+        let (x, value): (f64, f64) = (cells[2].parse().unwrap(), cells[3].parse().unwrap());
+        sum += value;
+        let m = x / 1000.0;
+        // Below the travel the correction stays that of its start, 0.
+        let exact_um = if x > 0.0 { -(40.0 * m + 60.0 * m * m) } else { 0.0 };
+        assert!((sum - exact_um).abs() <= 0.5 + 0.05, "X {x}: {sum} instead of {exact_um}\n{text}");
+        count += 1;
+    }
+    assert!(count >= 30, "{text}");
+    // The limits that the control has are listed.
+    assert!(shop.run(["tables", "--list"]).exits(0).stdout.contains("128 values for an axis"), "limits");
+}

@@ -327,3 +327,54 @@ fn a_step_is_found_beside_a_drift() {
     let (hits, missed, wrong) = steps_beside_drifts(5.0, 1..=8);
     assert!(wrong.is_empty() && 10 * hits[0] >= 9 * hits[1], "{hits:?} {missed:#?} {wrong:#?}");
 }
+
+/// A laser whose runs differ by whole steps of its display, 0.1 µm: most neighbors agree exactly, which is no noise of zero. The repetitions differ by up to
+/// 0.4 µm. A reading that is 5 µm off stays a fault.
+#[test]
+fn readings_that_agree_by_chance_make_no_outliers() {
+    // Targets 0 to 400 mm upwards and back, five runs; a laser as it printed them.
+    let up = [
+        [0.1, 0.2, 0.0, -0.2, 0.1],
+        [2.1, 2.2, 2.0, 1.8, 2.1],
+        [5.1, 5.2, 5.0, 4.8, 5.1],
+        [7.1, 7.2, 7.0, 6.8, 7.1],
+        [9.0, 9.2, 9.0, 8.8, 9.1],
+    ];
+    let down = [
+        [-4.8, -5.0, -5.1, -4.7, -4.9],
+        [-2.8, -3.0, -3.1, -2.7, -2.9],
+        [0.2, 0.0, -0.1, 0.3, 0.1],
+        [2.2, 2.0, 1.9, 2.3, 2.1],
+        [4.2, 4.0, 3.9, 4.3, 4.1],
+    ];
+    let table = |off_um: f64| {
+        let mut text = "run,component,X,Y,Z,X_dir,value_um\n".to_owned();
+        for run in 0..5 {
+            for (place, values) in up.iter().enumerate() {
+                let off = if (run, place) == (2, 2) { off_um } else { 0.0 };
+                text += &format!("{run},EXX,{},200,100,1,{:.1}\n", 100 * place, values[run] + off);
+            }
+            for (place, values) in down.iter().enumerate().rev() {
+                text += &format!("{run},EXX,{},200,100,-1,{:.1}\n", 100 * place, values[run]);
+            }
+        }
+        text
+    };
+    let machine = "[machine]\nname = \"mill\"\ntopology = \"wFXYZSt\"\n[axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [0, 700]\n\
+        [axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [0, 500]\n[axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-100, 400]\n";
+    let description = "[measurement]\nkind = \"direct\"\nfree = [\"offset\"]\n";
+    for (off_um, is_fault) in [(0.0, false), (5.0, true)] {
+        let shop = crate::support::Shop::new()
+            .file("m.toml", machine)
+            .file("laser.csv", table(off_um))
+            .file("laser.toml", description);
+        let run = shop.run(["diagnose", "laser.csv", "--machine", "m.toml"]);
+        assert_eq!(
+            run.stderr.contains("W0607") && run.stderr.contains("far from neighbors"),
+            is_fault,
+            "{}",
+            run.stderr
+        );
+        assert!(!is_fault || run.stderr.contains("1 reading is more than 7 times the noise"), "{}", run.stderr);
+    }
+}
