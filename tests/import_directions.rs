@@ -252,7 +252,7 @@ fn an_end_target_that_is_read_twice_is_the_turn() {
         lines.collect()
     };
     put(&shop, "out.csv", &(single.join("\n") + "\n"));
-    let group = figures(shop);
+    let group = figures(&shop);
     let reason = group["reason"].as_str().unwrap_or_else(|| panic!("{group}"));
     assert!(reason.contains("X 0 mm") && reason.contains("X_dir"), "{reason}");
 }
