@@ -128,7 +128,7 @@ fn columns_of_circles_are_runs_with_their_directions() {
     demand_both(&shop);
 }
 
-/// A table that is sorted by angle does not tell the direction; `--turn` does, also for one circle.
+/// A table that is sorted by angle leaves the direction open; `--turn` states it, also for one circle.
 #[test]
 fn ascending_angles_alone_are_no_direction() {
     let mut text = format!("{HEAD}angle_deg;dev_um\n");
@@ -241,7 +241,7 @@ fn an_end_target_that_is_read_twice_is_the_turn() {
     assert_eq!(all[0], all[1]);
     // The mean reversal value of ISO 230-2 is the whole one.
     assert!((value(&all[1].1, "B mean") - 2.0 * HALF).abs() < 0.2, "{}", all[1].1);
-    // The end target only once: what the order does not tell is asked, never left out without a word.
+    // The end target only once: what the order leaves open is asked, never left out without a word.
     let single: Vec<&str> = {
         let mut last = "";
         let lines = text.lines().filter(|line| {

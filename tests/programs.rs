@@ -100,8 +100,9 @@ fn every_program_is_corrected_to_below_a_micrometer() {
         // Three axes are off by up to half an increment each, a quarter in the mean.
         let increment = increment_um(&name);
         assert!(number("after", "mean_um") < 0.5 + 0.5 * increment, "{program}: {json}");
-        // The tolerance of a piece, and the rounding.
-        assert!(number("after", "max_um") < 1.0 + increment, "{program}: {json}");
+        // The tolerance of a piece, or of a hole that stays a cycle, and the rounding.
+        let has_cycles = json["drilling_cycles"].as_u64().is_some_and(|count| count > 0);
+        assert!(number("after", "max_um") < if has_cycles { 2.0 } else { 1.0 } + increment, "{program}: {json}");
         // Nothing is found but, where there is radius compensation, that it is worked out.
         let source = fs::read(repository(&format!("samples/programs/{dialect}/{program}"))).unwrap();
         let compensates = source.windows(3).any(|word| word == b"G41" || word == b"G42");

@@ -206,7 +206,7 @@ impl PreparedFit<'_> {
         for (row, place) in weighted_down(fit, &self.used) {
             let size = format!("{} {}", significant(row.residual), row.unit.sign());
             let message = format!("the residual of this reading is {size}; its weight is {:.0} %", row.weight * 100.0);
-            // Where the table does not tell the direction of approach, the model has no backlash for the reading: the reading is not at fault.
+            // Where the direction of approach does not follow from the table, the model has no backlash for the reading: the reading is not at fault.
             let help = if row.is_without_direction {
                 "its direction of approach is not known, so the model has no backlash for it: give the directions in columns X_dir …"
             } else {

@@ -124,7 +124,7 @@ pub fn read(source: &Source, machine: &Machine, sets: &[&DataSet]) -> (Vec<State
 
 const EXAMPLES: &str = "write an error and what it depends on, for example EXX ~ Y^2 or EYY ~ T_head_C lag 600s, or a cause, for example backlash EXX";
 
-/// True for the words behind the component in the name of an explanation: none, `X order 2`, `sin 1C`, `X_dir`, `X and Y`, `X lag`.
+/// True for the words after the component in the name of an explanation: none, `X order 2`, `sin 1C`, `X_dir`, `X and Y`, `X lag`.
 fn is_shape(words: &[&str]) -> bool {
     let is_axis = |word: &str| AXES.iter().any(|axis| axis.to_string() == word);
     let is_number = |word: &str| !word.is_empty() && word.bytes().all(|byte| byte.is_ascii_digit());

@@ -2,7 +2,7 @@
 //!
 //! In 0, 100, 200, 200, 100, 0 the axis overruns the end target between its two readings and comes back, so the second reading belongs to the way back. The
 //! readings of one component in a run are blocks at one position. Every block on the way has n readings. A block at which the motion turns then has n if
-//! the target was read on one way only, and 2 n if it was read on both. A block of another size does not tell: its direction is unknown after the first n.
+//! the target was read on one way only, and 2 n if it was read on both. A block of another size leaves it open: its direction is unknown after the first n.
 
 use ncfix_base::geometry::Axis;
 

@@ -39,7 +39,7 @@ pub struct FormatLimits {
     pub value_mm: f64,
     /// Smallest difference of two written values, mm.
     pub resolution_mm: f64,
-    /// Limits of other kinds in words, which the format checks itself; empty if there are none.
+    /// Limits of other kinds in words, which the format checks itself; else empty.
     pub further: &'static str,
 }
 
