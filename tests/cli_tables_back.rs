@@ -180,7 +180,7 @@ fn the_own_table_of_an_axis_is_as_smooth_as_its_error() {
         format!("[[motion]]\ncomponent = \"{component}\"\nkind = \"polynomial\"\ncoefficients = {values}\n")
     };
     let errors =
-        poly("EXX", "[0.0, 4.0e-5, 6.0e-8]") + &poly("EYY", "[0.0, -3.0e-5]") + "[location]\nEC0Y = 60\nEB0Z = -80\n";
+        poly("EXX", "[0.0, 4.0e-5, 6.0e-8]") + &poly("EYY", "[0.0, -3.0e-5]") + "[location]\nEC0Y = -60\nEB0Z = 80\n";
     let shop = Shop::new().file("m.toml", mill("wFXYZSt", 1) + &errors);
     let make =
         ["tables", "--machine", "m.toml", "--format", "pitch", "--scheme", "own", "--points", "31", "-o", "P.csv"];

@@ -532,8 +532,7 @@ E0601 if the rows then differ in their cells.";
     IMPORT_CONTRADICTION = "E0618" "file contradicts what it seems to be"
 "The content of the file does not agree with the options of `ncfix import`, or with itself. Examples are a position outside of the travel
 of the machine, a deviation that is not actual minus nominal, an axis that the machine lacks, a unit that the heading contradicts. Correct
-the option, or export the file again. A measurement of a ball-bar has this code too if its rows go against the direction in the name of
-their run, such as 2-cw, or against the columns X_dir and so on: put the rows into the order of the motion.";
+the option, or export the file again.";
     NOT_FOR_LINK = "E0701" "line that the link cannot send"
 "A line of the corrected program is too long for the control at the other end of the link, or has a character that means something
 else there: Grbl takes ! ? ~ out of the stream wherever they occur. Or the program is of a dialect that this control does not execute:

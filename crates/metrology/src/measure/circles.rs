@@ -149,7 +149,7 @@ fn by_sense(rows: &[(usize, f64)]) -> Vec<(&[(usize, f64)], bool)> {
 /// Share of the rows of a circle whose stated directions must oppose the order of the rows for a contradiction: measured positions jitter at the reversals.
 const MOST: f64 = 0.5;
 
-/// Reports circles whose rows go against the name of their run (`ccw`, `cw`), or against their columns `X_dir` …: figures follow the rows, backlash the
+/// Warns of circles whose rows go against the name of their run (`ccw`, `cw`), or against their columns `X_dir` …: figures follow the rows, backlash the
 /// columns, so that each would silently contradict the other.
 pub(super) fn contradictions(machine: &Machine, data: &DataSet, findings: &mut Vec<Diagnostic>) {
     if data.kind.measurand != Measurand::BallDistance || data.is_plan {
@@ -171,7 +171,7 @@ pub(super) fn contradictions(machine: &Machine, data: &DataSet, findings: &mut V
         };
         if !told.contains(&first.run) {
             told.push(first.run);
-            findings.push(Diagnostic::at(Code::IMPORT_CONTRADICTION, first.place, message, help));
+            findings.push(Diagnostic::at(Code::FAULTY_DATA, first.place, message, help));
         }
     }
 }

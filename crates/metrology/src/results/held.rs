@@ -99,7 +99,7 @@ impl ComparedMeasurement<'_> {
             left_max: shown(whole.left[1]),
             sigma: self.sigmas[usize::from(angles)].map(shown),
             efficiency: whole.efficiency,
-            kept: self.kept(&is_of_unit).map(|kept| KeptReadings {
+            kept: self.kept(is_of_unit).map(|kept| KeptReadings {
                 left_rms: shown(kept.left_rms),
                 left_max: shown(kept.left_max),
                 ..kept

@@ -22,21 +22,30 @@ struct Block {
     at: f64,
 }
 
+/// The readings of one component in a run.
+struct ReadSeries {
+    /// Indices of set-up and run, and the number of the target.
+    key: (usize, usize, usize),
+    axis: Axis,
+    /// Their rows.
+    rows: Vec<usize>,
+}
+
 /// Sets the directions of readings of single components at repeated end targets. `is_stated` is `true` for an axis whose directions the table states.
 pub(super) fn turn_at_ends(data: &mut DataSet, is_stated: impl Fn(Axis) -> bool) {
-    let mut series: Vec<((usize, usize, usize), Axis, Vec<usize>)> = Vec::new();
+    let mut series: Vec<ReadSeries> = Vec::new();
     for (row, observation) in data.observations.iter().enumerate() {
         let Some(axis) = observation.component.and_then(|component| component.axis()) else { continue };
         if is_stated(axis) {
             continue;
         }
         let key = (observation.setup, observation.run, observation.target.unwrap_or(0));
-        match series.iter_mut().find(|(known, ..)| *known == key) {
-            Some((.., rows)) => rows.push(row),
-            None => series.push((key, axis, vec![row])),
+        match series.iter_mut().rev().find(|known| known.key == key) {
+            Some(known) => known.rows.push(row),
+            None => series.push(ReadSeries { key, axis, rows: vec![row] }),
         }
     }
-    for (_, axis, rows) in series {
+    for ReadSeries { axis, rows, .. } in series {
         let places: Vec<f64> =
             rows.iter().filter_map(|row| data.observations.get(*row)).map(|own| own.reading.position[axis]).collect();
         for (place, sense) in turned(&places) {

@@ -48,12 +48,15 @@ fn fill(task: &Task<'_>) -> Result<Tables, String> {
     Ok(tables)
 }
 
+/// Corrections at poses, or why there are none.
+type Corrections<'a> = dyn Fn(&[AxisVector]) -> Result<Vec<AxisVector>, String> + 'a;
+
 /// The tables of some axes: the corrections along their lines, with the level of the whole region.
 fn along_lines(
     task: &Task<'_>,
     outputs: impl IntoIterator<Item = Axis>,
     poses: &[AxisVector],
-    wanted: &dyn Fn(&[AxisVector]) -> Result<Vec<AxisVector>, String>,
+    wanted: &Corrections<'_>,
 ) -> Result<Tables, String> {
     let everywhere = wanted(poses)?;
     let count = poses.len().max(1) as f64;
