@@ -779,7 +779,8 @@ repetitions could not be fitted. Reasons are few readings, weights that follow t
     FAULTY_DATA = "W0607" "fault of the data"
 "The data have a fault that the machine did not cause. A temperature sensor is dead, stuck, exchanged with another one, moved, or in
 degrees Fahrenheit. Or the readings have a pulse of a few minutes, a first cycle before the machine had settled, a step from one row
-on, single outliers, or the coarse resolution of a display. The message gives the rows and the evidence. The help gives the
+on, single outliers, or the coarse resolution of a display. Or the rows of a ball-bar go against the direction in the name of their
+run, such as 2-cw, or against the columns X_dir and so on: put them into the order of the motion. The message gives the rows and the evidence. The help gives the
 consequence: ncfix excludes faulty rows from the search for causes, or gives them their own zero or noise. The file does not change.
 If the temperature log ends or pauses, ncfix excludes only the rows without temperatures. In held-out data it keeps all other rows, so
 that the test data are not selected.";

@@ -48,7 +48,7 @@ fn fill(task: &Task<'_>) -> Result<Tables, String> {
     Ok(tables)
 }
 
-/// Corrections at poses, or why there are none.
+/// Corrections at poses, or the reason for which a pose has no correction.
 type Corrections<'a> = dyn Fn(&[AxisVector]) -> Result<Vec<AxisVector>, String> + 'a;
 
 /// The tables of some axes: the corrections along their lines, with the level of the whole region.
