@@ -62,6 +62,7 @@ impl Shop {
             names: machine.written_names(),
             increments,
             last_block_number: None,
+            has_centers_reversed: false,
             frame: OutputFrame::Work,
             crlf: false,
             stamp: Stamp::default(),

@@ -90,7 +90,8 @@ fn a_process_engineer_with_five_axes_and_a_ball_bar() {
         "machine new five.toml --like trunnion-ac --control 840d --travel X=-300..600 --travel Y=-300..600 --travel Z=-200..500 \
          --sense A=- --sense C=- --pivot A=300,-210,-480 --pivot C=310,-198,-440",
     );
-    person.runs("import bar.csv --machine five.toml --unit um --at X150,Y150,Z100,A0,C0 --tool 100 -o circle");
+    person
+        .runs("import bar.csv --machine five.toml --unit um --turn ccw --at X150,Y150,Z100,A0,C0 --tool 100 -o circle");
     let found = person.calibrates("calibrate circle.csv --machine five.toml --model EC0Y -o mill.toml");
     near(&found, "EC0Y", 80.0, 0.5);
     let [before, after] = person.corrects(
