@@ -53,25 +53,53 @@ kind = "polynomial"
 coefficients = [0, 1e-4]
 "#;
 
+/// A curved positioning error of X, and squarenesses that take most of it away in the corner where it is largest. A table of X alone leaves them there.
+const OPPOSED: &str = r#"
+[machine]
+name = "opposed"
+topology = "wFXYZSt"
+controller = "fanuc"
+[axis.X]
+direction = [1, 0, 0]
+travel_mm = [0, 300]
+[axis.Y]
+direction = [0, 1, 0]
+travel_mm = [0, 200]
+[axis.Z]
+direction = [0, 0, 1]
+travel_mm = [0, 100]
+[spindle]
+axis = [0, 0, 1]
+[[motion]]
+component = "EXX"
+kind = "polynomial"
+coefficients = [0, 4e-5, 6e-8]
+[location]
+EC0Y = 60.0
+EB0Z = -80.0
+"#;
+
 const TABLES: [&str; 6] = ["tables", "--machine", "m.toml", "--format", "cec", "-o"];
 
 #[test]
 fn tables_that_make_it_worse_are_not_written() {
-    let shop = Shop::new().file("m.toml", CRADLE);
-    let with = |more: &[&'static str]| shop.run(TABLES.iter().chain(&["t.ini"]).chain(more).copied());
-    with(&["--scheme", "own", "--tool", "80"])
-        .exits(4)
-        .says("error[E0903]")
-        .says("the tables would increase the error");
+    let shop = Shop::new().file("m.toml", OPPOSED);
+    let with = |more: &[&'static str]| {
+        let words = ["tables", "--machine", "m.toml", "--format", "pitch", "--scheme", "own", "-o", "t.csv"];
+        shop.run(words.iter().chain(more).copied())
+    };
+    with(&[]).exits(4).says("error[E0903]").says("the tables would increase the error");
     assert_eq!(shop.names(), ["m.toml"]);
     // An old file stays, and JSON has the diagnostic.
-    std::fs::write(shop.path("t.ini"), "old").unwrap();
-    let run = with(&["--scheme", "own", "--tool", "80", "--json"]).exits(4);
+    std::fs::write(shop.path("t.csv"), "old").unwrap();
+    let run = with(&["--json"]).exits(4);
     assert!(run.stdout.contains("E0903") && run.stdout.contains("\"written\":[]"), "{}", run.stdout);
-    assert_eq!(shop.text("t.ini"), "old");
-    // A scheme that fits is written.
-    with(&["--scheme", "fik", "--tool", "80"]).exits(0);
-    assert_ne!(shop.text("t.ini"), "old");
+    assert_eq!(shop.text("t.csv"), "old");
+    // If the squarenesses add to the error, the same table helps, and is written.
+    std::fs::write(shop.path("m.toml"), OPPOSED.replace("EC0Y = 60.0\nEB0Z = -80.0", "EC0Y = -60.0\nEB0Z = 80.0"))
+        .unwrap();
+    with(&[]).exits(0);
+    assert_ne!(shop.text("t.csv"), "old");
 }
 
 #[test]
