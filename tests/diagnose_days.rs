@@ -120,7 +120,9 @@ fn a_copy_that_is_rounded_or_in_another_order_is_no_judge() {
         for copy in [rounded(own, "copy", 2), backwards(own, "copy"), backwards(&rounded(own, "copy", 3), "copy")] {
             for more in [format!("{}.csv copy.csv", own.stem), format!("{}.csv --holdout copy.csv", own.stem)] {
                 let report = diagnosed(&case.machine_toml, &[own, &copy], &more, 4);
-                assert_eq!(report["diagnostics"][0]["code"], "E0605", "{more}");
+                // Circles backwards go against the names of their runs too (W0607).
+                let mut codes = report["diagnostics"].as_array().unwrap().iter().map(|one| &one["code"]);
+                assert!(codes.any(|code| code == "E0605"), "{more}: {report:#}");
             }
         }
         // The same places once more, with noise of their own: the noise of the first in another order.

@@ -67,7 +67,7 @@ fn positioning_of_a_file_by_hand() {
 #[test]
 fn a_reading_of_unknown_direction_is_left_out_and_counted() {
     // Three runs up and down without a column of directions: the axis reaches the first row from nowhere, and turns between the readings of an end.
-    let mut csv = "X,Y,Z,component,value_um\n".to_owned();
+    let mut csv = "X,Y,Z,component,value_um\n100,0,0,EXX,4\n".to_owned();
     for off in [1.0, 0.0, -1.0] {
         for (x, mean) in [(0, 1.0), (100, 4.0), (200, 6.0), (200, 6.5), (100, 5.0), (0, 1.5)] {
             writeln!(csv, "{x},0,0,EXX,{}", mean + off).unwrap();
