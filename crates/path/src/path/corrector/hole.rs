@@ -299,23 +299,27 @@ where
         let count = |mm: f64| self.placer.increments.count(along, mm);
         // The shift of the hole before saves words; the one of the bottom is the best; the mean is for a deep hole.
         let best = count(bottom[along]);
+        let hole_tolerance_mm = self.options.hole_tolerance_mm.max(self.options.tolerance_mm);
+        let (most_mm, least_mm) =
+            (self.allowed_at_hole_mm(hole_tolerance_mm), self.allowed_at_hole_mm(self.options.tolerance_mm));
+        let mut last: Option<(f64, (HoleShift, Option<i64>))> = None;
         let mut nearest: Option<(f64, (HoleShift, Option<i64>))> = None;
         for along in [self.last_shift, best, count(middle(along))] {
             let shift = HoleShift { plane, along };
             let Some(HoleFit { deviation_mm, peck }) = self.fit_hole(cycle, line, &shift, hole) else { continue };
-            if deviation_mm <= self.allowed_at_hole_mm(self.options.tolerance_mm) {
+            if deviation_mm <= least_mm {
                 self.prediction.kept_hole_mm = self.prediction.kept_hole_mm.max(deviation_mm);
                 return Some((shift, peck));
             }
+            let fit = (deviation_mm, (shift, peck));
+            last = last.or(Some(fit).filter(|_| along == self.last_shift && deviation_mm <= most_mm));
             if nearest.is_none_or(|(nearest_mm, _)| deviation_mm < nearest_mm) {
-                nearest = Some((deviation_mm, (shift, peck)));
+                nearest = Some(fit);
             }
         }
-        let hole_tolerance_mm = self.options.hole_tolerance_mm.max(self.options.tolerance_mm);
-        if let Some((nearest_mm, fit)) = nearest
-            && nearest_mm <= self.allowed_at_hole_mm(hole_tolerance_mm)
-        {
-            self.prediction.kept_hole_mm = self.prediction.kept_hole_mm.max(nearest_mm);
+        // If no shift keeps the tolerance of cuts, the one of the hole before keeps the call too.
+        if let Some((deviation_mm, fit)) = last.or(nearest.filter(|(nearest_mm, _)| *nearest_mm <= most_mm)) {
+            self.prediction.kept_hole_mm = self.prediction.kept_hole_mm.max(deviation_mm);
             return Some(fit);
         }
         if taps(cycle) {
