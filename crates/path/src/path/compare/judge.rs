@@ -343,16 +343,14 @@ impl<'d> Judge<'d> {
         let is_stepped = self.promise.is_some_and(|promise| promise.is_stepped) && is_straight;
         let ends_only = step.rapid || step.is_uncut() || is_stepped;
         let off_mm = if ends_only { seen.end.norm() } else { seen.most_mm };
-        // The rapid moves of a cycle keep the place of its hole at other heights.
-        if step.rapid && piece.in_cycle && off_mm <= BESIDE_HOLE_MM {
-            return 0.0;
-        }
         let may_be_left = step.rapid || step.in_machine_frame || step.is_uncut();
-        if off_mm > self.limit_of(piece) && may_be_left {
+        let off_mm = if off_mm > self.limit_of(piece) && may_be_left {
             self.beyond_left_mm(group, course, &seen.end)
         } else {
             off_mm
-        }
+        };
+        // The rapid moves of a cycle keep the place of its hole at other heights, also above it at a level that is as programmed.
+        if step.rapid && piece.in_cycle && off_mm <= BESIDE_HOLE_MM { 0.0 } else { off_mm }
     }
 
     /// The deviation beyond the effect of unchanged words: rapid moves may be corrected in some words only.
