@@ -140,6 +140,8 @@ pub(super) struct Walk<'a, I> {
     on_the_spot: bool,
     /// Plane of the drilling cycle between the marks of a hole.
     hole: Option<Plane>,
+    /// `true` after a feed move.
+    has_fed: bool,
     /// `true` up to the first move between these marks.
     approaches: bool,
     /// The element after the last move, if it was read already.
@@ -174,6 +176,7 @@ impl<'a, I> Walk<'a, I> {
             continues: false,
             on_the_spot: false,
             hole: None,
+            has_fed: false,
             approaches: false,
             held: None,
             has_moved: false,
@@ -219,15 +222,15 @@ impl<I: Iterator<Item = Element>> Walk<'_, I> {
 
 impl<I> Walk<'_, I> {
     /// `true` if a move of a cycle leads a tool that is nearly at the hole to the place of the call. The program need not name that place, or has moved
-    /// there with feed. A move that `triggers` the cycle may also stand.
-    fn is_at_hole(&self, motion: &Move, plane: Option<Plane>, triggers: bool) -> bool {
+    /// there with feed.
+    fn is_at_hole(&self, motion: &Move, plane: Option<Plane>) -> bool {
         let Some([abscissa, ordinate, _]) = plane.map(Plane::axes) else { return false };
         let off_mm = |axis: Axis| motion.target[axis] - self.position[axis];
         let across_mm = off_mm(abscissa).hypot(off_mm(ordinate));
         motion.rapid
             && motion.arc.is_none()
             && motion.known == self.known
-            && (triggers || across_mm > 0.0)
+            && across_mm > 0.0
             && across_mm <= MOST_CORRECTION_MM
             && AXES.iter().all(|&axis| axis == abscissa || axis == ordinate || off_mm(axis) == 0.0)
     }
@@ -291,7 +294,9 @@ impl<'a, I: Iterator<Item = Element>> Iterator for Walk<'a, I> {
             self.ever_named = self.ever_named.union(motion.named);
             let triggered = if motion.rapid { self.triggered_cycle() } else { None };
             let hole = if std::mem::take(&mut self.approaches) { self.hole } else { None };
-            if self.is_at_hole(&motion, hole.or(triggered), triggered.is_some()) {
+            // After a feed move to the hole, the output moves to the place of its call.
+            let after_feed = std::mem::replace(&mut self.has_fed, !motion.rapid);
+            if self.is_at_hole(&motion, hole.or(triggered.filter(|_| after_feed))) {
                 let route = self.route(&motion);
                 self.lead.along(&mut self.band, &route, self.known, [0.0, 1.0]);
                 self.position = motion.target;
