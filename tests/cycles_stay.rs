@@ -494,3 +494,16 @@ fn a_comment_of_a_program_is_no_mark() {
     let text = corrected("sinumerik", "marks.mpf", program, UPRIGHT);
     assert!(text.contains(";+ .") && text.contains(";~ ."), "{text}");
 }
+
+/// The first hole is where the tool already stands: the move to it is one of the program, and one of the output that has moves instead of the cycle.
+#[test]
+fn a_hole_where_the_tool_stands_is_written_as_moves_too() {
+    let program = "N10 G17 G90 G71 G94 G54\nN20 T2 M6\nN30 D1 S2000 M3 F150\nN40 G0 X20 Y15 Z50\nN50 MCALL CYCLE82(50,0,2,-2.5,0,0.3)\n\
+        N60 HOLES1(0,15,0,20,40,4)\nN70 MCALL\nN80 M30\n";
+    let shop = Shop::new().file("row.mpf", program).file("m.toml", UPRIGHT.machine("sinumerik"));
+    for more in [&[][..], &["--expand-cycles"], &["--hole-tolerance", "0.1um", "--tolerance", "0.1um"]] {
+        let words = ["fix", "row.mpf", "-o", "out.mpf", "--machine", "m.toml"];
+        shop.run(words.iter().chain(more).copied()).exits(0);
+        shop.run(["verify", "row.mpf", "out.mpf", "--machine", "m.toml"]).exits(0);
+    }
+}
