@@ -129,7 +129,7 @@ impl Field<'_, '_> {
         let most = LARGER * (ends[1] - ends[0]);
         let explains = |period: f64, slack: f64, is_short: bool| {
             let mut columns = self.columns(&periodic::candidate(name, axis, period));
-            // A sine that is zero at all places has any amount.
+            // The readings do not determine the amount of a sine that is zero at all their places.
             let largest = columns.iter().map(|column| dot(column, column)).fold(0.0, f64::max);
             columns.retain(|column| dot(column, column) > SHOWS * largest);
             let (parts, _) = series.amounts(&columns);
