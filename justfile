@@ -1,4 +1,4 @@
-# `just` lists the recipes (https://just.systems). Each is the step of `.ci/run` with its name, which is what CI runs.
+# `just` lists the recipes (https://just.systems). Each is the step of `.ci/run` with its name.
 
 _list:
     @just --list --unsorted
@@ -7,7 +7,7 @@ _list:
 build:
     .ci/run build
 
-# the tests of less than a minute, each in a process of its own (cargo-nextest)
+# tests that take about a minute in total, each in a process of its own (cargo-nextest)
 quick:
     .ci/run quick
 
@@ -15,7 +15,7 @@ quick:
 test:
     .ci/run test
 
-# more scripts of controls that lie, more random programs
+# longer runs of `adversary` (controls that answer falsely) and `differential` (random programs)
 slow:
     .ci/run slow
 

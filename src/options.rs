@@ -70,7 +70,7 @@ impl FromStr for DialectChoice {
 pub(crate) struct ProgramReading {
     /// Name of the dialect; by default that of the machine file, then by file name and content.
     pub(crate) dialect: Option<String>,
-    /// Maximum number of executed blocks; by default ten million, or twenty times the number of blocks of the program
+    /// Maximum number of executed blocks; by default two million, or twenty times the number of blocks of the program
     /// if that is more.
     pub(crate) max_blocks: Option<u64>,
     /// Levels of `/` blocks that are skipped; `/` alone is level 0.

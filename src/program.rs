@@ -173,7 +173,7 @@ impl Program {
         self
     }
 
-    /// Stops a program that executes more blocks than this. The default limit is the larger of ten million and twenty times the number of blocks.
+    /// Stops a program that executes more blocks than this. The default limit is the larger of two million and twenty times the number of blocks.
     ///
     /// ```
     /// use ncfix::prelude::*;

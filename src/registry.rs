@@ -146,7 +146,8 @@ impl Registry {
         Registry { instruments: self.instruments.with(kind), ..self }
     }
 
-    /// Adds a format of the files of an instrument, which `ncfix import` reads. It is recognized before or after the built-in ones by its certainty.
+    /// Adds a format of the files of an instrument, which `ncfix_instruments::import` reads with this registry. The format with the highest certainty is used.
+    /// The command `ncfix import` uses only the built-in formats.
     ///
     /// ```
     /// use ncfix::extend::import::InstrumentFormat;

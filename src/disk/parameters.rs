@@ -35,10 +35,10 @@ pub(crate) fn choose(
     Ok(Some(found.parameters))
 }
 
-/// The model of `--model`: a preset, a file, or parameters and terms separated by commas; `None` if there are errors. A preset goes before a file of its name.
+/// The model of `--model`: a preset, a file, or parameters and terms separated by commas; `None` if there are errors. A preset takes precedence over a file with its name.
 ///
 /// # Errors
-/// If it is nothing of these, or a preset does not suit the machine.
+/// If it is none of these, or a preset does not suit the machine.
 pub(crate) fn choose_model(
     model: &str,
     machine: &Machine,
@@ -92,13 +92,13 @@ fn is_named(text: &str, errors: &ErrorModel) -> bool {
     text.parse::<ParameterName>().is_ok() || !effect::named(&effect::effect_parameters(errors), text).is_empty()
 }
 
-/// Candidates at most.
+/// Maximum number of candidates.
 const MOST: usize = 2000;
 
 /// The candidates of `--select`: presets, files, errors, parameters, `motion`; `None` if there are errors.
 ///
 /// # Errors
-/// If a word is nothing, or there are too many of them.
+/// If a word names no candidate, or there are too many of them.
 pub(crate) fn candidates(
     (words, pieces): (&str, PiecewisePolynomials),
     machine: &Machine,

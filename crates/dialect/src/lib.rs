@@ -85,8 +85,8 @@ pub fn find(name: &str) -> Option<&'static Dialect> {
     DIALECTS.iter().find(|dialect| dialect.name.eq_ignore_ascii_case(name))
 }
 
-/// Guesses the dialect from the file name, then from the first kilobytes. Words that occur in several dialects are not used, because the languages
-/// differ in the meaning of a number without a decimal point.
+/// Guesses the dialect from the file name, then from the first kilobytes. Words that occur in several dialects are not used: a wrong guess would
+/// change the meaning of numbers, for example of those without a decimal point.
 #[must_use]
 pub fn guess(file_name: &str, bytes: &[u8]) -> Option<&'static Dialect> {
     static OF_DIALECTS: LazyLock<Detectors> = LazyLock::new(Detectors::default);

@@ -5,7 +5,7 @@
 use super::blocks::{LooseBlock, lines};
 use super::{Language, turning_names};
 
-/// Sum of weights from which on a program counts as a lathe program.
+/// Smallest sum of weights at which a program counts as a lathe program.
 const ENOUGH: u32 = 6;
 /// Number of bytes that are examined: a lathe program is shorter, or has its marks there.
 const HEAD: usize = 1 << 20;
@@ -29,14 +29,14 @@ pub struct Mark {
     pub what: &'static str,
     /// Weight of the mark for a lathe.
     pub(super) weight: u32,
-    /// What of the rest of the program decides whether it counts, and how much.
+    /// Property of the whole program on which its weight depends.
     pub(super) hangs_on: HangsOn,
 }
 
-/// What of a whole program a mark hangs on.
+/// Property of a whole program on which the weight of a mark depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum HangsOn {
-    /// Nothing: it counts as it is.
+    /// None: the weight is constant.
     Nothing,
     /// Whether tools are changed by their numbers alone.
     Tools,
@@ -44,7 +44,7 @@ pub(super) enum HangsOn {
     Flat,
     /// Whether there are canned cycles.
     Cycles,
-    /// Whether the feed is one of a turn.
+    /// Whether the feed is per revolution.
     FeedMode,
 }
 

@@ -94,7 +94,7 @@ pub fn recognize(
             )))
         }
         (None, _) => {
-            // A damaged table has a better message than an unknown one.
+            // The text may be a table with a fault: its own message is more helpful.
             if let Err(found) = crate::grid::table(text)
                 && found.place.is_some()
             {

@@ -161,7 +161,7 @@ pub struct Control {
     pub increment_mm: f64,
     /// Smallest increment of rotary axes in a program, rad.
     pub increment_rad: f64,
-    /// Increment of the words that the control reads, mm and rad: the output increment unless an option has changed the latter.
+    /// Increment of the words that the control reads, mm and rad. `--increment` changes only the increment of the output.
     pub grid: [f64; 2],
     /// True if the output is in inches; `None`: metric for programs that do not state their unit.
     pub output_inch: Option<bool>,

@@ -1,6 +1,7 @@
 //! SNC, "simple NC": the flat stream of moves after execution (Spaan, ch. 7).
 //!
-//! It contains no loops, calls, variables or frames: only rapid, linear and circular moves, dwells and the auxiliary functions in their places. Targets are
+//! It contains no loops, calls or variables: only rapid, linear and circular moves, dwells, and the auxiliary functions in their places. Frames and tools are
+//! resolved. The stream also states the active ones, and carries comments, messages, labels and cycle calls, which the output keeps. Targets are
 //! **axis commands** (mm, rad). The text form adds the tool vector, so it shows positions of the tool center point. Elements of one executed block follow
 //! each other; the first has [`Element::starts_block`].
 

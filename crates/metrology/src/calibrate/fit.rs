@@ -36,8 +36,9 @@ const KEPT_FACTORS: usize = 1 << 25;
 const HELD: f64 = 1e-3;
 /// Relative singular value that counts as zero within rounding.
 const ARITHMETIC: f64 = 1e-12;
-/// Ratio of residuals to the description, and reciprocal share of rejected readings, above which they explain missing convergence.
+/// Ratio of the residuals to the stated uncertainty above which the message about missing convergence names them.
 const STRANGE: f64 = 3.0;
+/// Same limit for the rejected readings: one of this many.
 const SHARE: usize = 5;
 /// Weight below which a row is rejected.
 const REJECTED: f64 = 0.01;
@@ -118,7 +119,7 @@ pub fn fit<P: Clone + Into<Parameter>>(
     fit_judged(machine, &start, &parameters, data, options, &judged)
 }
 
-/// Handles arms or time constants without effect because everything they scale is 0: after a first fit of the latter.
+/// Arms and time constants have no effect while the terms that they scale are 0. Fits those terms first.
 pub(super) fn awake(
     machine: &Machine,
     start: &ErrorModel,

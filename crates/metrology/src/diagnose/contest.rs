@@ -251,7 +251,7 @@ impl Field<'_, '_> {
         let Some(first) = found.explanations.first() else { return ContestOutcome::default() };
         let same =
             |number: usize| found.alike.iter().find(|(one, _)| *one == number).map_or(number, |(_, other)| *other);
-        // NamedEntrant as causes and their equivalent explanations are.
+        // Named in the same way as the findings and their other explanations.
         let in_words = |source: &EntrantSource| {
             let (effect, parameter) = source.key(self);
             format!("{effect} {parameter}").trim_end().to_owned()

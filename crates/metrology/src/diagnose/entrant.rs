@@ -15,7 +15,7 @@ pub(super) struct NamedEntrant {
     pub(super) entrant: Entrant,
 }
 
-/// EntrantSource of the candidate of an entrant.
+/// Origin of the candidate of an entrant.
 #[derive(Clone, Debug)]
 pub(super) enum EntrantSource {
     /// Among the candidates of the field.

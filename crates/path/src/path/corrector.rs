@@ -67,7 +67,7 @@ pub struct Corrector<'a, I> {
 /// The move in progress.
 #[derive(Debug)]
 struct Active<'a> {
-    /// Largest deviation of its pieces before it is reported, mm.
+    /// Deviation of its pieces above which it is reported, mm.
     tolerance_mm: f64,
     origin: Origin,
     starts_block: bool,

@@ -88,7 +88,7 @@ pub trait Dialogue: Send {
     /// True if everything sent is acknowledged, or has left on a link without answers, and the end was sent.
     fn is_done(&self, wire: &Wire) -> bool;
 
-    /// Returns the lines and bytes that were sent and not acknowledged. On a link without answers: that have not left.
+    /// Returns the lines and bytes that are not acknowledged yet. On a link without answers: those that are not transmitted yet.
     fn in_flight(&self) -> (usize, usize);
 
     /// Carries out a stop command. Returns its effect on the lines in the control as a sentence; `None` if this dialogue has no such command.

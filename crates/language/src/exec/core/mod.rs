@@ -36,7 +36,7 @@
 //! names, Grundig takes codes from a list in its order); the numbers of offsets (D of an edge, H and D of a table, hundredths of T); the content of
 //! a restored state and its words in the output (SAVE, M72); the positions of reference points.
 //!
-//! # A fourth family: Klartext
+//! # Sketch of a fourth family: Klartext (not implemented)
 //!
 //! | in the program | for the core |
 //! | --- | --- |
@@ -61,7 +61,7 @@
 //!
 //! A program that only the control knows (such as a cycle of the machine builder) is passed through, as `[[opaque]]` defines.
 //!
-//! # Turning, in every family
+//! # Sketch of turning, in every family (not implemented)
 //!
 //! The gatherer of a family converts diameters: internally there are radii. The working plane is ZX. Nose radius compensation is radius compensation
 //! about a center that [`contour`] shifts by the vector of the tip. G71 to G73 and related cycles read a contour between two blocks: those blocks are

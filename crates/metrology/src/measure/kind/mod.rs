@@ -62,7 +62,8 @@ pub enum Measurand {
     BallDistance,
     /// The axis positions at which the tip is at a ball of unknown place, which is the target of the row.
     BallPlace,
-    /// One error component, which the row names. Numbers of [`Unknown::Offset`] count set-ups and, within each, the components.
+    /// One error component, which the row names. The index of [`Unknown::Offset`] runs over the components of the first set-up, then
+    /// over those of the next.
     Component,
     /// The displacement of the tool from the points of an artifact along F's directions.
     Displacement,
