@@ -99,7 +99,7 @@ fn an_axis_in_its_zero_position_is_no_gap() {
     assert_eq!(json["verdict"]["is_covered"], false);
     let run = fix(&shop, "--review page.html").exits(0);
     run.says("coverage     not known")
-        .says("no reason found not to run it; measured ranges and uncertainty not stated");
+        .says("nothing found against running it; measured ranges and uncertainty not stated");
 }
 
 #[test]
@@ -109,13 +109,13 @@ fn within_the_measured_ranges_and_with_a_known_uncertainty_the_verdict_is_green(
     assert_eq!(json["coverage"], serde_json::json!({ "is_complete": true, "is_stated": true, "gaps": [] }));
     assert_eq!((&json["verdict"]["grade"], &json["verdict"]["is_covered"]), (&"ok".into(), &true.into()));
     let run = fix(&shop, "--review page.html").exits(0).says("coverage     within the measured ranges");
-    run.says("verdict      no reason found not to run it; uncertainty not known\n");
+    run.says("verdict      nothing found against running it; uncertainty not known\n");
     shop.run(["verify", "part.mpf", "out.mpf", "--machine", "five.toml", "--require-coverage"]).exits(0);
     // With a known uncertainty that is small beside the errors, nothing is missing.
     let known = format!("{MEASURED}[uncertainty]\nEC0X = 1\nEA0Z = 1\nEXX = 0.5\nEYY = 0.5\nEZZ = 0.5\n");
     let shop = self::shop(&known, &program(590.0, 20.0, 90.0));
     let run = fix(&shop, "--review page.html").exits(0);
-    run.says("verdict      no reason found not to run it\n").says("interval     95 %: largest error");
+    run.says("verdict      nothing found against running it\n").says("interval     95 %: largest error");
     let json = fix(&shop, "--review page.html --json").exits(0).json();
     assert_eq!((&json["verdict"]["is_certain"], &json["prediction"]["is_known"]), (&true.into(), &true.into()));
 }

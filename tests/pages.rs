@@ -50,7 +50,7 @@ fn a_program_is_corrected_and_shown_in_one_run() {
     assert!(!text.contains("AN EXPRESSION"));
     let people = shop.run(with_mill(&["part.mpf", "-o", "out.mpf", "--review", "page.html"])).exits(0);
     assert!(people.stderr.contains("review       page.html"), "{}", people.stderr);
-    assert!(people.stderr.contains("verdict      no reason found not to run it"), "{}", people.stderr);
+    assert!(people.stderr.contains("verdict      nothing found against running it"), "{}", people.stderr);
 }
 
 #[test]

@@ -413,7 +413,7 @@ mod tests {
         written      out.mpf
         original     part.mpf.bak
         review       review.html
-        verdict      no reason found not to run it; uncertainty not known
+        verdict      nothing found against running it; uncertainty not known
         ");
     }
 

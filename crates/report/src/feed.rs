@@ -143,7 +143,7 @@ impl Before {
             );
         }
         let _ =
-            writeln!(out, "frozen       {} of motion is in the window and no longer changes", duration(self.frozen_s));
+            writeln!(out, "frozen       {} of motion is already at the control and no longer changes", duration(self.frozen_s));
         out
     }
 }

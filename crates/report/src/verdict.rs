@@ -202,10 +202,10 @@ impl Verdict {
     pub fn sentence(&self) -> &'static str {
         match self.grade {
             Grade::Ok => match (self.is_covered, self.is_certain) {
-                (true, true) => "no reason found not to run it",
-                (true, false) => "no reason found not to run it; uncertainty not known",
-                (false, true) => "no reason found not to run it; measured ranges not stated",
-                (false, false) => "no reason found not to run it; measured ranges and uncertainty not stated",
+                (true, true) => "nothing found against running it",
+                (true, false) => "nothing found against running it; uncertainty not known",
+                (false, true) => "nothing found against running it; measured ranges not stated",
+                (false, false) => "nothing found against running it; measured ranges and uncertainty not stated",
             },
             Grade::Warn => "check it before it runs",
             Grade::Bad => "should not run",
