@@ -38,7 +38,7 @@ pub(crate) fn choose(
 /// The model of `--model`: a preset, a file, or parameters and terms separated by commas; `None` if there are errors. A preset takes precedence over a file with its name.
 ///
 /// # Errors
-/// If it is none of these, or a preset does not suit the machine.
+/// If it is not one of these, or a preset does not suit the machine.
 pub(crate) fn choose_model(
     model: &str,
     machine: &Machine,
