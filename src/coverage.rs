@@ -31,7 +31,7 @@ fn unknown_cut(origin: Origin, axes: AxisSet, is_required: bool) -> Diagnostic {
         format!("the tool cuts here, and the position of {names} is not known, so the correction is incomplete");
     let help = format!(
         "program {names} before this cut; --start gives the position until the first tool change; \
-         a program of the control that moves no axis is named by [[opaque]] with moves = false"
+         if a program that the control itself executes moves no axis, state it: [[opaque]] with moves = false"
     );
     Diagnostic::at(code, place, message, help)
 }

@@ -30,7 +30,7 @@ pub(crate) fn whole_mm(text: &str) -> Result<i32, String> {
     }
 }
 
-/// A step into which moves are cut, in mm: a finer step than a micrometer makes huge files.
+/// A step into which moves are divided, in mm: a finer step than a micrometer makes huge files.
 pub(crate) fn step_mm(text: &str) -> Result<f64, String> {
     let length_mm = positive_length_mm(text)?;
     if length_mm >= 1e-3 { Ok(length_mm) } else { Err(format!("'{text}' is below 1um")) }

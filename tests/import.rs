@@ -280,7 +280,7 @@ fn ball_bar_circles_give_squareness_and_scales() {
     let shop = shop().file("bar.csv", text);
     let run =
         import(&shop, "bar.csv", "tool.toml", &["--at", "X300,Y250,Z100", "--tool", "50", "--turn", "ccw"]).exits(0);
-    assert!(run.stderr.contains("20 readings of the overshoot are cut"), "{}", run.stderr);
+    assert!(run.stderr.contains("20 readings of the overshoot are not used"), "{}", run.stderr);
     let description = shop.text("out.toml").replace("free = [\"centre\", \"length\"]", "free = [\"centre\"]");
     let shop = shop.file("out.toml", description);
     let found = calibrated(&shop, "tool.toml", "EXX1,EYY1,EC0Y");
@@ -315,7 +315,11 @@ fn ball_bar_circles_by_time_give_the_same_errors() {
     assert!(run.stderr.contains("give --start-angle") && !run.stderr.contains("give --turn"), "{}", run.stderr);
     let more: Vec<&str> = place.iter().copied().chain(["--start-angle", "-180"]).collect();
     let run = import(&shop, "bar.csv", "tool.toml", &more).exits(0);
-    assert!(run.stderr.contains("of the overshoot are cut") && run.stderr.contains("acceleration"), "{}", run.stderr);
+    assert!(
+        run.stderr.contains("of the overshoot are not used") && run.stderr.contains("acceleration"),
+        "{}",
+        run.stderr
+    );
     let free = |shop: Shop| {
         let description = shop.text("out.toml").replace("free = [\"centre\", \"length\"]", "free = [\"centre\"]");
         shop.file("out.toml", description)

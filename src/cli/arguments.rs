@@ -221,7 +221,7 @@ pub(super) struct ProgramChoice {
     /// Dialect: sinumerik, grundig, fanuc or rs274 (default: by the machine file, else file name and content)
     #[arg(long, value_name = "DIALECT", value_parser = NonEmptyStringValueParser::new())]
     pub(super) dialect: Option<String>,
-    /// Largest number of executed blocks (default: 2 million, or 20 times those of the program if more)
+    /// Largest number of executed blocks (default: 2 million, or 20 times the number in the program, if that is more)
     #[arg(long, value_name = "N")]
     pub(super) max_blocks: Option<u64>,
     /// Levels of / blocks to skip, as set at the control: 0 or 0,3 or all
@@ -243,8 +243,8 @@ pub(super) struct FixArguments {
     /// Corrected program; - for standard output
     #[arg(short, long, value_name = "OUT")]
     pub(super) output: Option<PathBuf>,
-    /// Instead of a program, write new zero offsets that cancel the drift of --state, if it is the same wherever the program cuts: a file for
-    /// the control ($P_UIFR, G10 L2; with --setup FILE.var, that file)
+    /// Instead of a program, write zero offsets that cancel the drift of --state; only possible if the drift is the same wherever the program
+    /// cuts. FILE gets $P_UIFR or G10 L2 lines, or with --setup FILE.var a copy of that file with the new values
     #[arg(long, value_name = "FILE")]
     pub(super) zero_shift: Option<PathBuf>,
     /// Overwrite IN and keep the original as IN.bak (or IN.bak1 … if that exists)
@@ -274,7 +274,7 @@ pub(super) struct FixArguments {
     /// Write an HTML page that shows all changes, for review before the program runs (the page of `ncfix diff --html`)
     #[arg(long, value_name = "PAGE.html")]
     pub(super) review: Option<PathBuf>,
-    /// Refuse the program if its positions, tools or condition are beyond the measured ranges of the machine file
+    /// Refuse the program if its positions, tools, temperatures or load are beyond the measured ranges of the machine file
     #[arg(long)]
     pub(super) require_coverage: bool,
     /// Write out drilling cycles as single moves. Default: holes stay cycles, with corrected position and depth

@@ -98,7 +98,7 @@ pub(crate) fn check_same(told: &JournalContents, job: &Transfer, before: &Before
     ] {
         if was != is {
             let message = format!("{what} has changed since the job began (was {was}, is {is})");
-            let help = "restore it, or machine the workpiece in another way";
+            let help = "restore it; otherwise correct the original again, and feed it from its beginning or start it at the control with a block search";
             findings.add(Diagnostic::nowhere(Code::OTHER_JOB, message, help), &[]);
         }
     }
@@ -129,8 +129,9 @@ fn refusal(found: &SearchOutcome, clearance_mm: Option<f64>) -> Option<Diagnosti
     let (code, message, help) = match *found {
         SearchOutcome::Place(_) | SearchOutcome::Beginning(..) => return None,
         SearchOutcome::NotStated(highest_z_mm) => {
-            let highest = highest_z_mm
-                .map_or(String::new(), |mm| format!("; all machined surfaces end at Z {mm:.3} mm of the program"));
+            let highest = highest_z_mm.map_or(String::new(), |mm| {
+                format!("; the highest point of the feed moves is at Z {mm:.3} mm of the program")
+            });
             (
                 Code::NOT_CLEAR,
                 format!(
@@ -143,7 +144,7 @@ fn refusal(found: &SearchOutcome, clearance_mm: Option<f64>) -> Option<Diagnosti
         SearchOutcome::TooLow(highest_z_mm) => (
             Code::CLEARANCE_TOO_LOW,
             format!(
-                "--clearance {stated_mm:.3} mm is not {CLEAR_MM} mm above all machined surfaces, which end at Z {highest_z_mm:.3} mm of the program"
+                "--clearance {stated_mm:.3} mm is not {CLEAR_MM} mm above the highest point of the feed moves, Z {highest_z_mm:.3} mm of the program"
             ),
             "give a height above that, and above the workpiece and its clamps".to_owned(),
         ),
@@ -161,7 +162,7 @@ fn refusal(found: &SearchOutcome, clearance_mm: Option<f64>) -> Option<Diagnosti
                     format!("line {line} of the original machines at a height that the program does not state: the space above it is not known")
                 }
                 Why::BeginningCrosses => {
-                    "only a restart from the beginning is possible, and the tool cannot be lifted to the given height before it: the program changes the tool, its length or something unknown first, so this Z would mean another height"
+                    "only a restart from the beginning is possible, and ncfix cannot lift the tool before it: the program first changes the tool, its length or another state, so the height of --clearance is not certain there"
                         .to_owned()
                 }
             };

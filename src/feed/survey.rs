@@ -168,7 +168,7 @@ fn judge(allows_starvation: bool, before: &Before, findings: &mut Diagnostics) {
     let [first, last] = worst.source_lines;
     let lines = if first == last { format!("line {first}") } else { format!("lines {first} to {last}") };
     let message = format!(
-        "the control will stand still for {:.1} s of {:.1} s; {lines} of the original: {} lines/s needed, {} available{}",
+        "the axes will stand still for {:.1} s of {:.1} s; {lines} of the original: {} lines/s needed, {} available{}",
         before.starved_s,
         before.total_s,
         rate(worst.needed_per_s),

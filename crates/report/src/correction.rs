@@ -190,7 +190,7 @@ impl CorrectionReport {
             };
             let off = self
                 .cycles_off_um
-                .map(|off_um| format!(", up to {} beside the exact path", micrometers(off_um)))
+                .map(|off_um| format!(", up to {} off the exact path", micrometers(off_um)))
                 .unwrap_or_default();
             row("cycles", &format!("{holes} kept{off}{moves}"));
         }
@@ -260,7 +260,7 @@ pub fn form_row(before: SpreadReport, form: Option<SpreadReport>) -> String {
             &mut out,
             "form error",
             &format!(
-                "{}   of the error before; the rest is a constant offset, which a touched-off zero removes",
+                "{}   without the constant part of the error before, which a touched-off zero removes",
                 columns(form)
             ),
         );
@@ -404,7 +404,7 @@ mod tests {
         interval     not known: the uncertainty of this machine file is not known
         correction   up to X 41.3 µm, C 3.00 µrad
         rapids       12 as programmed; there the tool is up to 35.2 µm off
-        cycles       38 holes kept, up to 1.40 µm beside the exact path, 2 written as moves; with --hole-tolerance 3um they would stay
+        cycles       38 holes kept, up to 1.40 µm off the exact path, 2 written as moves; with --hole-tolerance 3um they would stay
         executed     1,234 blocks; part.mpf:7 gives 40 of them
         output       2,345 blocks, 2.5 times the lines of the source
         computed     in 0.12 s

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-/// Maximum width of a value in characters; longer ones, such as error tables, are cut.
+/// Maximum width of a value in characters; longer ones, such as error tables, are shortened.
 const WIDEST_VALUE: usize = 32;
 
 /// Value and its origin.

@@ -80,7 +80,7 @@ pub(in crate::cli) struct CorrectionChoice {
     /// Largest deviation of an output piece from the exactly corrected path, with unit
     #[arg(long, value_name = "LENGTH", default_value = "1um", value_parser = value::positive_length_mm)]
     pub(in crate::cli) tolerance: f64,
-    /// Largest deviation of a hole that stays a drilling cycle, with unit, if larger than --tolerance
+    /// Largest deviation of a hole that stays a drilling cycle, with unit; the larger of this and --tolerance applies
     #[arg(long, value_name = "LENGTH", default_value = "2um", value_parser = value::positive_length_mm)]
     pub(in crate::cli) hole_tolerance: f64,
     /// Fixed step along the leading axis instead of subdivision by tolerance, with unit, such as 20mm

@@ -26,7 +26,7 @@ pub(in crate::cli) struct VerifyArguments {
     /// Also run both programs through the servo loops (docs/reference/servo.md); report path deviations and times
     #[arg(long)]
     pub(in crate::cli) at_feed: bool,
-    /// Report positions, tools and conditions beyond the measured ranges of the machine file as errors
+    /// Report positions, tools, temperatures and loads beyond the measured ranges of the machine file as errors
     #[arg(long)]
     pub(in crate::cli) require_coverage: bool,
     #[command(flatten)]

@@ -325,16 +325,17 @@ ACN(…), IC(…).";
     ALREADY_CORRECTED = "E0301" "program already corrected"
 "The first comment states that ncfix wrote this file. Correcting it again would add the corrections twice. Correct the original.";
     OUT_OF_TRAVEL = "E0302" "position outside the travel of an axis"
-"A position lies beyond axis.….travel_mm (travel_deg). In fix and check this is the corrected position, in snc the position of the program.
-The message gives the axis, the limit and the position: the end of the move if that is outside, otherwise the farthest point of the
-path. Check zero offset and tool length first: a wrong one shifts the whole program.";
+"A position lies beyond the travel of an axis (travel_mm or travel_deg of [axis.X] in the machine file). In fix and check this is the
+corrected position, in snc the position of the program. The message gives the axis, the limit and the position: the end of the move if
+that is outside, otherwise the farthest point of the path. Check zero offset and tool length first: a wrong one shifts the whole
+program.";
     CORRECTION_TOO_LARGE = "E0303" "correction larger than allowed"
 "A correction exceeds --max-correction (default 0.2 mm; for a rotary axis, the arc at the tool counts). Geometric errors of a working
 machine are smaller: check the units in the machine file before raising the limit.";
     UNKNOWN_START = "E0304" "motion from an unknown position"
-"An incremental move or an arc starts from a position that the program has not stated: at its beginning, or after a tool change. The
-corrected program is absolute, so it would move to another position than the original. Or the plane is tilted, and the positions of
-the axes are not known. Program an absolute position of all axes; --start X0,Y0,Z0 helps only before the first block.";
+"An incremental move or an arc starts from a position that the program has not stated: at the beginning of the program, or after a tool
+change. The corrected program is absolute, so it would move to another position than the original. Or the plane is tilted, and the
+positions of the axes are not known. Program an absolute position of all axes; --start X0,Y0,Z0 helps only before the first block.";
     UNITS_DOUBT = "E0305" "ambiguous units"
 "Positions were programmed before the unit was stated, and the program switches between inch (G70, G700) and metric (G71, G710) later.
 Whether the first positions are mm or inch depends on what was active on the control before. State the unit in the first block.";
@@ -387,7 +388,7 @@ the line. The motion depends on the control, so ncfix does not guess. Replace it
 "A line contains an invisible character that changes the display: escape, backspace, delete between words, one of U+0080 to U+009F,
 or one that changes the text direction. The program on the screen then differs from the program that runs. Remove the character.";
     OTHER_ACT = "E0319" "corrected program differs in function"
-"A correction changes positions, and cuts moves into pieces. All other functions – spindle speed and direction, tools and their
+"A correction changes positions, and divides moves into pieces. All other functions – spindle speed and direction, tools and their
 offsets, coolant, M functions, dwells, stops, path modes, work offsets, calls, the end of the program – must occur in the corrected
 program at the same position along the path. ncfix verify and ncfix diff compare it one by one, and name what is changed, missing or
 new with its line in both programs.";

@@ -2,7 +2,7 @@
 //!
 //! The lines before the table may state plane, radius, feed, center, and the angles between which the circle counts: `plane;XY`, `radius_mm;150`. Angles
 //! count from the first axis of the plane to the second. A table may have a column for each circle. Instead of angles, the readings may have times.
-//! Readings of the overshoot, outside of start and end angle, are cut.
+//! Readings of the overshoot, outside of start and end angle, are not used.
 
 mod clock;
 mod columns;
@@ -143,7 +143,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     }
     if cut > 0 {
         inquiry.note(
-            format!("{cut} readings of the overshoot are cut"),
+            format!("{cut} readings of the overshoot are not used"),
             facts.start_deg.or(facts.end_deg).map_or(0, |(_, line)| line),
         );
     }

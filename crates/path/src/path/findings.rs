@@ -138,7 +138,7 @@ impl<'a> DiagnosticCollector<'a> {
         self.report(origin, Code::NOT_CONVERGED, message, help.into());
     }
 
-    /// Reports a piece that exceeds the tolerance: once, or each time for moves that are not cut.
+    /// Reports a piece that exceeds the tolerance: once, or each time for moves that are not divided.
     pub(super) fn tolerance_missed(&mut self, origin: &Origin, is_cut: bool, deviation_mm: f64, tolerance_mm: f64) {
         if !is_cut {
             let message = format!(

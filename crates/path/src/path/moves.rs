@@ -25,7 +25,7 @@ pub struct Moves<'a> {
     kept: Vec<(f64, StraightLine)>,
     /// Straight moves with feed.
     pub lines: u64,
-    /// Arcs with feed, which are cut by the tolerance and not examined.
+    /// Arcs with feed, which are divided by the tolerance and not examined.
     pub arcs: u64,
 }
 

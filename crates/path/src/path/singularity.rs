@@ -3,10 +3,10 @@
 //! If the tool is almost parallel to a rotary axis, a small tilt needs a large motion of that axis. The model damps it
 //! ([`Solve::Full`](ncfix_model::Solve::Full)), which makes the correction a smooth function of the pose. However, a block may lead far across the
 //! singularity, and errors may step (backlash, tables). Near the singularity the rotary corrections therefore change by at most [`MOST_TURN_RAD`]
-//! from one block to the next. Longer paths are cut; the excess is left to the following blocks, and the linear axes place the tip for the actual
+//! from one block to the next. Longer paths are divided; the excess is left to the following blocks, and the linear axes place the tip for the actual
 //! rotary commands.
 //!
-//! Rapid moves that are not cut have no limit: they do not cut, and a feed move should begin with its correct orientation.
+//! Rapid moves that are not divided have no limit: they do not cut, and a feed move should begin with its correct orientation.
 
 use ncfix_base::geometry::{AxisVector, ROTARY_AXES};
 use ncfix_machine::machine::State;

@@ -1,6 +1,6 @@
 //! The largest fixed step that keeps a residual (Spaan, ch. 7: 20 mm for 5 µm on his machine).
 //!
-//! Lines are cut as [`Subdivision::Step`](super::Subdivision::Step) cuts them. The ends of the pieces are corrected exactly, and the axes move
+//! Lines are divided as [`Subdivision::Step`](super::Subdivision::Step) divides them. The ends of the pieces are corrected exactly, and the axes move
 //! straight between them. The residual is the distance of the tip from the nominal line at the same parameter, by the usual forward function.
 //! Rounding is excluded: it does not depend on the step.
 

@@ -122,7 +122,7 @@ impl<'a> MotionSink<'a> {
         self.pass(Element { origin: self.origin, starts_block: true, number: None, kind });
     }
 
-    /// Restores the programmed feed before the call of a program of the control, independent of corner, arc and block feeds.
+    /// Restores the programmed feed before the call of a program that the control itself executes, independent of corner, arc and block feeds.
     pub(in crate::exec) fn feed_for_call(&mut self, feed: f64) {
         if feed > 0.0 {
             let kind = Kind::Feed(feed);

@@ -45,7 +45,7 @@ impl Position {
 }
 
 /// Advice for an axis of unknown position.
-pub(in crate::exec) const BEGIN_ABSOLUTE: &str = "program an absolute position of this axis before it; --start states the position at the beginning only, and a tool change, a reference motion or a program of the control makes it unknown again";
+pub(in crate::exec) const BEGIN_ABSOLUTE: &str = "program an absolute position of this axis before it; --start states the position at the beginning only, and a tool change, a reference motion or a program that the control itself executes makes it unknown again";
 
 /// The fault for an axis whose position the program has not stated.
 pub(in crate::exec) fn unknown_start(span: Span, axis: Axis) -> Fault {

@@ -245,7 +245,7 @@ fn rs274_m(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, span: Sp
         71 => state::drop_state(&mut channel.saved),
         72 => state::restore_state(channel, span)?,
         100..=199 => {
-            let message = format!("M{number} runs a program of the control whose effect is not known");
+            let message = format!("M{number} runs a user-defined program, whose effect is not known");
             let help = "check that it moves no axis and changes no offset";
             channel.outlet.warnings.push(fault(Code::LEFT_OUT, span, message, help));
             m_with_words(&mut channel.block, &mut channel.outlet, gathered, number, b"PQ");

@@ -1,4 +1,4 @@
-//! Curves of RS274/NGC: G5, G5.1 and G5.2/G5.3 are NURBS of the XY plane, cut into straight pieces.
+//! Curves of RS274/NGC: G5, G5.1 and G5.2/G5.3 are NURBS of the XY plane, divided into straight pieces.
 //!
 //! LinuxCNC's own interpreter emits them in equal parameter steps, 15 for each control point. Here every such step is divided into as many equal
 //! steps as keep the pieces within the tolerance. The knots are equidistant, repeated at both ends according to the order.

@@ -37,7 +37,8 @@ impl Interpreter<'_> {
         }
         self.channel.push(Kind::Verbatim(text.into_bytes()));
         if moves && self.channel.modal.contour.compensates() {
-            let message = "a program of the control that moves the machine, while radius compensation is on";
+            let message =
+                "a program that the control itself executes moves the machine while radius compensation is on";
             let help = "program G40 with a motion in the plane before it";
             return Err(at(call.span, Code::BAD_COMPENSATION, message, help));
         }
@@ -51,7 +52,7 @@ impl Interpreter<'_> {
     /// The call in the notation of the output.
     fn text_of(&self, call: &Call) -> Result<String, Fault> {
         if call.is_of_code {
-            let message = "a code that calls a program of the control itself cannot be passed on";
+            let message = "a code that calls a program that the control itself executes cannot be passed on";
             return Err(at(call.span, Code::NOT_SUPPORTED, message, "remove the code from control.macro_codes"));
         }
         let mut text = match (call.kind, &call.callee) {
@@ -78,7 +79,8 @@ impl Interpreter<'_> {
         }
         for &(number, value) in &call.arguments {
             let Some(letter) = letter_of(number) else {
-                let message = format!("argument #{number} cannot be passed on to a program of the control");
+                let message =
+                    format!("argument #{number} cannot be passed on to a program that the control itself executes");
                 return Err(at(call.span, Code::NOT_SUPPORTED, message, "pass it with its own letter"));
             };
             text::append(self.channel.language, &mut text, letter, value);

@@ -8,7 +8,7 @@ use crate::exec::core::motion_sink::MotionSink;
 use ncfix_base::units::MM_PER_INCH;
 use ncfix_machine::snc::{FeedUnit, Word, WordValue};
 
-/// Emits the feed before the call of a program of the control, which relies on it.
+/// Emits the feed before the call of a program that the control itself executes: it relies on this feed.
 pub(super) fn feed_for_call(modal: &Modal, splines: &Splines, outlet: &mut MotionSink<'_>) {
     if modal.modes.feed_unit != FeedUnit::InverseTime && !splines.is_holding() {
         outlet.feed_for_call(modal.modes.feed);

@@ -56,7 +56,7 @@ pub(super) fn node(gathered: &Gathered, modal: &Modal) -> Result<Option<Node>, F
     }))
 }
 
-/// The error for a curve that cannot be cut into chords.
+/// The error for a curve that cannot be divided into chords.
 pub(super) fn curve_fault(found: CurveFault, span: Span) -> Fault {
     match found {
         CurveFault::Nowhere => bad_value(span, "the curve goes through infinity", "check denominator and weights"),

@@ -61,7 +61,7 @@ fn read(name: &str, text: &str, facts: &mut ControlFacts) -> Result<(), String> 
         let missing = if missing.is_empty() { String::new() } else { format!("; it lacks {missing}") };
         facts
             .notes
-            .push(format!("{name} has data of axes whose letters it does not state: they are not used{missing}"));
+            .push(format!("{name} has axis data ($MA_…) of axes that it does not name: they are not used{missing}"));
     }
     let per_mm = values.get(&("$MN_INT_INCR_PER_MM".to_owned(), String::new()));
     if let Some((value, line)) = per_mm

@@ -89,7 +89,7 @@ impl ComparedMove<'_> {
         self.setup.programmed(&position)
     }
 
-    /// `true` if only its end must be at its place: a thread and a positioning axis are not cut.
+    /// `true` if only its end must be at its place: a thread and a positioning axis are not divided.
     pub(super) fn is_uncut(&self) -> bool {
         self.motion_mode != MotionMode::Path
     }

@@ -108,7 +108,7 @@ pub(super) fn between(first: &Moving, second: &Moving) -> Option<Fault> {
 
 const BEFORE_OR_BEHIND: &str = "move it before the first element or after the second one, or remove the transition";
 
-/// The fault for a program of the control, or other unseen axis motion, under radius compensation.
+/// The fault for a program that the control itself executes, or other unseen axis motion, under radius compensation.
 pub(super) fn under_compensation(element: &Element) -> Option<Fault> {
     let Kind::Lost(axes) = &element.kind else { return None };
     if axes.intersection(AxisSet::XYZ).is_empty() {
