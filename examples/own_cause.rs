@@ -15,7 +15,7 @@ static GROWTH: Cause = Cause {
     effect: EffectKind::Own("spindle-growth"),
     made_by: "centrifugal force in the bearings of the spindle",
     shown_by: "readings along the tool that follow the square of the speed without lag",
-    separate_by: "the same speeds in another order: heat follows late",
+    separate_by: "the same speeds in another order: thermal effects lag",
     correctable: Correctable::No,
     propose: |scene, out| {
         let Some(speeds) = column(scene.sets, "spindle_rpm") else { return };

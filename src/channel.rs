@@ -11,14 +11,14 @@ const PART: usize = 1024;
 /// Parts that may wait.
 const AHEAD: usize = 4;
 
-/// The side that fills.
+/// Sender: collects items into parts.
 pub(crate) struct Filler<T> {
     full: SyncSender<VecDeque<T>>,
     empty: Receiver<VecDeque<T>>,
     part: VecDeque<T>,
 }
 
-/// The side that takes: an iterator that ends where the other side was dropped.
+/// Receiver: an iterator that ends when the sender was dropped.
 pub(crate) struct Taker<T> {
     full: Receiver<VecDeque<T>>,
     empty: SyncSender<VecDeque<T>>,
@@ -28,7 +28,7 @@ pub(crate) struct Taker<T> {
 /// Both sides of a channel.
 pub(crate) fn channel<T>() -> (Filler<T>, Taker<T>) {
     let (full_in, full_out) = sync_channel(AHEAD);
-    // Room for all that there are, so that giving one back never waits.
+    // Room for all parts, so that returning one never waits.
     let (empty_in, empty_out) = sync_channel(AHEAD + 2);
     let filler = Filler { full: full_in, empty: empty_out, part: VecDeque::with_capacity(PART) };
     (filler, Taker { full: full_out, empty: empty_in, part: VecDeque::new() })
@@ -53,7 +53,7 @@ impl<T> Filler<T> {
                 return;
             }
         }
-        // The taker may have gone: it has what it wanted then.
+        // The receiver may be closed: then it needs no further items.
         let _ = self.hand_on();
     }
 }
@@ -68,7 +68,7 @@ impl<T> Iterator for Taker<T> {
                 return Some(item);
             }
             let next = self.full.recv().ok()?;
-            // Where the filler has ended it needs no more parts.
+            // A sender that has ended needs no empty parts.
             let _ = self.empty.try_send(std::mem::replace(&mut self.part, next));
         }
     }

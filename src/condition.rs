@@ -130,7 +130,7 @@ fn check(choice: &ConditionFiles, chosen: &Machine, condition: &Condition, findi
     true
 }
 
-/// Reports a load that does not have its full effect as given.
+/// Warns if `--load` has no effect, or if a rotary axis turns a load that is off its center.
 fn check_load(choice: &ConditionFiles, chosen: &Machine, findings: &mut Diagnostics) {
     let needs_load = chosen.errors.effects().any(Effect::needs_load);
     if !needs_load && choice.load.is_some() {

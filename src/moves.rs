@@ -159,7 +159,7 @@ impl<'a> FlatText<'a> {
     /// that were read.
     ///
     /// # Errors
-    /// Those of `out`.
+    /// The errors of `out`.
     pub(crate) fn write(self, out: impl Write, found: &mut Diagnostics) -> io::Result<Vec<PathBuf>> {
         let FlatText { program, machine: Machine { machine, .. }, mut running } = self;
         let turned = |command: &AxisVector, tool_mm: &Vector| machine.turned_tool_mm(command, tool_mm);

@@ -111,7 +111,7 @@ pub(crate) enum Subprograms {
 }
 
 impl Subprograms {
-    /// Those of a program in a file or, for `-`, from standard input.
+    /// The subprograms of a program in a file or, for `-`, from standard input.
     pub(crate) fn of(path: &Path) -> Subprograms {
         Subprograms::Disk((!is_standard_stream(path)).then(|| path.to_path_buf()))
     }

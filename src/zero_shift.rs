@@ -23,7 +23,7 @@ use ncfix_path::emit::stamped_state;
 const MOST_ELEMENTS: usize = 10_000_000;
 /// Number of places along the range of an axis in which the program cuts.
 const PLACES: usize = 5;
-/// Limit of places in all.
+/// Maximum number of places in total.
 const MOST_PLACES: usize = 100_000;
 
 /// The shift of the zero offsets of a program.

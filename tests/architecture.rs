@@ -541,13 +541,13 @@ fn no_further_name_of_a_type_stands_twice() {
         }
     }
     counts.retain(|_, count| *count > 1);
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/names_that_stand_twice.tsv");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/duplicate_type_names.tsv");
     if std::env::var_os("NCFIX_WRITE_DOCS").is_some() {
         let rows: String = counts.iter().map(|(name, count)| format!("{name}\t{count}\n")).collect();
         fs::write(
             &path,
             format!(
-                "# Types whose names stand more than once in the workspace, and how often. No row is added.\n{rows}"
+                "# Types whose names occur more than once in the workspace, and how often. No row is added.\n{rows}"
             ),
         )
         .unwrap();

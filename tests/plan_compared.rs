@@ -482,7 +482,7 @@ fn page(compared: &Compared, tools: &[Told<'_>]) -> String {
         "\nEach pair is the maximum and the RMS, in µm: measured before correction, and the residual for each method. The efficiency in % follows.\n\
          The last column gives Spaan's published efficiencies (Tables 3.2, 3.3, 3.4: direct, plate, ball-bar). They are from another machine,\n\
          so compare only the order.\n\n\
-         | plate | direction | measured | direct | % | plates | % | ball-bar | % | published, % |\n\
+         | plate | direction | measured | direct | % | plates | % | ball-bar | % | published (direct, plate, ball-bar), % |\n\
          | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
     );
     out.push_str(&compared.table);

@@ -1,6 +1,6 @@
 //! The command line of the binary `ncfix`, which is no part of the library: arguments, a call of the library, a view of its result.
 //!
-//! [`run`] reads the arguments and ends with an [`ExitCode`]. A command collects diagnostics in `findings`, prints them
+//! [`run`] reads the arguments and ends with an [`ExitCode`]. A command collects diagnostics (`findings`), prints them
 //! on standard error, and writes results through `output`, completely or not at all.
 
 mod arguments;

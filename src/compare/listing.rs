@@ -88,7 +88,7 @@ impl<'a> Listing<'a> {
     /// Draws the rows in sequence.
     ///
     /// # Errors
-    /// Those of `write`.
+    /// The errors of `write`.
     pub(crate) fn draw<E>(&self, look: &Look, mut write: impl FnMut(&str) -> Result<(), E>) -> Result<(), E> {
         if let Some(count) = self.wanted.rows {
             let (own, more) = self.top(count);

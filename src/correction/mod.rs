@@ -153,7 +153,7 @@ impl<'a> Correction<'a> {
     /// ```
     ///
     /// # Errors
-    /// Those of [`Correction::write_to`].
+    /// The errors of [`Correction::write_to`].
     pub fn text(&self) -> Result<String, Error> {
         let mut text = Vec::new();
         self.write_to(&mut text)?;
@@ -174,7 +174,7 @@ impl<'a> Correction<'a> {
     /// ```
     ///
     /// # Errors
-    /// Those of [`Correction::write_to`].
+    /// The errors of [`Correction::write_to`].
     pub fn report(&self) -> Result<CorrectionReport, Error> {
         self.write_to(&mut io::sink())
     }

@@ -190,7 +190,7 @@ fn of_frame(path: &str, frame: &FrameParts, machine: &Machine, mut add: impl FnM
     }
 }
 
-/// The first line of saved data with a mark, blanks and case aside; the file alone where no line has it.
+/// The first line of saved data with a mark, ignoring blanks and case; only the file if no line contains the mark.
 fn place(source: &Source, mark: &str) -> String {
     let plain = |line: &[u8]| -> String {
         line.iter()

@@ -293,7 +293,7 @@ impl Transfer {
     /// ```
     ///
     /// # Errors
-    /// Those of [`Transfer::send`].
+    /// The errors of [`Transfer::send`].
     pub fn send_seen(
         self,
         port: Box<dyn Port>,

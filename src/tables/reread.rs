@@ -46,7 +46,7 @@ pub(crate) struct Reread<'a> {
 
 /// Tables as they were read.
 pub(crate) struct RereadTables {
-    /// Those of the files.
+    /// The errors of reading the files.
     pub(crate) tables: ControlTables,
     /// Those with which they are compared.
     pub(crate) other: Option<ControlTables>,

@@ -3,7 +3,7 @@
 /// Words of a language for block ends; a language without such words has empty ones.
 #[derive(Clone, Copy, Debug)]
 pub struct BlockEnds {
-    /// Word from which on every block ends in an exact stop.
+    /// Word after which every block ends in an exact stop.
     pub exact: &'static str,
     /// Word for a line that is not to stop while the exact stop is in force.
     pub running: &'static str,

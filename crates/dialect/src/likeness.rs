@@ -10,7 +10,7 @@ use super::{DIALECTS, Dialect, Language};
 
 /// Number of bytes that are examined.
 const HEAD: usize = 65_536;
-/// Sum of weights from which on a dialect is likely.
+/// Smallest sum of weights at which a dialect is likely.
 const ENOUGH: u32 = 3;
 /// Lead over the next dialect, and between the two dialects with the words of ISO 6983.
 const LEAD: u32 = 2;

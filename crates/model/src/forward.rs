@@ -125,8 +125,8 @@ impl Model {
         &self.kinematics
     }
 
-    /// Returns the model with the displacements of the tip that touched zero offsets contain, by their index: in the workpiece frame, mm. Errors count
-    /// from the touched place for those that are `relative`.
+    /// Returns the model with the displacements of the tip that touched zero offsets contain, by their index: in the workpiece frame, mm. For
+    /// `relative` zeros, errors are relative to those at the touched place.
     #[must_use]
     pub fn with_zeros(self, touches_mm: &[Vector], relative: &[bool]) -> Model {
         let of = |(&zero_mm, &is_relative): (&Vector, &bool)| {

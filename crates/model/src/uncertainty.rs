@@ -1,8 +1,8 @@
-//! Variations of an error model within its uncertainty: one model for each independent cause.
+//! Variations of an error model within its uncertainty: one model for each independent source of uncertainty.
 //!
-//! The covariance of the parameters is C = L·Lᵀ. A row of L belongs to a parameter, a column to an independent cause of unit variance. The model with one
-//! column added is the model after one standard deviation of this cause, so the same forward function gives its effect on the tool. An error that is known
-//! as a whole (`EXX`) may vary by any smooth function of this standard deviation along its axis; a few waves over the travel stand for it.
+//! The covariance of the parameters is C = L·Lᵀ. A row of L belongs to a parameter, a column to an independent source of uncertainty with unit variance. The
+//! model with one column added is the model after one standard deviation of this source, so the same forward function gives its effect on the tool. An error
+//! that is known as a whole (`EXX`) may vary by any smooth function of this standard deviation along its axis; a few waves over the travel stand for it.
 
 use std::f64::consts::PI;
 
@@ -135,7 +135,7 @@ impl UncertainParameter {
     }
 }
 
-/// Returns the models after one standard deviation of each independent cause.
+/// Returns the models after one standard deviation of each independent source of uncertainty.
 #[must_use]
 pub fn variations(machine: &Machine, errors: &ErrorModel, uncertainty: &Uncertainty) -> Vec<ErrorModel> {
     let known: Vec<(UncertainParameter, &UncertaintyRow)> = uncertainty
@@ -153,7 +153,7 @@ pub fn variations(machine: &Machine, errors: &ErrorModel, uncertainty: &Uncertai
         for (parameter, row) in &known {
             let UncertaintyRow::Shared(row) = row else { continue };
             let Some(&part) = row.get(cause).filter(|part| **part != 0.0) else { continue };
-            // The waves of a whole error are its own causes; a list of one entry is a number.
+            // The waves of a whole error are sources of their own; a list of one entry is a number.
             if matches!(parameter, UncertainParameter::Whole(_)) {
                 continue;
             }

@@ -56,7 +56,7 @@ pub(in crate::cli) struct PlanArguments {
     /// Margin to both ends of the travel of linear axes, mm (default: 2); corrected positions may exceed nominal ones
     #[arg(long, value_name = "MM", value_parser = margin)]
     pub(in crate::cli) margin: Option<f64>,
-    /// Center as a tool point position (axis positions plus tool vector), mm (default: middle of the travel); repeatable for a plate
+    /// Center as a position of the tool tip (axis positions plus tool vector), mm (default: middle of the travel); repeatable for a plate
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     pub(in crate::cli) centre: Vec<Vector>,
     /// Radius, mm (default: 100 for ballbar, 150 for sphere, 70 for a circle of balls)

@@ -1,7 +1,7 @@
 //! Regressions without some of their columns, derived from one with all of them.
 //!
-//! In the basis of a regression with all columns, each column is represented by a few numbers, and so is the explained part. The contribution of some columns
-//! beside any others then needs sums over these numbers instead of sums over all rows.
+//! In the basis of a regression with all columns, each column is represented by a few numbers, and so is the explained part. The contribution of some columns,
+//! given any others, then needs sums over these numbers instead of sums over all rows.
 
 use super::series::{CLEAR, DEPENDENT, Gain, Series};
 use super::sums::dot;
@@ -26,7 +26,7 @@ struct Column {
     shares: Vec<f64>,
 }
 
-/// Group beside some others.
+/// Group, given some others.
 #[derive(Clone, Debug)]
 pub struct Beside {
     /// Improvement by the group.
@@ -74,7 +74,7 @@ impl LeaveOut {
         left
     }
 
-    /// Returns a group beside some others.
+    /// Returns a group, given some others.
     #[must_use]
     pub fn beside(&self, group: usize, others: &[usize]) -> Beside {
         let basis = self.basis(others);

@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::sums::dot;
 
-/// A column whose residual beside the others is below this share of its length is linearly dependent.
+/// A column whose residual, given the others, is below this share of its length is linearly dependent.
 pub(super) const DEPENDENT: f64 = 1e-6;
 /// Share of the length above which rounding errors are negligible.
 pub(super) const CLEAR: f64 = 0.1;
@@ -35,7 +35,7 @@ pub struct BasisColumn {
     values: Vec<f64>,
 }
 
-/// Improvement by columns beside those of the basis.
+/// Improvement by columns in addition to those of the basis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gain {
     /// Reduction of the sum of squares.
@@ -173,7 +173,7 @@ impl Series {
         &self.left
     }
 
-    /// Returns the improvement by columns beside those of the basis.
+    /// Returns the improvement by columns in addition to those of the basis.
     #[must_use]
     pub fn gain(&self, columns: &[Vec<f64>]) -> Gain {
         let mut own: Vec<BasisColumn> = Vec::new();
@@ -187,7 +187,7 @@ impl Series {
         Gain { squares, rank: own.len() }
     }
 
-    /// Returns the least-squares amounts of columns beside the basis, and their covariance at unit noise. Columns that depend on those before them get the
+    /// Returns the least-squares amounts of columns, given the basis, and their covariance at unit noise. Columns that depend on those before them get the
     /// amount 0 and no variance.
     #[must_use]
     pub fn amounts(&self, columns: &[Vec<f64>]) -> (Vec<f64>, DMatrix<f64>) {

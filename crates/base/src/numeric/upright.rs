@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::Series;
 use super::sums::dot;
 
-/// A column is dependent if less than this share of its squares remains beside the others, in the rows that count.
+/// A column is dependent if less than this share of its squares remains, given the others, in the rows that count.
 const DEPENDENT: f64 = 1e-8;
 
 /// Orthonormal columns.

@@ -380,7 +380,7 @@ impl Machine {
         Some(condition.temperature_c(sensor, lag_s)? - self.reference_of(sensor))
     }
 
-    /// Returns [`Machine::rise_k`] for each condition; fastest if these are in order of time.
+    /// Returns [`Machine::rise_k`] for each condition. The computation is fastest if the conditions are in order of time.
     #[must_use]
     pub fn rises_k(&self, conditions: &[&Condition], sensor: &str, lag_s: f64) -> Vec<Option<f64>> {
         let reference_c = self.reference_of(sensor);

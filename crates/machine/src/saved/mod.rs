@@ -82,7 +82,7 @@ pub fn apply_saved(format: &SavedFormat, source: &Source, machine: &mut Machine)
         Err(found) => return named(found),
     };
     for (name, parts) in values.offsets {
-        // Another value was set anew: the method of the machine file still holds, its poses do not.
+        // The zero was set again: the method of the machine file still holds, its places of touch do not.
         if let Some(datum) = machine.datums.get_mut(&name) {
             datum.at = Default::default();
         }

@@ -2,7 +2,7 @@
 //!
 //! It contains no loops, calls or variables: only rapid, linear and circular moves, dwells, and the auxiliary functions in their places. Frames and tools are
 //! resolved. The stream also states the active ones, and carries comments, messages, labels and cycle calls, which the output keeps. Targets are
-//! **axis commands** (mm, rad). The text form adds the tool vector, so it shows positions of the tool center point. Elements of one executed block follow
+//! **axis commands** (mm, rad). The text form adds the tool vector, so it shows positions of the tool tip. Elements of one executed block follow
 //! each other; the first has [`Element::starts_block`].
 
 mod drilling;
@@ -25,14 +25,14 @@ use std::sync;
 use ncfix_base::geometry::{Arc, AxisSet, AxisVector, Frame, Matrix, Plane, Vector};
 use ncfix_base::source::{FileId, Span};
 
-/// Origin of an element.
+/// Place in the programs from which an element comes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Origin {
     /// File of the block.
     pub file: FileId,
-    /// Line, from 1.
+    /// Line of the block in its file, from 1.
     pub line: u32,
-    /// Bytes in the file.
+    /// Range of bytes in the file.
     pub span: Span,
     /// Chain of calls that led here: 0 for the main program, else a number that the execution resolves.
     pub calls: u32,
@@ -43,24 +43,24 @@ pub struct Origin {
 pub struct BlockNumber {
     /// True for `:` instead of `N`.
     pub main: bool,
-    /// Number.
+    /// Its digits as a number.
     pub number: u32,
 }
 
-/// Element of the stream.
+/// One move, function or text of the stream, in the order of execution.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Element {
-    /// Origin.
+    /// Block of the program that caused it.
     pub origin: Origin,
     /// True if a new executed block starts with it.
     pub starts_block: bool,
     /// Block number, on the element that starts the block.
     pub number: Option<BlockNumber>,
-    /// Content.
+    /// The move, function or text itself.
     pub kind: Kind,
 }
 
-/// Content of an element.
+/// Kinds of elements, each with its data.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
     /// A motion.
@@ -129,7 +129,7 @@ pub struct Move {
     pub ways: [RotaryDirection; 3],
     /// True if the positions are written as machine coordinates for this block only (G53, G153, SUPA).
     pub in_machine_frame: bool,
-    /// Motion mode.
+    /// Part of the path, thread, positioning, reference point or probing.
     pub motion_mode: MotionMode,
     /// Maximum deviation of the programmed path from this straight move, which is a chord of it, mm; 0 if the move is the path itself.
     pub off_curve_mm: f64,
@@ -165,7 +165,7 @@ pub enum RotaryDirection {
     Negative,
 }
 
-/// Dwell.
+/// Duration of a dwell (G4).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Dwell {
     /// Seconds.
@@ -181,7 +181,7 @@ pub struct Word {
     pub letter: u8,
     /// Address extension, the 2 of `S2=500`.
     pub extension: Option<u32>,
-    /// Value.
+    /// Number or name after the address.
     pub value: WordValue,
 }
 
@@ -206,7 +206,7 @@ pub enum FrameWords {
 /// Statement that programs the frame, values evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameStatement {
-    /// Kind.
+    /// The operation on the frame.
     pub kind: FrameKind,
     /// True if it adds to the frame in force (`ATRANS`), false if it replaces it (`TRANS`).
     pub additive: bool,
@@ -270,7 +270,7 @@ pub enum Turning {
 /// position fixed to the workpiece, which the kinematics convert to a command.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setup {
-    /// From programmed positions to the machine coordinates of the tool center point in the control.
+    /// From programmed positions to the machine coordinates of the tool tip in the control.
     pub frame: Frame,
     /// From the spindle gauge point to the tool tip as known to the control, along the directions of F at the zero pose, mm.
     pub tool_mm: Vector,

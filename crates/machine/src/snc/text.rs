@@ -6,7 +6,7 @@
 //! G2 X30 Y10 Z-1 I0 J10 K0 P17 F500 ;@14<3
 //! ```
 //!
-//! Positions are at the tool center point, mm and degrees, up to 6 decimals. `;@14<3` is line 14 called from line 3.
+//! Positions are those of the tool tip, mm and degrees, up to 6 decimals. `;@14<3` is line 14 called from line 3.
 //! A feed is per minute, unless `G95` (mm per spindle revolution) or `G93` (blocks per minute, the reciprocal of the time) follows it.
 //! `I J K` is the center minus the start, `P` the plane, `L` the number of extra full turns. A tilted plane has its normal, `D E H`, instead of `P`. `G1.W` is straight in the workpiece while the rotary axes move in
 //! proportion, `G1.V` while the tool follows a great circle; so are `G0`, `G2` and `G3`, with `I J K` along the directions of the workpiece. Threads and positioning axes appear only as moves: G1 without a

@@ -17,7 +17,7 @@ use super::null_space::{self, COUNTS, NullDirection};
 
 /// Maximum number of names in a sentence.
 const MOST_NAMES: usize = 6;
-/// Number of consecutive truncated powers of a component from which only the first and the last are shown.
+/// Smallest number of consecutive truncated powers of a component of which only the first and the last are shown.
 const MANY_KNOTS: usize = 3;
 
 /// The unidentifiable part.

@@ -31,7 +31,7 @@ impl Field<'_, '_> {
     }
 }
 
-/// Returns the candidates that explain nearly as much instead of one, itself first. `gains` are those of all candidates beside the other findings, `noise`
+/// Returns the candidates that explain nearly as much instead of one, itself first. `gains` are those of all candidates, given the other findings, `noise`
 /// is the variance of the readings.
 pub(super) fn class(field: &Field<'_, '_>, gains: &[Gain], number: usize, noise: f64) -> Vec<usize> {
     let own = gains.get(number).map_or(0.0, |gain| gain.squares);

@@ -83,7 +83,7 @@ impl Field<'_, '_> {
             return taken;
         }
         let group = self.group(weights);
-        // A term that is not significant beside the others must not replace anything.
+        // A term that is not significant given the others must not replace anything.
         let group: Vec<usize> =
             self.backward(weights, group, LIMIT, &mut |_| {}).into_iter().map(|term| term.candidate).collect();
         if group.is_empty() {

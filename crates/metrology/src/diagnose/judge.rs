@@ -70,7 +70,7 @@ impl Field<'_, '_> {
         memory_of(weights, &plain, plain.left())
     }
 
-    /// Removes the candidates that are not significant beside the others, the weakest first. `note` receives each of them.
+    /// Removes the candidates that are not significant given the others, the weakest first. `note` receives each of them.
     pub(super) fn backward(
         &self,
         weights: &Weights,

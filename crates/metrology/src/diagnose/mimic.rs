@@ -30,7 +30,7 @@ const ALIAS: f64 = 0.8;
 /// An amplitude beyond this multiple of the range of the shape is ignored: if a wave has nearly the same value at all places, its amplitude is not
 /// determined.
 const LARGER: f64 = 2.0;
-/// Number of coefficients from which a slow wave of any period is as simple.
+/// Smallest number of coefficients of a shape at which a slow wave (sine, cosine, period) is no more complex than the shape.
 const MANY: usize = 3;
 /// Cycles over the travel of these waves: range and step.
 const SLOW: [f64; 2] = [0.5, 3.0];

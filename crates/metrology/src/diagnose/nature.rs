@@ -69,7 +69,7 @@ fn of_drivers(drivers: &[String]) -> Nature {
     }
 }
 
-/// Driver of a displacement with the order of the rows, where no time was noted.
+/// Driver of a displacement that depends on the order of the rows, if they have no time.
 pub(in crate::diagnose) const ORDER: &str = "row";
 /// Drivers of time.
 const OF_TIME: [&str; 2] = ["t_s", ORDER];

@@ -1,6 +1,6 @@
 //! Significance of the findings against slowly varying noise, by the likelihood. The noise is estimated again for every set of terms.
 //!
-//! Many terms together can follow slow noise; their residual then looks white, and each looks significant beside the others. Here terms are added one by one,
+//! Many terms together can follow slow noise; their residual then looks white, and each looks significant given the others. Here terms are added one by one,
 //! the most significant first. The residual may be the sum of white noise and a slow process (first-order autoregressive; near 1 it is a random walk). A term
 //! that explains all slow variation removes this process and gains much. A term that follows it only in part gains as much as a chance match.
 
@@ -331,7 +331,7 @@ mod tests {
         let rivals = |drivers: &[&str]| named_of(&field, &of(EffectKind::Unknown, drivers));
         assert_eq!(rivals(&["T_a_C", "t_s"]), [0]);
         assert_eq!(rivals(&["T_a_C", "T_b_C", "t_s"]), [0, 1]);
-        // A single driver was tested with its name already; positions do not vary slowly.
+        // For a single driver, the named cause was tested already; positions do not vary slowly.
         assert_eq!(rivals(&["T_a_C"]), [0; 0]);
         assert_eq!(rivals(&["T_a_C", "X"]), [0; 0]);
     }

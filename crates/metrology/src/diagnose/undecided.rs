@@ -2,7 +2,7 @@
 //!
 //! In one run along an axis the temperature may rise with the position; circles in one direction do not separate a squareness from a lag of the drives. The
 //! design of the measurement then leaves the cause open, however small the noise is, and what machines usually have is no evidence about this one. So every
-//! registered cause takes the place of the finding in turn, beside the other findings, and natures that predict the readings to within the noise share
+//! registered cause takes the place of the finding in turn, together with the other findings, and natures that predict the readings to within the noise share
 //! the probability by their likelihood alone. The corrections of different natures differ: one that is not certain must not be written.
 
 use super::cause::{Candidate, EffectKind};
@@ -49,7 +49,7 @@ impl Undecided {
 }
 
 impl Field<'_, '_> {
-    /// Compares a candidate with those of other natures, each beside the other findings: the regression on these and the gains of all candidates.
+    /// Compares a candidate with those of other natures, each together with the other findings: the regression on these and the gains of all candidates.
     /// `noise` is the variance of the readings.
     pub(super) fn undecided(
         &self,
@@ -106,7 +106,7 @@ impl Field<'_, '_> {
     }
 
     /// Gives the terms of explanations that are not among the findings `kept` to their rivals too: a list of explanations must not be surer than a finding.
-    /// Each is compared beside the findings of its most probable explanation: those that it replaces would leave nothing for it.
+    /// Each is compared given the findings of its most probable explanation: those that it replaces would leave nothing for it.
     pub(super) fn share_others(&self, weights: &Weights, kept: &[usize], explanations: &mut Vec<ExplanationSummary>) {
         let title = |number: &usize| self.candidates.get(*number).map(Candidate::title);
         let known: Vec<String> = kept.iter().filter_map(title).collect();

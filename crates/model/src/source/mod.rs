@@ -130,8 +130,8 @@ pub trait Effect: BoxedEffect + Debug + Send + Sync {
 
     /// Adds its effect in a condition to the location and motion errors of the axes. Errors are in mm and rad, along and about the directions of F at the
     /// zero pose. They are deviations of the body that the axis moves, also on the workpiece side. The effect depends only on the condition (loads, temperatures, time).
-    /// Dependence on the position of an axis or on its last motion is expressed by an [`EntryFunction`](crate::motion::EntryFunction). It is called whenever the
-    /// condition changes, not for every position. If the condition lacks the required data, it adds nothing.
+    /// Dependence on the position of an axis or on its last motion is expressed by an [`EntryFunction`](crate::motion::EntryFunction). ncfix calls this
+    /// function whenever the condition changes, not for every position. If the condition lacks the required data, the function adds nothing.
     fn contribute(&self, condition: &Condition, sum: &mut Accumulator<'_>);
 
     /// Visits every parameter with its name and unit, always in the same order: `name.of.it`, in mm, rad, s or K. These parameters are listed, varied, fitted

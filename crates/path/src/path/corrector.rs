@@ -338,7 +338,7 @@ where
             let way = self.placer.emitted(self.standing.command, start.command);
             let piece = (&active.route, from);
             self.findings.check(&active.origin, stated, piece, &way, &self.placer.setup.tool_mm);
-            // Such a step takes the time that its length takes on the path.
+            // Such a step takes the time that a path of this length takes.
             let share = way.size_mm() / active.route.size_mm();
             let at = active.route.at(from);
             let step = self.write(active, start, None, (share, &at), false);

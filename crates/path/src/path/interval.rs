@@ -1,7 +1,7 @@
 //! Interval of the error along a program, from the uncertainty of the error model.
 //!
-//! Each independent cause varies the model by one standard deviation. The forward function of both models gives the displacement of the tip by this cause,
-//! at some places along the program, once. True displacements are sums of these with standard normal amounts, so repetitions of the whole program are sums of
+//! Each independent source of uncertainty varies the model by one standard deviation. The forward function of both models gives the displacement of the tip
+//! by it, at some places along the program, once. True displacements are sums of these with standard normal amounts, so repetitions of the whole program are sums of
 //! numbers. Mean, root mean square and maximum of every repetition give the interval. The same amounts apply before and after the correction.
 
 use ncfix_base::geometry::Vector;

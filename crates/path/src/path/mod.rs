@@ -214,7 +214,7 @@ pub enum OutputFrame {
     /// The zero offset and frame of the program.
     #[default]
     Work,
-    /// Machine coordinates of the tool center point.
+    /// Machine coordinates of the tool tip.
     Machine,
 }
 

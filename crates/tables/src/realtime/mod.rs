@@ -25,9 +25,9 @@
 //!     Kernel::new(&machine, &Model::at(&machine, &errors, condition), &tool_mm, Solve::Full)
 //! };
 //! let (publisher, subscriber) = handover(kernel(&Condition::default()));
-//! // What the sensors read is put into the condition here.
+//! // A real updater puts the readings of the sensors into the condition.
 //! let updater = Updater::start(publisher, Duration::from_secs(60), move || Some(kernel(&Condition::default())));
-//! // Doses of 1 µm and 5 µrad; coming back by more than 0.1 µm and 1 µrad is a reversal.
+//! // At most 1 µm and 5 µrad per cycle; a return of more than 0.1 µm or 1 µrad is a reversal.
 //! let mut cycle = Cycle::new(subscriber, Dosing::new(1e-3, 5e-6), 1e-4, 1e-6);
 //!
 //! // In the cycle of the control:

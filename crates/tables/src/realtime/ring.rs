@@ -7,15 +7,15 @@
 //! 0         0       ncfix       magic: the bytes "NCFIXRT1", written last
 //! 1         8       ncfix       version, 1
 //! 2         16      ncfix       n
-//! 3, 4      24      ncfix       letters of the axes in ASCII, 0 behind the last
+//! 3, 4      24      ncfix       letters of the axes in ASCII, 0 after the last
 //! 5         40      ncfix       c
 //! 6         48      ncfix       w
 //! 16        128     control     set-points written
 //! 32        256     ncfix       set-points read
 //! 48        384     ncfix       corrections written
 //! 64        512     control     corrections read
-//! 80        640     ncfix       cycles of waiting: it lives
-//! 96        768     control     not 0: ncfix shall end
+//! 80        640     ncfix       heartbeat: cycles of waiting
+//! 96        768     control     not 0: requests the end of ncfix
 //! 128       1024    control     c records of set-points: number, n values (f64; mm, rad)
 //! 128 + cw          ncfix       c records of corrections: number of the set-point, signals, n values (f64; mm, rad)
 //! ```
@@ -127,7 +127,7 @@ pub enum Overrun {
     WentBack(u64),
     /// This number of corrections were read without being available.
     CorrectionsRead(u64),
-    /// The count of read corrections has decreased: this number appear written and not read.
+    /// The count of read corrections has decreased: this many corrections seem to be written and not read.
     Corrections(u64),
 }
 

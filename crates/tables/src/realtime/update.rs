@@ -2,7 +2,7 @@
 //!
 //! Kernels form a chain in which each points to its successor. The cycle holds the active one and checks, with one atomic load, whether it has a
 //! successor; then it moves on. The other side keeps every kernel until the cycle has released it, so that memory is freed there and never in the
-//! cycle. Spaan's control takes tables over every 60 s (1995, ch. 6); the rate limit smooths the transition.
+//! cycle. Spaan's control loads new tables every 60 s (1995, ch. 6); the rate limit smooths the transition.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};

@@ -77,7 +77,7 @@ pub enum Change {
     Replaced(usize),
     /// It was removed because the criterion decreases without it.
     Left,
-    /// It was removed because it is not significant beside the others.
+    /// It was removed because it is not significant given the others.
     NotSignificant,
     /// It was removed because it does not improve the prediction of held-out blocks.
     NoGain,
@@ -145,7 +145,7 @@ pub struct Term {
     pub freedom: f64,
     /// p-value, multiplied by the number of candidates.
     pub p: f64,
-    /// Improvement of held-out blocks beside the other terms.
+    /// Improvement of held-out blocks, given the other terms.
     pub gain: Gain,
     /// Candidates that could replace it, the best one first.
     pub rivals: Vec<Rival>,
@@ -158,7 +158,7 @@ pub struct Choice {
     pub terms: Vec<Term>,
     /// Steps in their order.
     pub steps: Vec<Step>,
-    /// Candidates that are not identifiable beside the columns that are always in.
+    /// Candidates that are not identifiable given the columns that are always in.
     pub not_identified: Vec<usize>,
     /// Number of candidates that were tested.
     pub tried: usize,

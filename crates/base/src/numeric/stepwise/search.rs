@@ -224,7 +224,7 @@ impl<'a> StepwiseSearch<'a> {
         column.checked_sub(self.prepared.always).and_then(|told| self.prepared.told.get(told)).copied().unwrap_or(0)
     }
 
-    /// Removes terms that are not significant beside the others, the worst one first.
+    /// Removes terms that are not significant given the others, the worst one first.
     pub(super) fn demand_significance(
         &self,
         noise: &mut CorrelatedNoise,
@@ -245,7 +245,7 @@ impl<'a> StepwiseSearch<'a> {
         *noise = self.noise(chosen);
     }
 
-    /// Removes terms that do not improve the prediction of held-out blocks: each term beside the others, then all of them.
+    /// Removes terms that do not improve the prediction of held-out blocks: each term given the others, then all of them.
     pub(super) fn demand_gain(
         &self,
         folds: &Folds<'_>,

@@ -5,7 +5,7 @@
 
 use nalgebra::DMatrix;
 
-/// A column is dependent if a smaller share of its square remains beside the others.
+/// A column is dependent if a smaller share of its square remains, given the others.
 const LEAST_LEFT: f64 = 1e-8;
 
 /// Swept Gram matrix.

@@ -1,7 +1,7 @@
 //! Executes programs of Fanuc controls and of RS274/NGC (LinuxCNC).
 //!
-//! Each block passes three steps: its words are gathered, its values evaluated, and executed in the order of the dialect. Differences between the
-//! dialects depend on [`ncfix_dialect::Language`].
+//! Each block is processed in three steps: its words are gathered, their values are evaluated, and the words are executed in the order of the
+//! dialect. Differences between the dialects depend on [`ncfix_dialect::Language`].
 
 mod arc;
 mod arguments;

@@ -80,17 +80,17 @@ pub enum EffectKind {
     SpindleSpeed,
     /// An error that has changed between files.
     Earlier,
-    /// Weight of the workpiece.
+    /// Displacement with the weight of the workpiece.
     Load,
-    /// The set-up of the instrument.
+    /// An error of the set-up of the instrument.
     Setup,
-    /// The probe.
+    /// An error of the probe.
     Probe,
-    /// A temperature sensor.
+    /// A fault of a temperature sensor.
     Sensor,
-    /// Single readings.
+    /// Errors of single readings.
     Outlier,
-    /// The measured program.
+    /// An error of the measured program.
     Program,
     /// An effect without a known cause.
     Unknown,

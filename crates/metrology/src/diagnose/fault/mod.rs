@@ -256,7 +256,7 @@ pub struct View<'s, 'a> {
 }
 
 impl<'s, 'a> View<'s, 'a> {
-    /// A view without trails and with nothing refused.
+    /// A view without the readings relative to their repetitions (`trails`), in which no measurement is refused.
     fn new(scene: &'s Scene<'a>, sensors: Vec<Vec<Sensor>>) -> View<'s, 'a> {
         View { scene, sensors, trails: Vec::new(), refused: BTreeSet::new(), gone: Vec::new(), tips: OnceCell::new() }
     }

@@ -115,7 +115,7 @@ impl Builder {
         }
     }
 
-    /// The command for a tip: a position at the tool point, rotary axes at zero.
+    /// The command for a tip: a position of the tool tip, rotary axes at zero.
     pub(super) fn at_tip(&self, tip_mm: &Vector, tool_mm: &Vector) -> AxisVector {
         let mut command = AxisVector::ZERO;
         command.set_xyz(tip_mm - self.machine.turned_tool_mm(&command, tool_mm));

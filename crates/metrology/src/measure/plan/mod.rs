@@ -89,7 +89,7 @@ pub fn kinds_help() -> String {
 pub struct Wishes {
     /// Tool vectors, from the spindle gauge point to the tip, along F's directions at the zero pose.
     pub tools_mm: Vec<Vector>,
-    /// Centers, as positions at the tool point; all kinds except plates have one.
+    /// Centers, as positions of the tool tip; all kinds except plates have one.
     pub centres_mm: Vec<Vector>,
     /// Radius of circles and spheres, or of the circle of balls.
     pub radius_mm: Option<f64>,
@@ -232,7 +232,7 @@ impl Wishes {
         self.tools_mm.first().copied().unwrap_or_else(Vector::zeros)
     }
 
-    /// The center, or the middle of the travel, as a position at the tool point.
+    /// The center, or the middle of the travel, as a position of the tool tip.
     fn centre_or_middle(&self, machine: &Machine, tool_mm: &Vector) -> Vector {
         self.centres_mm.first().copied().unwrap_or_else(|| middle(machine) + tool_mm)
     }
