@@ -46,7 +46,7 @@ pub(in crate::cli) struct FeedArguments {
     /// Check the program and the link; send nothing
     #[arg(long)]
     pub(in crate::cli) dry_run: bool,
-    /// Confirm that the machine stands still, for links on which ncfix cannot ask the control (tape readers, FE1); lines that are sent to a moving machine interfere with its motion
+    /// Confirm that the machine stands still, for links on which ncfix cannot ask the control (RS-232 without answers, FE1); lines that are sent to a moving machine interfere with its motion
     #[arg(long)]
     pub(in crate::cli) i_checked_the_machine_stands_still: bool,
     /// Send even if the control will have to wait for lines
@@ -148,7 +148,7 @@ pub(in crate::cli) struct ResumeArguments {
     /// resume
     #[arg(long, value_name = "Z", value_parser = parse_length_mm, allow_hyphen_values = true)]
     pub(in crate::cli) clearance: Option<f64>,
-    /// Confirm that the machine stands still, for links on which ncfix cannot ask the control (tape readers, FE1); lines that are sent to a moving machine interfere with its motion
+    /// Confirm that the machine stands still, for links on which ncfix cannot ask the control (RS-232 without answers, FE1); lines that are sent to a moving machine interfere with its motion
     #[arg(long)]
     pub(in crate::cli) i_checked_the_machine_stands_still: bool,
     /// Port of the control, if it has changed

@@ -14,7 +14,7 @@
 //! stated                                 test of the hypotheses that a person states
 //! mimic, doubt, volume                    errors with the same effect on the readings but another effect elsewhere in the travel
 //! class                                  candidates that explain the readings nearly as well
-//! nature, undecided                      causes with the same effect on the readings that depend on something else: time, direction, speed
+//! nature, undecided                      causes with the same effect on the readings that depend on another quantity: time, direction, speed
 //! extend                                 the extended machine file
 //! ```
 

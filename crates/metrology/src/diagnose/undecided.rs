@@ -1,4 +1,4 @@
-//! Rivals of another nature: causes that predict the same readings as a finding, but depend on something else.
+//! Rivals of another nature: causes that predict the same readings as a finding, but depend on another quantity.
 //!
 //! In one run along an axis the temperature may rise with the position; circles in one direction do not separate a squareness from a lag of the drives. The
 //! design of the measurement then leaves the cause open, however small the noise is, and what machines usually have is no evidence about this one. So every
@@ -31,7 +31,7 @@ pub(super) struct Undecided {
     pub(super) rivals: Vec<(usize, f64)>,
 }
 
-/// A cause that predicts the same readings as a finding but depends on something else.
+/// A cause that predicts the same readings as a finding but depends on another quantity.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RivalCause {

@@ -309,7 +309,7 @@ pub struct CauseReport {
     pub probability: Option<f64>,
     /// True if it is certain enough to act on it; only then a machine file can contain it.
     pub certain: bool,
-    /// Causes that predict its readings to within the noise but depend on something else, such as time or direction, the most probable first.
+    /// Causes that predict its readings to within the noise but depend on another quantity, such as time or direction, the most probable first.
     pub rivals: Vec<RivalCause>,
     /// Its value in each file, if files differ significantly; otherwise empty.
     pub by_file: Vec<InFile>,

@@ -16,7 +16,7 @@ use crate::feed::profile::Flow;
 /// Entry of this dialogue; profiles select it by its name.
 pub(super) const PROTOCOL: Protocol = Protocol {
     name: "tape",
-    title: "flow control with XON and XOFF, no answers (tape readers)",
+    title: "flow control with XON and XOFF, no answers (RS-232 reader interface)",
     asks_idle: false,
     has_planner: false,
     beyond: 0,
