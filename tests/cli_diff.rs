@@ -67,7 +67,7 @@ fn the_status_says_whether_they_differ() {
     shop.run(diff(&["--fail-above", "17um"])).exits(0);
     let run = shop.run(diff(&["--fail-above", "15um"])).exits(4).says("E0303").says("16.0 µm");
     assert!(run.stdout.contains("more than the 15.0 µm allowed"), "{}", run.stdout);
-    assert!(shop.run(diff(&["--fail-above", "17um"])).exits(0).stdout.contains("verdict      no reason found"));
+    assert!(shop.run(diff(&["--fail-above", "17um"])).exits(0).stdout.contains("verdict      nothing found"));
     // 16 µm are not above 16 µm.
     shop.run(diff(&["--fail-above", "16um"])).exits(0);
     shop.run(diff(&["--fail-above", "15um", "--axis", "X", "--axis", "Z"])).exits(4);
