@@ -6,6 +6,7 @@ use std::rc::Rc;
 
 use crate::diagnostics::{Diagnostics, Hint};
 use crate::disk::archive;
+pub(crate) use crate::disk::archive::holds as is_in_archive;
 use crate::disk::files::{self, STANDARD_INPUT, is_standard_stream};
 use crate::disk::folder_library::FolderLibrary;
 use crate::disk::machine_file::dialect_names;
@@ -220,11 +221,6 @@ pub(crate) fn read(path: &Path) -> Result<Source, Error> {
         return archive.main();
     }
     files::read(path, FileId(0), "program")
-}
-
-/// True if a program is in an archive of the control.
-pub(crate) fn is_in_archive(path: &Path) -> bool {
-    path.ancestors().any(|ancestor| ancestor.is_file() && archive::is_archive(ancestor))
 }
 
 /// Receives the progress of a program while it runs.

@@ -161,3 +161,22 @@ fn saved_data_with_the_header_of_a_program_is_refused() {
         .says("error[E0101]: this header names a program (MPF), not saved data: nothing is read\n --> r.RPA:1:1");
     shop.run(["fix", "part.mpf", "-o", "o.mpf", "--setup", "right.RPA"]).exits(0);
 }
+
+#[test]
+fn a_program_in_an_archive_as_text_has_its_folder_and_its_subprograms() {
+    let text = "%_N_INITIAL_INI\nN10 $MN_INT_INCR_PER_MM=1000\n\
+        %_N_EDGE_SPF\n;$PATH=/_N_CMA_DIR\nG1 X99 F100\nM17\n\
+        %_N_PART_MPF\n;$PATH=/_N_WKS_DIR/_N_SHAFT_WPD\nG90 G54 G0 X1 Y2 Z50\nEDGE\nM30\n\
+        %_N_EDGE_SPF\n;$PATH=/_N_WKS_DIR/_N_SHAFT_WPD\nG1 X30 F100\nM17\n\
+        %_N_OTHER_MPF\n;$PATH=/_N_MPF_DIR\nG90 G54 G0 X7\nM30\n";
+    let shop = Shop::new().file("SAVE.arc", text);
+    let demo = machine("demo");
+    for name in ["PART.MPF", "part.mpf", "WKS.DIR/SHAFT.WPD/PART.MPF"] {
+        let run = shop.run(["snc", &format!("SAVE.arc/{name}"), "--machine", &demo]).exits(0);
+        let moves: Vec<&str> = run.stdout.lines().skip(1).filter_map(|line| line.split(" ;@").next()).collect();
+        let x: Vec<f64> =
+            moves[..2].iter().map(|line| line.split(' ').nth(1).unwrap()[1..].parse().unwrap()).collect();
+        assert_eq!(x[1] - x[0], 29.0, "{name}: {moves:?}");
+    }
+    shop.run(["check", "SAVE.arc/NOWHERE.MPF", "--machine", &demo]).exits(2).says("has no file NOWHERE.MPF");
+}

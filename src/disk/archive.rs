@@ -3,6 +3,8 @@
 //! Every entry is a record of 512 bytes and its content, filled up to whole records, much like a tape archive: at byte 0 the name on
 //! the control (`_N_PART_MPF`), at 50 the name of the file (`PART.MPF`), at 124 its length in decimal digits, at 148 the sum of the
 //! record's bytes in decimal digits with this field taken as zeros, at 384 its folder (`\MPF.DIR\`). The first record names the format.
+//!
+//! An archive as text has a line `%_N_PART_MPF` before every file, and below it its folder: `;$PATH=/_N_MPF_DIR`.
 
 use std::fs;
 use std::ops::Range;
@@ -16,6 +18,10 @@ use ncfix_language::exec::Library;
 
 /// Beginning of the first record.
 const MAGIC: &[u8] = b"@@MMCIBN";
+/// Beginning of an archive as text.
+const TEXT_MAGIC: &[u8] = b"%_N_";
+/// Beginning of the line with the folder of a file in it.
+const TEXT_FOLDER: &str = ";$PATH=";
 /// Length of a record.
 const RECORD: usize = 512;
 /// Folders in which programs are searched after their own folder.
@@ -47,12 +53,14 @@ pub(crate) struct Archive {
 /// If the archive is damaged, or the path does not determine one of its programs.
 pub(crate) fn open(path: &Path) -> Result<Option<Archive>, Error> {
     let Some(file) = path.ancestors().find(|ancestor| ancestor.is_file()) else { return Ok(None) };
-    if !is_archive(file) {
+    // A text that is named itself is a program, with its subprograms below it.
+    let is_text = file != path && begins_with(file, TEXT_MAGIC);
+    if !is_text && !is_archive(file) {
         return Ok(None);
     }
     let bytes = files::bytes_of(file, MAX_BYTES).map_err(|error| Error::file("read", file, &error))?;
     let shown = file.display();
-    let entries = entries(&bytes).map_err(|at| {
+    let entries = if is_text { Ok(text_entries(&bytes)) } else { entries(&bytes) }.map_err(|at| {
         Error::usage(format!(
             "{shown} is damaged: at byte {at} there is no entry with a correct checksum; copy it from the control again"
         ))
@@ -87,11 +95,48 @@ pub(crate) fn open(path: &Path) -> Result<Option<Archive>, Error> {
     Ok(Some(Archive { path: file.to_path_buf(), bytes, entries, main }))
 }
 
-/// True if a file begins like an archive.
+/// True if a file begins like an archive of records.
 pub(crate) fn is_archive(file: &Path) -> bool {
+    begins_with(file, MAGIC)
+}
+
+/// True if a program is in an archive of the control.
+pub(crate) fn holds(path: &Path) -> bool {
+    let file = path.ancestors().find(|ancestor| ancestor.is_file());
+    file.is_some_and(|file| is_archive(file) || (file != path && begins_with(file, TEXT_MAGIC)))
+}
+
+fn begins_with(file: &Path, magic: &[u8]) -> bool {
     use std::io::Read as _;
-    let mut head = [0; 8];
-    fs::File::open(file).and_then(|mut file| file.read_exact(&mut head)).is_ok() && head == MAGIC
+    let mut head = vec![0; magic.len()];
+    fs::File::open(file).and_then(|mut file| file.read_exact(&mut head)).is_ok() && head == magic
+}
+
+/// The files of an archive as text: each from the line after its name to the next name.
+fn text_entries(bytes: &[u8]) -> Vec<Entry> {
+    let mut entries: Vec<Entry> = Vec::new();
+    let mut at = 0;
+    for line in bytes.split_inclusive(|&byte| byte == b'\n') {
+        let text = String::from_utf8_lossy(line);
+        if line.starts_with(TEXT_MAGIC) {
+            let name = file_name(text.split_whitespace().next().unwrap_or_default().trim_start_matches('%'));
+            entries.push(Entry { name, folder: String::new(), content: at + line.len()..at + line.len() });
+        } else if let Some(last) = entries.last_mut() {
+            last.content.end = at + line.len();
+            if let Some(folder) = text.trim().strip_prefix(TEXT_FOLDER).filter(|_| last.folder.is_empty()) {
+                last.folder =
+                    folder.split('/').filter(|part| !part.is_empty()).map(file_name).collect::<Vec<_>>().join("/");
+            }
+        }
+        at += line.len();
+    }
+    entries
+}
+
+/// The name of a file by its name on the control: `PART.MPF` of `_N_PART_MPF`.
+fn file_name(on_control: &str) -> String {
+    let name = on_control.strip_prefix("_N_").unwrap_or(on_control);
+    name.rsplit_once('_').map_or_else(|| name.to_owned(), |(stem, ending)| format!("{stem}.{ending}"))
 }
 
 /// All entries after the first record, or the byte offset of an error.
