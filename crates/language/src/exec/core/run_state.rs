@@ -38,6 +38,8 @@ pub(in crate::exec) struct RunState {
     /// Variables, by file, without a value that were reported, or that have no value as a consequence.
     without_value: HashSet<(FileId, String)>,
     errors: usize,
+    /// A block with an F word was not executed because of an error.
+    has_lost_feed: bool,
     executed: u64,
     limit: u64,
     /// Call chains: the chain of the caller and its line.
@@ -61,6 +63,7 @@ impl RunState {
             reported: HashSet::new(),
             without_value: HashSet::new(),
             errors: 0,
+            has_lost_feed: false,
             executed: 0,
             limit: options.max_blocks.unwrap_or_else(|| MAX_BLOCKS.max(blocks as u64 * 20)),
             chains: Vec::new(),
@@ -125,10 +128,16 @@ impl RunState {
         {
             place.span = source.in_file(place.span);
         }
-        if self.is_known_variable(&mut finding) || !self.reported.insert((finding.code, finding.place)) {
+        // The F of a block with an error was not executed.
+        let is_consequence = finding.code == Code::MISSING_FEED && self.has_lost_feed;
+        if is_consequence
+            || self.is_known_variable(&mut finding)
+            || !self.reported.insert((finding.code, finding.place))
+        {
             return;
         }
         if finding.is_error() {
+            self.has_lost_feed |= finding.place.is_some_and(|place| self.has_feed_word(place));
             self.errors += 1;
             if self.errors == 1 {
                 self.limit = self.limit.min(self.executed + BLOCKS_AFTER_ERROR);
@@ -138,6 +147,14 @@ impl RunState {
             }
         }
         self.findings.push_back(finding);
+    }
+
+    /// `true` if the line of a place may have an F word.
+    fn has_feed_word(&self, place: Place) -> bool {
+        let source = self.sources.get(usize::from(place.file.0));
+        source.is_some_and(|source| {
+            source.line_at(place.span.start).0.iter().any(|byte| byte.eq_ignore_ascii_case(&b'F'))
+        })
     }
 
     /// `true` if a diagnostic is about a variable without a value that was already reported in the file. Other variables without value as a
