@@ -101,6 +101,9 @@ impl DescriptionRequest {
             });
         }
         if !missing.is_empty() {
+            // Data that were not used may be the reason.
+            let unused = self.facts.notes.iter().filter(|note| note.contains("not used"));
+            missing.extend(unused.cloned());
             return Err(missing.join("; "));
         }
         let (notes, saved_unit) = (self.facts.notes.clone(), self.facts.saved_unit.clone());

@@ -71,7 +71,7 @@ impl ControlFacts {
         let text = String::from_utf8_lossy(bytes);
         let Some(format) = FORMATS.iter().find(|format| (format.is)(&text)) else {
             let names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
-            return Err(format!("{name} has no data of a control that ncfix knows; it reads {}", names.join(", ")));
+            return Err(format!("{name} has no data of a machine that ncfix can use; it reads {}", names.join(", ")));
         };
         (format.read)(name, &text, self)?;
         Ok(format.name)

@@ -3,7 +3,7 @@
 //! The geometry of TRAORI follows from MD24500 to MD24572, or from the swivel data record `$TC_CARR1` to `$TC_CARR23`. The formulas are those of the page
 //! *Describe a five-axis Sinumerik*: BT, JO and JP are the base tool, the joint offset, and the joint offset on the part.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::{ControlDataFormat, ControlFacts, known, number, rounded};
 use crate::describe::stated::TravelRange;
@@ -45,23 +45,24 @@ fn read(name: &str, text: &str, facts: &mut ControlFacts) -> Result<(), String> 
     }
     facts.control = Some(known("sinumerik".to_owned(), (name, 1), "machine data of a Sinumerik"));
     let letters = letters(&values);
-    let mut unnamed = false;
+    let mut unnamed = BTreeSet::new();
     for ((key, index), (value, line)) in &values {
         let Some(axis_index) = key.starts_with("$MA_").then(|| index.rsplit(',').next()).flatten() else { continue };
         let Some(axis) = letters.get(axis_index).copied() else {
-            unnamed = true;
+            unnamed.insert(axis_index);
             continue;
         };
         axis_data(facts, (axis, axis_index), (key, value, (name, *line)), &values);
     }
-    if unnamed {
-        let arrays = ["$MN_AXCONF_MACHAX_NAME_TAB", "$MC_AXCONF_CHANAX_NAME_TAB", "$MC_AXCONF_MACHAX_USED"];
-        let lacks = |array: &&str| !values.keys().any(|(key, _)| key == array);
-        let missing = arrays.into_iter().filter(lacks).collect::<Vec<_>>().join(", ");
-        let missing = if missing.is_empty() { String::new() } else { format!("; it lacks {missing}") };
-        facts
-            .notes
-            .push(format!("{name} has axis data ($MA_…) of axes that it does not name: they are not used{missing}"));
+    let arrays = ["$MN_AXCONF_MACHAX_NAME_TAB", "$MC_AXCONF_CHANAX_NAME_TAB", "$MC_AXCONF_MACHAX_USED"];
+    let lacks = |array: &&str| !values.keys().any(|(key, _)| key == array);
+    let missing = arrays.into_iter().filter(lacks).collect::<Vec<_>>().join(", ");
+    let missing = if missing.is_empty() { String::new() } else { format!("; {name} lacks {missing}") };
+    if !unnamed.is_empty() {
+        let axes = unnamed.into_iter().collect::<Vec<_>>().join(", ");
+        facts.notes.push(format!(
+            "{name} has data of {axes}, but the names of these axes are not known, so the data were not used{missing}"
+        ));
     }
     let per_mm = values.get(&("$MN_INT_INCR_PER_MM".to_owned(), String::new()));
     if let Some((value, line)) = per_mm
@@ -271,7 +272,7 @@ impl Geometry<'_> {
         let [Some(first), Some(second)] = axes else {
             facts
                 .notes
-                .push(format!("{name}:{line} the letters of the rotary axes are not stated: give --pivot and --sense"));
+                .push(format!("{name}:{line} the names of the rotary axes are not known ($MC_AXCONF_CHANAX_NAME_TAB), so their positions and senses were not used: add the names, or give --pivot and --sense"));
             return Ok(());
         };
         let sum = |parts: &[[f64; 3]]| [0, 1, 2].map(|at| rounded(parts.iter().map(|part| part[at]).sum()));
