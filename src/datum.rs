@@ -194,6 +194,9 @@ pub(crate) fn of_run(
     reports
 }
 
+/// The offset of a Fanuc that is added to all others.
+const EXTERNAL: &str = "EXT";
+
 /// The zero offsets that count as touched, for the stamp: `G54-touched`; `unstated-touched` stands for all without a statement.
 pub(crate) fn stamped(chosen: &Machine) -> Option<String> {
     let machine = &chosen.machine;
@@ -203,7 +206,9 @@ pub(crate) fn stamped(chosen: &Machine) -> Option<String> {
     let relative = relative.filter(|(_, setting)| setting.is_relative());
     let mut parts: Vec<String> =
         relative.map(|(name, setting)| format!("{}-{}", name.replace(' ', "_"), setting.name())).collect();
-    if all(chosen).any(|(name, _)| stated(name).is_none()) {
+    // An external offset of 0 adds nothing to a zero.
+    let adds = |name: &String, shift: &AxisVector| name != EXTERNAL || *shift != AxisVector::ZERO;
+    if all(chosen).any(|(name, shift)| stated(name).is_none() && adds(name, &shift)) {
         parts.push(format!("unstated-{}", Datum::default().method().name()));
     }
     (!parts.is_empty()).then(|| parts.join(","))

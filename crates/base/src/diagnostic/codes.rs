@@ -333,12 +333,14 @@ program.";
 "A correction exceeds --max-correction (default 0.2 mm; for a rotary axis, the arc at the tool counts). Geometric errors of a working
 machine are smaller: check the units in the machine file before raising the limit.";
     UNKNOWN_START = "E0304" "motion from an unknown position"
-"An incremental move or an arc starts from a position that the program has not stated: at the beginning of the program, or after a tool
-change. The corrected program is absolute, so it would move to another position than the original. Or the plane is tilted, and the
-positions of the axes are not known. Program an absolute position of all axes; --start X0,Y0,Z0 helps only before the first block.";
+"A motion starts from a position that the program has not stated: an incremental move, an arc, or a drilling cycle without X and Y, at
+the beginning of the program or after a tool change. The corrected program is absolute, so it would move to another position than the
+original. Or the plane is tilted, and the positions of the axes are not known. Program an absolute position of all axes, for example
+G0 X0 Y0, before the block; --start X0,Y0,Z0 helps only before the first block.";
     UNITS_DOUBT = "E0305" "ambiguous units"
-"Positions were programmed before the unit was stated, and the program switches between inch (G70, G700) and metric (G71, G710) later.
-Whether the first positions are mm or inch depends on what was active on the control before. State the unit in the first block.";
+"The unit of a number depends on the control. Positions may stand before the first code of the unit, in a program that switches between
+inch (G70, G700, G20) and metric (G71, G710, G21) later: state the unit in the first block. Or a number has no decimal point, so a
+parameter of the control decides between whole units and increments: state it with control.decimal_point in the machine file.";
     NO_OFFSET = "E0306" "zero offset has no value"
 "The program selects a zero offset that the machine file does not know, so the position in the machine, and with it the correction,
 is unknown. Add it to the machine file or to a set-up file given with --setup:
