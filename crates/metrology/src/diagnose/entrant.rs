@@ -115,8 +115,9 @@ pub(super) fn group(field: &Field<'_, '_>, one: &Candidate) -> ColumnGroup {
             own @ (Family::Lag | Family::Deflection) => return own.size(0.0),
             other => other.size(1e3),
         };
-        let largest = |(_, weight): &(Through, Weight)| {
-            field.scene.rows.iter().map(|row| weight.of(row).abs()).fold(0.0, f64::max)
+        let largest = |(_, weight): &(Through, Weight)| match field.layout.table(weight) {
+            Some(table) => table.iter().map(|value| value.abs()).fold(0.0, f64::max),
+            None => field.scene.rows.iter().map(|row| weight.of(row).abs()).fold(0.0, f64::max),
         };
         let most = parts.iter().map(largest).fold(0.0, f64::max);
         // A reversal value acts with half its size on either side.

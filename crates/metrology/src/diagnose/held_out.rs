@@ -56,6 +56,8 @@ struct Question<'q> {
     does: Vec<Does>,
     /// Indices of the terms whose gains are needed.
     places: &'q [usize],
+    /// Variance of the weighted readings.
+    noise: f64,
 }
 
 /// Result of a part.
@@ -80,7 +82,9 @@ pub(super) fn of_parts(
     let count = parts.iter().filter(|&&part| part != NO_PART).max().map_or(0, |most| most + 1);
     let mut everywhere = field.series(weights, &[], 0.0);
     let does = judged.iter().map(|&term| Does::new(field, weights, judged, term, &mut everywhere)).collect();
-    let question = Question { weights, parts, judged, does, places };
+    let left = field.series(weights, judged, 0.0);
+    let noise = (left.squares() / (left.count() as f64).max(1.0)).max(f64::MIN_POSITIVE);
+    let question = Question { weights, parts, judged, does, places, noise };
     let mut found: Vec<Vec<Part>> = places.iter().map(|_| Vec::new()).collect();
     let before = field.candidates.len();
     let all: Vec<usize> = (0..count).filter(|_| count > 1).collect();
@@ -126,7 +130,8 @@ impl Question<'_> {
         if says.iter().all(Option::is_none) {
             return Answer { gains: Vec::new(), selection: None, found: Vec::new() };
         }
-        let selection = selected(field, &train, self.judged, known);
+        let squares: Vec<f64> = self.does.iter().map(|does| does.whole / self.noise).collect();
+        let selection = selected(field, &train, (self.judged, &squares), known);
         // Other selected terms would not have been significant: they are not part of the test.
         let of_each: Vec<Vec<usize>> = self
             .judged
@@ -161,15 +166,28 @@ impl Question<'_> {
     }
 }
 
-/// Selects terms without a part. The search ends as soon as it contains all terms to test.
+/// Selects terms without a part. The search ends as soon as it contains all terms to test; `squares` are those of their effects, in units of the noise.
 fn selected(
     field: &mut Field<'_, '_>,
     train: &Weights,
-    judged: &[usize],
+    (judged, squares): (&[usize], &[f64]),
     known: Option<&HeldOutSelection>,
 ) -> HeldOutSelection {
     if let Some(known) = known.filter(|known| known.is_whole || contains_all(&known.all, judged)) {
         return known.clone();
+    }
+    // A sample suffices if it selects all of them, or would surely show the others. Their gains are computed on all readings.
+    let count = field.scene.items.len();
+    let of_sample = field.part.as_mut().and_then(|part| {
+        let all = part.selected(&field.candidates, train, judged)?;
+        let decides = |(term, squares): (&usize, &f64)| {
+            let columns = field.candidates.get(*term).map_or(0, |one| one.columns.len());
+            all.contains(term) || part.shows(*squares, columns, count)
+        };
+        judged.iter().zip(squares).all(decides).then_some(all)
+    });
+    if let Some(all) = of_sample {
+        return HeldOutSelection { is_whole: !contains_all(&all, judged), all };
     }
     let all = field.forward_until(train, &[], judged);
     HeldOutSelection { is_whole: !contains_all(&all, judged), all }

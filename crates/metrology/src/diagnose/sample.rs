@@ -18,11 +18,14 @@ use super::seek::Seek;
 use ncfix_base::numeric::{Gain, Series};
 
 /// Number of readings from which a sample is used.
-pub(super) const MANY: usize = 8000;
+pub(super) const MANY: usize = 3000;
 /// Approximate number of readings of a sample.
-const PART: usize = 5000;
+const PART: usize = 2500;
 /// Minimum number of readings of each run.
 const OF_RUN: usize = 60;
+/// The sample decides about an effect whose gain exceeds its penalty by this factor. Its standard deviation is then below a fifth of the gain: the penalty of a
+/// column is above 25, and that of a noncentral χ² of 75 is 2 √75.
+const CERTAINLY: f64 = 3.0;
 /// The golden section.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
@@ -116,6 +119,25 @@ impl<'s, 'a> SearchPart<'s, 'a> {
         let known = self.field.layout.count();
         self.field.candidates.truncate(known);
         self.field.candidates.extend_from_slice(candidates.get(known..).unwrap_or_default());
+    }
+
+    /// Selects terms on the sample alone; `None` if it selects a refined one, which holds only for its rows.
+    pub(super) fn selected(
+        &mut self,
+        candidates: &[Candidate],
+        weights: &Weights,
+        enough: &[usize],
+    ) -> Option<Vec<usize>> {
+        self.follow(candidates);
+        let weights = self.sample.weights(weights);
+        let all = self.field.forward_until(&weights, &[], enough);
+        all.iter().all(|&number| number < candidates.len()).then_some(all)
+    }
+
+    /// True if the sample shows an effect with certainty: its sum of squares in all `count` readings, in units of the noise, and its columns.
+    pub(super) fn shows(&self, squares: f64, columns: usize, count: usize) -> bool {
+        let own = self.field.scene.items.len() as f64;
+        squares * own / (count as f64).max(1.0) > CERTAINLY * Price::new(own, self.field.tried).of(columns)
     }
 
     /// State of the candidates after a regression on the sample; `whole` is the regression on all readings.
