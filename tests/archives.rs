@@ -174,8 +174,7 @@ fn a_program_in_an_archive_as_text_has_its_folder_and_its_subprograms() {
     for name in ["PART.MPF", "part.mpf", "WKS.DIR/SHAFT.WPD/PART.MPF"] {
         let run = shop.run(["snc", &format!("SAVE.arc/{name}"), "--machine", &demo]).exits(0);
         let moves: Vec<&str> = run.stdout.lines().skip(1).filter_map(|line| line.split(" ;@").next()).collect();
-        let x: Vec<f64> =
-            moves[..2].iter().map(|line| line.split(' ').nth(1).unwrap()[1..].parse().unwrap()).collect();
+        let x: Vec<f64> = moves[..2].iter().map(|line| line.split(' ').nth(1).unwrap()[1..].parse().unwrap()).collect();
         assert_eq!(x[1] - x[0], 29.0, "{name}: {moves:?}");
     }
     shop.run(["check", "SAVE.arc/NOWHERE.MPF", "--machine", &demo]).exits(2).says("has no file NOWHERE.MPF");

@@ -1,9 +1,11 @@
 //! Result of a diagnosis: the JSON object; its text for people is in `text`, its page in [`crate::page::diagnosis`].
 
 mod hypotheses;
+mod next;
 mod text;
 
 pub(crate) use hypotheses::{answer_in_words, in_words, times_in_words};
+pub(crate) use next::next_sentence;
 pub(crate) use text::{CauseText, differing, p_value};
 
 use serde::Serialize;

@@ -8,6 +8,7 @@ use std::collections::HashMap;
 use super::cause::{Candidate, EffectKind, Weight, motion};
 use super::entrant::{EntrantSource, NamedEntrant, family, group, is_of_rotary, is_slope};
 use super::harm::Harm;
+use super::next::{self, NextMeasurement};
 use super::search::{Field, Weights};
 use super::volume::Volume;
 use crate::diagnose::explain::assumptions::Family;
@@ -77,6 +78,8 @@ pub(super) struct ContestOutcome {
     pub(super) explanations: Vec<ExplanationSummary>,
     /// Probability that there is no cause, only noise; `None` if nothing was compared.
     pub(super) nothing: Option<f64>,
+    /// Measurements that separate the explanations.
+    pub(super) next: Vec<NextMeasurement>,
 }
 
 impl Field<'_, '_> {
@@ -281,6 +284,7 @@ impl Field<'_, '_> {
         // One that is not listed has a probability below that of the least one that the comparison keeps.
         let nothing = explanations.iter().find(|one| one.terms.is_empty()).map_or(0.0, |one| one.probability);
         explanations.truncate(MOST_SHOWN);
+        let next = next::measurements(self, found, sources);
         let harm = Harm::new(self, found, sources, volume);
         let said = |k: usize, is_new: bool| -> Option<Vec<String>> {
             Some(harm.of(k, is_new)?.iter().filter_map(|&k| sources.get(k)).map(in_words).collect())
@@ -358,6 +362,6 @@ impl Field<'_, '_> {
             }
             chosen
         });
-        ContestOutcome { instead, is_whole, of_taken, explanations, nothing: Some(nothing) }
+        ContestOutcome { instead, is_whole, of_taken, explanations, nothing: Some(nothing), next }
     }
 }

@@ -11,6 +11,7 @@
 //! gates, fold                            acceptance tests on unseen data
 //! verdict                                sizes, other explanations, shares, noise, residual; before and after, also on data held out
 //! contest                                comparison with other sets of terms by their probability
+//! next                                   the measurement that separates the explanations
 //! stated                                 test of the hypotheses that a person states
 //! mimic, doubt, volume                    errors with the same effect on the readings but another effect elsewhere in the travel
 //! class                                  candidates that explain the readings nearly as well
@@ -46,6 +47,7 @@ mod judge;
 mod known;
 mod mimic;
 mod nature;
+mod next;
 mod noise;
 mod parts;
 mod price;
@@ -77,6 +79,7 @@ pub use contest::ExplanationSummary;
 pub use doubt::ExtrapolationRisk;
 pub use far::FAR as FAR_OUT;
 pub use held::{Compared, Sizes};
+pub use next::NextMeasurement;
 pub use noise::{Left, NoiseSource};
 pub use parts::FileShare;
 pub use readings::{freedom_of, levels, residuals};

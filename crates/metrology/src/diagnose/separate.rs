@@ -25,7 +25,7 @@ const SPEED: &str = "spindle_rpm";
 /// Lengths, feeds and speeds are equal if they differ by less than this share.
 const OTHER: f64 = 0.1;
 /// Additional length of a second tool, mm.
-const LONGER: f64 = 60.0;
+pub(super) const LONGER: f64 = 60.0;
 /// Number of steps of a grid, over this share of the travel.
 const HOLES: f64 = 4.0;
 const WIDE: f64 = 0.8;
@@ -467,6 +467,7 @@ pub(super) fn steps(scene: &Scene<'_>, one: &Candidate, shortest: f64) -> String
     with_command(sentence, Around::new(scene, one).and_then(|around| around.command(SeparatingPlan::FineLine)))
 }
 
-fn hundredths(value: f64) -> f64 {
+/// Rounds to hundredths.
+pub(super) fn hundredths(value: f64) -> f64 {
     (value * 100.0).round() / 100.0
 }

@@ -11,6 +11,7 @@ use super::gates::{confirm, hold};
 use super::held::{Compared, compare};
 use super::held_out::{self, Selections};
 use super::jackknife::{u95, without_parts};
+use super::next::NextMeasurement;
 use super::noise::{self, is_angle};
 use super::parts::{FileShare, differing};
 use super::readings::{doing, even_out, left_of, projected, rms, weights};
@@ -113,6 +114,8 @@ pub struct DiagnosedCauses {
     pub explanations: Vec<ExplanationSummary>,
     /// Probability that there is no cause, only noise; `None` if nothing was compared.
     pub nothing: Option<f64>,
+    /// Measurements that separate the explanations, the best first.
+    pub next: Vec<NextMeasurement>,
     /// Number of candidates tested.
     pub tried: usize,
     /// Correlation of consecutive residuals.
@@ -267,7 +270,7 @@ pub(super) fn diagnose_then(
         let of_contest = chosen.iter().find(is_one).map(|chosen| chosen.probability);
         one.probability = of_contest.map(|of_contest| of_contest.min(one.nature_share)).or(one.probability);
     }
-    (found.explanations, found.nothing) = (outcome.explanations, outcome.nothing);
+    (found.explanations, found.nothing, found.next) = (outcome.explanations, outcome.nothing, outcome.next);
     for one in &found.findings {
         share_out(&mut found.explanations, &one.candidate.title(), one.nature_share, &one.rivals);
     }
@@ -459,6 +462,7 @@ fn verdict(
         left: noise::look(field, weights, &left[0]),
         explanations: Vec::new(),
         nothing: None,
+        next: Vec::new(),
         tried: field.tried,
         memory,
     }

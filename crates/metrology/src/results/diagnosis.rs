@@ -14,8 +14,8 @@ use crate::diagnose::cause::Correctable;
 use crate::diagnose::extend::extension;
 use crate::diagnose::fault::{Checks, DefectKind};
 use crate::diagnose::{
-    self, Causes, Compared, DiagnosedCauses, ExplanationSummary, FAR_OUT, Gate, NoiseSource, RivalCause, Scene, fault,
-    freedom_of, reads_angles, shape, stated,
+    self, Causes, Compared, DiagnosedCauses, ExplanationSummary, FAR_OUT, Gate, NextMeasurement, NoiseSource,
+    RivalCause, Scene, fault, freedom_of, reads_angles, shape, stated,
 };
 use crate::measure::data::DataSet;
 use ncfix_base::diagnostic::{Code, Diagnostic};
@@ -75,6 +75,8 @@ pub struct DiagnosisResult {
     pub explanations: Vec<ExplanationSummary>,
     /// Probability that there is no cause, only noise; `null` if nothing was compared.
     pub no_cause_probability: Option<f64>,
+    /// Measurements that separate the explanations, the best first; empty if the first explanation is certain, or no plan separates them.
+    pub measure_next: Vec<NextMeasurement>,
     /// Residuals with the extended machine file alone; `null` if there is nothing to write.
     pub written: Option<WrittenSizes>,
     /// Stated hypotheses, in their order.
@@ -526,6 +528,7 @@ fn tell_all(
     report.tried = found.tried;
     report.explanations.clone_from(&found.explanations);
     report.no_cause_probability = found.nothing;
+    report.measure_next.clone_from(&found.next);
     let alone: f64 = found.findings.iter().map(|one| one.alone).sum();
     report.findings = found.findings.iter().map(|one| cause(one, scene, used, (micro, alone))).collect();
     report.rejected = found.rejected.iter().map(|one| rejected(one, scene)).collect();

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::DiagnosisReport;
+use super::next::next_sentence;
 use crate::component::spelled_out;
 use crate::number::{grouped, probability, significant};
 use ncfix_metrology::diagnose::cause::Correctable;
@@ -194,8 +195,12 @@ impl DiagnosisReport {
         let findings = &self.found.findings;
         let is_correctable = |one: &&CauseReport| one.correctable == Correctable::Program;
         let unsure = self.unsure().or(Some(largest).filter(|one| !self.more_probable(one).is_empty()));
-        if let Some(how) = unsure.and_then(|one| one.separate_by.as_ref()) {
-            return format!("measure what separates the explanations: {how}");
+        if let Some(one) = unsure {
+            // A plan predicts no cause of another nature, such as a drift.
+            let next = self.found.measure_next.first().filter(|_| one.rivals.is_empty());
+            if let Some(how) = next.map(next_sentence).or(one.separate_by.clone()) {
+                return format!("measure what separates the explanations: {how}");
+            }
         }
         if let Some(path) = &self.output {
             return format!("correct programs with {path}");
@@ -402,6 +407,9 @@ impl DiagnosisReport {
         let explanations = self.explanation_lines();
         if !explanations.is_empty() {
             let _ = writeln!(out, "\nExplanations by probability:\n   {}", explanations.join("\n   "));
+            if let Some(next) = self.found.measure_next.first() {
+                let _ = writeln!(out, "   to separate them: {}", next_sentence(next));
+            }
         }
         out.push('\n');
         for sentence in [self.after_sentence(), self.held_out_sentence(), self.written_sentence()].into_iter().flatten()

@@ -8,13 +8,13 @@ mod polar;
 use super::parts::{MOST_ROWS, diagnostics, origin};
 use super::{PageRow, columns, figure, page, pictures as side_by_side, strip, table};
 use crate::component::spelled_out;
-use crate::diagnosis::{CauseText as _, DiagnosisReport, PageReadings, p_value};
+use crate::diagnosis::{CauseText as _, DiagnosisReport, PageReadings, next_sentence, p_value};
 use crate::markup::Markup;
 use crate::number::{grouped, significant};
 use crate::plot::{Bar, Bars};
 use ncfix_base::units::UnitKey;
 use ncfix_metrology::diagnose::cause::Correctable;
-use ncfix_metrology::diagnose::{ExplanationSummary, Gate};
+use ncfix_metrology::diagnose::{ExplanationSummary, Gate, NextMeasurement};
 use ncfix_metrology::results::diagnosis::{CauseReport, DataFault, ReadingSizes, RejectedReport};
 use ncfix_metrology::results::readings::TriedCauseReport;
 
@@ -32,7 +32,7 @@ pub fn diagnosis(report: &DiagnosisReport, shown: &PageReadings) -> String {
             hypotheses::section(out, report, shown);
             levels(out, report);
             ranking(out, report);
-            explanations(out, &report.found.explanations);
+            explanations(out, &report.found.explanations, report.found.measure_next.first());
             if !report.found.findings.is_empty() {
                 out.leaf("h2", &[], "Evidence");
             }
@@ -224,7 +224,7 @@ fn ranking(out: &mut Markup, report: &DiagnosisReport) {
 }
 
 /// Lists the explanations that were compared, the most probable first.
-fn explanations(out: &mut Markup, all: &[ExplanationSummary]) {
+fn explanations(out: &mut Markup, all: &[ExplanationSummary], next: Option<&NextMeasurement>) {
     if all.is_empty() {
         return;
     }
@@ -236,6 +236,9 @@ fn explanations(out: &mut Markup, all: &[ExplanationSummary]) {
     let rows: Vec<PageRow> = all.iter().map(row).collect();
     let caption = "Sets of causes by their probability under one likelihood of all readings. The probability of a cause is the sum over the sets that contain it.";
     table(out, &columns(["#probability", "causes"]), &rows, caption, MOST_ROWS);
+    if let Some(next) = next {
+        out.leaf("p", &[], &format!("To separate them: {}.", next_sentence(next)));
+    }
 }
 
 fn faults(out: &mut Markup, all: &[DataFault]) {

@@ -1,6 +1,6 @@
 //! A plan under construction: rows, and the path of the axes through them.
 
-use crate::measure::data::{DataSet, Observation};
+use crate::measure::data::{DataColumn, DataSet, Observation, number_of};
 use crate::measure::reading::Reading;
 use ncfix_base::diagnostic::Place;
 use ncfix_base::geometry::{AXES, Arc, Axis, AxisSet, AxisVector, Vector};
@@ -188,6 +188,24 @@ impl Builder {
     #[must_use]
     pub fn last(&self) -> Option<AxisVector> {
         self.last
+    }
+
+    /// The measurement as if it had been carried out, with readings of 0, its runs and its feeds.
+    #[must_use]
+    pub fn as_measured(&self) -> DataSet {
+        let mut data = self.data.clone();
+        data.is_plan = false;
+        data.runs = Vec::new();
+        let values = self.reads.map(|is_read| is_read.then_some(0.0));
+        for (row, extra) in data.observations.iter_mut().zip(&self.extras) {
+            row.values = values;
+            row.run = number_of(&mut data.runs, &extra.run);
+        }
+        if self.extras.iter().any(|extra| extra.feed.is_some()) {
+            let values = self.extras.iter().map(|extra| extra.feed.unwrap_or(f64::NAN)).collect();
+            data.drivers.push(DataColumn { name: "feed_mm_min".to_owned(), values });
+        }
+        data
     }
 
     /// A straight move; at rapid without a feed.
