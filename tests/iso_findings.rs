@@ -82,6 +82,22 @@ fn each_feed_mode_clears_the_feed_of_rs274() {
     check_codes("fanuc", "G21 G94 F10.\nG94 G1 X1.\nM30", &[]);
 }
 
+/// The F of a block with an error was not executed; the next feed move is not an error of its own.
+#[test]
+fn a_block_with_an_error_takes_its_feed_with_it() {
+    for (name, head, error, end) in [
+        ("sinumerik", "G90 G17 G71 G94\nG0 X0 Y0 Z0", "G1 X=1/0 F100", "M30"),
+        ("fanuc", "G90 G17 G21 G94\nG0 X0. Y0. Z0.", "G1 X[1/0] F100.", "M30"),
+        ("rs274", "G90 G17 G21 G94\nG0 X0 Y0 Z0", "G1 X[1/0] F100", "M2"),
+    ] {
+        let found = strict(name, &format!("{head}\n{error}\nG1 Y5.\n{end}"));
+        assert!(found.len() == 1 && !found[0].starts_with("E0215"), "{name}: {found:?}");
+        // Without an F in the block with the error, both are reported.
+        let found = strict(name, &format!("{head}\n{}\nG1 Y5.\n{end}", error.rsplit_once(' ').unwrap().0));
+        assert!(found.iter().any(|one| one.starts_with("E0215")), "{name}: {found:?}");
+    }
+}
+
 /// LinuxCNC shows `val 2.500000 7 1.25  x` and `a 2.500000`.
 #[test]
 fn texts_show_the_values_that_are_executed_away() {

@@ -255,6 +255,14 @@ fn machine_data_of_a_sinumerik_give_the_chain_of_traori() {
     shop.run(["machine", "new", "h.toml", "--like", "head-ac", "--from", "md.ini"])
         .exits(2)
         .says("choose another template");
+    // Without the names of the channel axes, TRAORI does not state its axes: the refusal says that its data were not used.
+    let nameless: String =
+        TRAORI.lines().filter(|line| !line.contains("CHANAX")).map(|line| format!("{line}\n")).collect();
+    Shop::new()
+        .file("md.ini", nameless)
+        .run(["machine", "new", "m.toml", "--like", "trunnion-ac", "--from", "md.ini"])
+        .exits(2)
+        .says("$MC_AXCONF_CHANAX_NAME_TAB");
     // The same vectors in a swivel data record.
     let record = "$TC_CARR4[1]=300\n$TC_CARR5[1]=-210\n$TC_CARR6[1]=-480\n$TC_CARR7[1]=-1\n$TC_CARR12[1]=-1\n$TC_CARR16[1]=12\n$TC_CARR17[1]=40\n\
                   $TC_CARR18[1]=-300\n$TC_CARR19[1]=198\n$TC_CARR20[1]=440\n$TC_CARR21[1]=A\n$TC_CARR22[1]=C\n$TC_CARR23[1]=\"P\"\n";

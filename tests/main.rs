@@ -75,6 +75,7 @@ mod diagnose_faults;
 mod diagnose_hypothesis;
 mod diagnose_logs;
 mod diagnose_mixes;
+mod diagnose_next;
 mod diagnose_plays;
 mod diagnose_rates;
 mod diagnose_report;
