@@ -107,9 +107,9 @@ pub fn contest(
             tried.push((memory, factor));
             let mut next = factor;
             let mut known: Vec<Vec<usize>> = starts.to_vec();
+            let groups: Vec<ColumnGroup> = entrants.iter().map(|one| one.group.clone()).collect();
+            let mut likelihood = Likelihood::new(scene, weights, &groups, (&noise, memory));
             for round in 0..ROUNDS {
-                let groups: Vec<ColumnGroup> = entrants.iter().map(|one| one.group.clone()).collect();
-                let mut likelihood = Likelihood::new(scene, weights, &groups, (&noise, memory));
                 likelihood.factor = factor;
                 let place = |number: usize| likelihood.kept.iter().position(|&kept| kept == number);
                 let same =
@@ -198,9 +198,11 @@ pub fn contest(
                 if gaining.is_empty() || round + 1 == ROUNDS {
                     break;
                 }
-                for (_, number) in gaining {
+                let groups: Vec<ColumnGroup> = gaining.iter().map(|&(_, number)| (outside.group)(number)).collect();
+                likelihood.add(&groups);
+                for ((_, number), group) in gaining.into_iter().zip(groups) {
                     entrants.push(Entrant {
-                        group: (outside.group)(number),
+                        group,
                         log_odds: (outside.log_odds)(number),
                         parent: None,
                         is_simple: false,

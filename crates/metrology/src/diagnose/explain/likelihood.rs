@@ -107,6 +107,8 @@ pub struct Likelihood<'w> {
     pub kept: Vec<usize>,
     /// Groups with one column that has the same effect as that of a kept group: their indices and those of the kept groups, among the given ones.
     pub alike: Vec<(usize, usize)>,
+    /// Number of given groups.
+    tested: usize,
 }
 
 /// Columns of a set, the decomposition of their matrix, and their products with the readings.
@@ -137,11 +139,35 @@ impl<'w> Likelihood<'w> {
         (noise, memory): (&'w NoiseSeries, Memory),
     ) -> Likelihood<'w> {
         let white = White::new(scene, weights, (noise, memory));
-        let all: Vec<Vec<Vec<f64>>> = in_parts(groups, &|group: &ColumnGroup| white.group(group));
+        let mut out = Likelihood {
+            factor: 1.0,
+            freedom: weights.iter().filter(|weight| **weight > 0.0).count() as f64 - white.setups.rank as f64,
+            square: dot(&white.readings, &white.readings),
+            columns: Vec::new(),
+            products: DMatrix::zeros(0, 0),
+            with_readings: DVector::zeros(0),
+            sizes: Vec::new(),
+            of_instruments: Vec::new(),
+            members: Vec::new(),
+            kept: Vec::new(),
+            alike: Vec::new(),
+            tested: 0,
+            white,
+        };
+        out.add(groups);
+        out
+    }
+
+    /// Adds groups of columns, numbered after those before.
+    pub fn add(&mut self, groups: &[ColumnGroup]) {
+        let all: Vec<Vec<Vec<f64>>> = in_parts(groups, &|group: &ColumnGroup| self.white.group(group));
         let is_visible = |columns: &[Vec<f64>]| columns.iter().any(|column| dot(column, column).sqrt() >= FAINT);
-        let (mut kept, mut alike): (Vec<usize>, Vec<(usize, usize)>) = (Vec::new(), Vec::new());
-        for (number, columns) in all.iter().enumerate().filter(|(_, columns)| is_visible(columns)) {
-            let is_same = |&&other: &&usize| match (columns.as_slice(), all[other].as_slice()) {
+        let before = self.columns.len();
+        for ((number, group), mut columns) in (self.tested..).zip(groups).zip(all) {
+            if !is_visible(&columns) {
+                continue;
+            }
+            let is_same = |members: &Range<usize>| match (columns.as_slice(), &self.columns[members.clone()]) {
                 ([one], [other]) => {
                     // Only if the priors are equal too: otherwise the one with the more typical amount is the better explanation.
                     let [own, others] = [one, other].map(|column| dot(column, column).sqrt());
@@ -150,43 +176,32 @@ impl<'w> Likelihood<'w> {
                 }
                 _ => false,
             };
-            match kept.iter().find(is_same) {
-                Some(&other) => alike.push((number, other)),
-                None => kept.push(number),
+            if let Some(place) = self.members.iter().position(is_same) {
+                self.alike.push((number, self.kept[place]));
+                continue;
             }
+            self.kept.push(number);
+            let from = self.columns.len();
+            self.columns.append(&mut columns);
+            self.sizes.extend(&group.sizes);
+            self.of_instruments.resize(self.columns.len(), group.is_of_instrument);
+            self.members.push(from..self.columns.len());
         }
-        let mut members = Vec::new();
-        let (mut columns, mut sizes, mut of_instruments) = (Vec::new(), Vec::new(), Vec::new());
-        let mut all = all;
-        for &number in &kept {
-            let from = columns.len();
-            columns.append(&mut all[number]);
-            sizes.extend(&groups[number].sizes);
-            of_instruments.resize(columns.len(), groups[number].is_of_instrument);
-            members.push(from..columns.len());
-        }
-        // Lower triangle of the products.
-        let numbers: Vec<usize> = (0..columns.len()).collect();
+        self.tested += groups.len();
+        // Lower triangle of the new products.
+        let columns = &self.columns;
+        let numbers: Vec<usize> = (before..columns.len()).collect();
         let rows: Vec<Vec<f64>> =
             in_parts(&numbers, &|&row: &usize| columns[..=row].iter().map(|other| dot(&columns[row], other)).collect());
-        let products =
-            DMatrix::from_fn(columns.len(), columns.len(), |row, column| rows[row.max(column)][row.min(column)]);
-        let with_readings =
-            DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, &white.readings)));
-        Likelihood {
-            factor: 1.0,
-            freedom: weights.iter().filter(|weight| **weight > 0.0).count() as f64 - white.setups.rank as f64,
-            square: dot(&white.readings, &white.readings),
-            columns,
-            products,
-            with_readings,
-            sizes,
-            of_instruments,
-            members,
-            kept,
-            alike,
-            white,
-        }
+        let known = std::mem::replace(&mut self.products, DMatrix::zeros(0, 0));
+        let of = |row: usize, column: usize| {
+            let (last, first) = (row.max(column), row.min(column));
+            if last < before { known[(row, column)] } else { rows[last - before][first] }
+        };
+        self.products = DMatrix::from_fn(columns.len(), columns.len(), of);
+        let with_readings = columns.iter().skip(before).map(|column| dot(column, &self.white.readings));
+        let with_readings: Vec<f64> = self.with_readings.iter().copied().chain(with_readings).collect();
+        self.with_readings = DVector::from_vec(with_readings);
     }
 
     /// Factor of the size of a column.
