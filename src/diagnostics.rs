@@ -283,6 +283,13 @@ impl Diagnostics {
         self.kept.iter().find(|(diagnostic, _)| diagnostic.code == code)
     }
 
+    /// Removes the warnings with a code that no longer apply, such as that of a demo machine that is not used.
+    pub(crate) fn withdraw(&mut self, code: Code) {
+        let before = self.kept.len();
+        self.kept.retain(|(diagnostic, _)| diagnostic.code != code || diagnostic.is_error());
+        self.warnings -= before - self.kept.len();
+    }
+
     /// True if there is an error, so that no output is written.
     ///
     /// ```

@@ -263,15 +263,26 @@ fn read(text: &DecodedText, separator: Separator) -> Result<GridTable, Box<Diagn
     let is_words = |line: &GridLine| {
         line.cells.len() == width && line.cells.iter().filter(|cell| !cell.text.is_empty()).count() * 2 > width
     };
-    let first = lines.iter().position(|line| line.cells.len() == width && is_row(line)).unwrap_or(0);
+    let is_of_table = |line: &&GridLine| line.cells.len() == width && is_row(line);
+    // Where rows begin with a number, a line such as `Feed;1000` above them is not one of them.
+    let begins_with_number = |line: &GridLine| line.cells.first().is_some_and(|cell| is_numeric(&cell.text));
+    let rows_of_table = lines.iter().filter(is_of_table);
+    let is_numbered = 2 * rows_of_table.clone().filter(|line| begins_with_number(line)).count() > rows_of_table.count();
+    let is_first = |line: &GridLine| is_of_table(&line) && (!is_numbered || begins_with_number(line));
+    let first = lines.iter().position(is_first).unwrap_or(0);
     // A wide table of runs has numbers as headings, such as 1+ 1- 2+: the first line with a word that is a heading begins it.
-    let heading = (first.saturating_sub(2)..=first).find(|&at| {
-        lines.get(at).is_some_and(|line| {
-            is_words(line)
-                && line.cells.iter().filter(|cell| is_cell_number(&cell.text, separator)).count() * 3 < width.max(3)
-                || lines.get(at).is_some_and(|line| is_heading(line, width))
-        })
-    });
+    let is_title = |at: usize| {
+        lines.get(at).is_some_and(|line| is_words(line) && numbers(line) * 3 < width.max(3) || is_heading(line, width))
+    };
+    // A pair such as `Axis;X` above a title is not a title.
+    let is_pair_above = |at: usize| {
+        let filled = lines.get(at).map_or(0, |line| line.cells.iter().filter(|cell| !cell.text.is_empty()).count());
+        filled == 2
+            && at + 1 < first
+            && is_title(at + 1)
+            && !lines.get(at + 1).is_some_and(|line| is_units(line, width))
+    };
+    let heading = (first.saturating_sub(2)..=first).find(|&at| is_title(at) && !is_pair_above(at));
     let mut headings = Vec::new();
     let mut start = first;
     if let Some(at) = heading {
@@ -478,6 +489,26 @@ mod tests {
         assert_eq!(number("1,234", DecimalSign::Point), None);
         let found = of("Target;Deviation\n1.234;0,5\n100;1,5\n").unwrap_err();
         assert_eq!(found.code, Code::DATA_CELL);
+    }
+
+    #[test]
+    fn pairs_above_a_table_of_two_columns_are_not_its_headings() {
+        for pairs in
+            ["Machine;VMC\nAxis;X\n", "Axis;X\nFeed;1000\n", "Feed;1000\nDwell;4\nAxis;X\n", "Serial no;17\n\n", ""]
+        {
+            for title in ["Target [mm];Deviation [um]\n", "Target;Deviation\n[mm];[um]\n"] {
+                let table = of(&format!("{pairs}{title}0;0.0\n100;1.2\n200;2.5\n")).unwrap();
+                let headings: Vec<&str> = table.headings.iter().map(|one| one.words.as_str()).collect();
+                assert_eq!(
+                    (headings.as_slice(), table.rows.len()),
+                    (["target", "deviation"].as_slice(), 3),
+                    "{pairs}{title}"
+                );
+            }
+        }
+        // Filled up to the width of the table, as a spreadsheet writes it.
+        let table = of("Machine;VMC;\nAxis;X;\nTarget;Run 1;Run 2\n0;0.0;0.1\n100;1.2;1.3\n").unwrap();
+        assert_eq!((table.headings[2].written.as_str(), table.rows.len()), ("Run 2", 2));
     }
 
     #[test]

@@ -38,6 +38,7 @@ fn import(arguments: &ImportArguments, path: &Path, findings: &mut Findings) -> 
     let Some(file) = InstrumentFile::read(path, findings)? else { return Ok(None) };
     let Some(machine) = machine_choice::choose(&arguments.machine, path, findings)? else { return Ok(None) };
     if findings.first_of(Code::NO_MACHINE).is_some() {
+        findings.withdraw(Code::NO_MACHINE);
         file.ask_without_machine(arguments.format.as_deref(), &arguments.answers.0, &machine, findings);
         return Ok(None);
     }
