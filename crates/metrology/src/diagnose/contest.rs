@@ -10,6 +10,7 @@ use super::entrant::{EntrantSource, NamedEntrant, family, group, is_of_rotary, i
 use super::harm::Harm;
 use super::next::{self, NextMeasurement};
 use super::search::{Field, Weights};
+use super::twins::Twins;
 use super::volume::Volume;
 use crate::diagnose::explain::assumptions::Family;
 use crate::diagnose::explain::contest::{Contest, Entrant, Outside, contest};
@@ -40,8 +41,10 @@ pub(super) const MOST_SHOWN: usize = 20;
 pub(super) struct Chosen {
     /// Index of its candidate.
     pub(super) candidate: usize,
-    /// Sum of the probabilities of all explanations with it.
+    /// Sum of the probabilities of all explanations with it or a twin.
     pub(super) probability: f64,
+    /// Its share among its twins.
+    pub(super) share: f64,
     /// Names of its alternatives, if a correction of it would increase the error with them.
     pub(super) harmful: Option<Vec<String>>,
     /// Probability that the readings show this much of it if it is absent.
@@ -269,22 +272,27 @@ impl Field<'_, '_> {
             // Rounding must not make a sum of probabilities exceed 1.
             found.explanations.iter().filter(has).map(|one| one.probability).fold(0.0, |sum, one| sum + one).min(1.0)
         };
+        let twins = Twins::new(self, found, sources, volume);
         // Sets that differ only in variants of a cause are reported as one explanation.
         let mut explanations: Vec<ExplanationSummary> = Vec::new();
         for one in &found.explanations {
-            let mut terms: Vec<String> = one.set.iter().filter_map(|&k| sources.get(k)).map(in_words).collect();
-            terms.sort();
-            terms.dedup();
-            match explanations.iter_mut().find(|known| known.terms == terms) {
-                Some(known) => known.probability = (known.probability + one.probability).min(1.0),
-                None => explanations.push(ExplanationSummary { terms, probability: one.probability }),
+            for (way, share) in twins.ways(&one.set) {
+                let mut terms: Vec<String> =
+                    way.iter().filter_map(|twin| sources.get(twin.entrant)).map(in_words).collect();
+                terms.sort();
+                terms.dedup();
+                let probability = share * one.probability;
+                match explanations.iter_mut().find(|known| known.terms == terms) {
+                    Some(known) => known.probability = (known.probability + probability).min(1.0),
+                    None => explanations.push(ExplanationSummary { terms, probability }),
+                }
             }
         }
         explanations.sort_by(|a, b| b.probability.total_cmp(&a.probability));
         // One that is not listed has a probability below that of the least one that the comparison keeps.
         let nothing = explanations.iter().find(|one| one.terms.is_empty()).map_or(0.0, |one| one.probability);
         explanations.truncate(MOST_SHOWN);
-        let next = next::measurements(self, found, sources);
+        let next = next::measurements(self, found, sources, &twins);
         let harm = Harm::new(self, found, sources, volume);
         let said = |k: usize, is_new: bool| -> Option<Vec<String>> {
             Some(harm.of(k, is_new)?.iter().filter_map(|&k| sources.get(k)).map(in_words).collect())
@@ -295,6 +303,7 @@ impl Field<'_, '_> {
             .map(|(&k, &candidate)| Chosen {
                 candidate,
                 probability: probability(same(k)),
+                share: twins.share(k),
                 harmful: said(same(k), false),
                 chance: 0.0,
             })
@@ -321,7 +330,7 @@ impl Field<'_, '_> {
         let decided = is_better.then(|| {
             let mut chosen: Vec<Chosen> = Vec::new();
             // Shapes of one component form one candidate.
-            let mut shapes: Vec<(Candidate, f64, Option<Vec<String>>, f64)> = Vec::new();
+            let mut shapes: Vec<(Candidate, [f64; 2], Option<Vec<String>>, f64)> = Vec::new();
             for (&k, loss) in first.set.iter().zip(&found.losses) {
                 let probability = probability(k);
                 let Some(source) = sources.get(k).filter(|source| {
@@ -330,20 +339,20 @@ impl Field<'_, '_> {
                 }) else {
                     continue;
                 };
-                let (harmful, chance) = (said(k, true), (-loss).exp());
+                let (harmful, chance, share) = (said(k, true), (-loss).exp(), twins.share(k));
                 match source {
                     EntrantSource::Known(number) => {
-                        chosen.push(Chosen { candidate: *number, probability, harmful, chance })
+                        chosen.push(Chosen { candidate: *number, probability, share, harmful, chance })
                     }
                     EntrantSource::Shape(one) => {
                         match shapes.iter_mut().find(|(own, ..)| own.parameter == one.parameter) {
                             Some((own, least, known, most)) => {
                                 *most = most.max(chance);
                                 own.columns.extend(one.columns.iter().cloned());
-                                *least = least.min(probability);
+                                *least = [least[0].min(probability), least[1].min(share)];
                                 *known = known.take().or(harmful);
                             }
-                            None => shapes.push(((**one).clone(), probability, harmful, chance)),
+                            None => shapes.push(((**one).clone(), [probability, share], harmful, chance)),
                         }
                     }
                 }
@@ -356,8 +365,8 @@ impl Field<'_, '_> {
             })
         });
         let instead = decided.map(|(mut chosen, shapes)| {
-            for (one, probability, harmful, chance) in shapes {
-                chosen.push(Chosen { candidate: self.candidates.len(), probability, harmful, chance });
+            for (one, [probability, share], harmful, chance) in shapes {
+                chosen.push(Chosen { candidate: self.candidates.len(), probability, share, harmful, chance });
                 self.candidates.push(one);
             }
             chosen

@@ -14,6 +14,7 @@
 //! next                                   the measurement that separates the explanations
 //! stated                                 test of the hypotheses that a person states
 //! mimic, doubt, volume                    errors with the same effect on the readings but another effect elsewhere in the travel
+//! twins                                  terms with the same effect on all readings, which share their probability
 //! class                                  candidates that explain the readings nearly as well
 //! nature, undecided                      causes with the same effect on the readings that depend on another quantity: time, direction, speed
 //! extend                                 the extended machine file
@@ -69,6 +70,7 @@ mod size;
 mod slow;
 pub mod stated;
 mod sweep;
+mod twins;
 mod undecided;
 mod verdict;
 mod volume;

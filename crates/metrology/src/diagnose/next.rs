@@ -19,6 +19,7 @@ use super::readings::{projected, weights};
 use super::scene::Scene;
 use super::search::Field;
 use super::separate::{LONGER, hundredths};
+use super::twins::{Twin, Twins};
 use crate::measure::plan::{self, Wishes};
 
 /// The explanations are certain if the first one has at least this probability.
@@ -72,11 +73,16 @@ struct Predictor<'f> {
 }
 
 /// Returns the plans that separate the explanations of a comparison, the best first; none if the first explanation is certain, or if no plan separates them.
-pub(super) fn measurements(field: &Field<'_, '_>, found: &Contest, sources: &[EntrantSource]) -> Vec<NextMeasurement> {
-    if found.explanations.first().is_none_or(|first| first.probability >= CERTAIN) {
+pub(super) fn measurements(
+    field: &Field<'_, '_>,
+    found: &Contest,
+    sources: &[EntrantSource],
+    twins: &Twins,
+) -> Vec<NextMeasurement> {
+    let mut compared = predictors(field, found, sources, twins);
+    if compared.first().is_none_or(|first| first.probability >= CERTAIN) {
         return Vec::new();
     }
-    let mut compared = predictors(field, found, sources);
     let whole: f64 = compared.iter().map(|one| one.probability).sum();
     if compared.len() < 2 || whole < ENOUGH {
         return Vec::new();
@@ -96,26 +102,35 @@ pub(super) fn measurements(field: &Field<'_, '_>, found: &Contest, sources: &[En
     all.into_iter().map(|(_, one)| one).collect()
 }
 
-fn predictors<'f>(field: &'f Field<'_, '_>, found: &Contest, sources: &'f [EntrantSource]) -> Vec<Predictor<'f>> {
-    let of = |one: &super::explain::search::Explanation| -> Option<Predictor<'f>> {
-        let mut amounts = one.posterior.mean.iter().copied();
-        let mut terms = Vec::new();
-        for &entrant in &one.set {
-            let candidate = match sources.get(entrant)? {
-                EntrantSource::Known(number) => field.candidates.get(*number)?,
-                EntrantSource::Shape(shape) => shape,
-            };
-            let width = found.widths.get(entrant).copied().unwrap_or(1);
-            let own: Vec<f64> = amounts.by_ref().take(width).collect();
-            if !is_of_the_pose(candidate) {
-                return None;
-            }
-            terms.push((candidate, own));
-        }
-        Some(Predictor { probability: one.probability, terms })
+/// Explanations that a plan can predict, the most probable first.
+fn predictors<'f>(
+    field: &'f Field<'_, '_>,
+    found: &Contest,
+    sources: &'f [EntrantSource],
+    twins: &Twins,
+) -> Vec<Predictor<'f>> {
+    let candidate = |entrant: usize| match sources.get(entrant)? {
+        EntrantSource::Known(number) => field.candidates.get(*number),
+        EntrantSource::Shape(shape) => Some(&**shape),
     };
-    let likely = found.explanations.iter().filter(|one| one.probability >= LEAST).take(MOST);
-    likely.filter_map(of).collect()
+    let mut out = Vec::new();
+    for one in found.explanations.iter().filter(|one| one.probability >= LEAST) {
+        let mut amounts = one.posterior.mean.iter().copied();
+        let width = |entrant: &usize| found.widths.get(*entrant).copied().unwrap_or(1);
+        let of_terms: Vec<Vec<f64>> =
+            one.set.iter().map(|entrant| amounts.by_ref().take(width(entrant)).collect()).collect();
+        for (way, share) in twins.ways(&one.set) {
+            let term = |(twin, amounts): (&Twin, &Vec<f64>)| {
+                let one = candidate(twin.entrant).filter(|one| is_of_the_pose(one))?;
+                Some((one, amounts.iter().map(|amount| amount * twin.ratio).collect()))
+            };
+            let terms: Option<Vec<(&Candidate, Vec<f64>)>> = way.iter().zip(&of_terms).map(term).collect();
+            out.extend(terms.map(|terms| Predictor { probability: share * one.probability, terms }));
+        }
+    }
+    out.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    out.truncate(MOST);
+    out
 }
 
 /// True for a cause that depends on the position and the motion of the axes alone.

@@ -267,7 +267,7 @@ pub(super) fn diagnose_then(
                     && own.columns.len() == one.candidate.columns.len()
             })
         };
-        let of_contest = chosen.iter().find(is_one).map(|chosen| chosen.probability);
+        let of_contest = chosen.iter().find(is_one).map(|chosen| chosen.probability * chosen.share);
         one.probability = of_contest.map(|of_contest| of_contest.min(one.nature_share)).or(one.probability);
     }
     (found.explanations, found.nothing, found.next) = (outcome.explanations, outcome.nothing, outcome.next);

@@ -60,6 +60,10 @@ pub struct Contest {
     pub losses: Vec<f64>,
     /// Entrants with the same effect on all measured positions as another one, with the index of that one.
     pub alike: Vec<(usize, usize)>,
+    /// Amount of each of these, as a multiple of that of the other one.
+    pub ratios: Vec<f64>,
+    /// Logarithm of the odds of each entrant.
+    pub log_odds: Vec<f64>,
     /// Entrants that the readings can show, without those with the same effect as another one.
     pub visible: Vec<usize>,
     /// Score of each given start relative to that of the best set; minus infinity if one of its terms has no visible effect.
@@ -170,6 +174,8 @@ pub fn contest(
                     explanations,
                     losses,
                     alike: likelihood.alike.clone(),
+                    ratios: likelihood.ratios.clone(),
+                    log_odds: Vec::new(),
                     visible: likelihood.kept.clone(),
                     behind,
                     memory,
@@ -217,6 +223,7 @@ pub fn contest(
     }
     let mut out = best.map_or_else(Contest::default, |(_, outcome)| outcome);
     out.joined = joined;
+    out.log_odds = entrants.iter().map(|one| one.log_odds).collect();
     out
 }
 

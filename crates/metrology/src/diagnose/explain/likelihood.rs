@@ -107,6 +107,8 @@ pub struct Likelihood<'w> {
     pub kept: Vec<usize>,
     /// Groups with one column that has the same effect as that of a kept group: their indices and those of the kept groups, among the given ones.
     pub alike: Vec<(usize, usize)>,
+    /// Amount of each of these, as a multiple of that of the kept one.
+    pub ratios: Vec<f64>,
     /// Number of given groups.
     tested: usize,
 }
@@ -151,6 +153,7 @@ impl<'w> Likelihood<'w> {
             members: Vec::new(),
             kept: Vec::new(),
             alike: Vec::new(),
+            ratios: Vec::new(),
             tested: 0,
             white,
         };
@@ -177,7 +180,11 @@ impl<'w> Likelihood<'w> {
                 _ => false,
             };
             if let Some(place) = self.members.iter().position(is_same) {
+                // Both columns are in units of their priors.
+                let other = self.members[place].start;
+                let ratio = dot(&columns[0], &self.columns[other]) / dot(&columns[0], &columns[0]);
                 self.alike.push((number, self.kept[place]));
+                self.ratios.push(ratio * group.sizes[0] / self.sizes[other]);
                 continue;
             }
             self.kept.push(number);
