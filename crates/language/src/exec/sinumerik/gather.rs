@@ -12,7 +12,8 @@ use super::modal::MotionKind;
 use super::names::Meaning;
 use super::operand::undefined;
 use super::pole::PoleBase;
-use crate::exec::core::fault::{Fault, WITHOUT_IT, bad_value, fault};
+use super::refusals;
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::sinumerik::{Address, ArgumentRange, Block, DimensionFunction, NameId, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;
@@ -261,8 +262,8 @@ impl Gatherer<'_> {
                 out.keep.push("DIAMOF");
             }
             CodeEffect::Execute | CodeEffect::Refuse => {
-                let message = format!("{} ({}) is not supported yet", entry.name, entry.meaning);
-                return Err(fault(Code::NOT_SUPPORTED, span, message, WITHOUT_IT));
+                let shown = format!("{} ({})", entry.name, entry.meaning);
+                return Err(refusals::refusal(entry.name, &shown, span));
             }
         }
         Ok(())
@@ -355,7 +356,10 @@ impl Gatherer<'_> {
         let help = match (is_exponent, is_number) {
             (true, _) => "write an exponent with EX: X1EX-7",
             (false, true) => "a block number is the first word of its block, before a label: N115 NEXT: G1 X60",
-            (false, false) => WITHOUT_IT,
+            (false, false) => {
+                let name: String = shown.chars().take_while(|c| c.is_ascii_alphabetic()).collect();
+                return refusals::refusal(&name.to_ascii_uppercase(), &shown, word.span);
+            }
         };
         fault(Code::NOT_SUPPORTED, word.span, format!("{shown} is not supported yet"), help)
     }

@@ -58,6 +58,7 @@ mod pole;
 mod polynomial;
 mod positioning;
 mod reference;
+mod refusals;
 mod rotary;
 mod save;
 mod scope;
