@@ -247,7 +247,7 @@ impl Interpreter<'_> {
                 let help = format!(
                     "{help}; to let the control run the cycle without a correction, name it in control.opaque of the machine file"
                 );
-                return Err(fault(Code::NOT_SUPPORTED, span, format!("{name} has no known moves: {reason}"), help));
+                return Err(fault(Code::NOT_SUPPORTED, span, format!("{name} is not executed: {reason}"), help));
             }
             let cycle = names::is_cycle(name);
             let (code, message) = if cycle {

@@ -53,13 +53,16 @@ const REFUSED: &[(&[&str], &str, &str)] = &[
         "write the slot as moves, or as an open contour for CYCLE72",
     ),
     (
-        &["CYCLE92", "CYCLE93", "CYCLE94", "CYCLE95", "CYCLE96", "CYCLE97", "CYCLE98", "CYCLE99", "CYCLE930", "CYCLE940", "CYCLE951", "CYCLE952"],
+        &[
+            "CYCLE92", "CYCLE93", "CYCLE94", "CYCLE95", "CYCLE96", "CYCLE97", "CYCLE98", "CYCLE99", "CYCLE930",
+            "CYCLE940", "CYCLE951", "CYCLE952",
+        ],
         "it is a cycle for turning",
         "write its moves out",
     ),
     (
         &["CYCLE9*", "CYCLE1*"],
-        "it measures: its moves end where the probe touches",
+        "it measures, and its moves end where the probe touches",
         "measure in a program of its own that is not corrected",
     ),
 ];

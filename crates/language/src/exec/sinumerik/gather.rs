@@ -82,6 +82,7 @@ impl Gatherer<'_> {
             Address::Extended(letter, extension) => {
                 match (self.numbered_axis(letter, extension), super::address::extended(letter, extension)) {
                     (Some(axis), _) => self.axis(axis.letter(), word, out),
+                    _ if self.passes_axis(&format!("{}{extension}", char::from(letter)), word, out)? => Ok(()),
                     (None, Some(address)) => self.address(address, word, out),
                     (None, None) => Err(self.unnamed_axis(letter, extension, word)),
                 }
@@ -272,8 +273,11 @@ impl Gatherer<'_> {
     pub(super) fn axis(&self, letter: u8, word: &Word, out: &mut Gathered) -> Result<(), Fault> {
         let Some(axis) = Axis::from_letter(letter) else { return Err(self.unsupported(word)) };
         if !self.machine_axes.contains(axis) {
+            if self.passes_axis(&axis.to_string(), word, out)? {
+                return Ok(());
+            }
             let message = format!("the machine has no axis {axis}");
-            let help = "check the topology in the machine file, or the program";
+            let help = "check the topology in the machine file, or the program; if only the control moves it, name it in control.passed_on_axes";
             return Err(fault(Code::NO_AXIS, word.span, message, help));
         }
         if out.named.contains(axis) {
@@ -331,6 +335,9 @@ impl Gatherer<'_> {
             (Meaning::Free, Value::Expr(_) | Value::Dimension(..)) => {
                 if let Some(axis) = self.scope.machine.axis_named(text) {
                     return self.axis(axis.letter(), word, out);
+                }
+                if self.passes_axis(text, word, out)? {
+                    return Ok(());
                 }
                 Err(undefined(format!("{text} is neither a variable nor a known address"), text, word.span))
             }

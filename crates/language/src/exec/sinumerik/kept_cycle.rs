@@ -69,7 +69,8 @@ impl Interpreter<'_> {
         }
         kept.is_own.then(|| {
             let message = format!("only the control knows the moves of {}, and here no cycle can stay", kept.name);
-            let help = "let the program be metric and leave out --expand-cycles and --feed-limit, or write the moves out";
+            let help =
+                "let the program be metric and leave out --expand-cycles and --feed-limit, or write the moves out";
             fault(Code::NOT_SUPPORTED, entry.span, message, help)
         })
     }
@@ -106,7 +107,10 @@ fn cycle_of(channel: &Channel<'_>, kept: &KeptCycle, given: &[Argument], is_moda
         let is_height = match place {
             RTP | RFP => true,
             DP => has_depth,
-            _ => kept.depths.contains(&place) && number(place).is_some_and(|depth| !kept.is_own || depth != 0.0 && is_beyond(depth)),
+            _ => {
+                kept.depths.contains(&place)
+                    && number(place).is_some_and(|depth| !kept.is_own || depth != 0.0 && is_beyond(depth))
+            }
         };
         match value(place) {
             _ if is_height => CycleArgument::Height(number(place).unwrap_or(0.0)),

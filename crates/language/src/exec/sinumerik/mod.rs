@@ -52,6 +52,7 @@ mod orientation;
 mod parameters;
 mod part;
 mod pass;
+mod passed_axis;
 mod place;
 mod polar;
 mod pole;

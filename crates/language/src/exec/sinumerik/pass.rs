@@ -183,7 +183,8 @@ impl Gatherer<'_> {
                 _ => 0.0,
             };
             if kind != 0.0 {
-                let message = format!("{CONTOUR} of type {kind} is passed on, but the output has no blocks between its labels");
+                let message =
+                    format!("{CONTOUR} of type {kind} is passed on, but the output has no blocks between its labels");
                 let help = "put the contour into a file of its own, and name this file (type 0)";
                 return Err(fault(Code::NOT_SUPPORTED, word.span, message, help));
             }
@@ -191,7 +192,9 @@ impl Gatherer<'_> {
             && opaque_moves(&self.scope.machine.control, CONTOUR).is_none()
         {
             let message = format!("{name} is passed on, but not the {CONTOUR} that names its contours");
-            let help = format!("add {CONTOUR} to control.opaque of the machine file, and put each contour into a file of its own (type 0)");
+            let help = format!(
+                "add {CONTOUR} to control.opaque of the machine file, and put each contour into a file of its own (type 0)"
+            );
             return Err(fault(Code::NOT_SUPPORTED, word.span, message, help));
         }
         Ok(())
