@@ -743,6 +743,9 @@ offset EXT of a Fanuc may have single axes.";
 "A location error in [location] moves neither the tip nor the tool axis on this machine. On the workpiece side, the error of the axis next
 to the foundation turns the table with all that is on it, and the tool path on the workpiece remains the same. The squareness of two axes
 is then stated by the other axis. A measured value under this name is never corrected.";
+    FOREIGN_KEY = "W0406" "setting of another control"
+"A key of [control] belongs to the controls of another language, so that it changes nothing on this machine. Either the machine file
+came from another machine, or controller names the wrong language. Remove the key, or correct controller.";
     NO_TEMPERATURES = "W0501" "temperatures not given"
 "The error model has sources that depend on temperatures, and neither --state nor, in a calibration, the table of readings gives
 them. All sensors are assumed to be at their reference temperature: no drift, no expansion.";

@@ -72,6 +72,9 @@ pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     if let Some(value) = section.boolean("arc_words_from_center") {
         control.has_arc_words_from_center = value;
     }
+    if let Some(value) = section.boolean("arc_plane_from_words") {
+        control.takes_arc_plane_from_words = value;
+    }
     match section.text("arc_center") {
         None => {}
         Some("moved") => control.arc_center = Some(ArcCenter::Moved),

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
-use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, Plane, Vector};
+use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, Plane, Vector};
 use ncfix_base::source::Source;
 
 use super::condition::file::PLAUSIBLE_C;
@@ -58,9 +58,10 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     }
     let spindle = read_spindle(root.section("spindle"), &mut findings);
     let controller = head.controller.clone();
-    let mut control = read_control(root.section("control"), &controller, head.is_haas, &mut findings);
-    opaque::read_sections(root.sections("opaque"), &mut control, &mut findings);
     let known = head.topology.as_ref().map(|(topology, _)| topology.axis_set());
+    let chain = known.unwrap_or(AxisSet::EMPTY);
+    let mut control = read_control(root.section("control"), (&controller, head.is_haas), chain, &mut findings);
+    opaque::read_sections(root.sections("opaque"), &mut control, &mut findings);
     let axis_set = known.unwrap_or_else(|| AXES.into_iter().collect());
     let (zero_offsets, datums) = read_zero_offsets(&mut root, axis_set, &controller, &mut findings);
     let tools = tool::read(&mut root, &mut findings);
@@ -359,8 +360,8 @@ fn read_spindle(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) ->
 
 fn read_control(
     section: Option<Section<'_>>,
-    controller: &str,
-    is_haas: bool,
+    (controller, is_haas): (&str, bool),
+    chain: AxisSet,
     findings: &mut Vec<Diagnostic>,
 ) -> Control {
     let mut control = super::output_control::of_controller(controller);
@@ -402,6 +403,7 @@ fn read_control(
         control.incremental_traverses_frame_change = value;
     }
     opaque::read(&mut section, &mut control);
+    opaque::read_axes(&mut section, &mut control, chain);
     super::frame_control::read(&mut section, &mut control);
     orientation::read(&mut section, &mut control);
     super::contour_control::read(&mut section, &mut control);
@@ -426,6 +428,7 @@ fn read_control(
             }
         }
     }
+    super::foreign_key::report(&mut section, controller);
     section.finish(findings);
     control
 }

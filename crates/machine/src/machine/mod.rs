@@ -13,6 +13,7 @@ mod datum;
 mod document;
 pub mod edit;
 pub mod file;
+mod foreign_key;
 mod frame_control;
 mod grundig_control;
 mod iso_control;
@@ -186,6 +187,8 @@ pub struct Control {
     /// `true` if I, J, K point from the center of an arc to its start; usually they point from the start to the center (Fanuc), or are the position of
     /// the center (Grundig in G90).
     pub has_arc_words_from_center: bool,
+    /// `true` if the words of the center choose the plane of an arc: J and K are those of YZ, whatever plane is selected (Grundig).
+    pub takes_arc_plane_from_words: bool,
     /// Effect of T: immediately, or with M6 (Sinumerik MD22550).
     pub tool_change: ToolChange,
     /// Plane along whose axes the tool lengths lie, whichever plane is active (Sinumerik SD42940); `None`: those of the active plane.
@@ -219,6 +222,8 @@ pub struct Control {
     pub chord_tolerance_mm: f64,
     /// Programs and cycles that the control executes by itself: their calls are passed on.
     pub opaque: Vec<Opaque>,
+    /// Names (upper case) of axes that the topology does not have: the control moves them, and their words are passed on.
+    pub passed_on_axes: Vec<String>,
     /// Synchronized actions that may move axes, by ID.
     pub allow_synchronised: Vec<AllowedSynchronised>,
     /// Axis whose positions are diameters after DIAMON (Sinumerik MD20100).
@@ -320,6 +325,7 @@ impl Default for Control {
             arc_tolerance_ratio: 0.001,
             arc_center: None,
             has_arc_words_from_center: false,
+            takes_arc_plane_from_words: false,
             tool_change: ToolChange::M6,
             tool_length_plane: None,
             edge_after_tool_change: 1,
@@ -340,6 +346,7 @@ impl Default for Control {
             ori_path: OriPath::End,
             pole_limit_rad: 2_f64.to_radians(),
             opaque: Vec::new(),
+            passed_on_axes: Vec::new(),
             allow_synchronised: Vec::new(),
             transverse_axis: Axis::X,
             search_path: Vec::new(),

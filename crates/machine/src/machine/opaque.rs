@@ -1,9 +1,9 @@
-//! Programs that the control executes by itself, and synchronized actions that may move axes.
+//! Programs and axes of which only the control knows the motion, and synchronized actions that may move axes.
 
 use super::Control;
 use super::section::Section;
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_base::geometry::Axis;
+use ncfix_base::geometry::{Axis, AxisSet};
 
 /// Program or cycle whose calls are passed on.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,6 +42,12 @@ impl Control {
         self.opaque.iter().find(fits).map(|entry| entry.moves)
     }
 
+    /// Returns whether the words of an axis (its name in upper case) are passed on.
+    #[must_use]
+    pub fn passes_axis(&self, name: &str) -> bool {
+        self.passed_on_axes.iter().any(|known| known == name)
+    }
+
     /// True if a synchronized action with this ID may move axes; `None` is an action without ID.
     #[must_use]
     pub fn allows_synchronised(&self, id: Option<u32>) -> bool {
@@ -74,6 +80,33 @@ pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
                 let help = "write one of X Y Z U V W";
                 section.report(Code::BAD_VALUE, section.place_of("transverse_axis"), message, help);
             }
+        }
+    }
+}
+
+/// Reads `passed_on_axes` of `[control]`; `chain` has the axes of the machine.
+pub(super) fn read_axes(section: &mut Section<'_>, control: &mut Control, chain: AxisSet) {
+    for (place, name) in section.texts("passed_on_axes").unwrap_or_default().into_iter().enumerate() {
+        let name = name.to_ascii_uppercase();
+        let is_name = name.starts_with(|first: char| first.is_ascii_alphabetic())
+            && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
+        let own = chain.iter().find(|axis| axis.to_string() == name);
+        let fault = match (is_name, own) {
+            (false, _) => Some((
+                format!("\"{name}\" is not the name of an axis"),
+                "write a letter such as \"W\", or a name such as \"Q1\"",
+            )),
+            (true, Some(axis)) => Some((
+                format!("{axis} is an axis of the topology, so that its positions are corrected"),
+                "name only axes that the topology does not have",
+            )),
+            (true, None) => None,
+        };
+        match fault {
+            Some((message, help)) => {
+                section.report(Code::BAD_VALUE, section.place_of_item("passed_on_axes", place), message, help);
+            }
+            None => control.passed_on_axes.push(name),
         }
     }
 }

@@ -19,6 +19,7 @@ pub struct WrittenValue {
 /// Defaults of keys of `[control]`.
 const OF_CONTROL: &[(&str, &str)] = &[
     ("allow_synchronised", "[]"),
+    ("arc_plane_from_words", "false"),
     ("arc_radius_check", "true"),
     ("arc_words_from_center", "false"),
     ("arc_tolerance_mm", "0.01"),
@@ -57,6 +58,7 @@ const OF_CONTROL: &[(&str, &str)] = &[
     ("opaque", "[]"),
     ("orientation_angles", "\"rpy\""),
     ("oripath", "\"end\""),
+    ("passed_on_axes", "[]"),
     ("peck_clearance_mm", "1"),
     ("pole_limit_deg", "2"),
     ("relative_comparison", "true"),

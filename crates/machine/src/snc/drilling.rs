@@ -7,6 +7,8 @@ use ncfix_base::geometry::Plane;
 pub struct DrillingCycle {
     /// Word of the cycle: `G83`, `CYCLE83`.
     pub name: String,
+    /// True if only the control knows the moves: the call must stay, and its moves are the axis of the hole.
+    pub is_own: bool,
     /// Working plane; its third axis is the drilling axis.
     pub plane: Plane,
     /// True if the tool ends at a height that the call gives (G99, the retraction plane of a Sinumerik), false if at the initial level (G98).

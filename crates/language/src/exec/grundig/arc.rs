@@ -15,7 +15,7 @@ use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::grid::{Meeting, meeting, unsure};
 use crate::exec::core::path::Shape;
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::{Axis, AxisSet, AxisVector, CenterFault};
+use ncfix_base::geometry::{Axis, AxisSet, AxisVector, CenterFault, Plane};
 use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 use ncfix_machine::snc::Kind;
@@ -39,6 +39,42 @@ pub(super) struct Circle {
 
 /// The motion of a block while G2 or G3 is active.
 pub(super) fn arc_words(channel: &mut Channel<'_>, gathered: &mut Gathered, target: Target) -> Result<(), Fault> {
+    let Some(other) = plane_of_words(channel.modal.modes.plane, gathered, &target) else {
+        return in_plane(channel, gathered, target);
+    };
+    let selected = channel.modal.modes.plane;
+    if channel.settings.machine.control.takes_arc_plane_from_words && !channel.modal.contour.compensates() {
+        channel.modal.modes.plane = other;
+        let done = in_plane(channel, gathered, target);
+        channel.modal.modes.plane = selected;
+        return done;
+    }
+    in_plane(channel, gathered, target).map_err(|mut found| {
+        if ![Code::BAD_ARC, Code::NO_CENTER, Code::ARC_OFF_CIRCLE].contains(&found.code) {
+            return found;
+        }
+        found.help = format!(
+            "if its two center words say that the arc lies in the plane of G{}, select this plane before it, or set control.arc_plane_from_words = true; in G{} one of them is the pitch of a helix",
+            other.number(),
+            selected.number()
+        );
+        found
+    })
+}
+
+/// The plane of an arc of which two center words name another plane than the selected one, and that has no end along the axis of the third word.
+fn plane_of_words(selected: Plane, gathered: &Gathered, target: &Target) -> Option<Plane> {
+    let has_word = |axis: Axis| b"IJK".get(axis.slot()).is_some_and(|&letter| gathered.peek(letter, None).is_some());
+    let planes = [Plane::XY, Plane::ZX, Plane::YZ].into_iter();
+    let mut others = planes.filter(|&plane| plane != selected);
+    others.find(|plane| {
+        let [abscissa, ordinate, across] = plane.axes();
+        has_word(abscissa) && has_word(ordinate) && !has_word(across) && !target.named.contains(across)
+    })
+}
+
+/// The motion of a block in the plane in force while G2 or G3 is active.
+fn in_plane(channel: &mut Channel<'_>, gathered: &mut Gathered, target: Target) -> Result<(), Fault> {
     let clockwise = channel.modal.modes.motion == MotionKind::Clockwise;
     let [abscissa, ordinate, applicate] = channel.modal.modes.plane.axes();
     let plane: AxisSet = [abscissa, ordinate].into_iter().collect();

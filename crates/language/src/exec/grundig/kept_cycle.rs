@@ -39,6 +39,7 @@ pub(super) fn begin(
     let _ = write!(text, " F{feed}");
     let cycle = DrillingCycle {
         name: format!("G{number}"),
+        is_own: false,
         plane: channel.modal.modes.plane,
         ends_at_reference: true,
         peck: None,

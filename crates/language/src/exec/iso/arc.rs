@@ -35,6 +35,8 @@ const SPIRAL_MOST: f64 = 100.0;
 const SAME_RADIUS_MM: f64 = 1e-6;
 /// Angle between start and end, rad, below which they are in one direction from the center.
 const SAME_ANGLE_RAD: f64 = 1e-9;
+/// Largest disagreement between lead, depth and sweep of a helix, turns.
+const TURN_TOLERANCE: f64 = 0.01;
 /// Largest excess of half the chord over a radius in LinuxCNC, mm.
 const RADIUS_MM: f64 = 0.00005 * MM_PER_INCH;
 
@@ -80,13 +82,10 @@ pub(super) fn arc(
         let help = "remove it: Grbl and Mach ignore it, and LinuxCNC stops with an error";
         channel.outlet.warnings.push(fault(Code::UNUSUAL_MOTION, gathered.span_of(across), message, help));
     }
-    if let Some(value) = gathered.raw(across).filter(|&value| has_across && value != 0.0) {
-        let message = format!(
-            "{}{value} lies outside the working plane G{}",
-            char::from(across),
-            channel.modal.modes.plane.number()
-        );
-        return Err(fault(Code::BAD_ARC, gathered.span_of(across), message, "select the plane of the arc"));
+    let is_across = gathered.raw(across).is_some_and(|value| has_across && value != 0.0);
+    let lead = if is_across { measure::length(channel, gathered, across)? } else { None };
+    if lead.is_some() && channel.is_rs274() {
+        return Err(outside_plane(channel, gathered, across));
     }
     if radius.is_some() && has_center && channel.is_rs274() {
         let message = "the center of this arc is given in two ways";
@@ -174,6 +173,15 @@ pub(super) fn arc(
         channel.modal.position.command = target;
         channel.modal.position.known = channel.modal.position.known.union(named);
     })?;
+    if let Some(lead) = lead {
+        let depth = to[applicate] - from[applicate];
+        if !fits_lead(&arc, [&from, &to], depth, lead) {
+            return Err(outside_plane(channel, gathered, across));
+        }
+        let message = format!("{} is the lead of this helix, which follows from its end", char::from(across));
+        let help = "remove the word: Fanuc controls have none for the lead of a helix";
+        channel.outlet.warnings.push(fault(Code::UNUSUAL_MOTION, gathered.span_of(across), message, help));
+    }
     if !setup.frame.keeps_circles(channel.modal.modes.plane) {
         let message = "an arc under a scaling that differs between the axes of its plane";
         let help = "scale both axes equally: otherwise the path on a control is neither a circle nor an ellipse";
@@ -182,6 +190,22 @@ pub(super) fn arc(
     let shape = behind_frame(&arc, [&from, &to], &target, &setup, channel.settings.machine.control.chord_tolerance_mm);
     let step = Step::straight(gathered, false, end, named);
     step::send(channel, step, target, shape, setup)
+}
+
+/// `true` if a word across the plane is the lead of a helix that ends where the block says.
+fn fits_lead(arc: &Arc, [from, to]: [&AxisVector; 2], depth: f64, lead: f64) -> bool {
+    let turns = arc.sweep_rad(from, to).abs() / TAU;
+    (depth.abs() / lead.abs() - turns).abs() <= TURN_TOLERANCE
+}
+
+/// The fault of a center word across the plane of its arc.
+fn outside_plane(channel: &Channel<'_>, gathered: &Gathered, across: u8) -> Fault {
+    let (letter, plane) = (char::from(across), channel.modal.modes.plane.number());
+    let message = format!("{letter} lies outside the working plane G{plane}");
+    let help = format!(
+        "select the plane of the arc; if {letter} is the lead of a helix, remove it, and write one block for each turn with its own end across the plane"
+    );
+    fault(Code::BAD_ARC, gathered.span_of(across), message, help)
 }
 
 /// The warning of an arc whose radii differ by more than usual.

@@ -52,7 +52,7 @@ pub(super) fn gather(scope: &Scope<'_, '_>, words: &[Word], out: &mut Gathered) 
             b'M' => out.m_codes.push((measure::whole(value, word.span, "M")?, word.span)),
             _ => {
                 if out.set_value(letter, value, has_point, word.span) {
-                    double(word.span)?;
+                    double(word.span, letter)?;
                 }
                 if matches!(word.value, Value::Number { has_point: true, .. }) {
                     out.note_point(letter);
@@ -77,8 +77,12 @@ fn grid_scope<'s, 'a>(scope: &Scope<'s, 'a>, letter: u8, inch: bool) -> Scope<'s
 }
 
 /// Handles a repeated word or group: an error, or the last one is used.
-fn double(span: Span) -> Result<(), Fault> {
-    Err(fault(Code::DOUBLE_WORD, span, "the block already has a word of this kind", "remove one of them"))
+fn double(span: Span, letter: u8) -> Result<(), Fault> {
+    let help = match letter {
+        b'T' => "a Mazak changes the first tool and prepares the second; write the second T in the block after M6",
+        _ => "remove one of them",
+    };
+    Err(fault(Code::DOUBLE_WORD, span, "the block already has a word of this kind", help))
 }
 
 fn g_code(scope: &Scope<'_, '_>, value: f64, span: Span, out: &mut Gathered) -> Result<(), Fault> {
@@ -91,7 +95,7 @@ fn g_code(scope: &Scope<'_, '_>, value: f64, span: Span, out: &mut Gathered) -> 
     if let Some((group, code)) = of_haas.filter(|_| scope.channel.settings.machine.control.iso.is_haas()) {
         out.mirrors_zero |= group == Group::Mirror;
         if out.set_code(group, code, span).is_some_and(|old| old != code) {
-            double(span)?;
+            double(span, b'G')?;
         }
         return Ok(());
     }
@@ -127,7 +131,7 @@ fn g_code(scope: &Scope<'_, '_>, value: f64, span: Span, out: &mut Gathered) -> 
         // A repetition of the same code has no effect on a Fanuc.
         let old = out.set_code(group, tenths, span);
         if old.is_some_and(|old| old != tenths || dialect.language == Language::Rs274) {
-            double(span)?;
+            double(span, b'G')?;
         }
         return Ok(());
     }
@@ -140,7 +144,7 @@ fn g_code(scope: &Scope<'_, '_>, value: f64, span: Span, out: &mut Gathered) -> 
         }
         Some(entry) if entry.effect == CodeEffect::Keep => {
             if out.passed.replace((tenths, entry)).is_some() {
-                double(span)?;
+                double(span, b'G')?;
             }
             Ok(())
         }

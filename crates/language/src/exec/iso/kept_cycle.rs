@@ -61,6 +61,7 @@ pub(super) fn of(channel: &Channel<'_>, call: &Call, from: Flat, holes: usize, s
     }
     let cycle = DrillingCycle {
         name: name_of(call.code),
+        is_own: false,
         plane: channel.modal.modes.plane,
         ends_at_reference: call.to_r,
         peck,

@@ -18,6 +18,7 @@ use super::modal::Modal;
 use super::modes;
 use super::motion;
 use super::offsets;
+use super::passed_axis;
 use super::reference;
 use super::special;
 use super::target;
@@ -35,7 +36,7 @@ pub(super) fn execute(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Res
     channel.block.before.clear();
     channel.block.after.clear();
     channel.block.corner = None;
-    target::check_axes(channel.language, channel.axes, gathered)?;
+    target::check_axes(channel.language, channel.axes, channel.settings.machine, gathered)?;
     let done = if channel.is_rs274() { execute_rs274(channel, gathered) } else { execute_fanuc(channel, gathered) };
     // The program ends as commanded, even if the block has an error.
     done?;
@@ -127,13 +128,15 @@ pub(super) fn move_axes(channel: &mut Channel<'_>, gathered: &Gathered, takes_ax
     if let Some(code) = code {
         if !takes_axes && code == G80 && !gathered.axes.is_empty() {
             let message = "axis words without a motion mode in force";
-            let help = "program G0 or G1 first";
+            let help = "program G0 or G1 in this block: G80 ends the motion code, and what Mach takes instead is in no manual at hand";
             done = Err(fault(Code::BAD_WORD_VALUE, gathered.span, message, help));
             gathered.use_up(b"XYZABCUVW");
         } else {
+            let is_passed = !takes_axes && passed_axis::pass_on(channel, gathered, code)?;
             kept_cycle::note_end(channel, gathered);
             cycle::note_motion(channel, code);
-            let moves = !takes_axes && (code > 30 && code != G80 || has_way(&channel.modal, gathered, code));
+            let moves =
+                !is_passed && !takes_axes && (code > 30 && code != G80 || has_way(&channel.modal, gathered, code));
             if moves {
                 done = motion::motion(channel, gathered, code);
             } else {

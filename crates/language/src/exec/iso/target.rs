@@ -6,6 +6,7 @@ use super::codes::Group;
 use super::gathered::Gathered;
 use super::measure;
 use super::modal::Modal;
+use super::passed_axis;
 use super::zero_offset::System;
 use crate::exec::core::fault::Fault;
 use crate::exec::core::fault::fault;
@@ -53,16 +54,22 @@ pub(super) fn absolute(
 }
 
 /// Rejects axes that the machine lacks.
-pub(super) fn check_axes(language: Language, axes: AxisSet, gathered: &Gathered) -> Result<(), Fault> {
+pub(super) fn check_axes(
+    language: Language,
+    axes: AxisSet,
+    machine: &Machine,
+    gathered: &Gathered,
+) -> Result<(), Fault> {
     if gathered.code(Group::Action) == Some(40) && language != Language::Rs274 {
         // The time of a dwell is not a position.
         return Ok(());
     }
+    let axes = axes.union(passed_axis::passed_on(&machine.control, gathered));
     match gathered.axes.difference(axes).iter().next() {
         None => Ok(()),
         Some(axis) => {
             let message = format!("the machine has no axis {axis}");
-            let help = "choose the right --machine, or add the axis to its file";
+            let help = "choose the right --machine, or add the axis to its file; if only the control moves it, name it in control.passed_on_axes";
             Err(fault(Code::NO_AXIS, gathered.span_of(axis.letter()), message, help))
         }
     }

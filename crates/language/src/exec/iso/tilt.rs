@@ -21,12 +21,15 @@ use crate::exec::core::tilted_plane::{tilting_axis, turned_frame, unknown_places
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame, Matrix, Vector};
 use ncfix_base::source::Span;
-use ncfix_machine::machine::Kinematics;
+use ncfix_machine::machine::{Kinematics, Machine};
 use ncfix_machine::snc::{Kind, MotionMode};
+use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
 /// Sine of the angle between the tool and Z below which they are parallel.
 const LEAST_TILT: f64 = 1e-9;
+/// Angles nearer to each other than this are equal, rad.
+const SAME_ANGLE_RAD: f64 = 1e-9;
 
 /// `G68.2`, `G68.3`, `G68.4`
 pub(super) fn tilt(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
@@ -112,28 +115,24 @@ pub(super) fn tool_on_plane(channel: &mut Channel<'_>, gathered: &Gathered) -> R
     let unstated =
         |axis: &Axis| channel.settings.machine.axis(*axis).is_some() && !channel.modal.position.known.contains(*axis);
     let unknown: AxisSet = kinematics.rotary_axes().filter(unstated).collect();
-    if channel.settings.strict && !unknown.is_empty() {
-        // The plane is activated nevertheless, so that the following blocks are not rejected for its absence.
-        channel.outlet.warnings.push(unknown_places(span, unknown, "G90 G53 G0"));
-        channel.modal.position.known = channel.modal.position.known.union(unknown);
-    }
     let below = channel.modal.below_transforms();
     let tool_mm = channel.standing.setup.tool_mm;
     let normal = workpiece_normal(&kinematics, &below, &tilt, &tool_mm);
     let near = channel.modal.position.command;
+    let machine = channel.settings.machine;
+    let depends = || depends_on_place(&kinematics, machine, &normal, choice, &near, unknown);
+    if channel.settings.strict && !unknown.is_empty() && depends() {
+        // The plane is activated nevertheless, so that the following blocks are not rejected for its absence.
+        channel.outlet.warnings.push(unknown_places(span, unknown, "G90 G53 G0"));
+        channel.modal.position.known = channel.modal.position.known.union(unknown);
+    }
     let turned = match (kinematics.orientations(&normal, &near), choice) {
         ([None, None], _) => {
             let message = "the rotary axes cannot align the tool with this plane";
             let help = "check the angles of the plane and the travel of the rotary axes";
             return Err(fault(Code::BAD_SWIVEL, span, message, help));
         }
-        ([Some(one), Some(other)], Some(sign @ (1.0 | 2.0))) => {
-            let axis = tilting_axis(&kinematics, channel.settings.machine);
-            let is_first = axis.is_none_or(|axis| (one[axis] > other[axis]) == (sign == 1.0));
-            if is_first { one } else { other }
-        }
-        ([Some(one), _], None | Some(0.0)) | ([Some(one), None], Some(1.0 | 2.0)) => one,
-        ([None, Some(other)], _) => other,
+        (solutions, None | Some(0.0 | 1.0 | 2.0)) => chosen(&kinematics, machine, solutions, choice).unwrap_or(near),
         _ => return Err(bad_value(gathered.span_of(b'P'), "P of G53.1 is not 0, 1 or 2", "correct P")),
     };
     end_kept(channel);
@@ -141,7 +140,8 @@ pub(super) fn tool_on_plane(channel: &mut Channel<'_>, gathered: &Gathered) -> R
     setup::refresh_setup(channel);
     let mut turned = turned;
     let least_rad = channel.settings.machine.control.increment_rad;
-    if kinematics.rotary_axes().all(|axis| (turned[axis] - near[axis]).abs() < least_rad) {
+    let is_known = unknown.is_empty() || !channel.settings.strict;
+    if is_known && kinematics.rotary_axes().all(|axis| (turned[axis] - near[axis]).abs() < least_rad) {
         // The axes are there already, within an increment.
         kinematics.rotary_axes().for_each(|axis| turned[axis] = near[axis]);
         channel.empty();
@@ -158,6 +158,57 @@ pub(super) fn tool_on_plane(channel: &mut Channel<'_>, gathered: &Gathered) -> R
     channel.modal.transforms.stand_on_tilt(Stand { frame, below, tool_mm, is_kept });
     setup::refresh_setup(channel);
     Ok(())
+}
+
+/// The solution that P chooses: 1 the larger angle of the axis that tilts the tool, 2 the smaller one, otherwise the shorter way.
+fn chosen(
+    kinematics: &Kinematics,
+    machine: &Machine,
+    solutions: [Option<AxisVector>; 2],
+    choice: Option<f64>,
+) -> Option<AxisVector> {
+    match (solutions, choice) {
+        ([Some(one), Some(other)], Some(sign @ (1.0 | 2.0))) => {
+            let axis = tilting_axis(kinematics, machine);
+            let is_first = axis.is_none_or(|axis| (one[axis] > other[axis]) == (sign == 1.0));
+            Some(if is_first { one } else { other })
+        }
+        ([one, other], _) => one.or(other),
+    }
+}
+
+/// `true` if the angles of a plane depend on the places of axes from which they turn: the control takes the shorter of two ways, and the nearest turn.
+fn depends_on_place(
+    kinematics: &Kinematics,
+    machine: &Machine,
+    normal: &Vector,
+    choice: Option<f64>,
+    near: &AxisVector,
+    unknown: AxisSet,
+) -> bool {
+    let is_chosen = matches!(choice, Some(1.0 | 2.0));
+    if !is_chosen && kinematics.orientations(normal, near).iter().all(Option::is_some) {
+        return true;
+    }
+    // From both ends of the travel and from between them; of a modulo axis from places that no turn equals.
+    let found = [0.0, 0.3, 1.0].map(|share| {
+        let mut from = *near;
+        for axis in unknown.iter() {
+            let [low, high] = machine.axis(axis).and_then(|data| data.travel).unwrap_or([0.0, 0.7 * TAU]);
+            from[axis] = low + share * (high - low);
+        }
+        chosen(kinematics, machine, kinematics.orientations(normal, &from), choice)
+    });
+    let is_modulo = |axis: Axis| machine.axis(axis).is_some_and(|data| data.modulo);
+    let differ = |one: &AxisVector, other: &AxisVector| {
+        kinematics.rotary_axes().any(|axis| {
+            let apart = one[axis] - other[axis];
+            let apart = if is_modulo(axis) { (0.5 * apart).sin() } else { apart };
+            apart.abs() > SAME_ANGLE_RAD
+        })
+    };
+    let [Some(one), Some(second), Some(third)] = found else { return true };
+    differ(&one, &second) || differ(&one, &third)
 }
 
 /// `true` if the tool is not along Z in a frame: arcs of the plane are then no arcs of the axes.

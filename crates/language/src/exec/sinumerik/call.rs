@@ -16,7 +16,7 @@ use super::save;
 use super::scope::scope_of;
 use super::value::Value;
 use super::variables::Locals;
-use super::{library, names};
+use super::{cycles, library, names};
 use crate::exec::core::fault::{Fault, fault};
 use crate::exec::core::level::RepeatedSection;
 use crate::syntax::sinumerik::{
@@ -243,6 +243,12 @@ impl Interpreter<'_> {
             return Ok(entry);
         }
         let Some((program, section)) = self.find(name, caller) else {
+            if let Some((reason, help)) = cycles::refusal(name) {
+                let help = format!(
+                    "{help}; to let the control run the cycle without a correction, name it in control.opaque of the machine file"
+                );
+                return Err(fault(Code::NOT_SUPPORTED, span, format!("{name} is not executed: {reason}"), help));
+            }
             let cycle = names::is_cycle(name);
             let (code, message) = if cycle {
                 (Code::NOT_SUPPORTED, format!("the cycle {name} is not supported yet"))
@@ -274,7 +280,7 @@ impl Interpreter<'_> {
     }
 
     fn enter(&mut self, entry: Entry, calls: u32) {
-        self.mark_hole(&entry);
+        let not_kept = self.mark_hole(&entry);
         let Entry { program, section, arguments, repeats, is_modal, part, span, file } = entry;
         let cycle = self.cycle_of(program, is_modal, (file, span));
         let refused = self.under_compensation(cycle, span);
@@ -297,7 +303,7 @@ impl Interpreter<'_> {
         let bound = parameters::bind(loaded, &mut self.channel, loaded.parameters(section), &arguments);
         level.own.arguments = arguments;
         let called = loaded.program.source.id();
-        if let Some(found) = refused {
+        if let Some(found) = refused.or(not_kept) {
             self.report(found.in_file(file));
         }
         let file = called;

@@ -18,15 +18,60 @@ macro_rules! cycles {
 }
 
 cycles! {
-    "CYCLE61" "CYCLE70" "CYCLE71" "CYCLE72" "CYCLE76" "CYCLE77" "CYCLE81" "CYCLE82" "CYCLE83" "CYCLE84" "CYCLE840" "CYCLE85" "CYCLE86" "CYCLE87"
-    "CYCLE88" "CYCLE89" "CYCLE90" "CYCLE801" "CYCLE802" "HOLES1" "HOLES2" "LONGHOLE" "POCKET1" "POCKET2" "POCKET3" "POCKET4" "SLOT1" "SLOT2"
-    "_CYC_ARC" "_CYC_AREA" "_CYC_BOW" "_CYC_DEPTH" "_CYC_DWELL" "_CYC_FACE" "_CYC_LINE" "_CYC_MILL" "_CYC_OLD" "_CYC_PITCH"
+    "CYCLE61" "CYCLE70" "CYCLE71" "CYCLE72" "CYCLE76" "CYCLE77" "CYCLE78" "CYCLE801" "CYCLE802" "CYCLE81" "CYCLE82" "CYCLE83" "CYCLE830" "CYCLE84"
+    "CYCLE840" "CYCLE85" "CYCLE86" "CYCLE87" "CYCLE88" "CYCLE89" "CYCLE90" "HOLES1" "HOLES2" "LONGHOLE" "POCKET1" "POCKET2" "POCKET3" "POCKET4"
+    "SLOT1" "SLOT2"
+    "_CYC_ARC" "_CYC_AREA" "_CYC_BOW" "_CYC_DEPTH" "_CYC_DWELL" "_CYC_EITHER" "_CYC_FACE" "_CYC_LINE" "_CYC_MILL" "_CYC_OLD" "_CYC_OWN" "_CYC_PITCH"
     "_CYC_PLUNGE" "_CYC_POCKET" "_CYC_RING" "_CYC_SPIGOT" "_CYC_STROKE" "_CYC_TAP" "_CYC_THREAD" "_CYC_TOOL" "_CYC_WALL"
 }
 
 /// The name and text of a built-in cycle.
 pub(super) fn source(name: &str) -> Option<(&'static str, &'static [u8])> {
     CYCLES.iter().find(|(known, _)| *known == name).copied()
+}
+
+/// Why the control's other cycles are refused: names, reason and help. A name with `*` is that of all cycles that begin so.
+const REFUSED: &[(&[&str], &str, &str)] = &[
+    (
+        &["CYCLE60"],
+        "the strokes of its letters are only in the control",
+        "let the CAM system write the strokes as moves",
+    ),
+    (
+        &["CYCLE63", "CYCLE64"],
+        "the control itself finds the path inside the contours of CYCLE62, and no manual states it",
+        "let the CAM system write the path as moves, or mill the contour with CYCLE72",
+    ),
+    (
+        &["CYCLE79"],
+        "it is not known whether its angle is that of a flat or of a corner, nor which digit makes _SWL an edge length",
+        "write the flats out as a contour for CYCLE72",
+    ),
+    (
+        &["CYCLE899"],
+        "the circles and strokes of its roughing are only in the control",
+        "write the slot as moves, or as an open contour for CYCLE72",
+    ),
+    (
+        &[
+            "CYCLE92", "CYCLE93", "CYCLE94", "CYCLE95", "CYCLE96", "CYCLE97", "CYCLE98", "CYCLE99", "CYCLE930",
+            "CYCLE940", "CYCLE951", "CYCLE952",
+        ],
+        "it is a cycle for turning",
+        "write its moves out",
+    ),
+    (
+        &["CYCLE9*", "CYCLE1*"],
+        "it measures, and its moves end where the probe touches",
+        "measure in a program of its own that is not corrected",
+    ),
+];
+
+/// The reason and the help for a cycle of the control that is not executed.
+pub(super) fn refusal(name: &str) -> Option<(&'static str, &'static str)> {
+    let fits = |known: &&str| known.strip_suffix('*').map_or(**known == *name, |start| name.starts_with(start));
+    let mut rows = REFUSED.iter();
+    rows.find(|(names, ..)| names.iter().any(|known| fits(&known))).map(|&(_, reason, help)| (reason, help))
 }
 
 /// The alarms that cycles raise with SETAL: number, message, help.

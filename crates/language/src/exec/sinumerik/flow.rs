@@ -12,8 +12,8 @@ use super::jump::jumps;
 use super::level::{Action, CallForm, Level, Loaded, ReturnTarget};
 use super::scope::{gatherer, scope_of};
 use super::value::{Value as ExecValue, is_same};
-use super::{part, sync_action};
-use crate::exec::core::fault::{Fault, WITHOUT_IT, at};
+use super::{part, refusals, sync_action};
+use crate::exec::core::fault::{Fault, at};
 use crate::exec::core::level::RepeatedSection;
 use crate::syntax::sinumerik::{ArgumentRange, Block, Body};
 use ncfix_base::diagnostic::Code;
@@ -93,8 +93,7 @@ pub(super) fn block(
         }
         Body::Unsupported(span) => {
             let shown = String::from_utf8_lossy(loaded.program.source.slice(span)).to_ascii_uppercase();
-            let message = format!("{shown} is not supported yet");
-            return Err(at(span, Code::NOT_SUPPORTED, message, WITHOUT_IT));
+            return Err(refusals::refusal(&shown, &shown, span));
         }
     })
 }

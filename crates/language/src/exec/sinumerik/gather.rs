@@ -12,7 +12,8 @@ use super::modal::MotionKind;
 use super::names::Meaning;
 use super::operand::undefined;
 use super::pole::PoleBase;
-use crate::exec::core::fault::{Fault, WITHOUT_IT, bad_value, fault};
+use super::refusals;
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::sinumerik::{Address, ArgumentRange, Block, DimensionFunction, NameId, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;
@@ -81,6 +82,7 @@ impl Gatherer<'_> {
             Address::Extended(letter, extension) => {
                 match (self.numbered_axis(letter, extension), super::address::extended(letter, extension)) {
                     (Some(axis), _) => self.axis(axis.letter(), word, out),
+                    _ if self.passes_axis(&format!("{}{extension}", char::from(letter)), word, out)? => Ok(()),
                     (None, Some(address)) => self.address(address, word, out),
                     (None, None) => Err(self.unnamed_axis(letter, extension, word)),
                 }
@@ -261,8 +263,8 @@ impl Gatherer<'_> {
                 out.keep.push("DIAMOF");
             }
             CodeEffect::Execute | CodeEffect::Refuse => {
-                let message = format!("{} ({}) is not supported yet", entry.name, entry.meaning);
-                return Err(fault(Code::NOT_SUPPORTED, span, message, WITHOUT_IT));
+                let shown = format!("{} ({})", entry.name, entry.meaning);
+                return Err(refusals::refusal(entry.name, &shown, span));
             }
         }
         Ok(())
@@ -271,8 +273,11 @@ impl Gatherer<'_> {
     pub(super) fn axis(&self, letter: u8, word: &Word, out: &mut Gathered) -> Result<(), Fault> {
         let Some(axis) = Axis::from_letter(letter) else { return Err(self.unsupported(word)) };
         if !self.machine_axes.contains(axis) {
+            if self.passes_axis(&axis.to_string(), word, out)? {
+                return Ok(());
+            }
             let message = format!("the machine has no axis {axis}");
-            let help = "check the topology in the machine file, or the program";
+            let help = "check the topology in the machine file, or the program; if only the control moves it, name it in control.passed_on_axes";
             return Err(fault(Code::NO_AXIS, word.span, message, help));
         }
         if out.named.contains(axis) {
@@ -331,6 +336,9 @@ impl Gatherer<'_> {
                 if let Some(axis) = self.scope.machine.axis_named(text) {
                     return self.axis(axis.letter(), word, out);
                 }
+                if self.passes_axis(text, word, out)? {
+                    return Ok(());
+                }
                 Err(undefined(format!("{text} is neither a variable nor a known address"), text, word.span))
             }
             (Meaning::Free, Value::None) => self.call(text.to_owned(), None, word.span, out),
@@ -355,7 +363,10 @@ impl Gatherer<'_> {
         let help = match (is_exponent, is_number) {
             (true, _) => "write an exponent with EX: X1EX-7",
             (false, true) => "a block number is the first word of its block, before a label: N115 NEXT: G1 X60",
-            (false, false) => WITHOUT_IT,
+            (false, false) => {
+                let name: String = shown.chars().take_while(|c| c.is_ascii_alphabetic()).collect();
+                return refusals::refusal(&name.to_ascii_uppercase(), &shown, word.span);
+            }
         };
         fault(Code::NOT_SUPPORTED, word.span, format!("{shown} is not supported yet"), help)
     }

@@ -78,6 +78,9 @@ pub(super) struct Gathered {
     pub(super) verbatim: Vec<Vec<u8>>,
     /// `true` if they are the whole content of the block.
     pub(super) is_complete: bool,
+    /// Words of axes that the machine file names as passed on, as the output has them, and the place of the last one.
+    pub(super) passed_axes: Vec<Vec<u8>>,
+    pub(super) passed_span: Span,
     /// Axes at unknown positions after the block.
     pub(super) lost: AxisSet,
     /// `true` under G63.
@@ -140,6 +143,8 @@ impl Gathered {
             message: None,
             verbatim: Vec::new(),
             is_complete: false,
+            passed_axes: Vec::new(),
+            passed_span: Span::default(),
             lost: AxisSet::EMPTY,
             taps: false,
             lead_change: None,

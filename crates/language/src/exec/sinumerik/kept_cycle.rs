@@ -1,9 +1,14 @@
 //! Drilling cycles that the output may keep: marks around the moves of each hole, with the arguments of the call.
+//!
+//! Of some cycles only the control knows the moves. Their calls always stay: they have the corrected position and heights, and the marks enclose the
+//! axis of the hole.
 
 use super::argument::Argument;
 use super::channel::Channel;
 use super::level::{Entry, Interpreter};
 use super::value::Value;
+use crate::exec::core::fault::{Fault, fault};
+use ncfix_base::diagnostic::Code;
 use ncfix_machine::snc::{CycleArgument, DrillingCycle, HoleTrigger, Kind};
 use std::sync::Arc as Shared;
 
@@ -13,18 +18,36 @@ const RFP: usize = 1;
 const DP: usize = 3;
 const DPR: usize = 4;
 
-/// Drilling cycles, with the place of a further height (the first depth).
-const DRILLING: [(&str, Option<usize>); 10] = [
-    ("CYCLE81", None),
-    ("CYCLE82", None),
-    ("CYCLE83", Some(5)),
-    ("CYCLE84", None),
-    ("CYCLE840", None),
-    ("CYCLE85", None),
-    ("CYCLE86", None),
-    ("CYCLE87", None),
-    ("CYCLE88", None),
-    ("CYCLE89", None),
+/// A drilling cycle whose calls the output may keep.
+struct KeptCycle {
+    name: &'static str,
+    /// Places of further heights.
+    depths: &'static [usize],
+    /// `true` if the control chooses the moves.
+    is_own: bool,
+}
+
+const fn known(name: &'static str, depths: &'static [usize]) -> KeptCycle {
+    KeptCycle { name, depths, is_own: false }
+}
+
+const fn own(name: &'static str, depths: &'static [usize]) -> KeptCycle {
+    KeptCycle { name, depths, is_own: true }
+}
+
+const DRILLING: [KeptCycle; 12] = [
+    own("CYCLE78", &[]),
+    known("CYCLE81", &[]),
+    known("CYCLE82", &[]),
+    known("CYCLE83", &[5]),
+    own("CYCLE830", &[4, 21, 23, 28]),
+    known("CYCLE84", &[]),
+    known("CYCLE840", &[]),
+    known("CYCLE85", &[]),
+    known("CYCLE86", &[]),
+    known("CYCLE87", &[]),
+    known("CYCLE88", &[]),
+    known("CYCLE89", &[]),
 ];
 
 impl Interpreter<'_> {
@@ -34,15 +57,22 @@ impl Interpreter<'_> {
         built_in.and_then(drilling).is_some()
     }
 
-    /// Marks the beginning of a hole if the program is a drilling cycle.
-    pub(super) fn mark_hole(&mut self, entry: &Entry) {
+    /// Marks the beginning of a hole if the program is a drilling cycle; the fault if only the call could make this hole, and it cannot stay.
+    pub(super) fn mark_hole(&mut self, entry: &Entry) -> Option<Fault> {
         let built_in = self.programs.get(entry.program).and_then(|loaded| loaded.own.built_in);
-        let Some((name, first)) = built_in.and_then(drilling) else { return };
+        let kept = built_in.and_then(drilling)?;
         let is_metric = !self.channel.modal.modes.inch;
         if self.channel.settings.keeps_cycles && is_metric {
-            let cycle = cycle_of(&self.channel, name, first, &entry.arguments, entry.is_modal);
+            let cycle = cycle_of(&self.channel, kept, &entry.arguments, entry.is_modal);
             self.channel.push(Kind::Cycle(Some(Shared::new(cycle))));
+            return None;
         }
+        kept.is_own.then(|| {
+            let message = format!("only the control knows the moves of {}, and here no cycle can stay", kept.name);
+            let help =
+                "let the program be metric and leave out --expand-cycles and --feed-limit, or write the moves out";
+            fault(Code::NOT_SUPPORTED, entry.span, message, help)
+        })
     }
 
     /// Marks the end of a hole if the program that ends is a drilling cycle.
@@ -54,27 +84,33 @@ impl Interpreter<'_> {
     }
 }
 
-fn drilling(name: &'static str) -> Option<(&'static str, Option<usize>)> {
-    DRILLING.into_iter().find(|(known, _)| *known == name)
+fn drilling(name: &'static str) -> Option<&'static KeptCycle> {
+    DRILLING.iter().find(|kept| kept.name == name)
 }
 
 /// The call with its values.
-fn cycle_of(
-    channel: &Channel<'_>,
-    name: &str,
-    first: Option<usize>,
-    given: &[Argument],
-    is_modal: bool,
-) -> DrillingCycle {
+fn cycle_of(channel: &Channel<'_>, kept: &KeptCycle, given: &[Argument], is_modal: bool) -> DrillingCycle {
     let value = |place: usize| given.get(place)?.cells.as_ref()?.first();
     let number = |place: usize| value(place).and_then(Value::number);
-    let has_depth = number(DP).is_some() || number(DPR).is_none_or(|depth| depth == 0.0);
+    // Beyond the reference plane, as _CYC_EITHER reads it.
+    let is_beyond = |depth: f64| {
+        let [retraction, reference] = [RTP, RFP].map(|place| number(place).unwrap_or(0.0));
+        (reference - depth) * (retraction - reference) > 0.0
+    };
+    let has_depth = if kept.is_own {
+        is_beyond(number(DP).unwrap_or(0.0))
+    } else {
+        number(DP).is_some() || number(DPR).is_none_or(|depth| depth == 0.0)
+    };
     let last = (0..given.len()).rev().find(|&place| value(place).is_some()).unwrap_or(0).max(DP);
     let arguments = (0..=last).map(|place| {
         let is_height = match place {
             RTP | RFP => true,
             DP => has_depth,
-            _ => Some(place) == first && number(place).is_some(),
+            _ => {
+                kept.depths.contains(&place)
+                    && number(place).is_some_and(|depth| !kept.is_own || depth != 0.0 && is_beyond(depth))
+            }
         };
         match value(place) {
             _ if is_height => CycleArgument::Height(number(place).unwrap_or(0.0)),
@@ -84,7 +120,8 @@ fn cycle_of(
         }
     });
     DrillingCycle {
-        name: name.to_owned(),
+        name: kept.name.to_owned(),
+        is_own: kept.is_own,
         plane: channel.modal.modes.plane,
         ends_at_reference: true,
         peck: None,

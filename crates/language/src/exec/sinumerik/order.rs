@@ -10,6 +10,7 @@ use super::frames;
 use super::gathered::Gathered;
 use super::modes;
 use super::pass;
+use super::passed_axis;
 use super::polar;
 use super::save;
 use super::stream;
@@ -80,6 +81,7 @@ pub(super) fn execute(
     let moves = !gathered.named.is_empty()
         || gathered.center.iter().any(Option::is_some)
         || gathered.addresses.iter().any(|value| value.address.moves());
+    passed_axis::pass_on(channel, gathered, moves)?;
     if moves {
         channel.comment(comment);
         angle::angle(channel, gathered, span)?;

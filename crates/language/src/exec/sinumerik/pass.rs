@@ -4,13 +4,14 @@
 //! constants of cycles) stay as written.
 
 use super::channel::Channel;
+use super::contour_call::CONTOUR;
 use super::feed;
 use super::functions::is_function;
 use super::gathered::Gathered;
 use super::gatherer::Gatherer;
 use super::level::Loaded;
 use super::modal::Modal;
-use super::names::{Meaning, is_indexed_letter};
+use super::names::{Meaning, is_indexed_letter, opaque_moves};
 use super::scope::gatherer;
 use super::value::Value as ExecValue;
 use crate::exec::core::fault::{Fault, WITHOUT_IT, bad_value, fault};
@@ -104,9 +105,27 @@ impl Gatherer<'_> {
                 let message = format!("{shown}: {}", row.meaning);
                 return Err(fault(Code::NOT_SUPPORTED, word.span, message, WITHOUT_IT));
             }
-            _ => out.verbatim.push(self.text(word, row.unit)?),
+            _ => {
+                self.check_carrier(row.name, word)?;
+                out.verbatim.push(self.text(word, row.unit)?);
+            }
         }
         Ok(true)
+    }
+
+    /// Passes on only the end of a tool carrier, and not where it would end the carrier of a plane: the output states the plane without one.
+    fn check_carrier(&self, name: &str, word: &Word) -> Result<(), Fault> {
+        if !matches!(name, "TCARR" | "CUTMOD") {
+            return Ok(());
+        }
+        if self.number(word)? != 0.0 {
+            return Err(self.unsupported(word));
+        }
+        if let Some(swivelled) = self.scope.modal.swivelled.as_ref() {
+            let message = format!("{name}=0 in a plane that {} has tilted", swivelled.source());
+            return Err(fault(Code::BAD_SWIVEL, word.span, message, swivelled.way_out()));
+        }
+        Ok(())
     }
 
     /// A block with G25 or G26: all its words are limits.
@@ -140,6 +159,7 @@ impl Gatherer<'_> {
 
     /// Passes through a call that the control executes, with its repetitions.
     fn opaque(&self, word: &Word, block: &Block, moves: bool, out: &mut Gathered) -> Result<bool, Fault> {
+        self.check_contours(word)?;
         let mut text = self.text(word, ValueUnit::None)?;
         for other in self.scope.program.words_of(block).iter().filter(|other| other.span.start > word.span.start) {
             text.push(b' ');
@@ -151,6 +171,33 @@ impl Gatherer<'_> {
             out.lost = AxisSet::ALL;
         }
         Ok(true)
+    }
+
+    /// Rejects a cycle of the control whose contours the output would lack: it has neither blocks between labels nor a CYCLE62 that ncfix executes.
+    fn check_contours(&self, word: &Word) -> Result<(), Fault> {
+        let (Address::Name(name), Value::Arguments(range)) = (word.address, word.value) else { return Ok(()) };
+        let name = self.scope.program.names.text(name);
+        if name == CONTOUR {
+            let kind = match self.scope.program.arguments_of(range).get(1) {
+                Some(&Some(id)) => self.scope.number(id)?,
+                _ => 0.0,
+            };
+            if kind != 0.0 {
+                let message =
+                    format!("{CONTOUR} of type {kind} is passed on, but the output has no blocks between its labels");
+                let help = "put the contour into a file of its own, and name this file (type 0)";
+                return Err(fault(Code::NOT_SUPPORTED, word.span, message, help));
+            }
+        } else if matches!(name, "CYCLE63" | "CYCLE64" | "CYCLE952")
+            && opaque_moves(&self.scope.machine.control, CONTOUR).is_none()
+        {
+            let message = format!("{name} is passed on, but not the {CONTOUR} that names its contours");
+            let help = format!(
+                "add {CONTOUR} to control.opaque of the machine file, and put each contour into a file of its own (type 0)"
+            );
+            return Err(fault(Code::NOT_SUPPORTED, word.span, message, help));
+        }
+        Ok(())
     }
 
     /// The text value of an address; `None` for a number.

@@ -112,10 +112,11 @@ fn rotation_of(mode: f64, angles_deg: [f64; 3], span: Span) -> Result<Matrix, Fa
         return Ok(about(&Vector::z(), about_z.to_radians()) * about(&Vector::y(), about_y.to_radians()));
     }
     if !(0.0..64.0).contains(&mode) || mode.fract() != 0.0 {
-        return Err(save::refused(
-            span,
-            format!("_MODE {mode}: only rotations axis by axis and by solid angle are supported"),
-        ));
+        let reason = match mode {
+            192.0 => "the positions of the rotary axes do not state the direction of X in the plane".to_owned(),
+            _ => "only rotations axis by axis and by solid angle are supported".to_owned(),
+        };
+        return Err(save::refused(span, format!("_MODE {mode}: {reason}")));
     }
     // Below 64.
     let bits = mode as u32;
@@ -136,6 +137,10 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
     let span = request.span;
     if channel.modal.transform.turning().is_some() {
         return Err(save::refused(span, "the plane cannot be tilted under TRAORI".to_owned()));
+    }
+    if channel.modal.swivelled.as_ref().is_some_and(|last| last.is_of_tool && !request.is_reset) {
+        let message = "CYCLE800 while the frame of TOROT is in force: no manual states which of the two frames remains";
+        return Err(fault(Code::BAD_SWIVEL, span, message, "end it with TOROTOF before the cycle"));
     }
     let kinematics = Kinematics::new(channel.settings.machine);
     check_stated_for(channel, request, &kinematics)?;

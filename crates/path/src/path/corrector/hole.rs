@@ -113,7 +113,7 @@ where
             self.pending.extend(self.findings.take().map(Err));
             return;
         }
-        if let Some(first) = moves.first().filter(|_| is_complete && taps(cycle)) {
+        if let Some(first) = moves.first().filter(|_| is_complete && must_stay(cycle)) {
             self.pending.push_back(Err(cannot_stay(cycle, &first.origin)));
         }
         self.initial = None;
@@ -322,7 +322,7 @@ where
             self.prediction.kept_hole_mm = self.prediction.kept_hole_mm.max(deviation_mm);
             return Some(fit);
         }
-        if taps(cycle) {
+        if must_stay(cycle) {
             // No moves can replace it; the error along it is reported.
             return Some((HoleShift { plane, along: best }, None));
         }
@@ -484,11 +484,12 @@ where
     }
 }
 
-fn taps(cycle: &DrillingCycle) -> bool {
-    TAPPING.contains(&cycle.name.as_str())
+/// `true` if moves cannot replace a cycle.
+fn must_stay(cycle: &DrillingCycle) -> bool {
+    cycle.is_own || TAPPING.contains(&cycle.name.as_str())
 }
 
-/// The error for a tapping cycle that cannot stay.
+/// The error for a cycle that must stay and cannot.
 fn cannot_stay(cycle: &DrillingCycle, origin: &Origin) -> Diagnostic {
     let message = format!("{} stays a cycle, which needs a known position and axes that may move", cycle.name);
     let help = "state all axes before it, and open the clamps of the linear axes";

@@ -1,0 +1,44 @@
+//! Words whose refusal has a reason and a remedy of its own.
+
+use crate::exec::core::fault::{Fault, WITHOUT_IT, fault};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::source::Span;
+
+/// Words, reason and remedy.
+const REASONS: &[(&[&str], &str, &str)] = &[
+    (
+        &["ISOCALL"],
+        "it runs a program in the ISO language, and ncfix executes a program in one language",
+        "write the called program in the language of this one, or correct it with `--dialect fanuc` as a program of its own",
+    ),
+    (
+        &["G291"],
+        "the blocks after it are in the ISO language, and ncfix executes a program in one language",
+        "put them into a file of their own and correct it with `--dialect fanuc`",
+    ),
+    (
+        &["TCARR", "TCOFR", "CUTMOD"],
+        "it turns the tool length by a tool carrier, whose data are only in the control",
+        "tilt the plane with CYCLE800, which uses the rotary axes of the machine file",
+    ),
+    (
+        &["PAROT"],
+        "it turns the frame by a tool carrier, whose data are only in the control",
+        "tilt the plane with CYCLE800, or program the rotation with AROT",
+    ),
+    (
+        &["TOROTX", "TOROTY"],
+        "no manual at hand states the direction of the other two axes of this frame",
+        "let Z point along the tool with TOROT, or program the rotation with AROT",
+    ),
+];
+
+/// The refusal of a word that is known and not executed; `shown` is what the message names.
+pub(super) fn refusal(name: &str, shown: &str, span: Span) -> Fault {
+    let row = REASONS.iter().find(|(names, ..)| names.contains(&name));
+    let (message, help) = match row {
+        Some((_, reason, help)) => (format!("{shown} is not executed: {reason}"), *help),
+        None => (format!("{shown} is not supported yet"), WITHOUT_IT),
+    };
+    fault(Code::NOT_SUPPORTED, span, message, help)
+}
