@@ -6,12 +6,11 @@
 
 use rustfft::num_complex::Complex;
 
+use super::sample::MANY;
 use super::search::Weights;
 use super::sweep::FourierTransform;
 use ncfix_base::numeric::sums::dot;
 
-/// Number of readings from which the transform is faster than the sums.
-const MANY: usize = 8000;
 /// Maximum lag.
 const MOST: usize = 250;
 /// Maximum lag as a share of the length of a series.

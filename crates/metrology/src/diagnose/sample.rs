@@ -18,9 +18,9 @@ use super::seek::Seek;
 use ncfix_base::numeric::{Gain, Series};
 
 /// Number of readings from which a sample is used.
-pub(super) const MANY: usize = 3000;
+pub(super) const MANY: usize = 8000;
 /// Approximate number of readings of a sample.
-const PART: usize = 2500;
+const PART: usize = 5000;
 /// Minimum number of readings of each run.
 const OF_RUN: usize = 60;
 /// The sample decides about an effect whose gain exceeds its penalty by this factor. Its standard deviation is then below a fifth of the gain: the penalty of a
