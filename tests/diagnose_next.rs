@@ -38,5 +38,5 @@ fn a_circle_of_unknown_length_asks_for_a_line_which_then_decides() {
     let found = all.iter().find(|one| name(one) == "motion EXX").unwrap_or_else(|| panic!("{command}: {both:#}"));
     assert!(found["certain"] == true && number(found, "probability") >= 0.95, "{command}: {found:#}");
     assert!((number(found, "value") - 40.0).abs() < 2.0 * number(found, "u95").max(0.5), "{found:#}");
-    assert_eq!(next(&both), [], "{both:#}");
+    assert!(next(&both).iter().all(|(again, _)| again != command), "{both:#}");
 }

@@ -7,7 +7,7 @@
 
 use ncfix_base::geometry::{Axis, Plane};
 use ncfix_base::numeric::in_parts;
-use ncfix_base::units::um_from_mm;
+use ncfix_base::units::{UnitKey, um_from_mm};
 use ncfix_machine::machine::Machine;
 use ncfix_model::name::DIRECTIONS;
 use ncfix_model::{ErrorName, name};
@@ -53,8 +53,8 @@ pub struct NextMeasurement {
     pub resolves: f64,
     /// RMS difference of the readings that the two most probable explanations predict, in `unit`.
     pub difference: f64,
-    /// Unit of the difference, `um` or `urad`.
-    pub unit: String,
+    /// Unit of the difference.
+    pub unit: UnitKey,
     /// Number of readings.
     pub readings: usize,
 }
@@ -260,7 +260,7 @@ fn of_plan(given: &Scene<'_>, proposal: &Proposal, compared: &[Predictor<'_>]) -
         resolves: 1.0 - after / before,
         // The factor of a million is that of radians too.
         difference: if is_angle { 1e3 } else { 1.0 } * um_from_mm((square / scene.items.len() as f64).sqrt()),
-        unit: if is_angle { "urad" } else { "um" }.to_owned(),
+        unit: UnitKey::of(is_angle),
         readings,
     };
     let has_instrument = given.sets.iter().any(|set| set.kind.measurand == sets[0].kind.measurand);

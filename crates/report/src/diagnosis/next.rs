@@ -5,12 +5,12 @@ use ncfix_metrology::diagnose::NextMeasurement;
 
 /// Returns the command of a measurement with what it contributes.
 pub(crate) fn next_sentence(next: &NextMeasurement) -> String {
-    let unit = if next.unit == "urad" { "µrad" } else { "µm" };
     format!(
-        "{} (its {} readings resolve {:.0} % of the doubt; the first two explanations differ by {} {unit} RMS in them)",
+        "{} (its {} readings resolve {:.0} % of the doubt; the first two explanations differ by {} {} RMS in them)",
         next.command,
         grouped(next.readings as u64),
         100.0 * next.resolves,
-        significant(next.difference)
+        significant(next.difference),
+        next.unit.sign()
     )
 }

@@ -195,12 +195,13 @@ impl DiagnosisReport {
         let findings = &self.found.findings;
         let is_correctable = |one: &&CauseReport| one.correctable == Correctable::Program;
         let unsure = self.unsure().or(Some(largest).filter(|one| !self.more_probable(one).is_empty()));
-        if let Some(one) = unsure {
-            // A plan predicts no cause of another nature, such as a drift.
+        // A plan predicts no cause that depends on another quantity, such as a drift.
+        let separating = |one: &CauseReport| {
             let next = self.found.measure_next.first().filter(|_| one.rivals.is_empty());
-            if let Some(how) = next.map(next_sentence).or(one.separate_by.clone()) {
-                return format!("measure what separates the explanations: {how}");
-            }
+            next.map(next_sentence).or(one.separate_by.clone())
+        };
+        if let Some(how) = unsure.and_then(separating) {
+            return format!("measure what separates the explanations: {how}");
         }
         if let Some(path) = &self.output {
             return format!("correct programs with {path}");
@@ -211,7 +212,7 @@ impl DiagnosisReport {
         if findings.iter().any(|one| one.correctable == Correctable::Live) {
             return "correct it live, with readings of the sensors".into();
         }
-        match &largest.separate_by {
+        match separating(largest) {
             Some(how) if largest.class.len() > 1 => format!("measure what separates the explanations: {how}"),
             _ if largest.what.is_some() => format!("measure how it depends on {}", largest.drivers.join(" and ")),
             _ => format!("check the machine and the measurement for {}", largest.made_by),
