@@ -71,7 +71,7 @@ const REFUSED: &[(&[&str], &str, &str)] = &[
 pub(super) fn refusal(name: &str) -> Option<(&'static str, &'static str)> {
     let fits = |known: &&str| known.strip_suffix('*').map_or(**known == *name, |start| name.starts_with(start));
     let mut rows = REFUSED.iter();
-    rows.find(|(names, ..)| names.iter().any(|known| fits(&known))).map(|&(_, reason, help)| (reason, help))
+    rows.find(|(names, ..)| names.iter().any(fits)).map(|&(_, reason, help)| (reason, help))
 }
 
 /// The alarms that cycles raise with SETAL: number, message, help.

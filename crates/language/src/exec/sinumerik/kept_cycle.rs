@@ -19,7 +19,7 @@ const DP: usize = 3;
 const DPR: usize = 4;
 
 /// A drilling cycle whose calls the output may keep.
-struct KeptCycle {
+struct StayingCycle {
     name: &'static str,
     /// Places of further heights.
     depths: &'static [usize],
@@ -27,15 +27,15 @@ struct KeptCycle {
     is_own: bool,
 }
 
-const fn known(name: &'static str, depths: &'static [usize]) -> KeptCycle {
-    KeptCycle { name, depths, is_own: false }
+const fn known(name: &'static str, depths: &'static [usize]) -> StayingCycle {
+    StayingCycle { name, depths, is_own: false }
 }
 
-const fn own(name: &'static str, depths: &'static [usize]) -> KeptCycle {
-    KeptCycle { name, depths, is_own: true }
+const fn own(name: &'static str, depths: &'static [usize]) -> StayingCycle {
+    StayingCycle { name, depths, is_own: true }
 }
 
-const DRILLING: [KeptCycle; 12] = [
+const DRILLING: [StayingCycle; 12] = [
     own("CYCLE78", &[]),
     known("CYCLE81", &[]),
     known("CYCLE82", &[]),
@@ -69,8 +69,7 @@ impl Interpreter<'_> {
         }
         kept.is_own.then(|| {
             let message = format!("only the control knows the moves of {}, and here no cycle can stay", kept.name);
-            let help =
-                "let the program be metric and leave out --expand-cycles and --feed-limit, or write the moves out";
+            let help = "use a metric program, without --expand-cycles and other options that write holes as moves (--feed-limit, --step, --frame machine), or write the moves out";
             fault(Code::NOT_SUPPORTED, entry.span, message, help)
         })
     }
@@ -84,12 +83,12 @@ impl Interpreter<'_> {
     }
 }
 
-fn drilling(name: &'static str) -> Option<&'static KeptCycle> {
+fn drilling(name: &'static str) -> Option<&'static StayingCycle> {
     DRILLING.iter().find(|kept| kept.name == name)
 }
 
 /// The call with its values.
-fn cycle_of(channel: &Channel<'_>, kept: &KeptCycle, given: &[Argument], is_modal: bool) -> DrillingCycle {
+fn cycle_of(channel: &Channel<'_>, kept: &StayingCycle, given: &[Argument], is_modal: bool) -> DrillingCycle {
     let value = |place: usize| given.get(place)?.cells.as_ref()?.first();
     let number = |place: usize| value(place).and_then(Value::number);
     // Beyond the reference plane, as _CYC_EITHER reads it.
