@@ -282,7 +282,8 @@ fn no_bytes_make_it_panic() {
 
 #[test]
 fn settings_of_radius_compensation() {
-    let control = |lines: &str| load(&format!("{SMALL}[control]\n{lines}")).0.unwrap().0.control;
+    let small = SMALL.replace("[machine]\n", "[machine]\ncontroller = \"fanuc\"\n");
+    let control = |lines: &str| load(&format!("{small}[control]\n{lines}")).0.unwrap().0.control;
     assert_eq!(control("").compensation_start, CompensationStart::A);
     assert_eq!(control("").compensation_corner, None);
     let set = control("compensation_start = \"B\"\ncompensation_corner = \"circular\"\n");
@@ -290,22 +291,45 @@ fn settings_of_radius_compensation() {
     assert_eq!(set.compensation_corner, Some(CompensationCorner::Circular));
     let set = control("compensation_corner = \"linear\"\n");
     assert_eq!(set.compensation_corner, Some(CompensationCorner::Linear));
-    let bad = seen(&format!("{SMALL}[control]\ncompensation_start = \"C\"\ncompensation_corner = \"round\"\n"));
+    let bad = seen(&format!("{small}[control]\ncompensation_start = \"C\"\ncompensation_corner = \"round\"\n"));
     let code = "E0404".to_owned();
     assert_eq!(bad, [(code.clone(), "\"C\"".to_owned()), (code, "\"round\"".to_owned())]);
 }
 
 #[test]
 fn settings_of_iso_controls() {
-    let iso = |lines: &str| load(&format!("{SMALL}[control]\n{lines}")).0.unwrap().0.control.iso;
+    let small = SMALL.replace("[machine]\n", "[machine]\ncontroller = \"fanuc\"\n");
+    let iso = |lines: &str| load(&format!("{small}[control]\n{lines}")).0.unwrap().0.control.iso;
     assert_eq!(iso("").decimal_point, None);
     assert_eq!(iso("decimal_point = \"increment\"\n").decimal_point, Some(DecimalPoint::Increment));
     assert_eq!(iso("length_compensation = \"C\"\n").length_axis, LengthAxis::Programmed);
     assert_eq!(iso("reference_point_2_X_mm = -3.5\n").reference_points.get(&(2, Axis::X)), Some(&-3.5));
     assert!(iso("dwell_turns = true\n").dwell_turns);
-    let bad = seen(&format!("{SMALL}[control]\ndecimal_point = \"point\"\nlength_compensation = \"D\"\n"));
+    let bad = seen(&format!("{small}[control]\ndecimal_point = \"point\"\nlength_compensation = \"D\"\n"));
     let code = "E0404".to_owned();
     assert_eq!(bad, [(code.clone(), "\"point\"".to_owned()), (code, "\"D\"".to_owned())]);
+}
+
+#[test]
+fn keys_of_other_controls_are_reported() {
+    let keys = "[control]\ntilt_about = \"tangent\"\ndecimal_point = \"calculator\"\ngrundig_mirror_outside = true\nrollover = \"none\"\n";
+    let on = |controller: &str| {
+        let head = format!("[machine]\ncontroller = \"{controller}\"\n");
+        let found = seen(&format!("{}{keys}", SMALL.replace("[machine]\n", &head)));
+        assert!(found.iter().all(|(code, _)| code == "W0406"), "{controller}: {found:?}");
+        found.into_iter().map(|(_, key)| key).collect::<Vec<_>>()
+    };
+    assert_eq!(on("sinumerik"), ["decimal_point", "grundig_mirror_outside", "rollover"]);
+    assert_eq!(on("fanuc"), ["tilt_about", "grundig_mirror_outside"]);
+    assert_eq!(on("haas"), ["tilt_about", "grundig_mirror_outside"]);
+    assert_eq!(on("rs274"), ["tilt_about", "decimal_point", "grundig_mirror_outside"]);
+    assert_eq!(on("millplus"), ["tilt_about", "decimal_point"]);
+}
+
+#[test]
+fn axes_that_are_passed_on_are_not_those_of_the_machine() {
+    let bad = seen(&format!("{SMALL}[control]\npassed_on_axes = [\"W\", \"x\", \"1Q\"]\n"));
+    assert_eq!(bad, [("E0404".to_owned(), "\"x\"".to_owned()), ("E0404".to_owned(), "\"1Q\"".to_owned())]);
 }
 
 #[test]
