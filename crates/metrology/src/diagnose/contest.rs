@@ -329,8 +329,8 @@ impl Field<'_, '_> {
         let is_better = is_better && !is_variant;
         let decided = is_better.then(|| {
             let mut chosen: Vec<Chosen> = Vec::new();
-            // Shapes of one component form one candidate.
-            let mut shapes: Vec<(Candidate, [f64; 2], Option<Vec<String>>, f64)> = Vec::new();
+            // Shapes of one component form one candidate, which gets its index at the end.
+            let mut shapes: Vec<(Candidate, Chosen)> = Vec::new();
             for (&k, loss) in first.set.iter().zip(&found.losses) {
                 let probability = probability(k);
                 let Some(source) = sources.get(k).filter(|source| {
@@ -340,19 +340,19 @@ impl Field<'_, '_> {
                     continue;
                 };
                 let (harmful, chance, share) = (said(k, true), (-loss).exp(), twins.share(k));
+                let one = Chosen { candidate: self.candidates.len(), probability, share, harmful, chance };
                 match source {
-                    EntrantSource::Known(number) => {
-                        chosen.push(Chosen { candidate: *number, probability, share, harmful, chance })
-                    }
-                    EntrantSource::Shape(one) => {
-                        match shapes.iter_mut().find(|(own, ..)| own.parameter == one.parameter) {
-                            Some((own, least, known, most)) => {
-                                *most = most.max(chance);
-                                own.columns.extend(one.columns.iter().cloned());
-                                *least = [least[0].min(probability), least[1].min(share)];
-                                *known = known.take().or(harmful);
+                    EntrantSource::Known(number) => chosen.push(Chosen { candidate: *number, ..one }),
+                    EntrantSource::Shape(shape) => {
+                        match shapes.iter_mut().find(|(own, _)| own.parameter == shape.parameter) {
+                            Some((own, all)) => {
+                                own.columns.extend(shape.columns.iter().cloned());
+                                all.chance = all.chance.max(one.chance);
+                                all.probability = all.probability.min(one.probability);
+                                all.share = all.share.min(one.share);
+                                all.harmful = all.harmful.take().or(one.harmful);
                             }
-                            None => shapes.push(((**one).clone(), [probability, share], harmful, chance)),
+                            None => shapes.push(((**shape).clone(), one)),
                         }
                     }
                 }
@@ -365,9 +365,9 @@ impl Field<'_, '_> {
             })
         });
         let instead = decided.map(|(mut chosen, shapes)| {
-            for (one, [probability, share], harmful, chance) in shapes {
-                chosen.push(Chosen { candidate: self.candidates.len(), probability, share, harmful, chance });
-                self.candidates.push(one);
+            for (shape, one) in shapes {
+                chosen.push(Chosen { candidate: self.candidates.len(), ..one });
+                self.candidates.push(shape);
             }
             chosen
         });
