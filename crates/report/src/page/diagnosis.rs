@@ -237,7 +237,7 @@ fn explanations(out: &mut Markup, all: &[ExplanationSummary], next: Option<&Next
     let caption = "Sets of causes by their probability under one likelihood of all readings. The probability of a cause is the sum over the sets that contain it.";
     table(out, &columns(["#probability", "causes"]), &rows, caption, MOST_ROWS);
     if let Some(next) = next {
-        out.leaf("p", &[], &format!("To separate them: {}.", next_sentence(next)));
+        out.leaf("p", &[], format!("To separate them: {}.", next_sentence(next)));
     }
 }
 
