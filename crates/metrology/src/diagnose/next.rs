@@ -69,6 +69,8 @@ struct Proposal {
 /// An explanation whose terms depend on position, direction and speed alone, so that any plan shows them.
 struct Predictor<'f> {
     probability: f64,
+    /// Its causes, sorted.
+    causes: Vec<String>,
     terms: Vec<(&'f Candidate, Vec<f64>)>,
 }
 
@@ -125,7 +127,16 @@ fn predictors<'f>(
                 Some((one, amounts.iter().map(|amount| amount * twin.ratio).collect()))
             };
             let terms: Option<Vec<(&Candidate, Vec<f64>)>> = way.iter().zip(&of_terms).map(term).collect();
-            out.extend(terms.map(|terms| Predictor { probability: share * one.probability, terms }));
+            let Some(terms) = terms else { continue };
+            let mut causes: Vec<String> = terms.iter().map(|(candidate, _)| candidate.title()).collect();
+            causes.sort();
+            causes.dedup();
+            // Variants of the same causes, such as shapes of another order, are one explanation.
+            let probability = share * one.probability;
+            match out.iter_mut().find(|known: &&mut Predictor<'_>| known.causes == causes) {
+                Some(known) => known.probability += probability,
+                None => out.push(Predictor { probability, causes, terms }),
+            }
         }
     }
     out.sort_by(|a, b| b.probability.total_cmp(&a.probability));

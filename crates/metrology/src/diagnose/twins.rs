@@ -31,7 +31,7 @@ pub(super) struct Twin {
 pub(super) struct Twins(HashMap<usize, Vec<Twin>>);
 
 impl Twins {
-    /// Finds the twins of a comparison. The same error under two names has no twin: its correction is the same.
+    /// Finds the twins of a comparison among the errors of axes. One error under two names has no twin: its correction is the same.
     pub(super) fn new(
         field: &Field<'_, '_>,
         found: &Contest,
@@ -55,7 +55,11 @@ impl Twins {
         let odds = |entrant: usize| found.log_odds.get(entrant).copied().unwrap_or(f64::NEG_INFINITY).exp();
         let mut all: HashMap<usize, Vec<Twin>> = HashMap::new();
         for (&(entrant, kept), &ratio) in found.alike.iter().zip(&found.ratios) {
-            if is_same(&displacements(entrant), &displacements(kept)) {
+            // Variants of a cause are one cause. Of causes without displacements over the volume, nothing shows that they differ elsewhere.
+            let [own, others] = [entrant, kept].map(displacements);
+            let is_variant =
+                sources.get(entrant).zip(sources.get(kept)).is_none_or(|(a, b)| a.key(field) == b.key(field));
+            if is_variant || own.is_empty() || others.is_empty() || is_same(&own, &others) {
                 continue;
             }
             let first = Twin { entrant: kept, share: odds(kept), ratio: 1.0 };
