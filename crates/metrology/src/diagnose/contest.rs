@@ -36,6 +36,27 @@ const SOUGHT: f64 = 100.0;
 /// Maximum number of reported explanations.
 pub(super) const MOST_SHOWN: usize = 20;
 
+/// True for an effect about which the comparison decides. The likelihood models neither errors of single positions nor sensors with lags. So among waves,
+/// temperatures and times it only judges results of the search.
+pub(super) fn decides(effect: EffectKind) -> bool {
+    matches!(
+        effect,
+        EffectKind::Location
+            | EffectKind::Motion
+            | EffectKind::Backlash
+            | EffectKind::LateralPlay
+            | EffectKind::Cross
+            | EffectKind::ReversalSpike
+            | EffectKind::ServoMismatch
+            | EffectKind::Following
+            | EffectKind::Setup
+            | EffectKind::Earlier
+            | EffectKind::Probe
+            | EffectKind::Unknown
+            | EffectKind::Own(_)
+    )
+}
+
 /// A term with its probability.
 #[derive(Clone, Debug)]
 pub(super) struct Chosen {
@@ -98,24 +119,7 @@ impl Field<'_, '_> {
     fn is_named(&self, source: &EntrantSource, of_all: f64, of_own: f64, taken: &[usize]) -> bool {
         let EntrantSource::Known(number) = source else { return of_all >= NAMED };
         let one = &self.candidates[*number];
-        // The likelihood models neither errors of single positions nor sensors with lags. So among waves, temperatures and times it only judges
-        // results of the search.
-        let is_of_places = matches!(
-            one.cause.effect,
-            EffectKind::Location
-                | EffectKind::Motion
-                | EffectKind::Backlash
-                | EffectKind::LateralPlay
-                | EffectKind::Cross
-                | EffectKind::ReversalSpike
-                | EffectKind::ServoMismatch
-                | EffectKind::Following
-                | EffectKind::Setup
-                | EffectKind::Earlier
-                | EffectKind::Probe
-                | EffectKind::Unknown
-                | EffectKind::Own(_)
-        );
+        let is_of_places = decides(one.cause.effect);
         let key = source.key(self);
         let is_same = |&other: &usize| EntrantSource::Known(other).key(self) == key;
         let from = if one.cause.effect == EffectKind::Periodic { NAMED_WAVE } else { NAMED };

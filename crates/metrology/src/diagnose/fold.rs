@@ -1,4 +1,5 @@
-//! Cross-validation: the gain of a term on readings that were not used, with the selection repeated without them.
+//! Cross-validation: the gain of a term on readings that were not used. Where the comparison of explanations does not decide about a term, the selection is
+//! repeated without these readings.
 //!
 //! Parts that are left out are runs of each measurement, otherwise set-ups. If a part contains all evidence for a term, blocks of rows are left out instead,
 //! and finally short blocks distributed over all data.
@@ -6,7 +7,8 @@
 use std::collections::HashMap;
 
 use super::cause::{Candidate, EffectKind};
-use super::held_out::{Selections, of_parts};
+use super::contest;
+use super::held_out::{Selections, of_parts, settled};
 use super::scene::{NO_ROW, Scene, Through};
 use super::search::{Field, Taken, Weights};
 use ncfix_base::geometry::Axis;
@@ -111,9 +113,20 @@ pub(super) fn confirmed(
         }
         let parts = parts(field.scene, weights);
         let all: Vec<usize> = judged.iter().map(|term| term.candidate).collect();
-        for (&k, found) in open.iter().zip(of_parts(field, weights, (kind, &parts), (&all, &open), known, note)) {
-            if let Some(gain) = gains.get_mut(k) {
-                *gain = found;
+        let is_compared = |&k: &usize| {
+            let one = all.get(k).and_then(|&number| field.candidates.get(number));
+            one.is_some_and(|one| contest::decides(one.cause.effect))
+        };
+        let (compared, others): (Vec<usize>, Vec<usize>) = open.into_iter().partition(is_compared);
+        let of_all = &mut settled(&all);
+        for (open, known) in [(compared, of_all), (others, &mut *known)] {
+            if open.is_empty() {
+                continue;
+            }
+            for (&k, found) in open.iter().zip(of_parts(field, weights, (kind, &parts), (&all, &open), known, note)) {
+                if let Some(gain) = gains.get_mut(k) {
+                    *gain = found;
+                }
             }
         }
     }
