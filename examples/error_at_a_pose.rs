@@ -50,7 +50,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let lost_um = forth.position_um[0] - back.position_um[0];
     println!("X loses {lost_um:.1} µm at a reversal");
     assert!((lost_um - 6.0).abs() < 0.01);
-    // 50 µm/m at X 400 mm are 20 µm; the squareness adds up to 6 µm.
-    assert!((unmoved.position_um[0] - 20.0).abs() < 6.1);
+    // X: 50 µm/m · 400 mm. Y: the squareness of 20 µrad turns 400 mm of X.
+    assert!((x_um - 20.0).abs() < 0.01 && (y_um.abs() - 8.0).abs() < 0.01);
     Ok(())
 }

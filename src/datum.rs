@@ -15,7 +15,7 @@ use ncfix_machine::machine::condition::Condition;
 use ncfix_machine::machine::{Datum, TouchedAt, ZeroSetting};
 use ncfix_machine::snc::Kind;
 use ncfix_model::Model;
-use ncfix_report::json::ZeroReport;
+use ncfix_report::json::{ZeroReport, components_um};
 
 /// A statement about a zero offset on the command line: `G54=touched@X330,Y240,Z120`.
 #[derive(Clone, Debug, PartialEq)]
@@ -191,7 +191,37 @@ pub(crate) fn of_run(
         }
         found.add(Diagnostic::nowhere(Code::ZERO_NOT_STATED, message, help), &[]);
     }
+    for one in reports.iter().filter(|one| !one.is_stated && !chosen.is_demo) {
+        let Some(drift_mm) = drift_since_reference_mm(chosen, model, &one.name) else { continue };
+        if drift_mm.norm() <= tolerance_mm {
+            continue;
+        }
+        let name = &one.name;
+        let drift = components_um([0, 1, 2].map(|axis| um_from_mm(drift_mm[axis]))).join(", ");
+        let message = format!(
+            "no method is stated for {name}, so drift counts from the reference temperature; a zero touched off in this state already contains {drift} of it"
+        );
+        let help = format!(
+            "state when it was set: --zero {name}=touched if it was touched off in this state, --zero-time or [zero] for another time; or --zero {name}=absolute"
+        );
+        found.add(Diagnostic::nowhere(Code::ZERO_NOT_STATED, message, help), &[]);
+    }
     reports
+}
+
+/// Returns the drift at the touch of a zero offset since the reference condition, in the directions of the workpiece, mm. `None` if the condition states
+/// when the zero was set, or if the zero is not one of the machine.
+fn drift_since_reference_mm(chosen: &Machine, model: &Model, name: &str) -> Option<Vector> {
+    if chosen.condition.zero().is_some() {
+        return None;
+    }
+    let machine = &chosen.machine;
+    let (_, shift) = all(chosen).find(|(own, _)| *own == name)?;
+    let datum = machine.datums.get(name).copied().unwrap_or_default();
+    let poses = [0, 1, 2].map(|side| datum.pose(side, &shift, machine));
+    let reference = Model::at(machine, &chosen.errors, &Condition::default());
+    let drift_mm = model.displacement_at(&poses) - reference.displacement_at(&poses);
+    drift_mm.iter().all(|mm| mm.is_finite()).then_some(drift_mm)
 }
 
 /// The offset of a Fanuc that is added to all others.

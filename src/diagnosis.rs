@@ -101,7 +101,7 @@ impl Diagnosis {
             .ok_or_else(|| Error::found(diagnostics))
     }
 
-    /// The accepted causes, the largest first: each with its value and expanded uncertainty (95 %), its share of the
+    /// The accepted causes, in the order of their gain on unseen readings: each with its value and expanded uncertainty (95 %), its share of the
     /// residual, its gain on held-out readings, its p-value, other explanations, and whether a corrected program
     /// removes it.
     ///

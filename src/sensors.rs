@@ -2,7 +2,7 @@
 //!
 //! A custom kind implements [`SensorSource`] and [`SourcePlan`]; [`polled`] makes a thread for a sensor that is polled.
 
-pub use ncfix_dnc::sense::source::{Items, OpenedSource, Polled, SourcePlan, Wanted, items, polled};
+pub use ncfix_dnc::sense::source::{Clocked, Items, OpenedSource, Polled, SourcePlan, Wanted, items, polled};
 pub use ncfix_dnc::sense::{
     ChannelFault, ChannelReading, Panel, ReadingOutlet, SensorSource, SensorSources, SourceReport,
 };

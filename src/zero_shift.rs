@@ -99,7 +99,7 @@ pub(crate) fn find(
     row("valid", "for this state only; the shift replaces an earlier one, so start from the offsets without it".into());
     let notes = [
         format!("ncfix {}: drift of {}, state {}", env!("CARGO_PKG_VERSION"), chosen.machine.name, state_of(chosen)),
-        format!("shift {} mm: undo it before you load another shift", words.join(" ")),
+        format!("shift {} mm is included; make the next shift from the offsets without it", words.join(" ")),
     ];
     let text = shifted_zeros(&chosen.machine, &shifts, &notes, variables).map_err(Error::usage)?;
     Ok(Some(ZeroShift { page, text }))

@@ -149,6 +149,28 @@ fn what_nobody_states_is_pointed_out_with_its_size() {
     shop.run(words).exits(4).says("W0306");
 }
 
+/// Drift of 3 µm/K in Z at +5 K: 15 µm are in a zero that was touched off in this state. Without a statement they are corrected nevertheless.
+#[test]
+fn drift_at_an_unstated_zero_is_pointed_out_with_its_size() {
+    let drift = "[[drift]]\ndirection = \"Z\"\nsensors = [{ name = \"T_head\", um_per_K = 3.0 }]\n";
+    let shop =
+        shop(&format!("{LINEAR}{drift}{G54}"), &program("X400")).file("warm.toml", "[temperature_C]\nT_head = 25\n");
+    let fix = ["fix", "in.mpf", "-o", "out.mpf", "--machine", "m.toml", "--state", "warm.toml"];
+    let run = shop.run(fix).exits(0);
+    run.says("warning[W0321]: no method is stated for G54").says("already contains Z 15.0 µm of it");
+    near(*words(&shop, 'Z').last().unwrap(), 4.985);
+    // Nothing is open once the method or the time is stated, or without a state.
+    let cold = &fix[..6];
+    for words in [
+        cold.to_vec(),
+        [&fix[..], &["--zero", "G54=touched"]].concat(),
+        [&fix[..], &["--zero", "G54=absolute"]].concat(),
+    ] {
+        let run = shop.run(words).exits(0);
+        assert!(!run.stderr.contains("W0321"), "{}", run.stderr);
+    }
+}
+
 #[test]
 fn a_program_without_a_zero_offset_is_as_it_was() {
     let text = "N10 G17 G90 G71 G94\nN20 G0 G53 X110 Y10 Z50\nN30 G1 G53 X500 F500\nN40 M30\n";

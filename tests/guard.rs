@@ -46,6 +46,7 @@ fn another_zero_or_tool_stops_the_program_before_it_moves() {
     for (control, name, program, checks_tools) in [
         ("sinumerik", "part.mpf", SINUMERIK.to_owned(), true),
         ("fanuc", "part.nc", FANUC.to_owned(), true),
+        ("haas", "part_haas.nc", FANUC.to_owned(), true),
         ("rs274", "part.ngc", RS274.to_owned(), false),
         ("sinumerik", "inch.mpf", inch(SINUMERIK, "G71", "G70").replace("X110", "X11"), true),
         ("fanuc", "inch.nc", inch(FANUC, "G21", "G20").replace("X110.", "X11."), true),
@@ -61,9 +62,17 @@ fn another_zero_or_tool_stops_the_program_before_it_moves() {
         let guard = &run.json()["guard"];
         let names: Vec<&str> = guard["checked"].as_array().unwrap().iter().filter_map(|name| name.as_str()).collect();
         // G55 and tool 3 are in the machine file, but not in the program.
-        let tool = if control == "fanuc" { "H2" } else { "T2 D1" };
+        let is_iso = ["fanuc", "haas"].contains(&control);
+        let tool = if is_iso { "H2" } else { "T2 D1" };
         assert_eq!(names, if checks_tools { vec!["G54", tool] } else { vec!["G54"] }, "{control}");
         assert_eq!(guard["left"].as_array().unwrap().len(), usize::from(!checks_tools), "{control}");
+        // Variables of the length and its wear: Fanuc, tool memory C; Haas, Mill operator's manual.
+        let length = match control {
+            "fanuc" => "#11002+#10002",
+            "haas" => "#2002+#2202",
+            _ => "",
+        };
+        assert!(shop.text(&out).contains(length), "{control}: {}", shop.text(&out));
         shop.run(["verify", name, &out, "--machine", "m.toml"]).exits(0);
         let (plain, _) = executed(&shop, name, "m.toml");
         let (guarded, errors) = executed(&shop, &out, "m.toml");
@@ -72,7 +81,7 @@ fn another_zero_or_tool_stops_the_program_before_it_moves() {
             let (stream, errors) = executed(&shop, &out, other);
             assert_eq!(moves(&stream) == 0, stops, "{control} {other}: {stream}\n{errors}\n{}", shop.text(&out));
             if stops {
-                let said = if control == "fanuc" { "NOT AS CORRECTED" } else { "a guard (--guard) ends it" };
+                let said = if is_iso { "NOT AS CORRECTED" } else { "a guard (--guard) ends it" };
                 shop.run(["verify", name, &out, "--machine", other]).exits(4).says(said);
             }
         }

@@ -211,7 +211,7 @@ fn plate(noise: &mut Noise) -> Vec<([f64; 2], [f64; 2])> {
     holes
 }
 
-const PLATE: &[&str] = &["--at", "X100,Y100,Z0", "--sign", "+", "--tool", "0", "--material", "23.8@26"];
+const PLATE: &[&str] = &["--at", "X100,Y100,Z-20", "--sign", "+", "--tool", "0", "--material", "23.8@26"];
 
 #[test]
 fn a_drilled_plate_gives_squareness_and_scales_from_every_report() {
@@ -240,7 +240,8 @@ fn a_drilled_plate_gives_squareness_and_scales_from_every_report() {
     for (file, unit) in [("plate.csv", true), ("columns.txt", true), ("plate.dmo", false)] {
         let more: Vec<&str> =
             PLATE.iter().copied().chain(unit.then_some(["--unit", "mm"]).into_iter().flatten()).collect();
-        import(&shop, file, "tool.toml", &more).exits(0);
+        // Z stands where --at says, although no column has it.
+        import(&shop, file, "tool.toml", &more).exits(0).says(" Z -20 the tool is");
         assert!(shop.text("out.toml").contains("expansion_per_K = 2.38e-5"), "{}", shop.text("out.toml"));
         demand(
             &calibrated(&shop, "tool.toml", "EXX1,EYY1,EC0Y"),

@@ -9,7 +9,8 @@ use ncfix_base::diagnostic::{CODES, Code};
 /// Prints the text of a code, or the list of codes.
 pub(super) fn run(arguments: &ExplainArguments) -> Result<ExitCode, Stop> {
     let Some(text) = &arguments.code else {
-        let list: Vec<String> = CODES.iter().map(|row| format!("{}  {}\n", row.code, row.title)).collect();
+        let mut list: Vec<String> = CODES.iter().map(|row| format!("{}  {}\n", row.code, row.title)).collect();
+        list.sort();
         print(&list.concat())?;
         return Ok(ExitCode::Done);
     };

@@ -46,7 +46,8 @@ pub(super) fn of_program(program: &Program, chosen: &Machine, writing: &Writing)
     }
     let mut left = Vec::new();
     let unit_mm = writing.writer.increments.unit_mm;
-    let mut data = GuardedData { unit_mm, zeros: Vec::new(), tools: Vec::new() };
+    let mut data =
+        GuardedData { unit_mm, is_haas: machine.control.iso.is_haas(), zeros: Vec::new(), tools: Vec::new() };
     for &index in running.extent().zeros() {
         let Some((name, parts)) = machine.zero_offsets.iter().nth(usize::from(index)) else { continue };
         if parts.scale != [1.0; 3] || parts.mirror != [false; 3] {

@@ -306,7 +306,10 @@ impl Drive<'_> {
         let mut what = format!("the job is lost: {why}; {open} lines were sent and not acknowledged");
         if held > 0 {
             what += &match self.most_held() {
-                Some(most) => format!("; up to {most} of the {held} lines before them may still be in its buffer"),
+                Some(most) if most < held => {
+                    format!("; up to {most} of the {held} lines before them may still be in its buffer")
+                }
+                Some(_) => format!("; all {held} lines before them may still be in its buffer"),
                 None => format!(
                     "; any of the {held} lines before them may still be in its buffer, because the control does not report how many it holds"
                 ),

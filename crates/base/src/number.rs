@@ -57,8 +57,15 @@ pub fn probability(value: f64) -> String {
     if value > MOST_PROBABLE {
         format!("probability > {:.0} %", 100.0 * MOST_PROBABLE)
     } else {
-        format!("probability {:.0} %", 100.0 * value)
+        format!("probability {}", percent(value))
     }
+}
+
+/// Formats a probability in percent, rounded down: a limit is never shown for a value below it.
+#[must_use]
+pub fn percent(probability: f64) -> String {
+    // Sums of shares such as 0.29 are a rounding error below.
+    format!("{:.0} %", (100.0 * probability + 1e-6).floor())
 }
 
 /// Formats a time: `0.42 s`, `12.3 s`, `3 min 20 s`.

@@ -86,7 +86,7 @@ pub const OPTIONS: &[ImportOption] = &[
     ImportOption {
         name: "material",
         example: "11.5@26",
-        meaning: "Expansion in µm/m per K, and temperature in °C, of the scale or the workpiece; 20C if the readings already refer to 20 °C",
+        meaning: "Expansion in µm/m per K and temperature in °C: of the linear scale during the measurement, or of the part while it was cut on this machine; 20C if the readings already refer to 20 °C",
         set: |to, text| {
             to.material = Some(material(text)?);
             Ok(())

@@ -144,7 +144,7 @@ impl Before {
         }
         let _ = writeln!(
             out,
-            "frozen       {} of motion is already at the control and no longer changes",
+            "frozen       up to {} of motion waits in the control and can no longer change",
             duration(self.frozen_s)
         );
         out

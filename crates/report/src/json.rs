@@ -84,15 +84,18 @@ impl ZeroReport {
     /// Returns the error that the zero offset contains if it was touched, in words.
     #[must_use]
     pub fn contents(&self) -> String {
-        let parts = ["X", "Y", "Z"].iter().zip(self.contains_um).filter(|(_, um)| um.abs() >= 0.05);
-        let parts: Vec<String> = parts
-            .map(|(axis, um)| format!("{axis} {}{}", if um < 0.0 { "-" } else { "" }, micrometers(um.abs())))
-            .collect();
-        match parts.as_slice() {
-            [] => "a touch-off here contains no error of the machine".to_owned(),
-            parts => format!("a touch-off here contains {}", parts.join(", ")),
+        match components_um(self.contains_um).as_slice() {
+            [] => "a zero touched off here is not off".to_owned(),
+            parts => format!("a zero touched off here is off by {}", parts.join(", ")),
         }
     }
+}
+
+/// Returns the components of a displacement in words, `X -33.0 µm`, without those that round to 0.
+#[must_use]
+pub fn components_um(displacement_um: [f64; 3]) -> Vec<String> {
+    let parts = ["X", "Y", "Z"].iter().zip(displacement_um).filter(|(_, um)| um.abs() >= 0.05);
+    parts.map(|(axis, um)| format!("{axis} {}{}", if um < 0.0 { "-" } else { "" }, micrometers(um.abs()))).collect()
 }
 
 /// Mean, root mean square and maximum of a distance.

@@ -106,7 +106,7 @@ pub(super) fn send(arguments: &FeedArguments, job: Transfer, before: &Before, be
         complain(message);
     }
     if sent.end != FeedEnd::Done && sent.status.sent > 0 && !arguments.json {
-        tell(&format!("help: `ncfix resume {}` shows how to resume the job\n", journal.display()));
+        tell(&format!("help: `ncfix resume {} --clearance HEIGHT` shows how to resume the job\n", journal.display()));
     }
     Ok(code_of(sent.end))
 }

@@ -2,7 +2,7 @@
 //!
 //! Groups: `E01` syntax, `E02` execution, `E03` safety and machine limits, `E04` machine file and error model, `E05` state of the machine, `E06` measured
 //! data, `E07` links, `E08` the cycle of a control, `E09` compensation tables; `W…` are these groups as warnings. Codes are stable; a code that is no longer
-//! used stays retired. A test demands a sample file that provokes each code.
+//! used stays retired. A test demands for each code a bad sample, or the name of another test that provokes it.
 
 use std::fmt;
 
@@ -710,8 +710,9 @@ effect is extrapolated by the error model.";
     ZERO_NOT_STATED = "W0321" "method of setting the zero not stated"
 "No file or option states how the zero offset was set, so it is treated as touched off with the tip at the workpiece zero. A touched zero
 contains the error of the machine at that point, and only the difference from it is corrected. If the zero is the true position in the machine,
-the cut is wrong by this error. State it: set = \"touched\", \"probed\" or \"absolute\" in [zero_offset.NAME], or --zero G54=absolute.
-See docs/how-to/set-the-zero.md.";
+the cut is wrong by this error. Drift is different: without a stated method or time it counts from the reference temperature. A zero that was
+touched off on a warm machine already contains it, and the cut is then wrong by the drift. State it: set = \"touched\", \"probed\" or
+\"absolute\" in [zero_offset.NAME], or --zero G54=absolute; the time with --zero-time. See docs/how-to/set-the-zero.md.";
     UNKNOWN_CUT = "W0322" "cut at a position that is not known"
 "The program has a feed move while the position of a linear axis is not known. Either no earlier block states it, or a program that the
 control itself executes has moved the axes. The errors of the machine depend on this position, so the correction there is incomplete, and

@@ -430,9 +430,12 @@ fn displacement(
         );
     }
     let slots = [Axis::X, Axis::Y, Axis::Z];
+    let fixed = out.fixed.clone();
     let mut worst: Option<(f64, usize, [f64; 3])> = None;
     for feature in features {
         let place = |k: usize| unit.inner(feature.nominal[k].unwrap_or(0.0)) + zero[k];
+        // An axis without a column stands still.
+        let at = |k: usize| fixed.iter().find(|(axis, _)| *axis == slots[k]).map_or_else(|| place(k), |(_, mm)| *mm);
         let mut values = Vec::new();
         for &k in &measured {
             let value =
@@ -440,7 +443,7 @@ fn displacement(
             if let Some(value) =
                 value.filter(|value| worst.is_none_or(|(most, ..): (f64, _, _)| value.abs() > most.abs()))
             {
-                worst = Some((value, k, [place(0), place(1), place(2)]));
+                worst = Some((value, k, [0, 1, 2].map(at)));
             }
             values.push(value);
         }

@@ -22,7 +22,7 @@ const M_MIN_MM_OF_PER_S: f64 = 0.06;
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DecompositionResult {
-    /// [`SCHEMA`].
+    /// Version of this format, 1.
     pub schema: u32,
     /// Name of the machine.
     pub machine: String,

@@ -35,7 +35,7 @@ pub const SCHEMA: u32 = 1;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct DiagnosisResult {
-    /// [`SCHEMA`].
+    /// Version of this format, 1.
     pub schema: u32,
     /// Unit of all sizes `…_um`: `um`, or `urad` if only angles were read.
     pub unit: UnitKey,
@@ -50,7 +50,7 @@ pub struct DiagnosisResult {
     pub without_model: ReadingSizes,
     /// Residuals of the model.
     pub before: ReadingSizes,
-    /// Missing causes, the largest first.
+    /// Missing causes, in the order of their gain on unseen readings.
     pub findings: Vec<CauseReport>,
     /// Excluded readings.
     pub data_faults: Vec<DataFault>,
@@ -264,7 +264,7 @@ pub struct ShapePlace {
     pub value_um: f64,
 }
 
-/// A finding.
+/// A missing cause that was found.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
@@ -285,7 +285,7 @@ pub struct CauseReport {
     pub decay_mm: Option<f64>,
     /// Positions of an axis between which it begins, mm, if it acts only on one side of them.
     pub threshold_mm: Option<[f64; 2]>,
-    /// This axis.
+    /// Axis of `threshold_mm`.
     pub threshold_axis: Option<String>,
     /// Size: reversal value, amplitude, slope, range over the travel.
     pub value: f64,
@@ -319,7 +319,7 @@ pub struct CauseReport {
     pub class: Vec<String>,
     /// The same squareness by the names of other axes, each with its value in `unit`.
     pub same_as: Vec<OtherName>,
-    /// The measurement that separates them; `null` for a single explanation.
+    /// The measurement that separates the causes of `class`; `null` for a single one.
     pub separate_by: Option<String>,
     /// Possible correction.
     pub correctable: Correctable,

@@ -15,6 +15,8 @@ const SAME: f64 = 6e-4;
 pub struct GuardedData {
     /// The length unit of the output, mm.
     pub unit_mm: f64,
+    /// True if the control is a Haas, whose tool lengths have other variables than those of a Fanuc.
+    pub is_haas: bool,
     /// Zero offsets in which axes move.
     pub zeros: Vec<GuardedZero>,
     /// Tools that cut.
@@ -129,7 +131,8 @@ pub(super) fn sinumerik(data: &GuardedData) -> GuardLines {
 }
 
 /// The guard of a Fanuc: macro variables of the zero offsets and of the lengths in tool memory C, which are in inches under G20; alarm by `#3000` (Fanuc,
-/// Operator's manual, custom macro).
+/// Operator's manual, custom macro). A Haas has 200 lengths from `#2001` on, their wear from `#2201` on, and `G154 P1` from `#14001` on (Haas, Mill operator's
+/// manual, system variables).
 pub(super) fn fanuc(data: &GuardedData) -> GuardLines {
     let mut guard = GuardLines::default();
     let stop = |read: &str, (value, unit): (f64, f64), name: &str| {
@@ -139,7 +142,8 @@ pub(super) fn fanuc(data: &GuardedData) -> GuardLines {
     let unit_of = |axis: Axis| if axis.is_rotary() { 1.0 } else { data.unit_mm };
     for zero in &data.zeros {
         let first = match (whole(&zero.name, "G54.1 P"), whole(&zero.name, "G")) {
-            (Some(number @ 1..=48), _) => 7001 + 20 * (number - 1),
+            (Some(number @ 1..=99), _) if data.is_haas => 14_001 + 20 * (number - 1),
+            (Some(number @ 1..=48), _) if !data.is_haas => 7001 + 20 * (number - 1),
             (_, Some(number @ 54..=59)) => 5221 + 20 * (number - 54),
             _ => {
                 guard.left.push(zero.name.clone());
@@ -154,10 +158,11 @@ pub(super) fn fanuc(data: &GuardedData) -> GuardLines {
             .collect();
         guard.check(&zero.name, lines);
     }
+    let (length, wear, count) = if data.is_haas { (2000, 2200, 200) } else { (11_000, 10_000, 999) };
     for &GuardedTool { number: tool, length_mm, .. } in &data.tools {
         let name = format!("H{tool}");
-        if (1..1000).contains(&tool) {
-            let read = format!("#{}+#{}", 11_000 + tool, 10_000 + tool);
+        if (1..=count).contains(&tool) {
+            let read = format!("#{}+#{}", length + tool, wear + tool);
             guard.check(&name, [stop(&read, (length_mm, data.unit_mm), &name)]);
         } else {
             guard.left.push(name);

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::DiagnosisReport;
 use super::next::next_sentence;
 use crate::component::spelled_out;
-use crate::number::{grouped, probability, significant};
+use crate::number::{grouped, percent, probability, significant};
 use ncfix_metrology::diagnose::cause::Correctable;
 use ncfix_metrology::diagnose::{ExplanationSummary, Gate};
 use ncfix_metrology::results::diagnosis::{CauseReport, InFile, NoiseFrom, ShapePlace};
@@ -264,7 +264,7 @@ impl DiagnosisReport {
         }
         let line = |one: &ExplanationSummary| {
             let terms = if one.terms.is_empty() { "no cause".to_owned() } else { one.terms.join(", ") };
-            format!("{:.0} %: {terms}", 100.0 * one.probability)
+            format!("{}: {terms}", percent(one.probability))
         };
         all.iter().take(EXPLANATIONS).filter(|one| one.probability >= LEAST_SHOWN).map(line).collect()
     }

@@ -67,9 +67,11 @@ enum Position {
 }
 
 const TOOL_PARTS: [Part; 4] = [Part::LengthWear, Part::Length, Part::RadiusWear, Part::Radius];
+/// A Haas has the length before its wear (Haas, Mill operator's manual, system variables). Its setting 40 decides whether the others are radii or diameters.
+const TOOL_PARTS_OF_HAAS: [Part; 2] = [Part::Length, Part::LengthWear];
 
 /// The meaning of a number; `None` if not supported.
-fn meaning(number: u32) -> Option<Meaning> {
+fn meaning(number: u32, is_haas: bool) -> Option<Meaning> {
     let position = |kind: Position, start: u32| Some(Meaning::Position(kind, number - start));
     // Zero offsets are 20 numbers apart.
     let offset = |first: u16, start: u32| {
@@ -79,10 +81,14 @@ fn meaning(number: u32) -> Option<Meaning> {
     match number {
         1000..=1035 => Some(Meaning::Machine),
         1100..=1135 => Some(Meaning::Configured),
+        2401..=2800 if is_haas => Some(Meaning::Machine),
         2001..=2800 => {
-            let part = TOOL_PARTS.get((number as usize - 2001) / 200)?;
+            let parts: &[Part] = if is_haas { &TOOL_PARTS_OF_HAAS } else { &TOOL_PARTS };
+            let part = parts.get((number as usize - 2001) / 200)?;
             Some(Meaning::Tool((number - 2001) % 200 + 1, *part))
         }
+        // On a Haas these are inputs, not tools.
+        10001..=13999 if is_haas => Some(Meaning::Machine),
         10001..=13999 if !number.is_multiple_of(1000) => {
             let part = TOOL_PARTS.get(number as usize / 1000 - 10)?;
             Some(Meaning::Tool(number % 1000, *part))
@@ -108,7 +114,8 @@ fn meaning(number: u32) -> Option<Meaning> {
 
 /// The value of a system variable of Fanuc.
 pub(super) fn system_variable(channel: &Channel<'_>, number: u32) -> Result<Option<f64>, Missing> {
-    let Some(meaning) = meaning(number) else { return Err(Missing::Unknown) };
+    let is_haas = channel.settings.machine.control.iso.is_haas();
+    let Some(meaning) = meaning(number, is_haas) else { return Err(Missing::Unknown) };
     match meaning {
         Meaning::Alarm | Meaning::Configured | Meaning::Timer | Meaning::Machine => Err(Missing::OnlyMachine),
         Meaning::Offset(system, place) => {
@@ -229,7 +236,7 @@ pub(super) fn write_system(
     block: &Block,
 ) -> Result<(), Fault> {
     let number_value = value.unwrap_or(0.0);
-    match meaning(number) {
+    match meaning(number, channel.settings.machine.control.iso.is_haas()) {
         Some(Meaning::Alarm) => {
             let text = comment_of(loaded, block);
             let message = format!("the program stops with its alarm {number_value}: {text}");
@@ -350,15 +357,20 @@ mod tests {
 
     #[test]
     fn numbers_mean_what_the_tables_of_the_control_say() {
-        assert_eq!(meaning(2001), Some(Meaning::Tool(1, Part::LengthWear)));
-        assert_eq!(meaning(2400), Some(Meaning::Tool(200, Part::Length)));
-        assert_eq!(meaning(2601), Some(Meaning::Tool(1, Part::Radius)));
-        assert_eq!(meaning(12005), Some(Meaning::Tool(5, Part::RadiusWear)));
-        assert_eq!(meaning(5203), Some(Meaning::Offset(System::EXTERNAL, 2)));
-        assert_eq!(meaning(5221), Some(Meaning::Offset(System(1), 0)));
-        assert_eq!(meaning(5322), Some(Meaning::Offset(System(6), 1)));
-        assert_eq!(meaning(7021), Some(Meaning::Offset(System(System::ADDITIONAL + 2), 0)));
-        assert_eq!(meaning(5043), Some(Meaning::Position(Position::Gauge, 2)));
-        assert_eq!(meaning(999_999), None);
+        assert_eq!(meaning(2001, false), Some(Meaning::Tool(1, Part::LengthWear)));
+        assert_eq!(meaning(2400, false), Some(Meaning::Tool(200, Part::Length)));
+        assert_eq!(meaning(2601, false), Some(Meaning::Tool(1, Part::Radius)));
+        // Haas, Mill operator's manual: lengths, and their wear.
+        assert_eq!(meaning(2001, true), Some(Meaning::Tool(1, Part::Length)));
+        assert_eq!(meaning(2201, true), Some(Meaning::Tool(1, Part::LengthWear)));
+        assert_eq!(meaning(2401, true), Some(Meaning::Machine));
+        assert_eq!(meaning(12005, true), Some(Meaning::Machine));
+        assert_eq!(meaning(12005, false), Some(Meaning::Tool(5, Part::RadiusWear)));
+        assert_eq!(meaning(5203, false), Some(Meaning::Offset(System::EXTERNAL, 2)));
+        assert_eq!(meaning(5221, false), Some(Meaning::Offset(System(1), 0)));
+        assert_eq!(meaning(5322, false), Some(Meaning::Offset(System(6), 1)));
+        assert_eq!(meaning(7021, false), Some(Meaning::Offset(System(System::ADDITIONAL + 2), 0)));
+        assert_eq!(meaning(5043, false), Some(Meaning::Position(Position::Gauge, 2)));
+        assert_eq!(meaning(999_999, false), None);
     }
 }

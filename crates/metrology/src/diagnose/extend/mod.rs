@@ -13,6 +13,7 @@ mod warm;
 use crate::calibrate::Parameter;
 use crate::calibrate::effect::effect_parameters;
 use crate::measure::data::DataSet;
+use ncfix_base::number::percent;
 use ncfix_base::numeric::sums::dot;
 use ncfix_base::units::um_from_mm;
 use ncfix_model::name::ErrorName;
@@ -194,10 +195,7 @@ fn is_sound(one: &AcceptedCause, left: f64) -> Result<(), String> {
     if !one.is_certain() {
         let how = one.separate_by.as_deref().unwrap_or(one.candidate.cause.separate_by);
         return Err(match one.probability {
-            // Rounded down, so that the limit is never shown for a cause below it.
-            Some(probability) => {
-                format!("its probability is only {:.0} %; measure {how}", (100.0 * probability).floor())
-            }
+            Some(probability) => format!("its probability is only {}; measure {how}", percent(probability)),
             None => format!("it was not compared with other explanations; measure {how}"),
         });
     }

@@ -108,7 +108,7 @@ pub fn read(source: &Source, machine: &Machine, sets: &[&DataSet]) -> (Vec<State
             let statement = reader.statement(&own, span);
             faults.append(&mut reader.faults);
             out.extend(statement.map(|statement| StatedHypothesis { text: own, span, statement }));
-        } else if !is_comment {
+        } else if !is_comment && offset == 0 && text.trim().is_empty() {
             let message = "a hypothesis is empty".to_owned();
             faults.push((Span::new(offset, offset + line.len()), message, EXAMPLES.to_owned()));
         }

@@ -193,6 +193,9 @@ fn every_fault_has_its_column_and_says_what_to_write() {
     }
     for text in [
         "EXX ~ (X-300mm)*Y^2",
+        // A file ends with a line end, and may have empty lines.
+        "EXX ~ Y^2\n",
+        "\nEXX ~ Y^2\n\n# bow\nEYX X order 2\r\n",
         "EYX~X*Y",
         "EC0Y ~ 1",
         "X ~ step(Y < -5)",
