@@ -13,9 +13,9 @@ const BLOCK: usize = 512;
 /// millimeters of errors that cancel each other.
 pub const RANK_LIMIT: f64 = 1e-6;
 /// Components of the null space above this are not rounding errors.
-const LOST: f64 = 1e-6;
+pub(super) const LOST: f64 = 1e-6;
 /// Maximum number of steps of the decomposition.
-const MAX_SWEEPS: usize = 100_000;
+pub(super) const MAX_SWEEPS: usize = 100_000;
 
 /// System that grows row by row.
 #[derive(Clone, Debug)]
@@ -117,7 +117,13 @@ impl System {
 
     /// Solves it with a given limit for singular values, as a share of the largest one.
     #[must_use]
-    pub fn solve_to(mut self, limit: f64) -> Option<Solution> {
+    pub fn solve_to(self, limit: f64) -> Option<Solution> {
+        self.solve_scaled(None, limit)
+    }
+
+    /// As [`System::solve_to`], with the factors by which columns are multiplied before the decomposition. Then `limit` is that of the singular values
+    /// themselves.
+    pub(super) fn solve_scaled(mut self, scale: Option<&[f64]>, limit: f64) -> Option<Solution> {
         self.fold();
         let n = self.columns;
         // Square, so that all right singular vectors exist.
@@ -128,8 +134,11 @@ impl System {
         if !total.is_finite() || matrix.iter().any(|factor| !factor.is_finite()) {
             return None;
         }
-        let scale: Vec<f64> = matrix.column_iter().map(|column| column.norm()).collect();
-        let scale: Vec<f64> = scale.iter().map(|&length| if length > 0.0 { 1.0 / length } else { 1.0 }).collect();
+        let is_given = scale.is_some();
+        let scale: Vec<f64> = match scale {
+            Some(given) => given.to_vec(),
+            None => matrix.column_iter().map(|column| unit_scale(column.norm())).collect(),
+        };
         for (column, &scale) in scale.iter().enumerate() {
             matrix.column_mut(column).scale_mut(scale);
         }
@@ -143,7 +152,7 @@ impl System {
         let mut order: Vec<usize> = (0..n).collect();
         order.sort_by(|&a, &b| found[b].total_cmp(&found[a]));
         let singular_values: Vec<f64> = order.iter().map(|&k| found[k]).collect();
-        let limit = singular_values.first().copied().unwrap_or(0.0) * limit;
+        let limit = limit * if is_given { 1.0 } else { singular_values.first().copied().unwrap_or(0.0) };
         let rank = singular_values.iter().filter(|&&value| value > limit).count();
         let mut unknowns = DVector::zeros(n);
         let mut cofactors = DMatrix::zeros(n, n);
@@ -176,6 +185,11 @@ impl System {
             inflation,
         })
     }
+}
+
+/// Returns the factor that makes a column of this length a unit vector; 1 for an empty one.
+pub(super) fn unit_scale(length: f64) -> f64 {
+    if length > 0.0 { 1.0 / length } else { 1.0 }
 }
 
 impl Solution {

@@ -1,5 +1,6 @@
 //! Least squares, selection of columns, and statistics: plain arithmetic, independent of machine tools.
 
+mod bordered;
 pub mod fisher;
 pub mod least_squares;
 mod leave_out;
@@ -13,6 +14,7 @@ pub mod student;
 pub mod sums;
 mod upright;
 
+pub use bordered::BorderedSystem;
 pub use least_squares::{RANK_LIMIT, Solution, System};
 pub use leave_out::{Beside, LeaveOut};
 pub use normal::{Normal, NormalStep};

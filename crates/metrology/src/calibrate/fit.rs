@@ -7,7 +7,7 @@
 use nalgebra::DMatrix;
 
 use crate::measure::data::DataSet;
-use ncfix_base::numeric::{Normal, NormalStep, Solution, System};
+use ncfix_base::numeric::{BorderedSystem, Normal, NormalStep, Solution};
 use ncfix_machine::machine::Machine;
 use ncfix_model::ErrorModel;
 
@@ -316,6 +316,9 @@ impl<'a> Rounds<'a> {
     }
 
     fn step(&self) -> Option<NormalStep> {
+        if BorderedSystem::has_blocks(self.design.columns.len(), self.design.parameters.len()) {
+            return self.step_by_blocks();
+        }
         let mut normal = Normal::new(self.design.columns.len(), self.noise.groups());
         self.each(|line, factors, weight| normal.add(group_of(line), factors, line.residual, weight));
         self.each_held(|factors| normal.add(0, factors, 0.0, 1.0 / HELD));
@@ -326,11 +329,37 @@ impl<'a> Rounds<'a> {
         Some(step)
     }
 
-    fn solved(&self) -> Result<Solution, FitError> {
+    /// The step with the unknowns of many set-ups.
+    fn step_by_blocks(&self) -> Option<NormalStep> {
+        let solution = self.system().solve_to(ARITHMETIC)?;
         let count = self.design.columns.len();
-        let mut system = System::new(count);
+        if solution.rank < count {
+            return None;
+        }
+        // A group of readings absorbs w² f C fᵀ of each of its equations, with few factors that are not 0.
+        let mut used = vec![0.0; self.noise.groups()];
+        self.each(|line, factors, weight| {
+            let places: Vec<usize> = (0..count).filter(|&k| factors[k] != 0.0).collect();
+            let of_one = |k: usize| -> f64 {
+                places.iter().map(|&l| solution.cofactors[(k, l)] * factors[l]).sum::<f64>() * factors[k]
+            };
+            if let Some(used) = used.get_mut(group_of(line)) {
+                *used += weight * weight * places.iter().map(|&k| of_one(k)).sum::<f64>();
+            }
+        });
+        Some(NormalStep { used, ..step_of(&solution) })
+    }
+
+    fn system(&self) -> BorderedSystem {
+        let mut system = BorderedSystem::new(self.design.columns.len(), self.design.parameters.len());
         self.each(|line, factors, weight| system.add(factors, line.residual, weight));
         self.each_held(|factors| system.add(factors, 0.0, 1.0 / HELD));
+        system
+    }
+
+    fn solved(&self) -> Result<Solution, FitError> {
+        let count = self.design.columns.len();
+        let system = self.system();
         // Weights vary as much as readings; identifiability was judged before.
         let solution = system.solve_to(ARITHMETIC).ok_or(FitError::NotSettled(None))?;
         if solution.rank < count {

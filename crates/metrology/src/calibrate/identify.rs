@@ -4,7 +4,7 @@
 //! information.
 
 use crate::measure::data::DataSet;
-use ncfix_base::numeric::System;
+use ncfix_base::numeric::BorderedSystem;
 use ncfix_machine::machine::Machine;
 use ncfix_model::ErrorModel;
 
@@ -64,7 +64,7 @@ pub(super) fn identify_exact(
 ) -> Option<Identified> {
     let design = Design::new(machine, data, parameters);
     let values = design.start(&ErrorModel::default());
-    let mut all = System::new(design.columns.len());
+    let mut all = BorderedSystem::new(design.columns.len(), parameters.len());
     let mut strongest = vec![0.0_f64; design.columns.len()];
     // Derivatives of a dependent parameter, such as the arm of a load, are those at the start values.
     design.walk_exact(start, &values, |line, factors| {
@@ -77,7 +77,7 @@ pub(super) fn identify_exact(
     let reach = design.reach(start);
     (0..strongest.len()).filter(|&k| strongest[k] < NOTHING * reach[k]).for_each(|column| all.clear(column));
     let equations = all.rows();
-    let unknowns = all.behind(parameters.len()).solve()?;
+    let of_unknowns = all.rank_besides(parameters.len())?;
     let all = all.solve()?;
     let mut lost = words::lost(&all.null_space, &design.columns, data);
     let weak: Vec<usize> = design.weak(&strongest).into_iter().filter(|column| !lost.held.contains(column)).collect();
@@ -86,7 +86,7 @@ pub(super) fn identify_exact(
     Some(Identified {
         equations,
         rank: all.rank - weak.len().min(all.rank),
-        machine_rank: all.rank - unknowns.rank.min(all.rank),
+        machine_rank: all.rank - of_unknowns.min(all.rank),
         condition: all.condition(),
         lost,
         sigmas: all

@@ -103,63 +103,6 @@ impl Field<'_, '_> {
         if other.0 < one.0 + TIE * f64::from(count) + price.of(more) { group } else { taken }
     }
 
-    /// Returns the terms with a simple error instead of a simple error that explains the readings worse, or of a cross-coupling that explains them no
-    /// better. The autocorrelation of the noise is included; the search ignores it. `None` if nothing is replaced.
-    pub(super) fn better(&self, weights: &Weights, taken: &[usize]) -> Option<Vec<usize>> {
-        let is_simple = |one: &Candidate| {
-            let is_one = one.columns.len() == 1 && matches!(one.term, Term::Parameters(_));
-            is_one && matches!(one.cause.effect, EffectKind::Location | EffectKind::Motion)
-        };
-        let is_simple = |number: &usize| self.candidates.get(*number).is_some_and(is_simple);
-        let is_cross = |one: &Candidate| one.columns.len() == 1 && one.cause.effect == EffectKind::Cross;
-        // A reversal rotation of the carriage that was seen at one arm is replaced by a plain backlash. No backlash corresponds to a bow.
-        let is_play = |one: &Candidate| {
-            one.columns.len() == 1 && matches!(one.cause.effect, EffectKind::Backlash | EffectKind::LateralPlay)
-        };
-        let play = |number: &usize| {
-            self.candidates.get(*number).filter(|one| is_play(one)).map(|one| one.far_fetched() >= FAR)
-        };
-        let is_cross = |number: &usize| self.candidates.get(*number).is_some_and(is_cross);
-        let is_near = |number: &usize| self.candidates.get(*number).is_some_and(|one| one.far_fetched() < FAR);
-        let is_bow = |number: &usize| {
-            self.bows.contains(number) && self.candidates.get(*number).is_some_and(|one| one.columns.len() == 1)
-        };
-        let memory = self.memory(weights, taken);
-        let mut out = taken.to_vec();
-        for place in 0..out.len() {
-            let number = out[place];
-            let is_turn = play(&number) == Some(true);
-            let [may_be, is_far] = [is_simple(&number), is_cross(&number) || is_turn];
-            if !may_be && !is_far {
-                continue;
-            }
-            let others: Vec<usize> = out.iter().copied().filter(|&other| other != number).collect();
-            let series = self.series(weights, &others, memory);
-            let gain =
-                |number: usize| self.candidates.get(number).map_or(0.0, |one| series.gain(&self.columns(one)).squares);
-            let own = gain(number);
-            let noise = (series.squares() - own) / series.count().saturating_sub(series.rank() + 1).max(1) as f64;
-            let tie = TIE * noise * self.inflation(weights, &out, &others, number);
-            let least = if is_far { own - tie } else { own + tie };
-            let is_open = |number: &usize| {
-                if is_turn {
-                    play(number) == Some(false)
-                } else if is_far {
-                    is_near(number) && (is_simple(number) || is_bow(number))
-                } else {
-                    is_simple(number)
-                }
-            };
-            let end = if is_turn { self.candidates.len() } else { self.bows.end };
-            let open = (0..end).filter(is_open).filter(|number| !out.contains(number));
-            let all = open.map(|number| (gain(number), number)).filter(|(gain, _)| *gain > least);
-            if let Some((_, number)) = all.max_by(|a, b| a.0.total_cmp(&b.0)) {
-                out[place] = number;
-            }
-        }
-        (out != taken).then_some(out)
-    }
-
     /// Returns −2 ln of the likelihood plus the penalty of all columns, and the number of columns.
     fn criterion(&self, weights: &Weights, taken: &[usize]) -> (f64, usize) {
         let [without, with] = [self.series(weights, &[], 0.0), self.series(weights, taken, 0.0)];
