@@ -385,7 +385,7 @@ pub fn run(
     let stated = match settings.hypotheses {
         Some(text) => {
             let sets: Vec<&DataSet> = all.iter().map(|one| &one.data).collect();
-            let (stated, faults) = stated::read(text, machine, &sets);
+            let (stated, faults) = stated::read_options(text, machine, &sets);
             findings.extend(faults);
             stated
         }

@@ -86,6 +86,21 @@ type Fault = (Span, String, String);
 /// A text without any hypothesis is an error.
 #[must_use]
 pub fn read(source: &Source, machine: &Machine, sets: &[&DataSet]) -> (Vec<StatedHypothesis>, Vec<Diagnostic>) {
+    read_lines(source, machine, sets, true)
+}
+
+/// As [`read()`], of the options of a command: each line is one, and none may be empty.
+#[must_use]
+pub fn read_options(source: &Source, machine: &Machine, sets: &[&DataSet]) -> (Vec<StatedHypothesis>, Vec<Diagnostic>) {
+    read_lines(source, machine, sets, false)
+}
+
+fn read_lines(
+    source: &Source,
+    machine: &Machine,
+    sets: &[&DataSet],
+    skips_empty: bool,
+) -> (Vec<StatedHypothesis>, Vec<Diagnostic>) {
     let text = String::from_utf8_lossy(source.bytes()).into_owned();
     let (mut out, mut faults): (Vec<StatedHypothesis>, Vec<Fault>) = (Vec::new(), Vec::new());
     let mut offset = 0;
@@ -108,7 +123,7 @@ pub fn read(source: &Source, machine: &Machine, sets: &[&DataSet]) -> (Vec<State
             let statement = reader.statement(&own, span);
             faults.append(&mut reader.faults);
             out.extend(statement.map(|statement| StatedHypothesis { text: own, span, statement }));
-        } else if !is_comment && offset == 0 && text.trim().is_empty() {
+        } else if !is_comment && (!skips_empty || (offset == 0 && text.trim().is_empty())) {
             let message = "a hypothesis is empty".to_owned();
             faults.push((Span::new(offset, offset + line.len()), message, EXAMPLES.to_owned()));
         }

@@ -23,6 +23,6 @@ mod token;
 mod trial;
 
 pub use form::{StatedHypothesis, TermAmount};
-pub use grammar::read;
+pub use grammar::{read, read_options};
 pub use model::{ModelTerm, stated_model};
 pub use trial::{EqualExplanation, HypothesisTrial, StatedSet, StatedTrials, diagnose_stated};
