@@ -27,6 +27,8 @@ pub(super) fn directions(null_space: &[DVector<f64>], order: &[Vec<usize>]) -> V
     let mut taken: Vec<usize> = Vec::new();
     // The part of each column that is not yet described.
     let mut open: Vec<DVector<f64>> = whole.row_iter().map(|row| row.transpose()).collect();
+    // Most unknowns of many set-ups are in no direction.
+    let is_in: Vec<bool> = open.iter().map(|row| row.iter().any(|part| *part != 0.0)).collect();
     for group in order.iter().rev() {
         for limit in TAKES_PART {
             for &column in group.iter().rev() {
@@ -35,7 +37,7 @@ pub(super) fn directions(null_space: &[DVector<f64>], order: &[Vec<usize>]) -> V
                     continue;
                 }
                 let unit = &open[column] / size;
-                for row in &mut open {
+                for (row, _) in open.iter_mut().zip(&is_in).filter(|(_, is_in)| **is_in) {
                     let part = row.dot(&unit);
                     row.axpy(-part, &unit, 1.0);
                 }

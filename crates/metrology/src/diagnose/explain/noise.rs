@@ -4,7 +4,7 @@
 //! state filters the process (Durbin and Koopman 2012, Time Series Analysis by State Space Methods, ch. 4). Innovations divided by their standard
 //! deviations are white. The filter is linear, so it is applied to readings and columns alike, in a time proportional to the number of readings.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnose::scene::NO_ROW;
 use crate::diagnose::scene::Scene;
@@ -27,6 +27,8 @@ pub struct Memory {
 #[derive(Clone, Debug)]
 pub struct NoiseSeries {
     series: Vec<Vec<(usize, f64)>>,
+    /// The series of each reading of the scene; `None` for a rejected one.
+    number: Vec<Option<usize>>,
     /// True if steps are in seconds.
     pub has_clock: bool,
     /// Longest series, s or rows.
@@ -52,7 +54,7 @@ impl NoiseSeries {
         let time = |place: usize| scene.row_of(&scene.items[place]).and_then(|row| row.time_s).unwrap_or(0.0);
         let mut steps = Vec::new();
         let mut longest = 0.0_f64;
-        let series = places
+        let series: Vec<Vec<(usize, f64)>> = places
             .into_values()
             .map(|places| {
                 let mut length = 0.0;
@@ -75,7 +77,11 @@ impl NoiseSeries {
             .collect();
         steps.sort_by(f64::total_cmp);
         let step = steps.get(steps.len() / 2).copied().unwrap_or(1.0);
-        NoiseSeries { series, has_clock, longest, step }
+        let mut number = vec![None; scene.items.len()];
+        for (own, series) in series.iter().enumerate() {
+            series.iter().for_each(|&(place, _)| number[place] = Some(own));
+        }
+        NoiseSeries { series, number, has_clock, longest, step }
     }
 
     /// Indices of the readings of each series, in order.
@@ -85,14 +91,28 @@ impl NoiseSeries {
 
     /// Whitens values that are divided by the standard deviations of the readings; returns half the logarithm of the determinant of the noise.
     pub fn whiten(&self, memory: Memory, values: &mut [f64]) -> f64 {
+        self.whiten_some(memory, 0..self.series.len(), values)
+    }
+
+    /// Numbers of the series with some readings, in order.
+    pub fn series_with(&self, places: impl Iterator<Item = usize>) -> BTreeSet<usize> {
+        places.filter_map(|place| self.number.get(place).copied().flatten()).collect()
+    }
+
+    /// As [`NoiseSeries::whiten`], for some series: the values of the others are 0.
+    pub fn whiten_some(&self, memory: Memory, numbers: impl IntoIterator<Item = usize>, values: &mut [f64]) -> f64 {
         if memory.ratio <= 0.0 {
             return 0.0;
         }
         let mut half_log = 0.0;
-        for series in &self.series {
+        // Steps are mostly equal.
+        let (mut last, mut fall): (f64, f64) = (f64::NAN, 0.0);
+        for series in numbers.into_iter().filter_map(|number| self.series.get(number)) {
             let (mut state, mut variance) = (0.0, memory.ratio);
             for &(place, step) in series {
-                let fall = (-step / memory.length).exp();
+                if step.to_bits() != last.to_bits() {
+                    (last, fall) = (step, (-step / memory.length).exp());
+                }
                 state *= fall;
                 variance = fall * fall * variance + (1.0 - fall * fall) * memory.ratio;
                 let spread = variance + 1.0;

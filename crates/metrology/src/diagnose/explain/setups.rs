@@ -99,7 +99,7 @@ impl Setups {
         for (unknown, own) in dense.iter().enumerate() {
             let (group, number) = number[&unknown];
             own.iter().for_each(|&(place, factor)| values[place] = factor);
-            noise.whiten(memory, &mut values);
+            noise.whiten_some(memory, noise.series_with(own.iter().map(|&(place, _)| place)), &mut values);
             for (place, row) in &mut rows[group] {
                 if values[*place] != 0.0 {
                     row.push((number, values[*place]));
