@@ -1,7 +1,7 @@
 //! Least squares with many unknowns that belong to few equations each, such as those of set-ups, and some that all equations share.
 //!
-//! Unknowns that occur in a common equation form a block. The equations of a block are triangulated with its unknowns first; what is left of them contains
-//! only the shared unknowns, the border. So the time grows linearly with the number of blocks (Björck 1996, Numerical Methods for Least Squares Problems,
+//! Unknowns that occur in a common equation form a block. The equations of a block are triangulated with its unknowns first. The other rows of the triangle
+//! contain only the shared unknowns, the border. So the time grows linearly with the number of blocks (Björck 1996, Numerical Methods for Least Squares Problems,
 //! section 6.3). With few unknowns the dense [`System`] is used.
 
 use std::collections::BTreeSet;
@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::least_squares::{LOST, MAX_SWEEPS, RANK_LIMIT, Solution, System, unit_scale};
 
-/// Number of unknowns besides the shared ones from which blocks are eliminated. The dense decomposition of so many takes some milliseconds.
+/// Number of unknowns besides the shared ones from which blocks are eliminated. The dense decomposition of 100 takes some milliseconds.
 const MANY: usize = 100;
 /// Rows of a block are triangulated when they are this many times its columns.
 const TALL: usize = 4;
