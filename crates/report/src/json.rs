@@ -85,7 +85,7 @@ impl ZeroReport {
     #[must_use]
     pub fn contents(&self) -> String {
         match components_um(self.contains_um).as_slice() {
-            [] => "a zero touched off here is not off".to_owned(),
+            [] => "a zero touched off here has no geometric error".to_owned(),
             parts => format!("a zero touched off here is off by {}", parts.join(", ")),
         }
     }
