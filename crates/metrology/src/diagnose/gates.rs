@@ -24,7 +24,7 @@ pub(super) fn confirm(
     field: &mut Field<'_, '_>,
     weights: &Weights,
     taken: Vec<usize>,
-    rejections: &mut Rejections,
+    (selections, rejections): (&mut Selections, &mut Rejections),
     note: &mut dyn FnMut(&str, f64),
 ) -> Vec<(Taken, f64)> {
     let judged = field.backward(weights, taken, LIMIT, &mut |out| rejections.add(out, Gate::Chance, None));
@@ -36,7 +36,6 @@ pub(super) fn confirm(
     all.iter().filter(|term| !is_in(term)).for_each(|term| rejections.add(term, Gate::Size, None));
     let count = judged.len();
     let mut out = |term: &Taken, gain| rejections.add(term, Gate::Unseen, gain);
-    let selections = &mut Selections::new();
     let kept = confirmed(field, weights, judged, selections, &mut out, &mut |share| note("held-out parts", share));
     if kept.len() == count { kept } else { waves_that_stand(field, weights, kept, rejections) }
 }
