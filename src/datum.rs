@@ -192,14 +192,15 @@ pub(crate) fn of_run(
         found.add(Diagnostic::nowhere(Code::ZERO_NOT_STATED, message, help), &[]);
     }
     for one in reports.iter().filter(|one| !one.is_stated && !chosen.is_demo) {
-        let Some(drift_mm) = drift_since_reference_mm(chosen, model, &one.name) else { continue };
-        if drift_mm.norm() <= tolerance_mm {
+        let Some(drift_mm) = since_reference_mm(chosen, model, &one.name) else { continue };
+        let parts = components_um([0, 1, 2].map(|axis| um_from_mm(drift_mm[axis])));
+        if drift_mm.norm() <= tolerance_mm || parts.is_empty() {
             continue;
         }
         let name = &one.name;
-        let drift = components_um([0, 1, 2].map(|axis| um_from_mm(drift_mm[axis]))).join(", ");
         let message = format!(
-            "no method is stated for {name}, so drift counts from the reference temperature; a zero touched off in this state already contains {drift} of it"
+            "no method is stated for {name}, so effects of temperature and weight count from the reference condition; a zero touched off in this state already contains {} of them",
+            parts.join(", ")
         );
         let help = format!(
             "state when it was set: --zero {name}=touched if it was touched off in this state, --zero-time or [zero] for another time; or --zero {name}=absolute"
@@ -209,9 +210,9 @@ pub(crate) fn of_run(
     reports
 }
 
-/// Returns the drift at the touch of a zero offset since the reference condition, in the directions of the workpiece, mm. `None` if the condition states
-/// when the zero was set, or if the zero is not one of the machine.
-fn drift_since_reference_mm(chosen: &Machine, model: &Model, name: &str) -> Option<Vector> {
+/// Returns the displacement by temperature and weight at the touch of a zero offset, relative to the reference condition, in the directions of the workpiece,
+/// mm. `None` if the condition states when the zero was set, or if the zero is not one of the machine.
+fn since_reference_mm(chosen: &Machine, model: &Model, name: &str) -> Option<Vector> {
     if chosen.condition.zero().is_some() {
         return None;
     }

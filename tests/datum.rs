@@ -157,7 +157,7 @@ fn drift_at_an_unstated_zero_is_pointed_out_with_its_size() {
         shop(&format!("{LINEAR}{drift}{G54}"), &program("X400")).file("warm.toml", "[temperature_C]\nT_head = 25\n");
     let fix = ["fix", "in.mpf", "-o", "out.mpf", "--machine", "m.toml", "--state", "warm.toml"];
     let run = shop.run(fix).exits(0);
-    run.says("warning[W0321]: no method is stated for G54").says("already contains Z 15.0 µm of it");
+    run.says("warning[W0321]: no method is stated for G54").says("already contains Z 15.0 µm of them");
     near(*words(&shop, 'Z').last().unwrap(), 4.985);
     // Nothing is open once the method or the time is stated, or without a state.
     let cold = &fix[..6];
@@ -169,6 +169,20 @@ fn drift_at_an_unstated_zero_is_pointed_out_with_its_size() {
         let run = shop.run(words).exits(0);
         assert!(!run.stderr.contains("W0321"), "{}", run.stderr);
     }
+}
+
+/// A weight of 1000 N makes X 0.1 mm per meter too long: 10 µm at the zero, X 100.
+#[test]
+fn a_weight_at_an_unstated_zero_is_pointed_out_with_its_size() {
+    let load = "[[load]]\ncomponent = \"EXX\"\nreference_N = 1000\nkind = \"polynomial\"\ncoefficients = [0, 1e-4]\n";
+    let shop = shop(&format!("{LINEAR}{load}{G54}"), &program("X400"));
+    let fix = ["fix", "in.mpf", "-o", "out.mpf", "--machine", "m.toml", "--load", "1000"];
+    shop.run(fix)
+        .exits(0)
+        .says("warning[W0321]: no method is stated for G54")
+        .says("already contains X 10.0 µm of them");
+    let stated = shop.run(fix.iter().chain(&["--zero", "G54=touched"])).exits(0);
+    assert!(!stated.stderr.contains("W0321"), "{}", stated.stderr);
 }
 
 #[test]

@@ -66,13 +66,14 @@ fn another_zero_or_tool_stops_the_program_before_it_moves() {
         let tool = if is_iso { "H2" } else { "T2 D1" };
         assert_eq!(names, if checks_tools { vec!["G54", tool] } else { vec!["G54"] }, "{control}");
         assert_eq!(guard["left"].as_array().unwrap().len(), usize::from(!checks_tools), "{control}");
-        // Variables of the length and its wear: Fanuc, tool memory C; Haas, Mill operator's manual.
-        let length = match control {
-            "fanuc" => "#11002+#10002",
-            "haas" => "#2002+#2202",
-            _ => "",
+        // Variables of the length and its wear: Fanuc, tool memory C; Haas, Mill operator's manual; Siemens, System variables. LinuxCNC has none: the zero.
+        let read = match control {
+            "fanuc" => "[#11002+#10002-",
+            "haas" => "[#2002+#2202-",
+            "sinumerik" => "$TC_DP3[2,1]+$TC_DP12[2,1]",
+            _ => "ABS[#5221 - ",
         };
-        assert!(shop.text(&out).contains(length), "{control}: {}", shop.text(&out));
+        assert!(shop.text(&out).contains(read), "{control}: {}", shop.text(&out));
         shop.run(["verify", name, &out, "--machine", "m.toml"]).exits(0);
         let (plain, _) = executed(&shop, name, "m.toml");
         let (guarded, errors) = executed(&shop, &out, "m.toml");

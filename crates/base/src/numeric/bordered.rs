@@ -419,6 +419,29 @@ mod tests {
     }
 
     #[test]
+    fn a_cleared_unknown_is_in_no_equation() {
+        let columns = 3 + 120;
+        let mut blocks = BorderedSystem::new(columns, 3);
+        for k in 0..600_u32 {
+            let mut factors = vec![0.0; columns];
+            let [one, other] = [f64::from(k), f64::from(k * k % 17)];
+            factors[..3].copy_from_slice(&[one, other, 1.0]);
+            factors[3 + k as usize % 120] = 1.0;
+            blocks.add(&factors, 0.0, 1.0);
+        }
+        // The constant is the sum of all offsets; the offsets alone are independent.
+        assert_eq!((blocks.rank_besides(3), blocks.clone().solve().unwrap().rank), (Some(120), 122));
+        // Without one offset the constant is determined; without the constant nothing changes.
+        for (column, rank, besides) in [(5, 122, 119), (2, 122, 120), (0, 121, 120)] {
+            let mut less = blocks.clone();
+            less.clear(column);
+            assert_eq!((less.rank_besides(3), less.rows()), (Some(besides), 600), "{column}");
+            let solution = less.solve().unwrap();
+            assert_eq!((solution.rank, solution.freedom), (rank, 600 - rank), "{column}");
+        }
+    }
+
+    #[test]
     fn an_equation_may_connect_two_blocks() {
         // A known distance between neighboring set-ups.
         let (found, dense) = both(|k, factors| {
