@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use serde_json::Value;
 
+use crate::import::{Noise, calibrated};
 use crate::support::{Shop, repository};
 
 /// Errors of the demo machine for the tests: in the file, and as the report shows them.
