@@ -1,4 +1,4 @@
-# `just` lists the recipes (https://just.systems). Each is the step of `.ci/run` with its name.
+# `just` lists the recipes (https://just.systems). Each runs the step of `.ci/run` with the same name.
 
 _list:
     @just --list --unsorted
@@ -19,7 +19,7 @@ test:
 slow:
     .ci/run slow
 
-# is everything formatted?
+# format of all files
 fmt:
     .ci/run fmt
 
@@ -39,7 +39,7 @@ book:
 deny:
     .ci/run deny
 
-# the oldest Rust that is promised
+# build with the oldest supported Rust
 msrv:
     .ci/run msrv
 
@@ -51,22 +51,22 @@ package:
 benches:
     .ci/run benches
 
-# LinuxCNC's interpreter as judge
+# comparison with LinuxCNC's interpreter
 oracle:
     .ci/run oracle
 
-# pages in Chromium
+# tests of the pages in Chromium
 browser:
     .ci/run browser
 
-# programs of others at the other end of links and sensors
+# links and sensors with independent programs at the other end
 counterparts:
     .ci/run counterparts
 
-# everything that must hold before a change lands
+# all checks that must pass before a change lands
 all:
     .ci/run all
 
-# everything that must hold before a release
+# all checks that must pass before a release
 release:
     .ci/run release

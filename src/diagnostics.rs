@@ -200,15 +200,15 @@ impl<'a> Located<'a> {
         self.source.and(self.diagnostic.place).map(|place| place.span)
     }
 
-    fn as_data(&self) -> json::Finding {
-        json::Finding::new(self.diagnostic, self.source)
+    fn as_data(&self) -> json::DiagnosticReport {
+        json::DiagnosticReport::new(self.diagnostic, self.source)
     }
 }
 
 impl fmt::Display for Located<'_> {
     /// `part.mpf:1:4: error[E0302]: X leaves its travel …`
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let json::Finding { file, line, column, .. } = self.as_data();
+        let json::DiagnosticReport { file, line, column, .. } = self.as_data();
         if let (Some(file), Some(line), Some(column)) = (file, line, column) {
             write!(out, "{file}:{line}:{column}: ")?;
         }
@@ -384,8 +384,8 @@ impl Diagnostics {
     }
 
     /// The diagnostics as data.
-    pub(crate) fn json(&self) -> Vec<json::Finding> {
-        self.kept.iter().map(|(diagnostic, source)| json::Finding::new(diagnostic, source.as_ref())).collect()
+    pub(crate) fn json(&self) -> Vec<json::DiagnosticReport> {
+        self.kept.iter().map(|(diagnostic, source)| json::DiagnosticReport::new(diagnostic, source.as_ref())).collect()
     }
 
     /// The printed first diagnostics: another machine than that of the program, errors, warnings (or only errors), each

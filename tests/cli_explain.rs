@@ -17,7 +17,10 @@ fn every_code_is_explained_in_any_case() {
 #[test]
 fn without_a_code_all_are_listed() {
     let run = Shop::new().run(["explain"]).exits(0);
-    assert_eq!(run.stdout.lines().count(), CODES.len());
+    let mut codes: Vec<&str> = CODES.iter().map(|row| row.code.as_str()).collect();
+    codes.sort_unstable();
+    let listed: Vec<&str> = run.stdout.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    assert_eq!(listed, codes);
 }
 
 #[test]

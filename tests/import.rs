@@ -100,7 +100,7 @@ fn a_laser_table_gives_scale_and_backlash_in_every_locale() {
         let shop = shop().file(name, bytes);
         for machine in ["tool.toml", "table.toml"] {
             let run = import(&shop, name, machine, LASER).exits(0);
-            assert!(run.stderr.contains("check: at X 600 the machine goes 27."), "{name}: {}", run.stderr);
+            assert!(run.stderr.contains("check: at X 600 the true position is 27."), "{name}: {}", run.stderr);
         }
         // The table carries X: the deviation of the moving body has the opposite sign, and the calibration knows that.
         let found = calibrated(&shop, "table.toml", "EXX1,EXXb");
@@ -188,7 +188,7 @@ fn a_rotary_calibrator_is_read_in_degrees_and_arc_seconds() {
         import(&shop, "xr.csv", "rotary.toml", &["--axis", "C", "--at", "X0,Y0,Z0", "--sign", "+", "--tool", "0"])
             .exits(0);
     assert!(
-        run.stderr.contains("at C 90 the machine goes") || run.stderr.contains("at C 270 the machine goes"),
+        run.stderr.contains("at C 90 the true position is") || run.stderr.contains("at C 270 the true position is"),
         "{}",
         run.stderr
     );

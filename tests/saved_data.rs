@@ -80,6 +80,23 @@ fn zero_offsets_and_base_frames_are_read() {
 }
 
 #[test]
+fn an_axis_that_saved_data_do_not_state_is_reported() {
+    let program = "G90 G54 G0 X10 Y0 Z0\nM30";
+    let says = |setups: &[(&str, &str)]| {
+        let run = snc(program, setups).exits(0);
+        run.stderr.lines().filter(|line| line.contains("W0404")).map(str::to_owned).collect::<Vec<_>>()
+    };
+    let by_axis = "$P_UIFR[1,X,TR]=100\n$P_UIFR[1,SP1,TR]=0\n$P_UIFR[1,Y,TR]=5\n";
+    assert_eq!(says(&[("ufr.ini", by_axis)]), ["warning[W0404]: G54 gives X and Y but not Z, which counts as 0"]);
+    // All axes, a whole frame, or an offset that another file states.
+    for whole in [format!("{by_axis}$P_UIFR[1,Z,TR]=0\n"), format!("{by_axis}$P_UIFR[1]=CTRANS(X,7)\n")] {
+        assert_eq!(says(&[("ufr.ini", &whole)]), [""; 0], "{whole}");
+    }
+    let toml = "[zero_offset.G54]\nX_mm = 3\nY_mm = 0\nZ_mm = -9\n";
+    assert_eq!(says(&[("s.toml", toml), ("ufr.ini", by_axis)]), [""; 0]);
+}
+
+#[test]
 fn parameters_global_variables_and_machine_data_are_read() {
     let program = "G90 G0 X=R1 Y=R2 Z=_TM[2]\nX=GRID_1[1,2] Y=GRID_1[0,0] Z=GRID_1[1,0]\nX=STRLEN(TEXT_1) Y=$MN_MM_NUM_TOOL_CARRIER Z=$MA_BACKLASH[0,X1]\nM30";
     let expected = ["G0 X12.5 Y3 Z6.5", "G0 X9 Y1 Z0", "G0 X2 Y2 Z0.004"];

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Opens pages of `ncfix diff --html` in Chromium and holds them against the JSON object and against arithmetic.
-# Ends well where Chromium, Node or playwright-core are not there and cannot be installed. Usage: tests/browser/run.sh [release|debug]
+# Skipped if Chromium, Node or playwright-core are not there and cannot be installed. Usage: tests/browser/run.sh [release|debug]
 # NCFIX_BIN: a program that is built already. NCFIX_SCREENSHOTS: a folder for pictures. NCFIX_BROWSER_SHORT=1: without a million lines.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -18,7 +18,7 @@ install() {
 browser >/dev/null || install chromium
 has_node || install nodejs npm
 if ! browser >/dev/null || ! has_node; then
-    echo "not run: Chromium or Node 20 (Debian packages chromium, nodejs, npm) is not installed here and cannot be"
+    echo "skipped: Chromium or Node 20 (Debian packages chromium, nodejs, npm) is not installed and could not be installed"
     exit 0
 fi
 mkdir -p "$modules"
@@ -29,7 +29,7 @@ if ! cmp -s tests/browser/package-lock.json "$modules/package-lock.json" || [ ! 
 fi
 if [ ! -d "$modules/node_modules/playwright-core" ]; then
     rm -f "$modules/package-lock.json"
-    echo "not run: playwright-core (npm) is not installed here and cannot be"
+    echo "skipped: playwright-core (npm) is not installed and could not be installed"
     exit 0
 fi
 
@@ -39,7 +39,7 @@ if [ -z "$ncfix" ]; then
     ncfix="${CARGO_TARGET_DIR:-target}/$profile/ncfix"
 fi
 if ! "$ncfix" diff --help | grep -q -e --html; then
-    echo "not run: this ncfix writes no page"
+    echo "skipped: this ncfix writes no page"
     exit 0
 fi
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Holds ncfix against LinuxCNC's interpreter: samples, random programs, and the folder NCFIX_ORACLE_CORPUS if that is set.
-# Ends well where the interpreter is not there and cannot be installed. Usage: tests/oracle/run.sh [release|debug]
+# Skipped if the interpreter is not there and cannot be installed. Usage: tests/oracle/run.sh [release|debug]
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 profile=${1:-debug}
@@ -14,7 +14,7 @@ if ! judge_works && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
     { apt-get update && DEBIAN_FRONTEND=noninteractive timeout 300 apt-get install -y --no-install-recommends linuxcnc-uspace; } >/dev/null 2>&1 || true
 fi
 if ! judge_works; then
-    echo "not compared: LinuxCNC's interpreter (Debian package linuxcnc-uspace) is not installed here and cannot be"
+    echo "skipped: LinuxCNC's interpreter (Debian package linuxcnc-uspace) is not installed and could not be installed"
     exit 0
 fi
 

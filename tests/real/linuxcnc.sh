@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Feeds a job of several hundred lines to the simulator of LinuxCNC over linuxcncrsh and reads back where its axes are.
-# Ends well where LinuxCNC is not there and cannot be installed. Usage: tests/real/linuxcnc.sh [release|debug]; NCFIX_BIN: a program that is built already.
+# Skipped if LinuxCNC is not there and cannot be installed. Usage: tests/real/linuxcnc.sh [release|debug]; NCFIX_BIN: a program that is built already.
 # NCFIX_FEED: another program to feed with, called with the name of the link, the port and the file.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -13,7 +13,7 @@ if ! command -v linuxcncrsh >/dev/null && [ "$(id -u)" = 0 ] && command -v apt-g
     { apt-get update && DEBIAN_FRONTEND=noninteractive timeout 300 apt-get install -y --no-install-recommends linuxcnc-uspace; } >/dev/null 2>&1 || true
 fi
 if ! command -v linuxcncrsh >/dev/null; then
-    echo "not run: LinuxCNC (Debian package linuxcnc-uspace) is not installed here and cannot be"
+    echo "skipped: LinuxCNC (Debian package linuxcnc-uspace) is not installed and could not be installed"
     exit 0
 fi
 
@@ -35,7 +35,7 @@ if [ -z "${NCFIX_FEED:-}" ]; then
         ncfix="${CARGO_TARGET_DIR:-target}/$profile/ncfix"
     fi
     if ! "$ncfix" --help | grep -qE "^ +feed "; then
-        echo "not run: this ncfix cannot feed"
+        echo "skipped: this ncfix cannot feed"
         exit 0
     fi
 fi

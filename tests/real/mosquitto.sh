@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Reads messages of a mosquitto broker with `ncfix sensors --watch`. Ends well where it is not there and cannot be installed.
+# Reads messages of a mosquitto broker with `ncfix sensors --watch`. Skipped if it is not there and cannot be installed.
 # Usage: tests/real/mosquitto.sh [release|debug]; NCFIX_BIN: a program that is built already.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -16,7 +16,7 @@ if ! has_mosquitto && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
     { apt-get update && DEBIAN_FRONTEND=noninteractive timeout 300 apt-get install -y --no-install-recommends mosquitto mosquitto-clients; } >/dev/null 2>&1 || true
 fi
 if ! has_mosquitto; then
-    echo "not compared: mosquitto (Debian packages mosquitto, mosquitto-clients) is not installed here and cannot be"
+    echo "skipped: mosquitto (Debian packages mosquitto, mosquitto-clients) is not installed and could not be installed"
     exit 0
 fi
 ncfix=${NCFIX_BIN:-}

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Feeds OctoPrint's virtual printer (Marlin) over a pseudo-terminal, with the errors that it can simulate: what it carries out is what was planned.
-# Ends well where it cannot be installed. Usage: tests/real/octoprint.sh [release|debug]; NCFIX_BIN: a program that is built already.
+# Skipped if it cannot be installed. Usage: tests/real/octoprint.sh [release|debug]; NCFIX_BIN: a program that is built already.
 # NCFIX_FEED: another program to feed with, called with the name of the link, the port and the file. NCFIX_OCTOPRINT: a folder with its environment.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -21,7 +21,7 @@ if [ ! -x "$venv/bin/python" ]; then
     { python3 -m venv "$venv" && timeout 600 "$venv/bin/pip" install --quiet OctoPrint==1.11.8; } >/dev/null 2>&1 || true
 fi
 if ! "$venv/bin/python" -c 'import octoprint' 2>/dev/null; then
-    echo "not run: OctoPrint (PyPI) is not installed here and cannot be"
+    echo "skipped: OctoPrint (PyPI) is not installed and could not be installed"
     exit 0
 fi
 
@@ -39,7 +39,7 @@ if [ -z "${NCFIX_FEED:-}" ]; then
         ncfix="${CARGO_TARGET_DIR:-target}/$profile/ncfix"
     fi
     if ! "$ncfix" --help | grep -qE "^ +feed "; then
-        echo "not run: this ncfix cannot feed"
+        echo "skipped: this ncfix cannot feed"
         exit 0
     fi
 fi

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Reads an OPC UA server of asyncua with `ncfix sensors --watch`. Ends well where it is not there and cannot be installed.
+# Reads an OPC UA server of asyncua with `ncfix sensors --watch`. Skipped if it is not there and cannot be installed.
 # Usage: tests/real/opcua.sh [release|debug]; NCFIX_BIN=PROGRAM takes one that is built already, with the feature opcua.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -13,7 +13,7 @@ if ! "$python" -c 'import asyncua' 2>/dev/null; then
     if python3 -m venv "$folder/venv" >/dev/null 2>&1 && timeout 180 "$folder/venv/bin/pip" install --quiet asyncua >/dev/null 2>&1; then
         python="$folder/venv/bin/python"
     else
-        echo "not compared: asyncua (from PyPI) is not installed here and cannot be"
+        echo "skipped: asyncua (from PyPI) is not installed and could not be installed"
         exit 0
     fi
 fi

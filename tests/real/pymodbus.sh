@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Reads a Modbus server of pymodbus with `ncfix sensors --watch`. Ends well where it is not there and cannot be installed.
+# Reads a Modbus server of pymodbus with `ncfix sensors --watch`. Skipped if it is not there and cannot be installed.
 # Usage: tests/real/pymodbus.sh [release|debug]; NCFIX_BIN: a program that is built already.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -13,7 +13,7 @@ if ! "$python" -c 'import pymodbus' 2>/dev/null; then
     if python3 -m venv "$folder/venv" >/dev/null 2>&1 && timeout 120 "$folder/venv/bin/pip" install --quiet pymodbus >/dev/null 2>&1; then
         python="$folder/venv/bin/python"
     else
-        echo "not compared: pymodbus (from PyPI) is not installed here and cannot be"
+        echo "skipped: pymodbus (from PyPI) is not installed and could not be installed"
         exit 0
     fi
 fi

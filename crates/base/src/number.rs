@@ -93,6 +93,13 @@ mod tests {
     }
 
     #[test]
+    fn a_probability_is_never_shown_above_its_value() {
+        for (value, shown) in [(0.9499, "94 %"), (0.95, "95 %"), (0.29, "29 %"), (0.9999, "99 %"), (1.0, "100 %")] {
+            assert_eq!(percent(value), shown);
+        }
+    }
+
+    #[test]
     fn three_digits_are_shown() {
         assert_eq!(micrometers(213.4), "213 µm");
         assert_eq!(micrometers(99.96), "100 µm");

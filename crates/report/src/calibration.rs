@@ -8,7 +8,7 @@ use super::component::spelled_out;
 use super::correction::{output_name, push_row};
 use super::figures;
 use super::inputs::InputFile;
-use super::json::Finding;
+use super::json::DiagnosticReport;
 use super::number::significant;
 use super::selection;
 use ncfix_metrology::results::calibration::{CalibrationResult, EstimateReport};
@@ -32,7 +32,7 @@ pub struct CalibrationReport {
     /// Version of the program.
     pub version: &'static str,
     /// Diagnostics in order of occurrence.
-    pub diagnostics: Vec<Finding>,
+    pub diagnostics: Vec<DiagnosticReport>,
 }
 
 /// Width of a name column; a longer name shifts its line.

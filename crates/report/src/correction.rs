@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::coverage::CoverageReport;
 use super::guard::GuardReport;
-use super::json::{AtFeed, FeedLimit, Finding, RemainingReport, SpreadReport, VerificationReport, ZeroReport};
+use super::json::{AtFeed, DiagnosticReport, FeedLimit, RemainingReport, SpreadReport, VerificationReport, ZeroReport};
 use super::number::{counted, duration, grouped, micrometers, significant};
 use super::prediction::PredictionReport;
 use super::verdict::Verdict;
@@ -84,7 +84,7 @@ pub struct CorrectionReport {
     /// Name of the machine.
     pub machine: String,
     /// Diagnostics in order of occurrence.
-    pub diagnostics: Vec<Finding>,
+    pub diagnostics: Vec<DiagnosticReport>,
 }
 
 /// Cutting blocks that take less time at their feed than the control needs for a block.

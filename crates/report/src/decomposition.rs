@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::inputs::InputFile;
-use super::json::Finding;
+use super::json::DiagnosticReport;
 use super::number::{grouped, significant};
 use ncfix_metrology::decompose::DETERMINED_EXPONENT;
 use ncfix_metrology::results::decomposition::{
@@ -24,7 +24,7 @@ pub struct DecompositionReport {
     /// Report page that was written.
     pub report: Option<String>,
     /// Diagnostics.
-    pub diagnostics: Vec<Finding>,
+    pub diagnostics: Vec<DiagnosticReport>,
     /// Files from which the result was computed.
     #[serde(skip)]
     pub inputs: Vec<InputFile>,

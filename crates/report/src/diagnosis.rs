@@ -27,7 +27,7 @@ pub struct DiagnosisReport {
     /// Report page that was written.
     pub report: Option<String>,
     /// Diagnostics of the files in order of occurrence.
-    pub diagnostics: Vec<json::Finding>,
+    pub diagnostics: Vec<json::DiagnosticReport>,
 }
 
 impl DiagnosisReport {

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::json::Finding;
+use super::json::DiagnosticReport;
 use super::number::{duration, grouped};
 use ncfix_base::geometry::AxisKey;
 
@@ -102,7 +102,7 @@ pub struct Before {
     /// Worst stretches.
     pub late: Vec<Late>,
     /// Diagnostics.
-    pub diagnostics: Vec<Finding>,
+    pub diagnostics: Vec<DiagnosticReport>,
 }
 
 impl Before {

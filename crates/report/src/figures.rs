@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::correction::push_row;
-use super::json::Finding;
+use super::json::DiagnosticReport;
 use super::number::significant;
 use ncfix_metrology::results::figures::MeasurementFigures;
 
@@ -18,7 +18,7 @@ pub struct FiguresReport {
     /// Name of the machine.
     pub machine: String,
     /// Diagnostics in order of occurrence.
-    pub diagnostics: Vec<Finding>,
+    pub diagnostics: Vec<DiagnosticReport>,
 }
 
 impl FiguresReport {

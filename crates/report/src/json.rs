@@ -10,7 +10,7 @@ use ncfix_base::source::{Source, is_deceptive};
 /// A diagnostic.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Finding {
+pub struct DiagnosticReport {
     /// Stable code, `E0203`.
     pub code: &'static str,
     /// Severity.
@@ -27,12 +27,12 @@ pub struct Finding {
     pub help: String,
 }
 
-impl Finding {
+impl DiagnosticReport {
     /// Creates the JSON form of a diagnostic. `source` is the file of its place.
     #[must_use]
-    pub fn new(diagnostic: &Diagnostic, source: Option<&Source>) -> Finding {
+    pub fn new(diagnostic: &Diagnostic, source: Option<&Source>) -> DiagnosticReport {
         let excerpt = diagnostic.place.zip(source).map(|(place, source)| Excerpt::new(source, place));
-        Finding {
+        DiagnosticReport {
             code: diagnostic.code.as_str(),
             severity: diagnostic.severity(),
             file: diagnostic.place.and(source).map(|source| source.name().to_owned()),
@@ -61,7 +61,7 @@ pub struct ProgramCheck {
     /// Elements of the flat stream (moves, dwells, tool and auxiliary words).
     pub elements: u64,
     /// Diagnostics in order of occurrence.
-    pub diagnostics: Vec<Finding>,
+    pub diagnostics: Vec<DiagnosticReport>,
 }
 
 /// A zero offset of a program and the error of the machine that it contains if it was touched.
@@ -196,7 +196,7 @@ pub struct VerificationReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub corrected_at_feed: Option<AtFeed>,
     /// Diagnostics.
-    pub diagnostics: Vec<Finding>,
+    pub diagnostics: Vec<DiagnosticReport>,
 }
 
 /// Returns a value as one line of JSON, with its line feed.
@@ -235,7 +235,7 @@ mod tests {
             machine: None,
             support_file: None,
             elements: 1,
-            diagnostics: vec![Finding::new(&found, Some(&source))],
+            diagnostics: vec![DiagnosticReport::new(&found, Some(&source))],
         };
         assert_eq!(
             line(&check).unwrap(),
@@ -249,7 +249,7 @@ mod tests {
 
     #[test]
     fn a_finding_without_place_has_nulls() {
-        let found = Finding::new(&Diagnostic::nowhere(Code::NO_MACHINE, "m", "h"), None);
+        let found = DiagnosticReport::new(&Diagnostic::nowhere(Code::NO_MACHINE, "m", "h"), None);
         assert_eq!((found.severity, found.file, found.line, found.column), (Severity::Warning, None, None, None));
     }
 }

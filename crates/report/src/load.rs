@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::correction::push_row;
-use super::json::Finding;
+use super::json::DiagnosticReport;
 use super::number::significant;
 use ncfix_metrology::results::weighed::WeighingResult;
 
@@ -19,7 +19,7 @@ pub struct Load {
     /// Name of the machine.
     pub machine: String,
     /// Diagnostics in order of occurrence.
-    pub diagnostics: Vec<Finding>,
+    pub diagnostics: Vec<DiagnosticReport>,
 }
 
 impl Load {

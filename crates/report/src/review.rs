@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::correction::error_rows;
 use super::coverage::CoverageReport;
-use super::json::{Finding, SpreadReport, ZeroReport};
+use super::json::{DiagnosticReport, SpreadReport, ZeroReport};
 use super::number::{counted, grouped, micrometers, significant};
 use super::prediction::PredictionReport;
 use super::verdict::{Verdict, left_in_words};
@@ -70,7 +70,7 @@ pub struct Review {
     /// Number of changed moves that are not among the rows.
     pub more_rows: u64,
     /// Diagnostics.
-    pub diagnostics: Vec<Finding>,
+    pub diagnostics: Vec<DiagnosticReport>,
 }
 
 /// Correction added to an axis.

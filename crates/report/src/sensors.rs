@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::json::Finding;
+use super::json::DiagnosticReport;
 use super::number::significant;
 use ncfix_metrology::results::sensors::{SensorChoice, SensorSubset, SensorsResult};
 
@@ -25,7 +25,7 @@ pub struct SensorReport {
     /// Name of the machine.
     pub machine: String,
     /// Diagnostics in order of occurrence.
-    pub diagnostics: Vec<Finding>,
+    pub diagnostics: Vec<DiagnosticReport>,
 }
 
 impl SensorReport {

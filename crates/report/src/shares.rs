@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::json::Finding;
+use super::json::DiagnosticReport;
 use ncfix_model::shares::{AxisUnit, AxisValue, Deviation, ErrorShares};
 
 /// Errors at a pose, with the diagnostics of the files from which they come.
@@ -15,7 +15,7 @@ pub struct Shares {
     #[serde(flatten)]
     pub found: ErrorShares,
     /// Diagnostics of the files.
-    pub diagnostics: Vec<Finding>,
+    pub diagnostics: Vec<DiagnosticReport>,
 }
 
 impl Shares {

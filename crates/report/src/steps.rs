@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::json::Finding;
+use super::json::DiagnosticReport;
 use super::number::{counted, duration, grouped, micrometers};
 use super::scale::Log;
 use super::terminal::Colors;
@@ -66,7 +66,7 @@ pub struct StepReport {
     /// Name of the machine.
     pub machine: String,
     /// Diagnostics.
-    pub diagnostics: Vec<Finding>,
+    pub diagnostics: Vec<DiagnosticReport>,
 }
 
 /// Place of the largest residual. Keys carry the unit: `X_mm`, `C_deg`.

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::json::Finding;
+use super::json::DiagnosticReport;
 use super::markup::Markup;
 use super::number::counted;
 use super::plot::{Chart, Picture, PlotSeries, STYLE, Shape, WIDTH};
@@ -26,7 +26,7 @@ pub struct TablesReport {
     /// Files that were written.
     pub written: Vec<String>,
     /// Diagnostics.
-    pub diagnostics: Vec<Finding>,
+    pub diagnostics: Vec<DiagnosticReport>,
 }
 
 impl TablesReport {

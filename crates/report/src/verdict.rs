@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::correction::{MOST_FORM, push_row};
-use super::json::Finding;
+use super::json::DiagnosticReport;
 use super::number::{counted, grouped, micrometers};
 use super::prediction::{NOT_KNOWN, PredictionReport};
 use super::review::Review;
@@ -158,7 +158,7 @@ impl Verdict {
             None => {}
         }
         reasons.extend(neutral.into_iter().map(|text| Reason { text, is_neutral: true, ..Reason::default() }));
-        let of_finding = |finding: &Finding| {
+        let of_finding = |finding: &DiagnosticReport| {
             let text = format!("{} {}", finding.code, finding.message);
             Reason { grade: grade_of(finding), text, code: Some(finding.code), is_neutral: false }
         };
@@ -278,7 +278,7 @@ pub const LEFT: [(&str, bool); 4] = [
     ("that are not corrected", false),
 ];
 
-fn grade_of(finding: &Finding) -> Grade {
+fn grade_of(finding: &DiagnosticReport) -> Grade {
     if finding.severity == Severity::Error { Grade::Bad } else { Grade::Warn }
 }
 

@@ -1,7 +1,7 @@
 //! Result of `ncfix verify` along the path, for its page.
 
 use super::inputs::InputFile;
-use super::json::{AtFeed, Finding, SpreadReport};
+use super::json::{AtFeed, DiagnosticReport, SpreadReport};
 
 /// Errors of two programs along the path of the original.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,7 +25,7 @@ pub struct Verification {
     /// Files from which the result was computed.
     pub inputs: Vec<InputFile>,
     /// Diagnostics.
-    pub diagnostics: Vec<Finding>,
+    pub diagnostics: Vec<DiagnosticReport>,
 }
 
 /// Piece of the corrected program.

@@ -22,10 +22,10 @@ pub(in crate::cli) fn run(arguments: &CheckArguments) -> Result<ExitCode, Stop> 
             (true, _) if support_file.is_some() => {
                 format!("understood; a support file, not a program: {}", support_file.unwrap_or_default())
             }
-            (false, _) => "not understood".to_owned(),
             (true, false) if arguments.syntax_only => "understood".to_owned(),
-            (true, false) => "understood, but a correction would be refused".to_owned(),
-            (true, true) => format!("understood and executed, {}", counted(elements, "element")),
+            (_, false) if findings.has_language_errors() => "not understood".to_owned(),
+            (_, false) => "understood, but a correction would be refused".to_owned(),
+            _ => format!("understood and executed, {}", counted(elements, "element")),
         };
         tell(&format!("{}: {done}; {}\n", arguments.input.display(), findings.count()));
     }

@@ -669,7 +669,7 @@ finer than the increment, or the error model has a step there, or the increment 
 cycle even if the tip leaves the tolerance, because pieces would lose the synchronism of spindle and axis.";
     OTHER_STAMP = "W0306" "corrected for another machine file, state or original"
 "The stamp of the corrected program names another machine file, state or original than those given. Each correction is valid for one
-machine in one state: the numbers state what this program would do on the given machine.";
+machine in one state. The errors in the result are those of this program on the given machine in the given state.";
     ONE_PIECE = "W0307" "move that cannot be divided deviates"
 "Threads (G33, G34, G35, G331, G332, G63) and positioning axes (POS) are not divided into pieces: spindle and axis would lose
 synchronism, or the axes would stop in between. The end of the move is corrected, but along the path the deviation is larger than
@@ -711,7 +711,8 @@ effect is extrapolated by the error model.";
 "No file or option states how the zero offset was set, so it is treated as touched off with the tip at the workpiece zero. A touched zero
 contains the error of the machine at that point, and only the difference from it is corrected. If the zero is the true position in the machine,
 the cut is wrong by this error. Drift is different: without a stated method or time it counts from the reference temperature. A zero that was
-touched off on a warm machine already contains it, and the cut is then wrong by the drift. State it: set = \"touched\", \"probed\" or
+touched off on a warm machine already contains it, and the cut is then wrong by the drift. The same is true of the weight on the table:
+without a stated method its effect counts from the empty table. State it: set = \"touched\", \"probed\" or
 \"absolute\" in [zero_offset.NAME], or --zero G54=absolute; the time with --zero-time. See docs/how-to/set-the-zero.md.";
     UNKNOWN_CUT = "W0322" "cut at a position that is not known"
 "The program has a feed move while the position of a linear axis is not known. Either no earlier block states it, or a program that the
@@ -737,8 +738,8 @@ of the other.";
 "[sensor.NAME] gives the reference temperature of a sensor that is not used in any [[drift]], [[expansion]] or [[segment]]. If the
 name is misspelled, the intended sensor keeps the reference temperature of the machine.";
     PARTIAL_OFFSET = "W0404" "zero offset without an axis"
-"[zero_offset.NAME] states some linear axes of the machine, but not all of them; the others count as 0. If the control has another
-value for these axes, the correction is for a wrong position. Write every axis as the control shows it, including 0. The external
+"[zero_offset.NAME], or a file of the control given with --setup, states some linear axes of the machine, but not all of them; the others
+count as 0. If the control has another value for these axes, the correction is for a wrong position. Write every axis as the control shows it, including 0. The external
 offset EXT of a Fanuc may have single axes.";
     NO_EFFECT = "W0405" "location error without effect"
 "A location error in [location] moves neither the tip nor the tool axis on this machine. On the workpiece side, the error of the axis next

@@ -639,8 +639,8 @@ fn sentence(fine: f64, at: f64, component: MeasuredComponent) -> String {
         } else {
             format!("{size} µm")
         };
-        let how = if fine < 0.0 { "too little" } else { "too far" };
-        return format!("{place}the machine goes {unit} {how} ({mark})");
+        let how = if fine < 0.0 { "less" } else { "more" };
+        return format!("{place}the true position is {unit} {how} than commanded ({mark})");
     }
     let letter = ['X', 'Y', 'Z'][component.direction % 3];
     if component.is_angle() {

@@ -35,7 +35,7 @@ mod tip_path;
 mod tool;
 mod travel;
 pub mod uncertainty;
-mod zero_offset;
+pub mod zero_offset;
 
 pub use active::{ActiveCompensation, ActiveTables, TableProducts};
 pub use chain::{Branch, Topology, TopologyFault};

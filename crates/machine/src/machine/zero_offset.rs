@@ -94,9 +94,7 @@ pub(super) fn read_zero_offsets(
         }
         let Some(mut own) = section.section(name) else { continue };
         let parts = read_parts(&mut own, axes);
-        if name != EXTERNAL {
-            check_whole(&mut own, name, axes);
-        }
+        check_whole(&mut own, name, axes);
         if let Some(datum) = Datum::read(&mut own, axes, findings) {
             datums.insert(common_name(name), datum);
         }
@@ -112,17 +110,25 @@ pub(super) fn common_name(name: &str) -> String {
     name.strip_prefix(OF_HAAS).map_or_else(|| name.to_owned(), |number| format!("G54.1 P{number}"))
 }
 
-/// Warns of linear axes that an offset lacks beside others: an offset is set for the axes together, so they may be forgotten.
-fn check_whole(section: &mut Section<'_>, name: &str, axes: AxisSet) {
-    let key = |axis: Axis| format!("{axis}_mm");
+/// Returns the linear axes that an offset lacks beside others, with a message: an offset is set for the axes together, so they may be forgotten. `None` if it
+/// has all of them or none, or if it is the external one.
+#[must_use]
+pub fn lacking_axes(name: &str, axes: AxisSet, has: impl Fn(Axis) -> bool) -> Option<(Vec<Axis>, String)> {
     let (there, lacking): (Vec<Axis>, Vec<Axis>) =
-        axes.iter().filter(|axis| axis.slot() < 3).partition(|axis| section.has(&key(*axis)));
-    if there.is_empty() || lacking.is_empty() {
-        return;
+        axes.iter().filter(|axis| axis.slot() < 3).partition(|axis| has(*axis));
+    if there.is_empty() || lacking.is_empty() || name == EXTERNAL {
+        return None;
     }
     let listed = |axes: &[Axis]| axes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ");
     let counts = if lacking.len() == 1 { "counts" } else { "count" };
     let message = format!("{name} gives {} but not {}, which {counts} as 0", listed(&there), listed(&lacking));
+    Some((lacking, message))
+}
+
+/// Warns of linear axes that an offset lacks beside others.
+fn check_whole(section: &mut Section<'_>, name: &str, axes: AxisSet) {
+    let key = |axis: Axis| format!("{axis}_mm");
+    let Some((lacking, message)) = lacking_axes(name, axes, |axis| section.has(&key(axis))) else { return };
     let keys = lacking.iter().map(|axis| key(*axis)).collect::<Vec<_>>().join(" and ");
     let help = format!("write {keys} as shown on the control, even if it is 0");
     section.report(Code::PARTIAL_OFFSET, section.place(), message, help);

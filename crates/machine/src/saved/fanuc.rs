@@ -7,9 +7,10 @@ use std::collections::BTreeMap;
 
 use super::lines::{number, words};
 use super::{SavedFormat, SavedLine, SavedUnit, SavedValues};
+use crate::machine::zero_offset::lacking_axes;
 use crate::machine::{DecimalPoint, Machine, Tool};
-use ncfix_base::diagnostic::Diagnostic;
-use ncfix_base::geometry::{Axis, FrameParts};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::{Axis, AxisSet, FrameParts};
 
 /// Offsets of a Fanuc.
 pub(super) const FORMAT: SavedFormat = SavedFormat { name: "Fanuc offsets (G10)", language: "fanuc", is, read };
@@ -54,6 +55,14 @@ fn is(lines: &[SavedLine<'_>]) -> bool {
     data > 0
 }
 
+/// An offset with the axes that the file or the machine file states.
+struct Offset<'l> {
+    parts: FrameParts,
+    stated: AxisSet,
+    /// The first line with it.
+    line: &'l SavedLine<'l>,
+}
+
 /// Lengths and radii of a register, mm.
 #[derive(Default)]
 struct Register {
@@ -63,7 +72,7 @@ struct Register {
 
 fn read(lines: &[SavedLine<'_>], machine: &Machine) -> Result<SavedValues, Diagnostic> {
     let mut out = SavedValues::default();
-    let mut offsets: BTreeMap<String, FrameParts> = BTreeMap::new();
+    let mut offsets: BTreeMap<String, Offset<'_>> = BTreeMap::new();
     let mut registers: BTreeMap<u32, Register> = BTreeMap::new();
     let (mut unit, mut is_parameters) = (None, false);
     for line in lines {
@@ -126,10 +135,17 @@ fn read(lines: &[SavedLine<'_>], machine: &Machine) -> Result<SavedValues, Diagn
                     (_, 0) => "EXT".to_owned(),
                     (_, place) => format!("G{}", 53 + place),
                 };
-                let parts = offsets.entry(name).or_default();
+                // G10 leaves the other axes as they are.
+                let known = machine.zero_offsets.get(&name);
+                let offset = offsets.entry(name).or_insert_with(|| Offset {
+                    parts: known.copied().unwrap_or_default(),
+                    stated: if known.is_some() { AxisSet::ALL } else { AxisSet::EMPTY },
+                    line,
+                });
                 for (letter, text) in &words {
                     if let Some(axis) = Axis::from_letter(*letter) {
-                        parts.translation[axis] = value(text, !axis.is_rotary())?;
+                        offset.parts.translation[axis] = value(text, !axis.is_rotary())?;
+                        offset.stated.insert(axis);
                     }
                 }
             }
@@ -151,7 +167,14 @@ fn read(lines: &[SavedLine<'_>], machine: &Machine) -> Result<SavedValues, Diagn
             }
         }
     }
-    out.offsets = offsets.into_iter().collect();
+    for (name, Offset { parts, stated, line }) in offsets {
+        if let Some((lacking, message)) = lacking_axes(&name, machine.axis_set(), |axis| stated.contains(axis)) {
+            let letters: Vec<String> = lacking.iter().map(ToString::to_string).collect();
+            let help = format!("add {} with the value on the control, even if it is 0", letters.join(" and "));
+            out.warnings.push(line.report(Code::PARTIAL_OFFSET, message, help));
+        }
+        out.offsets.push((name, parts));
+    }
     for (place, Register { length_mm: [length, wear], radius_mm: [radius, radius_wear] }) in registers {
         let (length_mm, radius_mm) = ([length + wear, 0.0, 0.0], (radius + radius_wear).max(0.0));
         out.tools.push(Tool { number: place, name: None, edge: 1, length_mm, radius_mm });

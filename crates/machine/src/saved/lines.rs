@@ -40,6 +40,11 @@ impl SavedLine<'_> {
     pub(super) fn fault(&self, message: impl Into<String>, help: impl Into<String>) -> Diagnostic {
         Diagnostic::at(Code::BAD_VALUE, self.place, message, help)
     }
+
+    /// Returns a diagnostic at this line.
+    pub(super) fn report(&self, code: Code, message: impl Into<String>, help: impl Into<String>) -> Diagnostic {
+        Diagnostic::at(code, self.place, message, help)
+    }
 }
 
 impl SavedUnit {

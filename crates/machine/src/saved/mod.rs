@@ -49,6 +49,7 @@ struct SavedValues {
     /// Radius wear by tool number, mm.
     wear_mm: Vec<(u32, f64)>,
     system: Vec<(String, f64)>,
+    warnings: Vec<Diagnostic>,
 }
 
 /// Returns the format of a file; `None` if no row of [`FORMATS`] fits.
@@ -91,5 +92,5 @@ pub fn apply_saved(format: &SavedFormat, source: &Source, machine: &mut Machine)
     machine.set_tools(values.tools);
     machine.radius_wear_mm.extend(values.wear_mm.into_iter().map(|(number, wear_mm)| ((number, 1), wear_mm)));
     machine.system.extend(values.system.into_iter().map(|(name, value)| (name, Setting::Number(value))));
-    Vec::new()
+    values.warnings.into_iter().flat_map(named).collect()
 }

@@ -2,14 +2,14 @@
 
 use super::{PageRow, columns, table};
 use crate::inputs::InputFile;
-use crate::json::Finding;
+use crate::json::DiagnosticReport;
 use crate::markup::Markup;
 
 /// Maximum number of rows of a table: more are not read, and a page must not grow without bound.
 pub(super) const MOST_ROWS: usize = 500;
 
 /// Writes the diagnostics of the files, with advice.
-pub(super) fn diagnostics(out: &mut Markup, all: &[Finding]) {
+pub(super) fn diagnostics(out: &mut Markup, all: &[DiagnosticReport]) {
     if all.is_empty() {
         return;
     }

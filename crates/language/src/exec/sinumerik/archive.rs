@@ -6,7 +6,8 @@ use std::collections::BTreeMap;
 
 use super::assign::{assign, assigned};
 use super::channel::Channel;
-use super::frame_store::settable_code;
+use super::frame_store::{FrameName, settable_code};
+use super::frame_value::Component;
 use super::level::Loaded;
 use super::loaded::load;
 use super::scope::scope_of;
@@ -17,7 +18,9 @@ use crate::exec::core::fault::{Fault, at};
 use crate::exec::core::options::Options;
 use crate::syntax::sinumerik::{self, Address, ArgumentRange, Body, ExprId, Node, Section, Value, Word};
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_base::source::Source;
+use ncfix_base::geometry::AxisSet;
+use ncfix_base::source::{Source, Span};
+use ncfix_machine::machine::zero_offset::lacking_axes;
 use ncfix_machine::machine::{Machine, Setting};
 
 /// Archive words without an assignment.
@@ -44,6 +47,7 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
         loaded: &loaded,
         channel: startup::begin(&before, &Options::default(), ncfix_dialect::sinumerik().codes()),
         data: Data::default(),
+        by_axis: BTreeMap::new(),
     };
     let is_program = |section: &&Section| PROGRAMS.contains(&section.ending.as_str());
     let sections = &loaded.program.sections;
@@ -99,7 +103,15 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
         }
         return findings;
     }
-    let Reader { channel, data, .. } = reader;
+    let Reader { channel, data, by_axis, .. } = reader;
+    let lacking = |(number, (axes, span)): (i64, (AxisSet, Span))| {
+        let name = settable_code(number);
+        let (lacking, message) = lacking_axes(&name, before.axis_set(), |axis| axes.contains(axis))?;
+        let keys: Vec<String> = lacking.iter().map(|axis| format!("$P_UIFR[{number},{axis},TR]")).collect();
+        let help = format!("add {} with the value on the control, even if it is 0", keys.join(" and "));
+        Some(at(span, Code::PARTIAL_OFFSET, message, help).in_file(source.id()))
+    };
+    findings.extend(by_axis.into_iter().filter_map(lacking));
     let frames = &channel.system.frames;
     machine.zero_offsets.extend(frames.written_settable().map(|(number, parts)| (settable_code(number), parts)));
     machine.base_frames.extend(frames.written_bases());
@@ -130,6 +142,8 @@ struct Reader<'a> {
     loaded: &'a Loaded,
     channel: Channel<'a>,
     data: Data,
+    /// Settable frames of which the file gives single axes, with these axes and the place of the first.
+    by_axis: BTreeMap<i64, (AxisSet, Span)>,
 }
 
 impl Reader<'_> {
@@ -198,12 +212,32 @@ impl Reader<'_> {
             }
             _ => false,
         };
+        self.note_axis(name, range, word.span)?;
         let target = SystemName { name, range, span: word.span };
         match assign_system(self.loaded, &mut self.channel, target, list) {
             // Shift of an axis that is not in the machine file: a spindle, a tool changer.
             Err(found) if is_nothing && matches!(found.code, Code::NO_AXIS | Code::UNDEFINED_VARIABLE) => Ok(()),
             other => other,
         }
+    }
+
+    /// Notes the axis of a settable frame that the machine file does not have. A whole frame has all its axes.
+    fn note_axis(&mut self, name: &str, range: Option<ArgumentRange>, span: Span) -> Result<(), Fault> {
+        let scope = scope_of(self.loaded, &self.channel);
+        let Some(FrameName::Settable(number)) = scope.frame_name(name, range, span)? else { return Ok(()) };
+        let Ok(component) = range.map(|range| scope.component(range)).transpose() else {
+            // An axis that is not in the machine file.
+            return Ok(());
+        };
+        let is_known = self.channel.system.frames.settable(scope.machine, number).is_some();
+        match component.flatten() {
+            None => drop(self.by_axis.remove(&number)),
+            Some((axis, Component::Translation, _)) if !is_known || self.by_axis.contains_key(&number) => {
+                self.by_axis.entry(number).or_insert((AxisSet::EMPTY, span)).0.insert(axis);
+            }
+            Some(_) => {}
+        }
+        Ok(())
     }
 
     fn global(&mut self, name: &str, index: Option<(ArgumentRange, ExprId)>, word: &Word) -> Result<(), Fault> {
