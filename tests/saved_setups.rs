@@ -78,7 +78,12 @@ fn offsets_of_a_fanuc() {
     shown("fanuc", "", "o.txt", &without).exits(0).says("W0404").says("G54 gives X and Y but not Z");
     let stated = "[zero_offset.G54]\nX_mm = 1\nY_mm = 2\nZ_mm = -300\n";
     let run = shown("fanuc", stated, "o.txt", &without).exits(0);
-    assert!(run.stdout.contains("G54   X-250 Y-120.5 Z-300") && !run.stderr.contains("W0404"), "{}{}", run.stdout, run.stderr);
+    assert!(
+        run.stdout.contains("G54   X-250 Y-120.5 Z-300") && !run.stderr.contains("W0404"),
+        "{}{}",
+        run.stdout,
+        run.stderr
+    );
     // A program that moves is still a program.
     shown("fanuc", "", "o.nc", "%\nO1\nG10 L2 P1 X1. Y2. Z3.\nG0 X0.\nM30\n%\n").exits(3);
 }

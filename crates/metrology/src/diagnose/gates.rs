@@ -1,25 +1,19 @@
-//! Acceptance tests: significance, size, gain on unseen parts, data held out.
+//! Acceptance tests: significance, gain on unseen parts, data held out.
 
 use super::cause::{Candidate, EffectKind};
 use super::fold::{confirmed, counts, worth};
 use super::held_out::{Selections, unseen};
-use super::readings::{doing, left_of, rms};
+use super::readings::{doing, rms};
 use super::rejected::{Gate, Rejections};
 use super::search::{Field, Taken, Weights};
 use super::slow;
 
 /// Largest accepted p-value of a finding, corrected for the number of candidates.
 pub(super) const LIMIT: f64 = 1e-3;
-/// Smallest effect of a finding, as a share of the noise in the readings where it acts. A smaller effect may be the residual of other terms.
-const SMALL: f64 = 0.25;
-/// Same limit for unnamed findings and for drift, of which there are many candidates.
-const SMALL_UNNAMED: f64 = 0.4;
-/// A finding acts in readings where its effect exceeds this share of its largest effect.
-const ACTS: f64 = 0.05;
 /// Held-out data test a finding only if its effect there is at least this share of its effect in the data used.
 const EXERCISED: f64 = 0.1;
 
-/// Applies the tests for significance, size and gain on unseen parts.
+/// Applies the tests for significance and gain on unseen parts.
 pub(super) fn confirm(
     field: &mut Field<'_, '_>,
     weights: &Weights,
@@ -30,58 +24,8 @@ pub(super) fn confirm(
     let judged = field.backward(weights, taken, LIMIT, &mut |out| rejections.add(out, Gate::Chance, None));
     let judged = slow::named(field, weights, judged);
     let judged = slow::stand(field, weights, judged, LIMIT, &mut |out| rejections.add(out, Gate::Chance, None));
-    let all = judged.clone();
-    let judged = large_enough(field, weights, judged);
-    let is_in = |term: &Taken| judged.iter().any(|other| other.candidate == term.candidate);
-    all.iter().filter(|term| !is_in(term)).for_each(|term| rejections.add(term, Gate::Size, None));
-    let count = judged.len();
     let mut out = |term: &Taken, gain| rejections.add(term, Gate::Unseen, gain);
-    let kept = confirmed(field, weights, judged, selections, &mut out, &mut |share| note("held-out parts", share));
-    if kept.len() == count { kept } else { waves_that_stand(field, weights, kept, rejections) }
-}
-
-/// Removes waves that were significant only in addition to rejected terms. With few places, some wave fits the residual of almost any other term.
-fn waves_that_stand(
-    field: &Field<'_, '_>,
-    weights: &Weights,
-    mut kept: Vec<(Taken, f64)>,
-    rejections: &mut Rejections,
-) -> Vec<(Taken, f64)> {
-    let is_wave =
-        |term: &Taken| field.candidates.get(term.candidate).is_some_and(|one| one.cause.effect == EffectKind::Periodic);
-    if kept.iter().any(|(term, _)| is_wave(term)) {
-        let numbers = kept.iter().map(|(term, _)| term.candidate).collect();
-        let standing = field.backward(weights, numbers, LIMIT, &mut |out| {
-            if is_wave(out) {
-                rejections.add(out, Gate::Chance, None);
-            }
-        });
-        let stands = |term: &Taken| standing.iter().any(|other| other.candidate == term.candidate);
-        kept.retain(|(term, _)| !is_wave(term) || stands(term));
-    }
-    kept
-}
-
-/// Removes terms with a negligible effect.
-fn large_enough(field: &Field<'_, '_>, weights: &Weights, judged: Vec<Taken>) -> Vec<Taken> {
-    let scene = field.scene;
-    let taken: Vec<usize> = judged.iter().map(|term| term.candidate).collect();
-    let left = left_of(field, weights, &taken);
-    let places = counts(scene, weights);
-    let of = |values: &[f64], place: usize| match (values.get(place), weights.items.get(place)) {
-        (Some(value), Some(weight)) => value * weight,
-        _ => 0.0,
-    };
-    let noise = rms(places.iter().map(|&place| of(&left, place)));
-    let is_large = |term: &Taken| {
-        let does = doing(field, weights, weights, &taken, term.candidate);
-        let most = places.iter().map(|&place| of(&does, place).abs()).fold(0.0, f64::max);
-        let acts = places.iter().map(|&place| of(&does, place)).filter(|value| value.abs() > ACTS * most);
-        let effect = field.candidates.get(term.candidate).map(|one| one.cause.effect);
-        let least = if matches!(effect, Some(EffectKind::Unknown | EffectKind::Drift)) { SMALL_UNNAMED } else { SMALL };
-        rms(acts) > least * noise
-    };
-    judged.into_iter().filter(is_large).collect()
+    confirmed(field, weights, judged, selections, &mut out, &mut |share| note("held-out parts", share))
 }
 
 /// True for causes that belong to one day or one set-up: other data cannot confirm them.

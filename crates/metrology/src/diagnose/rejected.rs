@@ -15,9 +15,6 @@ pub enum Gate {
     #[default]
     #[serde(rename = "significance")]
     Chance,
-    /// Its effect is too small where it acts.
-    #[serde(rename = "too small")]
-    Size,
     /// It does not improve unseen parts.
     #[serde(rename = "gain on unseen parts")]
     Unseen,
@@ -32,7 +29,6 @@ impl Gate {
     pub fn name(self) -> &'static str {
         match self {
             Gate::Chance => "significance",
-            Gate::Size => "too small",
             Gate::Unseen => "gain on unseen parts",
             Gate::HeldOut => "held-out data",
         }

@@ -9,7 +9,6 @@ use std::sync::Arc;
 
 use ncfix_base::numeric::{Series, in_parts};
 
-use super::cancel::Triangle;
 use super::cause::{Candidate, EffectKind, Term, motion, targets};
 use super::known::{KnownTables, Starts};
 use super::price::Price;
@@ -22,8 +21,6 @@ use super::seek::Seek;
 const MOST: usize = 10;
 /// Maximum number in addition to many kept terms.
 const MORE: usize = 4;
-/// Number of times that the search continues without such a term.
-const REPAIRS: usize = 3;
 /// Factor for a table relative to a curve: separate values at the targets can follow every wave and every polynomial.
 const BY_TARGET: f64 = 0.8;
 /// Factor for an unnamed term relative to a named one.
@@ -227,40 +224,16 @@ impl<'s, 'a> Field<'s, 'a> {
 
     /// Searches until one of some candidates is accepted, if any are given: later terms are not needed then.
     pub(super) fn forward_until(&mut self, weights: &Weights, kept: &[usize], enough: &[usize]) -> Vec<usize> {
-        let taken = self.sound_steps(weights, kept, enough);
+        let taken = self.steps(weights, kept, enough);
         let mut taken = if kept.is_empty() { self.together(weights, taken) } else { taken };
         self.polish(weights, &mut taken, kept.len());
         taken
     }
 
-    /// Searches one by one, without terms that nearly cancel others: such terms are far larger than the residual, and arbitrary where nothing was measured.
-    pub(super) fn sound_steps(&mut self, weights: &Weights, kept: &[usize], enough: &[usize]) -> Vec<usize> {
-        let mut never = Vec::new();
-        let (mut taken, mut cancelled) = self.steps(weights, kept, (&never, enough));
-        while let Some(out) = cancelled.filter(|_| never.len() < REPAIRS) {
-            taken.retain(|&number| number != out);
-            never.push(out);
-            (taken, cancelled) = self.steps(weights, &taken, (&never, enough));
-        }
-        // After the last repair, the term is removed without a further search: its effect stays in the residual.
-        taken.retain(|&number| cancelled != Some(number));
-        taken
-    }
-
-    /// Searches one by one, including terms that nearly cancel others.
-    fn steps(
-        &mut self,
-        weights: &Weights,
-        kept: &[usize],
-        (never, enough): (&[usize], &[usize]),
-    ) -> (Vec<usize>, Option<usize>) {
+    /// Searches one by one.
+    pub(super) fn steps(&mut self, weights: &Weights, kept: &[usize], enough: &[usize]) -> Vec<usize> {
         let mut taken = kept.to_vec();
-        let mut series = self.series(weights, &[], 0.0);
-        let mut triangle = Triangle::new(&series);
-        for &number in kept {
-            let columns = self.columns_of(number);
-            triangle.take(&mut series, number, &columns);
-        }
+        let mut series = self.series(weights, kept, 0.0);
         let count = series.count() as f64;
         let mut look = CandidateSample::new(self, weights, kept);
         while taken.len() < MOST.max(kept.len() + MORE) {
@@ -271,7 +244,7 @@ impl<'s, 'a> Field<'s, 'a> {
             }
             let known = self.candidates.len();
             self.seek(&series, weights);
-            let Some(Step { number, open }) = self.choose((&series, &mut look), &taken, never) else {
+            let Some(Step { number, open }) = self.choose((&series, &mut look), &taken) else {
                 self.candidates.truncate(known);
                 break;
             };
@@ -292,34 +265,28 @@ impl<'s, 'a> Field<'s, 'a> {
                 }
                 None => number,
             };
-            let columns = self.columns_of(number);
-            triangle.take(&mut series, number, &columns);
+            for column in self.columns_of(number) {
+                series.take(&column);
+            }
             look.take(self, number);
             taken.push(number);
         }
         look.end(self);
-        let cancelled = triangle.cancelled(kept);
-        (taken, cancelled)
+        taken
     }
 
     /// Returns the candidate to take next in addition to some; `None` if none justifies its penalty.
-    fn choose(
-        &self,
-        (series, look): (&Series, &mut CandidateSample<'_, '_>),
-        taken: &[usize],
-        never: &[usize],
-    ) -> Option<Step> {
+    fn choose(&self, (series, look): (&Series, &mut CandidateSample<'_, '_>), taken: &[usize]) -> Option<Step> {
         let squares = series.squares();
         let gains = look.gains(self, series);
         let price = Price::new(series.count() as f64, self.tried);
-        let mut open: Vec<(f64, usize)> = gains
+        let open: Vec<(f64, usize)> = gains
             .iter()
             .enumerate()
             .filter(|(number, gain)| {
                 gain.rank > 0
                     && !self.bows.contains(number)
                     && !taken.contains(number)
-                    && !never.contains(number)
                     && !self.is_again(*number, taken)
             })
             .map(|(number, gain)| {
@@ -328,50 +295,18 @@ impl<'s, 'a> Field<'s, 'a> {
                 (worth * self.belief(number), number)
             })
             .collect();
-        // The simplest of the equivalent candidates, without implausible ones.
-        let (worth, number) = loop {
-            let (worth, number) = self.best_of(&open)?;
-            if !self.is_absurd(number, series) {
-                break (worth, number);
-            }
-            open.retain(|(_, other)| *other != number);
-        };
-        let named = self.is_unnamed(number).then(|| self.named_instead((series, look), &open, price, worth));
-        Some(Step { number: named.flatten().unwrap_or(number), open })
+        let number = self.best_of(&open)?;
+        Some(Step { number, open })
     }
 
     /// Returns the simplest of the candidates that are equivalent to the best.
-    fn best_of(&self, open: &[(f64, usize)]) -> Option<(f64, usize)> {
+    fn best_of(&self, open: &[(f64, usize)]) -> Option<usize> {
         let most = open.iter().map(|(worth, _)| *worth).fold(f64::NEG_INFINITY, f64::max);
-        open.iter().copied().filter(|(worth, _)| *worth > 0.0 && *worth > most - TIE).min_by(|a, b| {
+        let best = open.iter().copied().filter(|(worth, _)| *worth > 0.0 && *worth > most - TIE).min_by(|a, b| {
             let far = |number: usize| self.candidates.get(number).map_or(u32::MAX, Candidate::far_fetched);
             far(a.1).cmp(&far(b.1)).then(b.0.total_cmp(&a.0)).then(a.1.cmp(&b.1))
-        })
-    }
-
-    fn is_unnamed(&self, number: usize) -> bool {
-        self.candidates.get(number).is_none_or(|one| one.cause.effect == EffectKind::Unknown)
-    }
-
-    /// Returns the first of two named causes that together explain as much as an unnamed one.
-    fn named_instead(
-        &self,
-        (series, look): (&Series, &CandidateSample<'_, '_>),
-        open: &[(f64, usize)],
-        price: Price,
-        worth: f64,
-    ) -> Option<usize> {
-        let named = open.iter().filter(|(_, number)| !self.is_unnamed(*number));
-        let &(own, first) = named.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        let mut beside = series.clone();
-        self.candidates.get(first).map(|one| self.columns(one))?.iter().for_each(|column| {
-            beside.take(column);
         });
-        let gains = look.gains_behind(self, &beside, first);
-        let others = gains.iter().enumerate().filter(|(number, _)| *number != first && !self.is_unnamed(*number));
-        let others = others.filter(|(number, gain)| gain.rank > 0 && !self.is_again(*number, &[first]));
-        let next = others.map(|(_, gain)| price.worth(beside.squares(), gain)).fold(0.0, f64::max);
-        (own + next > worth).then_some(first)
+        best.map(|(_, number)| number)
     }
 
     /// An unnamed term must explain more than a named one.

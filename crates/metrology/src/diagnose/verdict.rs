@@ -30,8 +30,6 @@ use ncfix_base::units::um_from_mm;
 const ROUNDS: usize = 3;
 /// A shape is absorbed if its size is this multiple of the range of its effect on the readings.
 const FAR: f64 = 3.0;
-/// Maximum number of further searches after the first findings: a term that was not confirmed has hidden another one.
-const AGAIN: usize = 2;
 /// Relative step of a time constant for its derivative.
 const LONGER: f64 = 0.02;
 
@@ -213,19 +211,6 @@ pub(super) fn diagnose_then(
     let mut rejections = Rejections::default();
     let mut selections = Selections::new();
     let mut kept = confirm(&mut field, &weights, taken, (&mut selections, &mut rejections), note);
-    for _ in 0..AGAIN {
-        let known: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
-        note("search again", 0.0);
-        let taken = field.forward(&weights, &known);
-        if taken.len() == known.len() || known.is_empty() {
-            break;
-        }
-        let again = confirm(&mut field, &weights, taken, (&mut selections, &mut rejections), note);
-        if again.len() <= kept.len() {
-            break;
-        }
-        kept = again;
-    }
     let numbers: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
     note("explanations", 0.0);
     let volume = Volume::new(scene, |row| row.set < used);
