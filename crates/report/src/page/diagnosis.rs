@@ -277,7 +277,6 @@ fn rejected(out: &mut Markup, report: &DiagnosisReport, shown: &PageReadings) {
     out.leaf("h2", &[], "Tried and rejected");
     let gate = |one: &RejectedReport| match one.why {
         Gate::Chance => "not significant for the number of candidates that were tested",
-        Gate::Size => "smaller than a quarter of the noise where it acts",
         Gate::HeldOut => "it does not improve the data held out",
         _ if one.gain.is_none() => "the parts that were left out in turn cannot show whether it improves them",
         _ => "it does not improve the parts that were left out in turn",
