@@ -1,6 +1,7 @@
 //! One measurement: readings, their set-ups, and the unknowns of the set-ups.
 
 mod approach;
+mod arc;
 mod bodies;
 mod condition;
 pub mod cycles;
@@ -272,7 +273,9 @@ pub fn load_with(
             data.drivers = drivers::read(&rows, machine, sign, &data);
         }
     }
-    approach::turn_at_ends(&mut data, |axis| rows.column(&format!("{axis}_dir")).is_some());
+    let is_stated = |axis| rows.column(&format!("{axis}_dir")).is_some();
+    approach::turn_at_ends(&mut data, is_stated);
+    arc::along_circles(machine, &mut data, is_stated);
     bodies::finish(&mut data, machine);
     if findings.is_empty() && data.free.contains(&Free::Drift) {
         cycles::find(&mut data, &rows, &mut findings);
