@@ -379,7 +379,7 @@ fn a_million_readings_and_many_findings_are_a_page_that_opens() {
     cause.shape = grid.collect();
     cause.alone_um = f64::NAN;
     cause.unit = "um".into();
-    let rejected = RejectedReport { effect: HOSTILE.into(), why: Gate::Size, ..RejectedReport::default() };
+    let rejected = RejectedReport { effect: HOSTILE.into(), why: Gate::Chance, ..RejectedReport::default() };
     let mut found = DiagnosisResult::default();
     found.unit = UnitKey::Um;
     found.machine = HOSTILE.into();

@@ -13,6 +13,7 @@ use ncfix_model::{ErrorModel, ErrorName, Model};
 
 use super::column::Column;
 use super::effect::{EffectParameter, Parameter};
+use super::row_store::RowStore;
 use super::unit::{Units, number_of};
 
 /// Default standard uncertainty of known distances, mm.
@@ -194,8 +195,11 @@ impl<'a> Design<'a> {
                 (0..set.observations.len()).step_by(STRETCH).map(|from| from..from + STRETCH).collect();
             for some in stretches.chunks(STRETCHES) {
                 for (lines, all) in in_parts(some, &|rows: &Range<usize>| self.of_rows(models, &own, rows, factors)) {
-                    let mut all = all.chunks(self.columns.len().max(1));
-                    lines.into_iter().for_each(|line| out(line, all.next().unwrap_or_default()));
+                    if factors {
+                        all.each(|row, factors| lines.get(row).iter().for_each(|line| out(**line, factors)));
+                    } else {
+                        lines.into_iter().for_each(|line| out(line, &[]));
+                    }
                 }
             }
             let mut equations: Vec<Equation> = Vec::new();
@@ -203,7 +207,7 @@ impl<'a> Design<'a> {
             let mut row_factors = vec![0.0; self.columns.len()];
             for (tie, equation) in equations.iter().enumerate() {
                 row_factors.fill(0.0);
-                own.enter(equation, factors, &mut row_factors);
+                own.factors(equation).for_each(|(column, factor)| row_factors[column] = factor);
                 out(own.line(equation, EquationOrigin::Tie(tie)), &row_factors);
             }
         }
@@ -216,12 +220,12 @@ impl<'a> Design<'a> {
         own: &Own<'_>,
         rows: &Range<usize>,
         factors: bool,
-    ) -> (Vec<ReadingEquation>, Vec<f64>) {
+    ) -> (Vec<ReadingEquation>, RowStore) {
         let mut model = Model::at(self.machine, errors, &Condition::default());
         let mut units = Units::new(self, effects);
         let mut equations: Vec<Equation> = Vec::new();
-        let mut row_factors = vec![0.0; self.columns.len()];
-        let (mut lines, mut all) = (Vec::new(), Vec::new());
+        let mut shared = vec![0.0; self.parameters.len()];
+        let (mut lines, mut all) = (Vec::new(), RowStore::new(self.columns.len(), self.parameters.len()));
         let set = own.set;
         let mut now = None;
         for (row, observation) in set.observations.iter().enumerate().take(rows.end).skip(rows.start) {
@@ -241,9 +245,8 @@ impl<'a> Design<'a> {
             }
             for equation in &equations {
                 if factors {
-                    units.factors(&equation.by_tip, &equation.by_turn, &mut row_factors);
-                    own.enter(equation, factors, &mut row_factors);
-                    all.extend_from_slice(&row_factors);
+                    units.factors(&equation.by_tip, &equation.by_turn, &mut shared);
+                    all.push_parts(&shared, own.factors(equation));
                 }
                 lines.push(own.line(equation, EquationOrigin::Row(row)));
             }
@@ -295,13 +298,9 @@ struct Own<'a> {
 }
 
 impl Own<'_> {
-    /// Enters the derivatives of its unknowns, if requested.
-    fn enter(&self, equation: &Equation, factors: bool, out: &mut [f64]) {
-        if factors {
-            for &(place, factor) in &equation.by_unknown {
-                out[self.from + place] = factor;
-            }
-        }
+    /// The derivatives with respect to its unknowns, with their columns.
+    fn factors(&self, equation: &Equation) -> impl Iterator<Item = (usize, f64)> {
+        equation.by_unknown.iter().map(|&(place, factor)| (self.from + place, factor))
     }
 
     fn line(&self, equation: &Equation, origin: EquationOrigin) -> ReadingEquation {

@@ -18,6 +18,7 @@ use super::fault::{FitError, Unsettled};
 use super::identify::{Identified, judge};
 use super::noise::{NoiseGroups, group_of};
 use super::robust::TUKEY_VARIANCE;
+use super::row_store::RowStore;
 use super::words;
 
 /// Maximum number of iterations.
@@ -185,8 +186,8 @@ struct Rounds<'a> {
     used: Vec<f64>,
     lines: Vec<ReadingEquation>,
     weights: Vec<f64>,
-    /// The derivatives of all equations, concatenated; empty if there are too many.
-    factors: Vec<f64>,
+    /// The derivatives of all equations; empty if there are too many.
+    factors: RowStore,
     errors: ErrorModel,
     values: Vec<f64>,
     /// Identifiability, including set-up unknowns that are not identifiable, which is harmless.
@@ -204,7 +205,7 @@ impl<'a> Rounds<'a> {
             used,
             lines: Vec::new(),
             weights: Vec::new(),
-            factors: Vec::new(),
+            factors: RowStore::new(design.columns.len(), design.parameters.len()),
             errors: ErrorModel::default(),
             values: Vec::new(),
             judged,
@@ -245,7 +246,6 @@ impl<'a> Rounds<'a> {
         self.values = values.to_vec();
         // Directions of readings depend on the unknowns of the set-ups, which the first iterations determine.
         let with_factors = self.design.is_curved() || round < 2 || round == self.early() + 1 || is_last;
-        let width = self.design.columns.len();
         let (lines, kept) = (&mut self.lines, &mut self.factors);
         lines.clear();
         if with_factors {
@@ -254,13 +254,13 @@ impl<'a> Rounds<'a> {
         let mut fits = true;
         self.design.walk(errors, values, with_factors, |line, factors| {
             lines.push(line);
-            fits &= lines.len() * width <= KEPT_FACTORS;
+            fits &= kept.size() <= KEPT_FACTORS;
             if with_factors && fits {
-                kept.extend_from_slice(factors);
+                kept.push(factors);
             }
         });
         if !fits {
-            self.factors = Vec::new();
+            self.factors = RowStore::new(self.design.columns.len(), self.design.parameters.len());
         }
         // After a first step the residuals are meaningful.
         let is_same = round > 0 && self.noise.update(&self.lines, &self.used, self.options.robust);
@@ -282,8 +282,7 @@ impl<'a> Rounds<'a> {
             };
             weight.sqrt() / sigma
         };
-        let width = self.design.columns.len();
-        let mut own = vec![0.0; width];
+        let mut own = vec![0.0; self.design.columns.len()];
         let mut pass = |line: &ReadingEquation, factors: &[f64], weight: f64| {
             if self.judged.lost.held.is_empty() {
                 return out(line, factors, weight);
@@ -292,10 +291,11 @@ impl<'a> Rounds<'a> {
             self.judged.lost.held.iter().for_each(|&column| own[column] = 0.0);
             out(line, &own, weight);
         };
-        if self.factors.len() == self.lines.len() * width {
-            for (k, (line, &weight)) in self.lines.iter().zip(&self.weights).enumerate() {
-                pass(line, self.factors.get(k * width..(k + 1) * width).unwrap_or_default(), root(line, weight));
-            }
+        if self.factors.len() == self.lines.len() {
+            self.factors.each(|k, factors| {
+                let own = self.lines.get(k).zip(self.weights.get(k));
+                own.iter().for_each(|(line, weight)| pass(line, factors, root(line, **weight)));
+            });
         } else {
             let mut weights = self.weights.iter();
             self.design.walk(&self.errors, &self.values, true, |line, factors| {

@@ -25,6 +25,7 @@ mod null_space;
 mod quality;
 mod reduce;
 mod robust;
+mod row_store;
 mod select;
 pub mod sensors;
 mod unit;

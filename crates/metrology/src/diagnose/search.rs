@@ -179,9 +179,9 @@ impl<'s, 'a> Field<'s, 'a> {
     pub(super) fn series(&self, weights: &Weights, taken: &[usize], memory: f64) -> Series {
         let mut series = self.starts.series(weights, memory, || {
             let mut series = Series::new(&weights.series, &weights.items, memory);
-            for column in self.unknowns() {
-                series.take(&column);
-            }
+            self.each_unknown(|column| {
+                series.take(column);
+            });
             let values: Vec<f64> = self.scene.items.iter().map(|item| item.left).collect();
             series.set_values(&values);
             series
@@ -194,16 +194,20 @@ impl<'s, 'a> Field<'s, 'a> {
         series
     }
 
-    pub(super) fn unknowns(&self) -> Vec<Vec<f64>> {
-        let mut columns = vec![vec![0.0; self.scene.items.len()]; self.scene.unknowns];
+    /// Calls `out` with the column of each set-up unknown.
+    pub(super) fn each_unknown(&self, mut out: impl FnMut(&[f64])) {
+        let mut factors: Vec<Vec<(usize, f64)>> = vec![Vec::new(); self.scene.unknowns];
         for (place, item) in self.scene.items.iter().enumerate() {
             for &(unknown, factor) in &item.by_unknown {
-                if let Some(value) = columns.get_mut(unknown).and_then(|column| column.get_mut(place)) {
-                    *value += factor;
-                }
+                factors.get_mut(unknown).into_iter().for_each(|own| own.push((place, factor)));
             }
         }
-        columns
+        let mut column = vec![0.0; self.scene.items.len()];
+        for own in factors {
+            own.iter().for_each(|&(place, factor)| column[place] += factor);
+            out(&column);
+            own.iter().for_each(|&(place, _)| column[place] = 0.0);
+        }
     }
 
     /// Returns the readings minus the effects of some candidates, with amounts from a fit of these and others.

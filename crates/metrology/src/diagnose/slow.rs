@@ -22,6 +22,8 @@ const MANY: usize = 8000;
 const MOST: usize = 60;
 /// A column with less than this share of its square remaining is dependent.
 const DEPENDENT: f64 = 1e-9;
+/// A column of unit length has faded out below this value: its square is lost in the rounding of the products.
+const FADED: f64 = 1e-12;
 
 /// The included readings, one series after the other.
 struct Rows {
@@ -59,6 +61,34 @@ impl Rows {
     }
 }
 
+/// A column from its first to its last value that is not 0: that of a set-up is short.
+struct SparseColumn {
+    first: usize,
+    values: Vec<f64>,
+}
+
+impl SparseColumn {
+    fn new(column: &[f64]) -> SparseColumn {
+        let first = column.iter().position(|value| *value != 0.0).unwrap_or(0);
+        let end = column.iter().rposition(|value| *value != 0.0).map_or(first, |last| last + 1);
+        SparseColumn { first, values: column.get(first..end).unwrap_or_default().to_vec() }
+    }
+
+    fn dot(&self, other: &SparseColumn) -> f64 {
+        let [start, end] = [self.first.max(other.first), self.end().min(other.end())];
+        let of = |column: &SparseColumn| start.saturating_sub(column.first)..end.saturating_sub(column.first);
+        if start >= end {
+            return 0.0;
+        }
+        let pair = self.values.get(of(self)).zip(other.values.get(of(other)));
+        pair.map_or(0.0, |(one, other)| one.iter().zip(other).map(|(a, b)| a * b).sum())
+    }
+
+    fn end(&self) -> usize {
+        self.first + self.values.len()
+    }
+}
+
 /// A noise model: white noise plus a slow process with this autocorrelation and this variance of its innovation.
 #[derive(Clone, Copy)]
 struct Kind {
@@ -76,7 +106,7 @@ struct Products {
 
 impl Products {
     /// Innovations of a Kalman filter: each reading minus its prediction from the preceding ones.
-    fn new(kind: Kind, rows: &Rows, (unknowns, columns): (&[Vec<f64>], &[Vec<f64>])) -> Products {
+    fn new(kind: Kind, rows: &Rows, (unknowns, columns): (&[SparseColumn], &[SparseColumn])) -> Products {
         let mut variance = kind.fresh / (1.0 - kind.memory * kind.memory);
         let mut steps = Vec::with_capacity(rows.longest);
         for _ in 0..rows.longest {
@@ -84,36 +114,31 @@ impl Products {
             steps.push((variance / whole, whole.sqrt()));
             variance = kind.memory * kind.memory * variance / whole + kind.fresh;
         }
-        let whitened = |column: &Vec<f64>| {
+        let whitened = |column: &SparseColumn| {
             let mut slow = 0.0;
-            let of = |(value, within): (&f64, &usize)| {
+            let mut out = SparseColumn { first: column.first, values: Vec::with_capacity(column.values.len()) };
+            for (place, within) in rows.within.iter().enumerate().skip(column.first) {
                 if *within == 0 {
                     slow = 0.0;
                 }
+                let value = column.values.get(place - column.first);
+                // After its last value, a column only fades.
+                if value.is_none() && f64::abs(slow) < FADED {
+                    break;
+                }
                 let (gain, sigma) = steps.get(*within).copied().unwrap_or((0.0, 1.0));
-                let new = value - slow;
+                let new = value.copied().unwrap_or(0.0) - slow;
                 slow = kind.memory * (slow + gain * new);
-                new / sigma
-            };
-            column.iter().zip(&rows.within).map(of).collect::<Vec<f64>>()
+                out.values.push(new / sigma);
+            }
+            out
         };
-        let all: Vec<(Vec<f64>, [usize; 2])> = unknowns
-            .iter()
-            .chain(columns)
-            .map(|column| {
-                let whitened = whitened(column);
-                let first = whitened.iter().position(|value| *value != 0.0).unwrap_or(0);
-                let end = whitened.iter().rposition(|value| *value != 0.0).map_or(first, |last| last + 1);
-                (whitened, [first, end])
-            })
-            .collect();
+        let all: Vec<SparseColumn> = unknowns.iter().chain(columns).map(whitened).collect();
         let side = all.len();
         let mut matrix = vec![0.0; side * side];
-        for (k, (one, own)) in all.iter().enumerate() {
-            for (l, (other, of)) in all.iter().enumerate().take(k + 1) {
-                let span = own[0].max(of[0])..own[1].min(of[1]);
-                let pair = one.get(span.clone()).zip(other.get(span));
-                let product = pair.map_or(0.0, |(one, other)| one.iter().zip(other).map(|(a, b)| a * b).sum());
+        for (k, one) in all.iter().enumerate() {
+            for (l, other) in all.iter().enumerate().take(k + 1) {
+                let product = one.dot(other);
                 matrix[k * side + l] = product;
                 matrix[l * side + k] = product;
             }
@@ -169,16 +194,17 @@ struct Slow {
 impl Slow {
     fn new(field: &Field<'_, '_>, weights: &Weights, numbers: &[usize]) -> Slow {
         let rows = Rows::new(field, weights);
-        let unknowns: Vec<Vec<f64>> = field.unknowns().iter().map(|values| rows.column(weights, values)).collect();
-        let mut columns: Vec<Vec<f64>> = Vec::new();
+        let mut unknowns: Vec<SparseColumn> = Vec::new();
+        field.each_unknown(|values| unknowns.push(SparseColumn::new(&rows.column(weights, values))));
+        let mut columns: Vec<SparseColumn> = Vec::new();
         let mut own: Vec<Vec<usize>> = Vec::new();
         for number in numbers {
             let all = field.candidates.get(*number).map(|one| field.columns(one)).unwrap_or_default();
             own.push((columns.len()..columns.len() + all.len()).collect());
-            columns.extend(all.iter().map(|values| rows.column(weights, values)));
+            columns.extend(all.iter().map(|values| SparseColumn::new(&rows.column(weights, values))));
         }
         let values: Vec<f64> = field.scene.items.iter().map(|item| item.left).collect();
-        columns.push(rows.column(weights, &values));
+        columns.push(SparseColumn::new(&rows.column(weights, &values)));
         let (memories, fresh) = if rows.places.len() > MANY {
             (&MEMORIES_OF_MANY[..], &FRESH_OF_MANY[..])
         } else {
