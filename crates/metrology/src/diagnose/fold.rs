@@ -30,8 +30,13 @@ pub(super) const NO_PART: usize = usize::MAX;
 
 /// Parts by runs or set-ups of the included readings.
 pub(super) fn repeats(scene: &Scene<'_>, weights: &Weights) -> Vec<usize> {
+    // Sequences that were read in turn share a drift, so none of them is unseen without the others.
+    let mut firsts: HashMap<usize, usize> = HashMap::new();
+    for (place, row) in scene.rows.iter().enumerate() {
+        firsts.entry(row.series).or_insert(place);
+    }
     let observation = |place: usize| {
-        let row = scene.rows.get(place)?;
+        let row = scene.rows.get(*firsts.get(&scene.rows.get(place)?.series)?)?;
         Some((row.set, scene.sets.get(row.set)?.observations.get(row.number)?))
     };
     // True for each measurement with several runs; the others are split by set-ups.
@@ -52,18 +57,18 @@ pub(super) fn repeats(scene: &Scene<'_>, weights: &Weights) -> Vec<usize> {
     parts.into_iter().map(|number| number.map_or(NO_PART, part)).collect()
 }
 
-/// Parts by blocks of each sequence of rows, distributed in rounds: a part of several blocks covers more than one place.
+/// Parts by blocks of each series of rows, distributed in rounds: a part of several blocks covers more than one place.
 pub(super) fn stretches(scene: &Scene<'_>, rounds: usize) -> Vec<usize> {
     let mut lengths: HashMap<usize, usize> = HashMap::new();
-    scene.rows.iter().for_each(|row| *lengths.entry(row.sequence).or_insert(0) += 1);
+    scene.rows.iter().for_each(|row| *lengths.entry(row.series).or_insert(0) += 1);
     let mut seen: HashMap<usize, usize> = HashMap::new();
     let of_rows: Vec<usize> = scene
         .rows
         .iter()
         .map(|row| {
-            let place = seen.entry(row.sequence).or_insert(0);
+            let place = seen.entry(row.series).or_insert(0);
             *place += 1;
-            (*place - 1) * STRETCHES * rounds / lengths.get(&row.sequence).copied().unwrap_or(1).max(1) % STRETCHES
+            (*place - 1) * STRETCHES * rounds / lengths.get(&row.series).copied().unwrap_or(1).max(1) % STRETCHES
         })
         .collect();
     scene.items.iter().map(|item| of_rows.get(item.row).copied().unwrap_or(NO_PART)).collect()

@@ -17,7 +17,7 @@ pub(super) fn weights(scene: &Scene<'_>, used: usize) -> (Weights, Weights) {
     let rows = scene.rows.len();
     let series = |item: &super::scene::SceneReading| {
         // Each value of a row forms its own series, and so does every known distance.
-        scene.rows.get(item.row).map_or(usize::MAX, |row| row.sequence * 3 + item.value)
+        scene.rows.get(item.row).map_or(usize::MAX, |row| row.series * 3 + item.value)
     };
     let mut numbers: BTreeMap<usize, usize> = BTreeMap::new();
     let mut ties = 0;

@@ -31,6 +31,8 @@ pub struct SceneRow {
     pub number: usize,
     /// Number of its sequence, counted over all measurements. A sequence has the consecutive rows of one measurement, set-up and run.
     pub sequence: usize,
+    /// Number of its series in time: its sequence, or the first of all sequences that were read in turn with it. These share one drift of the machine.
+    pub series: usize,
     /// Number of its set-up.
     pub setup: usize,
     /// Number of its run in its measurement.
@@ -83,7 +85,9 @@ pub(super) fn rows(sets: &[DataSet]) -> Vec<SceneRow> {
             });
             rows.push(row(set, number, sequence, one));
         }
-        move_along(data, rows.get_mut(from..).unwrap_or_default());
+        let own = rows.get_mut(from..).unwrap_or_default();
+        join_in_turn(own);
+        move_along(data, own);
     }
     rows
 }
@@ -93,6 +97,7 @@ fn row(set: usize, number: usize, sequence: usize, one: &Observation) -> SceneRo
         set,
         number,
         sequence,
+        series: sequence,
         setup: one.setup,
         run: one.run,
         tool_mm: [0, 1, 2].map(|k| one.reading.tool_mm[k]),
@@ -106,6 +111,36 @@ fn row(set: usize, number: usize, sequence: usize, one: &Observation) -> SceneRo
         assumed_velocity: None,
         acceleration: None,
         time_s: one.t_s,
+    }
+}
+
+/// Joins the sequences that were read in turn, such as several points again and again while the machine warms up. Between two rows of one of them there are
+/// rows of the others.
+fn join_in_turn(rows: &mut [SceneRow]) {
+    // Groups of joined sequences of each component, by the order of their last rows.
+    let mut by_component: Vec<(Option<ErrorName>, Vec<Vec<usize>>)> = Vec::new();
+    for row in rows.iter() {
+        let known = by_component.iter().position(|(component, _)| *component == row.component);
+        let place = known.unwrap_or_else(|| {
+            by_component.push((row.component, Vec::new()));
+            by_component.len() - 1
+        });
+        let groups = &mut by_component[place].1;
+        match groups.iter().rposition(|group| group.contains(&row.sequence)) {
+            Some(place) => {
+                let joined: Vec<usize> = groups.split_off(place).into_iter().flatten().collect();
+                groups.push(joined);
+            }
+            None => groups.push(vec![row.sequence]),
+        }
+    }
+    let mut series: BTreeMap<usize, usize> = BTreeMap::new();
+    for group in by_component.into_iter().flat_map(|(_, groups)| groups) {
+        let first = group.iter().copied().min().unwrap_or(0);
+        series.extend(group.into_iter().map(|sequence| (sequence, first)));
+    }
+    for row in rows {
+        row.series = series.get(&row.sequence).copied().unwrap_or(row.sequence);
     }
 }
 
@@ -288,6 +323,20 @@ mod tests {
         assert_eq!(of(|row| row.way_since_turn)[..6], [far, 10.0, 20.0, 30.0, 10.0, 20.0]);
         assert_eq!(of(|row| row.since_turn)[..6], [far, far, far, far, 10.0, 20.0]);
         assert!(of(|row| row.way_since_turn)[6] <= 15.0);
+    }
+
+    #[test]
+    fn set_ups_that_are_read_in_turn_are_one_series() {
+        let machine = bench::machine();
+        let series = |labels: &str| -> Vec<usize> {
+            let cells: Vec<(f64, String)> = labels.chars().map(|label| (0.0, format!(",{label}"))).collect();
+            let cells: Vec<(f64, &str)> = cells.iter().map(|(x, label)| (*x, label.as_str())).collect();
+            rows(&[bench::along_x(&machine, ",setup", &cells)]).iter().map(|row| row.series).collect()
+        };
+        assert_eq!(series("AABBCC"), [0, 0, 1, 1, 2, 2]);
+        assert_eq!(series("ABCABC"), [0; 6]);
+        // B to D in turn, after A and before E.
+        assert_eq!(series("AABCBDCBEE"), [0, 0, 1, 1, 1, 1, 1, 1, 4, 4]);
     }
 
     #[test]

@@ -186,6 +186,16 @@ impl<'s, 'a> CandidateSample<'s, 'a> {
         field.gains_of_some(series, &mut self.whole, &is_in)
     }
 
+    /// Returns these gains after one more term, which the series already has.
+    pub(super) fn gains_behind(&self, field: &Field<'_, '_>, series: &Series, first: usize) -> Vec<Gain> {
+        let mut whole = self.whole.clone();
+        let Some((part, own, scores)) = &self.part else { return field.gains_of(series, &mut whole) };
+        let mut own = own.clone();
+        part.take(first, &mut own);
+        let is_in = part.promising(&own, &mut scores.clone(), series);
+        field.gains_of_some(series, &mut whole, &is_in)
+    }
+
     /// Records that a candidate was taken.
     pub(super) fn take(&mut self, field: &Field<'_, '_>, number: usize) {
         if let Some((part, series, _)) = &mut self.part {

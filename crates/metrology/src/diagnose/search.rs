@@ -284,7 +284,7 @@ impl<'s, 'a> Field<'s, 'a> {
         let squares = series.squares();
         let gains = look.gains(self, series);
         let price = Price::new(series.count() as f64, self.tried);
-        let open: Vec<(f64, usize)> = gains
+        let mut open: Vec<(f64, usize)> = gains
             .iter()
             .enumerate()
             .filter(|(number, gain)| {
@@ -299,18 +299,50 @@ impl<'s, 'a> Field<'s, 'a> {
                 (worth * self.belief(number), number)
             })
             .collect();
-        let number = self.best_of(&open)?;
-        Some(Step { number, open })
+        // The simplest of the equivalent candidates, without implausible ones.
+        let (worth, number) = loop {
+            let (worth, number) = self.best_of(&open)?;
+            if !self.is_absurd(number, series) {
+                break (worth, number);
+            }
+            open.retain(|(_, other)| *other != number);
+        };
+        let named = self.is_unnamed(number).then(|| self.named_instead((series, look), &open, price, worth));
+        Some(Step { number: named.flatten().unwrap_or(number), open })
     }
 
     /// Returns the simplest of the candidates that are equivalent to the best.
-    fn best_of(&self, open: &[(f64, usize)]) -> Option<usize> {
+    fn best_of(&self, open: &[(f64, usize)]) -> Option<(f64, usize)> {
         let most = open.iter().map(|(worth, _)| *worth).fold(f64::NEG_INFINITY, f64::max);
-        let best = open.iter().copied().filter(|(worth, _)| *worth > 0.0 && *worth > most - TIE).min_by(|a, b| {
+        open.iter().copied().filter(|(worth, _)| *worth > 0.0 && *worth > most - TIE).min_by(|a, b| {
             let far = |number: usize| self.candidates.get(number).map_or(u32::MAX, Candidate::far_fetched);
             far(a.1).cmp(&far(b.1)).then(b.0.total_cmp(&a.0)).then(a.1.cmp(&b.1))
+        })
+    }
+
+    fn is_unnamed(&self, number: usize) -> bool {
+        self.candidates.get(number).is_none_or(|one| one.cause.effect == EffectKind::Unknown)
+    }
+
+    /// Returns the first of two named causes that together explain as much as an unnamed one.
+    fn named_instead(
+        &self,
+        (series, look): (&Series, &CandidateSample<'_, '_>),
+        open: &[(f64, usize)],
+        price: Price,
+        worth: f64,
+    ) -> Option<usize> {
+        let named = open.iter().filter(|(_, number)| !self.is_unnamed(*number));
+        let &(own, first) = named.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let mut beside = series.clone();
+        self.candidates.get(first).map(|one| self.columns(one))?.iter().for_each(|column| {
+            beside.take(column);
         });
-        best.map(|(_, number)| number)
+        let gains = look.gains_behind(self, &beside, first);
+        let others = gains.iter().enumerate().filter(|(number, _)| *number != first && !self.is_unnamed(*number));
+        let others = others.filter(|(number, gain)| gain.rank > 0 && !self.is_again(*number, &[first]));
+        let next = others.map(|(_, gain)| price.worth(beside.squares(), gain)).fold(0.0, f64::max);
+        (own + next > worth).then_some(first)
     }
 
     /// An unnamed term must explain more than a named one.

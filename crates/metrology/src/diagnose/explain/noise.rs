@@ -1,6 +1,7 @@
 //! Autocorrelated noise: white noise and an Ornstein–Uhlenbeck process in every series of readings.
 //!
-//! A series contains the readings of one value (each direction of a displacement is one) in one set-up and run, in order. The Kalman filter with one
+//! A series contains the readings of one value (each direction of a displacement is one) in one set-up and run, in order. Set-ups that were read in turn share
+//! one series: a drift of the machine is the same in all of them. The Kalman filter with one
 //! state filters the process (Durbin and Koopman 2012, Time Series Analysis by State Space Methods, ch. 4). Innovations divided by their standard
 //! deviations are white. The filter is linear, so it is applied to readings and columns alike, in a time proportional to the number of readings.
 
@@ -47,7 +48,7 @@ impl NoiseSeries {
                 && *weight > 0.0
                 && let Some(row) = scene.row_of(item)
             {
-                places.entry((row.sequence, item.value, item.is_angle)).or_default().push(place);
+                places.entry((row.series, item.value, item.is_angle)).or_default().push(place);
             }
         }
         let has_clock = scene.rows.iter().all(|row| row.time_s.is_some());
