@@ -242,7 +242,7 @@ fn is_cell_number(text: &str, separator: Separator) -> bool {
 }
 
 fn read(text: &DecodedText, separator: Separator) -> Result<GridTable, Box<Diagnostic>> {
-    let lines: Vec<GridLine> = text
+    let mut lines: Vec<GridLine> = text
         .lines()
         .filter(|(_, line, _)| !is_comment(line))
         .map(|(number, line, start)| GridLine { number, cells: split(line, start, separator) })
@@ -260,6 +260,14 @@ fn read(text: &DecodedText, separator: Separator) -> Result<GridTable, Box<Diagn
         *widths.entry(line.cells.len()).or_default() += numbers(line);
     }
     let width = widths.iter().max_by_key(|(width, count)| (**count, **width)).map_or(0, |(width, _)| *width);
+    if separator == Separator::Blanks {
+        for line in lines.iter_mut().filter(|line| line.cells.len() > width && numbers(line) == 0) {
+            let wide = wide_cells(&line.cells);
+            if wide.len() == width {
+                line.cells = wide;
+            }
+        }
+    }
     let is_words = |line: &GridLine| {
         line.cells.len() == width && line.cells.iter().filter(|cell| !cell.text.is_empty()).count() * 2 > width
     };
@@ -318,6 +326,21 @@ fn read(text: &DecodedText, separator: Separator) -> Result<GridTable, Box<Diagn
     let decimal = decimal_sign(&rows, separator)?;
     let heading_line = heading.and_then(|at| lines.get(at)).map_or(0, |line| line.number);
     Ok(GridTable { separator, decimal, headings, heading_line, rows, before, skipped })
+}
+
+/// Joins words with one blank between them: in aligned columns, headings of several words are further apart.
+fn wide_cells(cells: &[GridCell]) -> Vec<GridCell> {
+    let mut out: Vec<GridCell> = Vec::new();
+    for cell in cells {
+        match out.last_mut().filter(|last| cell.span.start == last.span.end + 1) {
+            Some(last) => {
+                last.text = format!("{} {}", last.text, cell.text);
+                last.span.end = cell.span.end;
+            }
+            None => out.push(cell.clone()),
+        }
+    }
+    out
 }
 
 /// True if rows begin with a number: then a row that begins with a word is not a reading. Names of features may be any word.

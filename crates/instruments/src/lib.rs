@@ -58,6 +58,11 @@ pub fn import(
             readings.check(machine, text)?;
             Ok(ImportOutcome::Readings(Box::new(inquiry.finish(readings, chosen.name))))
         }
+        Err(ImportStop::Asks) if inquiry.questions().is_empty() => {
+            let message = format!("{} has no readings in the layout '{}'", text.source().name(), chosen.name);
+            let help = "`ncfix import --list` lists the formats; without --as, the content decides";
+            Err(Box::new(Diagnostic::nowhere(Code::IMPORT_FORMAT, message, help)))
+        }
         Ok(_) | Err(ImportStop::Asks) => Ok(ImportOutcome::Questions(inquiry.questions().to_vec())),
         // A contradiction may only be the consequence of an open question.
         Err(ImportStop::Refused(_)) if !inquiry.questions().is_empty() => {

@@ -21,7 +21,10 @@ pub(super) const POINTS: InstrumentFormat = InstrumentFormat {
     needs: "flat-reference at unit tool",
     recognize: |text| points(text).map_or(0, |found| found.1),
     read: |inquiry| {
-        let (found, _, unit) = points(inquiry.text).ok_or(ImportStop::Asks)?;
+        let Some((found, _, unit)) = points(inquiry.text) else {
+            let message = "the file has no points x y z in every line";
+            return Err(inquiry.refused(message, "`ncfix import --list` lists the formats", 0));
+        };
         flat(inquiry, found, unit)
     },
 };
@@ -62,7 +65,7 @@ pub(super) const MARLIN: InstrumentFormat = InstrumentFormat {
 };
 
 /// Point and its line.
-type Probed = ([f64; 3], usize);
+pub(super) type Probed = ([f64; 3], usize);
 
 /// Points of a log with certainty, and the unit with its line if the log states it.
 type ProbedLog = (Vec<Probed>, u8, Option<(ReadingUnit, usize)>);
@@ -207,8 +210,9 @@ fn klipper_points(text: &DecodedText) -> Result<Vec<Probed>, (String, usize)> {
     Ok(rows.iter().enumerate().flat_map(point).collect())
 }
 
-/// Turns points on a flat into displacements.
-fn flat(
+/// Turns points on a flat into displacements at their mean height. The heights are the readings: if they were positions too, an error of Z that depends on Z
+/// would explain any map.
+pub(super) fn flat(
     inquiry: &mut Inquiry<'_>,
     found: Vec<Probed>,
     unit: Option<(ReadingUnit, usize)>,
@@ -242,9 +246,10 @@ fn flat(
         if fine.abs() > worst.0.abs() {
             worst = (fine, [place[0] + zero[0], place[1] + zero[1]]);
         }
-        let position = (0..3).map(|k| place[k] + zero[k]).collect();
+        let position = vec![place[0] + zero[0], place[1] + zero[1], mean + zero[2]];
         out.rows.push(ImportedRow { position, values: vec![Some(fine)], line, ..ImportedRow::default() });
     }
+    inquiry.note("Z of every row is the mean height, as the heights are the readings", 0);
     inquiry.note("height and tilt of the flat are unknowns of the fit; its own flatness is not corrected", 0);
     let mark = if worst.0 < 0.0 { '-' } else { '+' };
     out.sign_sentence = format!(

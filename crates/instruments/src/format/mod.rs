@@ -7,6 +7,7 @@ mod ballbar;
 mod displacements;
 mod height_map;
 mod nominal_actual;
+mod reprap_map;
 mod sections;
 mod spheres;
 mod targets;
@@ -68,6 +69,7 @@ pub const FORMATS: &[&InstrumentFormat] = &[
     &height_map::POINTS,
     &height_map::KLIPPER,
     &height_map::MARLIN,
+    &reprap_map::FORMAT,
 ];
 
 /// Finds the format of a text by its content.

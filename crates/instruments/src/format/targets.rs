@@ -189,7 +189,30 @@ fn collect_rows(
     if !unread.is_empty() {
         inquiry.note(format!("rows that are not read: {}", unread.join(", ")), 0);
     }
+    subtract_targets(inquiry, facts, &mut found);
     Ok(found)
+}
+
+/// Subtracts the targets from readings that are the positions reached: these follow the targets much more closely than any deviation could.
+fn subtract_targets(inquiry: &mut Inquiry<'_>, facts: &mut StatedFacts, found: &mut [TargetReading]) {
+    /// Largest difference of a position and its target, as a share of the span of the targets.
+    const NEAR: f64 = 0.01;
+    let span = found.iter().fold([f64::MAX, f64::MIN], |[low, high], own| [low.min(own.target), high.max(own.target)]);
+    let near = NEAR * (span[1] - span[0]);
+    if found.len() < 4 || !(near > 0.0) || found.iter().any(|own| (own.value - own.target).abs() > near) {
+        return;
+    }
+    found.iter_mut().for_each(|own| own.value -= own.target);
+    note_difference(inquiry, facts, found.first().map_or(0, |own| own.line));
+}
+
+/// Notes sign and unit of readings that are actual minus target positions.
+fn note_difference(inquiry: &mut Inquiry<'_>, facts: &mut StatedFacts, line: usize) {
+    facts.sign = Some((1.0, line));
+    facts.unit = facts.unit.or(facts.target_unit);
+    let unit = facts.unit.map_or("mm", |(unit, _)| unit.sign());
+    inquiry.note(format!("the readings are actual minus target positions, {unit}"), line);
+    facts.unit = facts.unit.or(Some((ReadingUnit::Length("mm", 1.0), line)));
 }
 
 /// Collects the readings of a table.
@@ -263,7 +286,14 @@ fn collect(
             }
             found.extend(series_of(run, sense, own));
         }
+        subtract_targets(inquiry, facts, &mut found);
         return Ok(found);
+    }
+    for role in [ColumnRole::Deviation, ColumnRole::Actual, ColumnRole::Correction] {
+        if columns.iter().filter(|(_, own)| *own == role).count() > 1 {
+            let message = "several columns have readings of the same kind, and none states its run and direction";
+            return Err(inquiry.refused(message, "name them with --columns, such as target,1+,1-", line));
+        }
     }
     let (run, sense) = (of(ColumnRole::Run), of(ColumnRole::Sense));
     let deviation = of(ColumnRole::Deviation).or(of(ColumnRole::Correction));
@@ -287,12 +317,7 @@ fn collect(
     facts.unit = facts.unit.or_else(|| value_columns.iter().find_map(|(index, _)| unit_of(*index)));
     let is_difference = components.is_empty() && deviation.is_none();
     if is_difference {
-        facts.sign = Some((1.0, line));
-        facts.unit = facts.unit.or(facts.target_unit);
-        let unit = facts.unit.map_or("mm", |(unit, _)| unit.sign());
-        inquiry.note(format!("the readings are actual minus target positions, {unit}"), line);
-        let length = ReadingUnit::Length("mm", 1.0);
-        facts.unit = facts.unit.or(Some((length, line)));
+        note_difference(inquiry, facts, line);
     }
     for row in &table.rows {
         let at = table.needed(row, target)?;

@@ -276,6 +276,24 @@ fn named_of(field: &Field<'_, '_>, one: &Candidate) -> Vec<usize> {
         .collect()
 }
 
+/// Returns the terms of each sensor with more than two. A temperature moves the tip in several directions: without all of them, the noise is as slow as the
+/// temperature.
+fn of_one_sensor(field: &Field<'_, '_>, judged: &[Taken], open: &[usize]) -> Vec<Vec<usize>> {
+    let sensor = |k: usize| {
+        let term = judged.get(k)?;
+        field.candidates.get(term.candidate)?.sensor.as_deref()
+    };
+    let mut out: Vec<Vec<usize>> = Vec::new();
+    for &k in open.iter().filter(|&&k| sensor(k).is_some()) {
+        match out.iter_mut().find(|group| group.first().is_some_and(|&first| sensor(first) == sensor(k))) {
+            Some(group) => group.push(k),
+            None => out.push(vec![k]),
+        }
+    }
+    out.retain(|group| group.len() > 2);
+    out
+}
+
 /// Returns the significant terms, each with the larger of its p-values; `note` receives the others.
 pub(super) fn stand(
     field: &Field<'_, '_>,
@@ -308,10 +326,13 @@ pub(super) fn stand(
             let all = of.map(|more| (chance(&more), more));
             all.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(chance, _)| *chance < limit)
         };
-        let found = surest(&mut singles.into_iter()).or_else(|| {
-            let pairs = open.iter().enumerate().flat_map(|(at, &k)| open.iter().skip(at + 1).map(move |&l| vec![k, l]));
-            surest(&mut pairs.into_iter())
-        });
+        let found = surest(&mut singles.into_iter())
+            .or_else(|| {
+                let pairs =
+                    open.iter().enumerate().flat_map(|(at, &k)| open.iter().skip(at + 1).map(move |&l| vec![k, l]));
+                surest(&mut pairs.into_iter())
+            })
+            .or_else(|| surest(&mut of_one_sensor(field, &judged, &open).into_iter()));
         let Some((chance, more)) = found else { break };
         for k in more {
             if let Some(own) = chances.get_mut(k) {

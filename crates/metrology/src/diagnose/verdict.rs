@@ -210,7 +210,20 @@ pub(super) fn diagnose_then(
     }
     let mut rejections = Rejections::default();
     let mut selections = Selections::new();
+    let sought = taken.len();
     let mut kept = confirm(&mut field, &weights, taken, (&mut selections, &mut rejections), note);
+    // A term that was not confirmed has hidden another one.
+    if (1..sought).contains(&kept.len()) {
+        let known: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
+        note("search again", 0.0);
+        let taken = field.forward(&weights, &known);
+        if taken.len() > known.len() {
+            let again = confirm(&mut field, &weights, taken, (&mut selections, &mut rejections), note);
+            if again.len() > kept.len() {
+                kept = again;
+            }
+        }
+    }
     let numbers: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
     note("explanations", 0.0);
     let volume = Volume::new(scene, |row| row.set < used);

@@ -137,10 +137,11 @@ fn leaning(found: &DiagnosedCauses, scene: &Scene<'_>, written: &[Result<Vec<Cha
     if let Some(&one) = numbers.iter().find(|one| is_against(one)) {
         return Some(one);
     }
-    if (0..found.findings.len()).all(is_sure) {
+    let whole = squares(&numbers);
+    // They are then all written, unless the readings would be worse than without any.
+    if (0..found.findings.len()).all(is_sure) && whole <= squares(&[]) {
         return None;
     }
-    let whole = squares(&numbers);
     let without = |number: usize| {
         let rest: Vec<usize> = numbers.iter().copied().filter(|&other| other != number).collect();
         (squares(&rest), number)
