@@ -195,6 +195,7 @@ mod state_log;
 mod steps;
 mod stock;
 mod strain;
+mod strangers;
 mod structure;
 mod support;
 mod surface;

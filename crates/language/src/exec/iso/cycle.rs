@@ -192,6 +192,14 @@ pub(super) fn cycle_at(
     if !writes_cycle {
         stop_exactly(channel.language, &channel.modal, &mut channel.cycles, &mut channel.outlet);
     }
+    // Other axes move with the positioning in the plane, never with a motion along the tool: a table that turns while the drill descends breaks it.
+    let is_positioned = matches!(actions.first(), Some(CycleStep::Rapid { plane: Some(plane), height })
+        if *plane != [end[abscissa], end[ordinate]] && height.is_none_or(|height| height == end[applicate]));
+    let turns_first = !others.is_empty() && !is_positioned;
+    if turns_first {
+        let (named, span) = (std::mem::take(&mut others), gathered.span);
+        step::step(channel, Step { rapid: true, end, named, feed_named: false, motion_mode: MotionMode::Path, span })?;
+    }
     let mut is_leveled = false;
     let mut starts = kept.iter().flat_map(|kept| kept.starts.iter().copied()).peekable();
     let mut feed_named = gathered.has(b'F');
@@ -204,7 +212,7 @@ pub(super) fn cycle_at(
         }
         let is_level = matches!(action, CycleStep::Rapid { plane: Some(plane), height: Some(height) }
             if plane == [end[abscissa], end[ordinate]] && (height - end[applicate]).abs() < SAME_LEVEL_MM);
-        if place > 0 && !is_level && !std::mem::take(&mut is_leveled) {
+        if (place > 0 || turns_first) && !is_level && !std::mem::take(&mut is_leveled) {
             channel.outlet.begin_line();
         }
         is_leveled = is_level && place == 0;

@@ -11,7 +11,7 @@ use super::variables::Variables;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::position::unknown_start;
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::{AXES, Axis, AxisSet};
+use ncfix_base::geometry::{AXES, Axis, AxisSet, Vector};
 use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
@@ -58,7 +58,13 @@ pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) ->
     }
     let motion_mode = MotionMode::Reference;
     let step = Step { feed_named: false, motion_mode, ..Step::straight(gathered, true, end, homed) };
-    step::machine_step(channel, step)
+    step::machine_step(channel, step)?;
+    let is_haas = channel.settings.machine.control.iso.is_haas();
+    if is_haas && code == 280 && channel.modal.tool.length_mm != Vector::zeros() {
+        // Mill operator's manual 96-8000, G28: it cancels tool length offsets for the blocks after it.
+        channel.modal.length_ended = Some(span);
+    }
+    Ok(())
 }
 
 /// Position of a reference point of an axis, mm or rad.

@@ -10,6 +10,7 @@ use crate::exec::core::modal::{CodesInForce, Modes};
 use crate::exec::core::position::Position;
 use crate::exec::core::tool::ToolState;
 use ncfix_base::geometry::{AxisSet, AxisVector, Frame, Vector};
+use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Setup, Turning, WrittenZero};
@@ -57,6 +58,8 @@ pub(super) struct Modal {
     pub(super) h: u32,
     /// True if the program has stated an H.
     pub(super) has_h: bool,
+    /// Place of the G28 of a Haas that ended the length compensation.
+    pub(super) length_ended: Option<Span>,
     pub(super) d: Option<u32>,
     pub(super) contour: ContourModal,
     /// G43.4, G43.5.
@@ -96,6 +99,7 @@ impl Modal {
             tool: ToolState::default(),
             h: 0,
             has_h: false,
+            length_ended: None,
             d: None,
             contour: if is_fanuc { ContourModal::fanuc(&machine.control) } else { ContourModal::rs274() },
             turning: None,

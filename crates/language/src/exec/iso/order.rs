@@ -128,7 +128,7 @@ pub(super) fn move_axes(channel: &mut Channel<'_>, gathered: &Gathered, takes_ax
     if let Some(code) = code {
         if !takes_axes && code == G80 && !gathered.axes.is_empty() {
             let message = "axis words without a motion mode in force";
-            let help = "program G0 or G1 in this block: G80 ends the motion code, and what Mach takes instead is in no manual at hand";
+            let help = "program G0 or G1 in this block: G80 has ended the motion code";
             done = Err(fault(Code::BAD_WORD_VALUE, gathered.span, message, help));
             gathered.use_up(b"XYZABCUVW");
         } else {

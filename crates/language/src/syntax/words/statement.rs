@@ -67,8 +67,11 @@ enum ControlWord {
 /// The keywords; ENDIF stands before its prefix END.
 const CONTROLS: &[(&str, ControlWord)] = &[
     ("IF", ControlWord::If),
+    // A Fanuc takes the first two letters of these words too.
     ("GOTO", ControlWord::Goto),
+    ("GO", ControlWord::Goto),
     ("WHILE", ControlWord::While),
+    ("WH", ControlWord::While),
     ("DO", ControlWord::Do),
     ("ENDIF", ControlWord::EndIf),
     ("END", ControlWord::End),
@@ -123,7 +126,7 @@ impl Parser {
             Ok((rest, is_then)) => (rest, is_then),
             Err(_) => (input, false),
         };
-        if let Ok((rest, ())) = keyword("GOTO")(rest) {
+        if let Ok((rest, ())) = keyword("GOTO")(rest).or_else(|_| keyword("GO")(rest)) {
             let (rest, target) = self.operand(rest)?;
             block.body = Body::IfGoto { condition, target };
             return Ok((rest, ()));

@@ -138,8 +138,11 @@ fn leaning(found: &DiagnosedCauses, scene: &Scene<'_>, written: &[Result<Vec<Cha
         return Some(one);
     }
     let whole = squares(&numbers);
-    // They are then all written, unless the readings would be worse than without any.
-    if (0..found.findings.len()).all(is_sure) && whole <= squares(&[]) {
+    // They are then all written, unless the readings of the present machine would be worse than without any.
+    let is_earlier = |&number: &usize| found.findings[number].candidate.cause.effect == EffectKind::Earlier;
+    let earlier: Vec<usize> = (0..found.findings.len()).filter(is_earlier).collect();
+    let present: Vec<usize> = earlier.iter().copied().chain(numbers.iter().copied()).collect();
+    if (0..found.findings.len()).all(is_sure) && squares(&present) <= squares(&earlier) {
         return None;
     }
     let without = |number: usize| {

@@ -6,6 +6,7 @@
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
+use super::contour_request::Rules;
 use super::curve::{Curve, distance};
 use super::link::{Link, Role};
 use super::moving::Moving;
@@ -41,6 +42,8 @@ struct Wall {
     span: Span,
     file: FileId,
     /// `true` if it leads onto or off a closed contour.
+    /// `true` if the language has CDON.
+    has_cdon: bool,
     is_open: bool,
     /// The piece with the largest violation, `true` if under CDON, and the violation, mm.
     worst: Option<(Place, bool, f64)>,
@@ -79,6 +82,7 @@ impl Guard {
             span: moving.wish.span,
             file: moving.wish.file,
             is_open: self.leading_off > 0,
+            has_cdon: moving.wish.modal.rules == Rules::Sinumerik,
             worst: None,
         };
         self.leading_off = if closes { LEADING } else { self.leading_off.saturating_sub(1) };
@@ -176,8 +180,10 @@ impl Wall {
         );
         let (code, help) = if is_refused {
             (Code::CONTOUR_NOT_FOLLOWED, "use a smaller tool; the look-ahead is control.compensation_look_ahead")
-        } else {
+        } else if self.has_cdon {
             (Code::CONTOUR_DAMAGED, "use a smaller tool, or CDON, which skips what cannot be reached")
+        } else {
+            (Code::CONTOUR_DAMAGED, "use a smaller tool, or widen the contour")
         };
         Some(fault(code, self.span, message, help).of_file(self.file))
     }

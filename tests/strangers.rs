@@ -1,0 +1,223 @@
+//! Programs and measurements as other people have them: cases found with files that were not made for these tests.
+
+use std::fmt::Write as _;
+
+use crate::import::Noise;
+use crate::support::{Run, Shop};
+
+/// A mill with X, Y, Z on the tool side, and a rotary table about X.
+fn mill(controller: &str) -> String {
+    let mut text = format!("[machine]\nname = \"m\"\ntopology = \"wAFXYZSt\"\ncontroller = \"{controller}\"\n");
+    for (letter, direction) in [("X", "[1, 0, 0]"), ("Y", "[0, 1, 0]"), ("Z", "[0, 0, 1]")] {
+        let _ = write!(text, "\n[axis.{letter}]\ndirection = {direction}\ntravel_mm = [-600, 600]\n");
+    }
+    text + "\n[axis.A]\ndirection = [1, 0, 0]\npoint_mm = [0, 0, 0]\ntravel_deg = [-3600, 3600]\n\n\
+            [zero_offset.G54]\nX_mm = 0\nY_mm = 0\nZ_mm = 0\n\n[[tool]]\nnumber = 1\nlength_mm = 100\n"
+}
+
+/// Motions of a program, one text for each.
+fn snc(controller: &str, program: &str) -> Run {
+    let shop = Shop::new().file("m.toml", mill(controller)).file("p.nc", program);
+    shop.run(["snc", "p.nc", "--machine", "m.toml"])
+}
+
+fn motions(controller: &str, program: &str) -> Vec<String> {
+    let run = snc(controller, program).exits(0);
+    run.stdout
+        .lines()
+        .filter(|line| line.starts_with("G0 ") || line.starts_with("G1 "))
+        .map(|line| line.split(" ;").next().unwrap_or(line).to_owned())
+        .collect()
+}
+
+#[test]
+fn a_table_turns_before_the_drill_descends() {
+    // Fanuc, canned cycles: the first operation positions all axes but that of the drill, at the level where the tool is.
+    for (controller, block) in [("fanuc", "A45."), ("fanuc", "X5. A45."), ("haas", "A45."), ("fanuc", "X5. Y0. A45.")] {
+        for cycle in ["G81 Z-5. R2. F100.", "G83 Z-5. R2. Q2. F100.", "G85 Z-5. R2. F100."] {
+            let program = format!(
+                "%\nO1\nG21 G90 G17 G40 G54\nT1 M6\nG0 X5. Y0. A0.\nS1000 M3\nG43 Z10. H1\nG99 {cycle}\n{block}\nG80\nM30\n%\n"
+            );
+            let all = motions(controller, &program);
+            let turning: Vec<&String> = all.iter().filter(|line| line.contains("A45")).collect();
+            assert_eq!(turning.len(), 1, "{controller} {cycle} {block}: {all:?}");
+            assert!(
+                turning[0].starts_with("G0 ") && !turning[0].contains('Z'),
+                "{controller} {cycle} {block}: {all:?}"
+            );
+            let place = all.iter().position(|line| line.contains("A45")).unwrap_or_default();
+            assert!(all[place..].iter().filter(|line| line.contains("Z-5")).count() == 1, "{all:?}");
+        }
+    }
+}
+
+#[test]
+fn a_haas_ends_the_tool_length_with_g28() {
+    let program = |more: &str| {
+        format!("%\nO1\nG21 G90 G17 G40 G54\nT1 M6\nG0 X0. Y0. A0.\nG43 Z50. H1\nG28 Z60.\n{more}\nM30\n%\n")
+    };
+    snc("haas", &program("G0 Z100.")).exits(3).says("E0201").says("ends the tool length compensation");
+    for more in ["G43 H1 Z100.", "G49 G0 Z100.", "G53 G0 Z0", "G0 X10."] {
+        snc("haas", &program(more)).exits(0);
+    }
+    snc("fanuc", &program("G0 Z100.")).exits(0);
+}
+
+#[test]
+fn control_words_of_a_fanuc_may_have_two_letters() {
+    let long = "%\nO1\n#1=0\nWHILE[#1LT3]DO1\n#1=#1+1\nEND1\nIF[#1EQ3]GOTO9\nG90 G54 G0 X1.\nN9 M30\n%\n";
+    let short = long.replace("WHILE", "WH").replace("GOTO", "GO");
+    let [one, other] = [long, &short].map(|program| snc("fanuc", program).exits(0).stdout);
+    assert_eq!(one.lines().filter(|line| line.starts_with('G')).count(), 0, "{one}");
+    assert_eq!(one.lines().count(), other.lines().count(), "{other}");
+}
+
+/// A printer whose Z axis carries the probe.
+fn printer() -> String {
+    mill("rs274").replace("wAFXYZSt", "wFXYZSt").split("\n[axis.A]").next().unwrap_or_default().to_owned()
+}
+
+#[test]
+fn a_height_map_of_a_duet_gives_straightness_and_no_error_of_z() {
+    // Layout of RepRapFirmware: the height falls by 1e-6 x² mm; a point outside the plate is a 0 without decimals.
+    let mut noise = Noise(5);
+    let mut map = "RepRapFirmware height map file v2 generated at 2024-01-01 10:00\n\
+                   xmin,xmax,ymin,ymax,radius,xspacing,yspacing,xnum,ynum\n0.00,270.00,0.00,95.00,-1.00,30.00,30.00,10,4\n"
+        .to_owned();
+    for j in 0..4 {
+        let cell = |i: u32| -1e-6 * f64::from(30 * i).powi(2);
+        let cells: Vec<String> = (0..10)
+            .map(|i| if (i, j) == (9, 3) { "      0".into() } else { format!("{:7.3}", cell(i) + noise.next(5e-4)) })
+            .collect();
+        let _ = writeln!(map, "{}", cells.join(","));
+    }
+    let names = map.replace(
+        "xmin,xmax,ymin,ymax,radius,xspacing,yspacing,xnum,ynum",
+        "axis0,axis1,min0,max0,min1,max1,radius,spacing0,spacing1,num0,num1",
+    );
+    let newer = names.replace("0.00,270.00,0.00,95.00", "X,Y,0.00,270.00,0.00,95.00");
+    let shop = Shop::new().file("m.toml", printer()).file("heightmap.csv", map).file("newer.csv", newer);
+    let more = ["--machine", "m.toml", "-o", "out", "--force", "--flat-reference", "--at", "X0,Y0,Z10", "--tool", "0"];
+    for file in ["heightmap.csv", "newer.csv"] {
+        shop.run(["import", file].into_iter().chain(more)).exits(0);
+        let table = shop.text("out.csv");
+        assert_eq!(table.lines().count(), 40, "{table}");
+        let heights: std::collections::BTreeSet<&str> =
+            table.lines().skip(1).filter_map(|line| line.split(',').nth(3)).collect();
+        assert_eq!(heights.len(), 1, "{table}");
+        let words = ["calibrate", "out.csv", "--machine", "m.toml", "--model", "EZX2", "-o", "fitted.toml", "--json"];
+        let json = shop.run(words).exits(0).json();
+        let value = json["parameters"][0]["value"].as_f64().unwrap();
+        assert!((value - 1000.0).abs() < 30.0, "{value}");
+    }
+    // Nothing is left that a Z which depends on the height could explain.
+    let found = shop.run(["diagnose", "out.csv", "--machine", "fitted.toml", "--json"]).exits(0).json();
+    assert!(!found["findings"].to_string().contains("EZZ"), "{}", found["findings"]);
+    shop.run(["import", "m.toml", "--as", "height-points"].into_iter().chain(more)).exits(4).says("no points x y z");
+}
+
+#[test]
+fn positions_reached_are_not_taken_for_deviations() {
+    let mut table = "Target position (mm);1+;1-;2+;2-\n".to_owned();
+    for target in [15.0, 35.0, 55.0] {
+        let _ = writeln!(
+            table,
+            "{target:.4};{:.4};{:.4};{:.4};{:.4}",
+            target + 1e-3,
+            target - 3e-4,
+            target + 1e-3,
+            target - 3e-4
+        );
+    }
+    let shop = Shop::new().file("m.toml", printer()).file("act.csv", table.replace("(mm)", "[mm]"));
+    let at = ["--machine", "m.toml", "--axis", "X", "--at", "Y0,Z0", "--tool", "0", "--material", "20C"];
+    shop.run(["import", "act.csv", "-o", "out"].into_iter().chain(at)).exits(0).says("more than commanded (+)");
+    let values: Vec<f64> = shop
+        .text("out.csv")
+        .lines()
+        .skip(1)
+        .filter_map(|line| line.rsplit(',').next().and_then(|cell| cell.parse().ok()))
+        .collect();
+    assert!(
+        values.len() == 12 && values.iter().all(|um| [1.0, -0.3].iter().any(|own| (um - own).abs() < 0.01)),
+        "{values:?}"
+    );
+    // Two columns of positions without run and direction.
+    let two = "target,actual,actual\n0,0.001,0.002\n100,100.001,100.002\n200,200.001,200.002\n";
+    let shop = shop.file("two.csv", two);
+    shop.run(["import", "two.csv"].into_iter().chain(at))
+        .exits(4)
+        .says("E0618")
+        .says("--columns, such as target,1+,1-");
+}
+
+#[test]
+fn headings_of_several_words_stand_over_aligned_columns() {
+    let report = "Plate: 7\n\n    Meas X    Meas Y     Nom X     Nom Y     Err X     Err Y\n\
+                  \x20  0.010     0.000     0.000     0.000     0.010     0.000\n\
+                  \x20100.010    0.005   100.000     0.000     0.010     0.005\n\
+                  \x20100.020  100.005   100.000   100.000     0.020     0.005\n\
+                  \x20  0.020  100.000     0.000   100.000     0.020     0.000\n";
+    let shop = Shop::new().file("m.toml", printer()).file("cmm.txt", report);
+    let run = shop.run(["import", "cmm.txt", "--machine", "m.toml"]);
+    // The headings are read: only what a report of this kind never states is asked.
+    assert!(!run.stderr.contains("E0617") && !run.stderr.contains("no headings"), "{}", run.stderr);
+}
+
+/// Three points read in turn for six hours while the machine drifts as a random walk, with four temperatures that have nothing to do with it.
+fn walk(seed: u64) -> String {
+    let mut noise = Noise(seed);
+    let mut table = "t_s,setup,X,Y,Z,tool_z_mm,dx_um,dy_um,dz_um,T_head_C,T_room_C,T_oil_C,T_bed_C\n".to_owned();
+    let mut drift = [0.0; 3];
+    let mut walks = [22.0, 20.0];
+    for k in 0..180_u32 {
+        let t = f64::from(k) * 120.0;
+        let head = 22.0 + 8.0 * (1.0 - (-t / 3600.0).exp()) + noise.next(0.03);
+        let room = 20.0 + 1.5 * (t / 13_000.0).sin() + noise.next(0.03);
+        walks.iter_mut().for_each(|own| *own += noise.next(0.05));
+        drift.iter_mut().for_each(|own| *own += noise.next(0.25));
+        let point = ["P1,100,100,50", "P2,300,80,150", "P3,200,250,100"][(k % 3) as usize];
+        let read: Vec<String> = drift.iter().map(|own| format!("{:.3}", own + noise.next(0.5))).collect();
+        let _ = writeln!(table, "{t},{point},0,{},{head:.2},{room:.2},{:.2},{:.2}", read.join(","), walks[0], walks[1]);
+    }
+    table
+}
+
+#[test]
+fn a_random_walk_that_all_points_share_is_explained_by_no_temperature() {
+    let description = "[measurement]\nkind = \"displacement\"\nfree = [\"offset\"]\nsigma_um = 0.5\n";
+    let mut named = Vec::new();
+    for seed in 1..=6 {
+        let shop = Shop::new().file("m.toml", printer()).file("walk.csv", walk(seed)).file("walk.toml", description);
+        let found = shop.run(["diagnose", "walk.csv", "--machine", "m.toml", "--json"]).exits(0).json();
+        let all = found["findings"].as_array().unwrap().clone();
+        named.extend(all.into_iter().filter(|one| one["effect"] == "thermal-drift" && one["extends"] != false));
+    }
+    assert!(named.is_empty(), "{named:?}");
+}
+
+#[test]
+fn few_rows_on_a_circle_tell_the_backlash() {
+    // 24 rows on each circle, directions not stated: dx = ±1.5 µm by the direction of X, which turns between two rows.
+    let mut table = "X,Y,Z,setup,run,dr_um\n".to_owned();
+    let mut description = "[measurement]\nkind = \"ballbar\"\nsigma_um = 0.3\nfree = [\"centre\"]\n".to_owned();
+    for circle in 0..4_u32 {
+        let [x, y] = [f64::from(circle % 2), f64::from(circle / 2)].map(|k| 150.0 + 150.0 * k);
+        let _ = write!(description, "[setup.s{circle}]\ncentre_mm = [{x}, {y}, 100]\nlength_mm = 100\n");
+        let sense = if circle % 2 == 0 { 1.0 } else { -1.0 };
+        for k in 0..24 {
+            let angle = sense * (f64::from(k) * std::f64::consts::TAU / 24.0 + 0.1);
+            let back = if -angle.sin() * sense > 0.0 { 1.5 } else { -1.5 };
+            let [at_x, at_y] = [x + 100.0 * angle.cos(), y + 100.0 * angle.sin()];
+            let _ = writeln!(table, "{at_x:.4},{at_y:.4},100,s{circle},{circle},{:.4}", back * angle.cos());
+        }
+    }
+    let shop = Shop::new().file("m.toml", printer()).file("c.csv", table).file("c.toml", description);
+    let words = ["calibrate", "c.csv", "--machine", "m.toml", "--model", "EXXb,EYYb", "-o", "fitted.toml", "--json"];
+    let json = shop.run(words).exits(0).json();
+    let value = |name: &str| {
+        let rows = json["parameters"].as_array().unwrap();
+        rows.iter().find(|row| row["name"] == name).and_then(|row| row["value"].as_f64()).unwrap()
+    };
+    assert!((value("EXXb") - 3.0).abs() < 0.01 && value("EYYb").abs() < 0.01, "{json}");
+}
