@@ -50,9 +50,8 @@ fn all_faults_are_reported_in_one_run() {
 
 #[test]
 fn what_cannot_be_executed_is_not_understood_and_what_is_refused_is_named_so() {
-    // The statement is read, but the variable has no value: exit status 3, and the text agrees with it.
-    let shop =
-        Shop::new().file("wrong.mpf", "N10 G90 G0 X=UNKNOWN\nM30\n").file("far.mpf", "N10 G90 G0 X9000 Y0 Z0\nM30\n");
+    // The statement is read, but cannot be executed: exit status 3, and the text agrees with it.
+    let shop = Shop::new().file("wrong.mpf", "N10 TRACYL(40)\nM30\n").file("far.mpf", "N10 G90 G0 X9000 Y0 Z0\nM30\n");
     let check = |name: &str| shop.run(["check", name, "--machine", &machine("demo")]);
     check("wrong.mpf").exits(3).says("wrong.mpf: not understood; 1 error");
     check("far.mpf").exits(4).says("far.mpf: understood, but a correction would be refused; 1 error");
