@@ -168,8 +168,9 @@ fn headings_of_several_words_stand_over_aligned_columns() {
     assert!(!run.stderr.contains("E0617") && !run.stderr.contains("no headings"), "{}", run.stderr);
 }
 
-/// Three points read in turn for six hours while the machine drifts as a random walk, with four temperatures that have nothing to do with it.
-fn walk(seed: u64) -> String {
+/// Three points read in turn for six hours while the machine drifts as a random walk, with four temperatures. Z also follows the
+/// first of them, in µm/K.
+fn walk(seed: u64, z_by_head: f64) -> String {
     let mut noise = Noise(seed);
     let mut table = "t_s,setup,X,Y,Z,tool_z_mm,dx_um,dy_um,dz_um,T_head_C,T_room_C,T_oil_C,T_bed_C\n".to_owned();
     let mut drift = [0.0; 3];
@@ -181,7 +182,9 @@ fn walk(seed: u64) -> String {
         walks.iter_mut().for_each(|own| *own += noise.next(0.05));
         drift.iter_mut().for_each(|own| *own += noise.next(0.25));
         let point = ["P1,100,100,50", "P2,300,80,150", "P3,200,250,100"][(k % 3) as usize];
-        let read: Vec<String> = drift.iter().map(|own| format!("{:.3}", own + noise.next(0.5))).collect();
+        let mut read = drift.map(|own| own + noise.next(0.5));
+        read[2] += z_by_head * (head - 22.0);
+        let read = read.map(|um| format!("{um:.3}"));
         let _ = writeln!(table, "{t},{point},0,{},{head:.2},{room:.2},{:.2},{:.2}", read.join(","), walks[0], walks[1]);
     }
     table
@@ -190,14 +193,19 @@ fn walk(seed: u64) -> String {
 #[test]
 fn a_random_walk_that_all_points_share_is_explained_by_no_temperature() {
     let description = "[measurement]\nkind = \"displacement\"\nfree = [\"offset\"]\nsigma_um = 0.5\n";
-    let mut named = Vec::new();
-    for seed in 1..=6 {
-        let shop = Shop::new().file("m.toml", printer()).file("walk.csv", walk(seed)).file("walk.toml", description);
-        let found = shop.run(["diagnose", "walk.csv", "--machine", "m.toml", "--json"]).exits(0).json();
-        let all = found["findings"].as_array().unwrap().clone();
-        named.extend(all.into_iter().filter(|one| one["effect"] == "thermal-drift" && one["extends"] != false));
+    let found = |seed: u64, z_by_head: f64| {
+        let table = walk(seed, z_by_head);
+        let shop = Shop::new().file("m.toml", printer()).file("walk.csv", table).file("walk.toml", description);
+        shop.run(["diagnose", "walk.csv", "--machine", "m.toml", "--json"]).exits(0).json()["findings"].clone()
+    };
+    for seed in 1..=8 {
+        let none = found(seed, 0.0);
+        assert!(none.as_array().is_some_and(Vec::is_empty), "{seed}: {none}");
     }
-    assert!(named.is_empty(), "{named:?}");
+    // A drift of 16 µm beside a walk of 3 µm is told.
+    let one = found(1, 2.0);
+    assert_eq!((one[0]["effect"].as_str(), one[0]["parameter"].as_str()), (Some("thermal-drift"), Some("Z")), "{one}");
+    assert!(one.to_string().contains("T_head"), "{one}");
 }
 
 #[test]
