@@ -11,7 +11,7 @@ pub(super) const RS274: Dialect = Dialect {
     language: Language::Rs274,
     name: "rs274",
     title: "RS274/NGC (LinuxCNC)",
-    extensions: &["ngc"],
+    extensions: &["ngc", "gcode"],
     mark: MARK,
     is_executable: true,
     block_ends: BlockEnds { exact: "G61.1", running: "G61", once: None, group: &["G61", "G61.1", "G64"] },

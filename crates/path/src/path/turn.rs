@@ -58,7 +58,12 @@ impl<'m> SegmentFitter<'_, 'm> {
         if is_too_far {
             return None;
         }
-        let center = self.center(&ends, between, &arc, flat)?;
+        let centers = match self.control.arc_center {
+            Some(ArcCenter::Moved) => Centers::OnBisector,
+            Some(ArcCenter::Kept) => Centers::AsWritten,
+            None => self.placer.centers,
+        };
+        let center = self.center(&ends, between, (&arc, centers), flat)?;
         let mut from_start = Vector::zeros();
         from_start[abscissa.slot()] = center[0] - start[0];
         from_start[ordinate.slot()] = center[1] - start[1];
@@ -66,16 +71,12 @@ impl<'m> SegmentFitter<'_, 'm> {
         let (center_counts, rounded) = self.round_direction(turned);
         let rounded = basis.map_or(rounded, |basis| basis.tr_mul(&rounded));
         let center = [start[0] + rounded[abscissa.slot()], start[1] + rounded[ordinate.slot()]];
-        let tolerance = |radius_mm: f64| {
-            CENTER_SHARE * self.control.arc_tolerance_mm.max(self.control.arc_tolerance_ratio * radius_mm)
-        };
+        // The control accepts the arc of the source with the whole tolerance.
+        let share = if self.placer.model.is_empty() { 1.0 } else { CENTER_SHARE };
+        let tolerance =
+            |radius_mm: f64| share * self.control.arc_tolerance_mm.max(self.control.arc_tolerance_ratio * radius_mm);
         let [from, to] =
             &[&ends.start, &ends.end.command].map(|end| flat_in(basis.as_ref(), &self.placer.position(end)));
-        let centers = match self.control.arc_center {
-            Some(ArcCenter::Moved) => Centers::OnBisector,
-            Some(ArcCenter::Kept) => Centers::AsWritten,
-            None => self.placer.centers,
-        };
         let done = match centers {
             Centers::OnBisector => Arc::through(arc.plane, arc.clockwise, from, to, center, extra_turns, tolerance),
             Centers::AsWritten => Arc::spiral(arc.plane, arc.clockwise, from, to, center, extra_turns, tolerance),
@@ -93,12 +94,16 @@ impl<'m> SegmentFitter<'_, 'm> {
         &self,
         ends: &PieceEnds,
         between: [f64; 2],
-        arc: &Arc,
+        (arc, centers): (&Arc, Centers),
         flat: impl Fn(&AxisVector) -> [f64; 2],
     ) -> Option<[f64; 2]> {
         let (start, end) = (flat(&ends.start), flat(&ends.end.command));
         if self.placer.model.is_empty() {
-            return Some(arc_fit::center(start, end, arc.center_mm, &[]));
+            // Without errors, a spiral stays the spiral of the source.
+            return Some(match centers {
+                Centers::AsWritten => arc.center_mm,
+                Centers::OnBisector => arc_fit::center(start, end, arc.center_mm, &[]),
+            });
         }
         let [from, to] = between;
         let swept = self.route.sweep_rad().abs() * (to - from);

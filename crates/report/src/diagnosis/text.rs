@@ -142,6 +142,12 @@ impl DiagnosisReport {
             1 => " One more cause was found.".to_owned(),
             count => format!(" {count} more causes were found."),
         };
+        let is_doubtful =
+            |one: &&CauseReport| one.name() != largest.name() && one.probability.is_some_and(|own| own < 0.5);
+        let others = match found.findings.iter().filter(is_doubtful).count() {
+            0 => others,
+            count => format!("{} {count} of them with a probability below 50 %.", others.replace("found.", "found,")),
+        };
         let first = if is_sure(&largest) { "Largest cause".to_owned() } else { self.not_certain(largest) };
         let expired = self.expired_sentence().map_or(String::new(), |sentence| format!("{sentence} "));
         format!(
@@ -314,7 +320,15 @@ impl DiagnosisReport {
 
     fn unexplained_sentence(&self) -> String {
         if !self.found.unexplained.structure {
-            return "No systematic residual beyond the noise.".into();
+            let times = self.found.after.rms_um / self.found.noise_um;
+            return if times > NOISY {
+                format!(
+                    "The residual is {} times the noise, but depends on no quantity of these data.",
+                    significant(times)
+                )
+            } else {
+                "No systematic residual beyond the noise.".into()
+            };
         }
         let unit = self.unit_sign();
         let with: Vec<String> = self
