@@ -247,7 +247,7 @@ fn a_spiral_of_a_post_stays_one_block_without_errors() {
         let shop = Shop::new().file("m.toml", machine).file("p.nc", program);
         shop.run(["fix", "p.nc", "--machine", "m.toml", "-o", "out.nc"]).exits(0);
         let arcs: Vec<String> =
-            shop.text("out.nc").lines().filter(|line| line.contains('I')).map(str::to_owned).collect();
+            shop.text("out.nc").lines().filter(|line| line.contains(" I-")).map(str::to_owned).collect();
         assert_eq!(arcs, ["G2 X0. Y-1.0005 I-1. J0."], "{controller}: {}", shop.text("out.nc"));
     }
 }
