@@ -251,3 +251,17 @@ fn a_spiral_of_a_post_stays_one_block_without_errors() {
         assert_eq!(arcs, ["G2 X0. Y-1.0005 I-1. J0."], "{controller}: {}", shop.text("out.nc"));
     }
 }
+
+#[test]
+fn words_of_a_haas_that_other_controls_lack() {
+    let program =
+        |line: &str| format!("%\nO1\nG21 G90 G17 G40 G54\nT1 M6\nG0 X0. Y0. A0.\nG43 Z50. H1\n{line}\nG80\nM30\n%\n");
+    // P is the number of the output, and stays with its code.
+    let shop = Shop::new().file("m.toml", mill("haas")).file("p.nc", program("M59 P1103\nG1 X5. F100.\nM69 P1103"));
+    shop.run(["fix", "p.nc", "--machine", "m.toml", "-o", "out.nc"]).exits(0);
+    let text = shop.text("out.nc");
+    assert!(text.contains("\nM59 P1103\n") && text.contains("\nM69 P1103\n"), "{text}");
+    snc("fanuc", &program("M59 P1103")).exits(3).says("P has no effect");
+    snc("haas", &program("G84 X1. Z-5. R2. J2. F500.")).exits(3).says("E0201").says("omit J");
+    snc("fanuc", &program("G42 H19 X10. F39.")).exits(4).says("E0232").says("H may be a radius");
+}

@@ -89,6 +89,11 @@ pub(super) fn m_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<
         for &(number, span) in &gathered.m_codes {
             refused(number, span)?;
             fanuc_m(channel, number, span)?;
+            // M59 and M69 of a Haas set and clear the output of P (mill operator's manual).
+            let has_output = matches!(number, 59 | 69) && channel.settings.machine.control.iso.is_haas();
+            if has_output && let Some(value) = gathered.raw(b'P') {
+                channel.block.before.push(Word { letter: b'P', extension: None, value: WordValue::Number(value) });
+            }
         }
         return Ok(());
     }

@@ -40,7 +40,11 @@ pub(super) fn compensation_codes(channel: &mut Channel<'_>, gathered: &Gathered)
         offset_number(channel, gathered)?;
         let Some(number) = channel.modal.d else {
             let message = format!("{} without D: the control would use the D of an earlier program", name_of(code));
-            let help = "write the number of the offset with it, for example G41 D1";
+            let help = if gathered.has(b'H') {
+                "write the number of the offset with D, for example G41 D1: ncfix takes H for a tool length only (parameter 5001, bit 2: H may be a radius)"
+            } else {
+                "write the number of the offset with it, for example G41 D1"
+            };
             return Err(fault(Code::BAD_COMPENSATION, span, message, help));
         };
         channel.modal.tool.radius_mm =

@@ -403,6 +403,11 @@ fn word_of(channel: &mut Channel<'_>, gathered: &Gathered, axis: Axis) -> Result
 /// Rejects state that is incompatible with a cycle.
 fn check_cycle(channel: &Channel<'_>, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
     let name = name_of(code);
+    if is_tapping(code) && gathered.has(b'J') && channel.settings.machine.control.iso.is_haas() {
+        let message = format!("{name} with J, the multiple of the speed at which the tap retracts, is not supported");
+        let help = "omit J: the tap then retracts at the speed of setting 130";
+        return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(b'J'), message, help));
+    }
     let refused = if channel.modal.contour.compensates() {
         Some(("radius compensation", "end it with G40 first"))
     } else if channel.modal.turning.is_some() {
