@@ -202,7 +202,7 @@ fn a_random_walk_that_all_points_share_is_explained_by_no_temperature() {
         let none = found(seed, 0.0);
         assert!(none.as_array().is_some_and(Vec::is_empty), "{seed}: {none}");
     }
-    // A drift of 32 µm beside a walk of 3 µm is told.
+    // A drift of 32 µm beside a walk of 3 µm is found.
     let one = found(1, 4.0);
     assert_eq!((one[0]["effect"].as_str(), one[0]["parameter"].as_str()), (Some("thermal-drift"), Some("Z")), "{one}");
     assert!(one.to_string().contains("T_head"), "{one}");

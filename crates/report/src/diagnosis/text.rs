@@ -146,6 +146,9 @@ impl DiagnosisReport {
             |one: &&CauseReport| one.name() != largest.name() && one.probability.is_some_and(|own| own < 0.5);
         let others = match found.findings.iter().filter(is_doubtful).count() {
             0 => others,
+            count if count + 1 == found.findings.len() => {
+                others.replace("found.", "found, with a probability below 50 %.")
+            }
             count => format!("{} {count} of them with a probability below 50 %.", others.replace("found.", "found,")),
         };
         let first = if is_sure(&largest) { "Largest cause".to_owned() } else { self.not_certain(largest) };
