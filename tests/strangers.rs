@@ -240,7 +240,7 @@ fn a_spiral_of_a_post_stays_one_block_without_errors() {
     for (controller, end) in [("haas", "M30\n%"), ("fanuc", "M30\n%"), ("rs274", "M2")] {
         let head = if controller == "rs274" { "" } else { "%\nO3\n" };
         let program = format!(
-            "{head}G20 G90 G17 G40\nG54\nT1 M6\nG43 Z0.6 H1\nG0 X1. Y0.\nG1 Z-0.1 F10.\nG2 X0. Y-1.0005 I-1. J0.\nG1 X-1.\n{end}\n"
+            "{head}G20 G90 G17 G40\nG54\nT1 M6\nG0 G43 Z0.6 H1\nG0 X1. Y0.\nG1 Z-0.1 F10.\nG2 X0. Y-1.0005 I-1. J0.\nG1 X-1.\n{end}\n"
         );
         let more = "\n[control]\nincrement_mm = 0.001\narc_tolerance_mm = 0.05\n";
         let machine = mill(controller).replace("[zero_offset.G54]", &format!("{more}\n[zero_offset.G54]"));
@@ -261,7 +261,7 @@ fn words_of_a_haas_that_other_controls_lack() {
     shop.run(["fix", "p.nc", "--machine", "m.toml", "-o", "out.nc"]).exits(0);
     let text = shop.text("out.nc");
     assert!(text.contains("\nM59 P1103\n") && text.contains("\nM69 P1103\n"), "{text}");
-    snc("fanuc", &program("M59 P1103")).exits(3).says("P has no effect");
+    snc("fanuc", &program("M59 P1103")).exits(4).says("P has no effect");
     snc("haas", &program("G84 X1. Z-5. R2. J2. F500.")).exits(3).says("E0201").says("omit J");
     snc("fanuc", &program("G42 H19 X10. F39.")).exits(4).says("E0232").says("H may be a radius");
 }
