@@ -314,7 +314,14 @@ fn courses(data: &DataSet, sensors: &[Sensor]) -> [Vec<LogColumn>; 2] {
 fn offset(drift: &DriftSeries, own: &[&LogColumn], all: &[&LogColumn]) -> Option<(&'static str, String, Option<f64>)> {
     let found = best(drift, own, &FollowerSet::All, &|_| true)?;
     let limit_s = LEAST_S.max(LEAST_ROWS * interval(&drift.times));
-    let unshifted = |courses: &[&LogColumn]| drift.fitted(&found.rows, courses, &FollowerSet::Rich, 0.0);
+    // All sensors together need so many columns that few rows remain: each alone explains as much with fewer.
+    let unshifted = |courses: &[&LogColumn]| -> Option<LogFit> {
+        let together = drift.fitted(&found.rows, courses, &FollowerSet::Rich, 0.0);
+        let alone = courses.iter().flat_map(|course| {
+            [FollowerSet::All, FollowerSet::Rich].map(|set| drift.fitted(&found.rows, &[*course], &set, 0.0))
+        });
+        alone.chain([together]).flatten().min_by(|a, b| a.variance().total_cmp(&b.variance()))
+    };
     let is_explained = found.fitted.share() > SHARE && found.by_s.abs() - found.by_95_s > limit_s;
     let before = if is_explained { unshifted(own) } else { None };
     let rms = |fitted: &LogFit| fitted.variance().sqrt();
