@@ -15,6 +15,7 @@ const ABSURD: [f64; 2] = [1.0, 1e-2];
 const LITTLE: f64 = 0.05;
 /// Maximum number of rows at which a deviation is evaluated.
 const ROWS: usize = 400;
+
 impl Field<'_, '_> {
     /// True if a candidate, in addition to the terms of `series`, exceeds any plausible machine error although the residuals are small.
     pub(super) fn is_absurd(&self, number: usize, series: &Series) -> bool {
@@ -32,19 +33,20 @@ impl Field<'_, '_> {
             let all = weights_at(one, row);
             all.iter().zip(&amounts).map(|(weight, amount)| weight * amount).sum::<f64>().abs() > most
         };
-        // A dependence on two axes is evaluated at the ends of both: measured lines cover only its middle.
         // A spike is largest at the reversal itself, where there may be no reading.
-        let covariance = covariance.row_iter().map(|row| row.iter().copied().collect()).collect();
-        let stated = size(one, &Amounts { values: amounts.clone(), covariance }, self.scene, self.scene.sets.len());
-        let is_spike = one.cause.effect == EffectKind::ReversalSpike && stated.value.abs() > um_from_mm(most);
-        let is_beyond =
-            is_spike || self.scene.rows.iter().step_by(step).any(is_large) || self.corners(one).iter().any(is_large);
+        let is_high = || {
+            let covariance = covariance.row_iter().map(|row| row.iter().copied().collect()).collect();
+            let amounts = Amounts { values: amounts.clone(), covariance };
+            size(one, &amounts, self.scene, self.scene.sets.len()).value.abs() > um_from_mm(most)
+        };
+        // A dependence on two axes is evaluated at the ends of both: measured lines cover only its middle.
+        let is_beyond = (one.cause.effect == EffectKind::ReversalSpike && is_high())
+            || self.scene.rows.iter().step_by(step).any(is_large)
+            || self.corners(one).iter().any(is_large);
         let squares: f64 = self.scene.items.iter().map(|item| item.left * item.left).sum();
         is_beyond && squares < LITTLE * LITTLE * self.scene.items.len() as f64
     }
-}
 
-impl Field<'_, '_> {
     /// Combinations of the measured end positions of both axes of a candidate; empty if it depends on anything else.
     fn corners(&self, one: &Candidate) -> Vec<SceneRow> {
         let axis = |driver: &String| AXES.into_iter().find(|axis| axis.to_string() == *driver);
