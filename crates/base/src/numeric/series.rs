@@ -97,7 +97,13 @@ impl Series {
 
     /// Adds a column to the basis. Returns false if it is linearly dependent.
     pub fn take(&mut self, column: &[f64]) -> bool {
-        self.take_by_shares(column).0.is_some()
+        self.take_with_shares(column).is_some()
+    }
+
+    /// Adds a column to the basis. Returns its components along the columns of the basis, the last one along itself, and the part that it explains.
+    pub fn take_with_shares(&mut self, column: &[f64]) -> Option<(Vec<f64>, f64)> {
+        let (taken, shares) = self.take_by_shares(column);
+        taken.map(|explained| (shares, explained))
     }
 
     /// Adds a column to the basis if it is linearly independent. Returns the part that it then explains, and its components along the columns of the basis.

@@ -89,7 +89,7 @@ impl Field<'_, '_> {
         if group.is_empty() {
             return taken;
         }
-        let group = self.steps(weights, &group, &[]);
+        let group = self.sound_steps(weights, &group, &[]);
         // Many small terms can fit the shape of a single other cause.
         if group.len() > MORE * taken.len() {
             return taken;

@@ -4,7 +4,7 @@
 //! Scene::new(machine, errors, sets)      residual of every reading, and its sensitivity to a deviation anywhere in the machine
 //! fault::FAULTS                         faults of the data
 //! cause::Causes                          candidates: the deviations that a cause adds to the readings, one file per cause
-//! search, refine, group, absurd          search for the candidates that explain the residual
+//! search, refine, group, cancel, absurd  search for the candidates that explain the residual
 //! sample, promising                      shortlist of candidates if there are many readings
 //! judge, freedom                         backward elimination with the autocorrelation of the residual
 //! slow                                   test against slowly varying noise
@@ -24,6 +24,7 @@ mod absurd;
 mod account;
 #[cfg(test)]
 pub(crate) mod bench;
+mod cancel;
 pub mod cause;
 mod circles;
 mod class;

@@ -329,7 +329,8 @@ mod tests {
     fn set_ups_that_are_read_in_turn_are_one_series() {
         let machine = bench::machine();
         let series = |labels: &str| -> Vec<usize> {
-            let cells: Vec<(f64, String)> = labels.chars().map(|label| (0.0, format!(",{label}"))).collect();
+            let cells: Vec<(f64, String)> =
+                labels.chars().enumerate().map(|(row, label)| (row as f64, format!(",{label}"))).collect();
             let cells: Vec<(f64, &str)> = cells.iter().map(|(x, label)| (*x, label.as_str())).collect();
             rows(&[bench::along_x(&machine, ",setup", &cells)]).iter().map(|row| row.series).collect()
         };

@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use ncfix_base::numeric::{Series, in_parts};
 
+use super::cancel::Triangle;
 use super::cause::{Candidate, EffectKind, Term, motion, targets};
 use super::known::{KnownTables, Starts};
 use super::price::Price;
@@ -21,6 +22,8 @@ use super::seek::Seek;
 const MOST: usize = 10;
 /// Maximum number in addition to many kept terms.
 const MORE: usize = 4;
+/// Maximum number of terms that are removed because others cancel them.
+const REPAIRS: usize = 3;
 /// Factor for a table relative to a curve: separate values at the targets can follow every wave and every polynomial.
 const BY_TARGET: f64 = 0.8;
 /// Factor for an unnamed term relative to a named one.
@@ -228,16 +231,40 @@ impl<'s, 'a> Field<'s, 'a> {
 
     /// Searches until one of some candidates is accepted, if any are given: later terms are not needed then.
     pub(super) fn forward_until(&mut self, weights: &Weights, kept: &[usize], enough: &[usize]) -> Vec<usize> {
-        let taken = self.steps(weights, kept, enough);
+        let taken = self.sound_steps(weights, kept, enough);
         let mut taken = if kept.is_empty() { self.together(weights, taken) } else { taken };
         self.polish(weights, &mut taken, kept.len());
         taken
     }
 
-    /// Searches one by one.
-    pub(super) fn steps(&mut self, weights: &Weights, kept: &[usize], enough: &[usize]) -> Vec<usize> {
+    /// Searches one by one, without terms that nearly cancel others: such terms are far larger than the residual, and arbitrary where nothing was measured.
+    pub(super) fn sound_steps(&mut self, weights: &Weights, kept: &[usize], enough: &[usize]) -> Vec<usize> {
+        let mut never = Vec::new();
+        let (mut taken, mut cancelled) = self.steps(weights, kept, (&never, enough));
+        while let Some(out) = cancelled.filter(|_| never.len() < REPAIRS) {
+            taken.retain(|&number| number != out);
+            never.push(out);
+            (taken, cancelled) = self.steps(weights, &taken, (&never, enough));
+        }
+        // After the last repair, the term is removed without a further search: its effect stays in the residual.
+        taken.retain(|&number| cancelled != Some(number));
+        taken
+    }
+
+    /// Searches one by one, including terms that nearly cancel others.
+    fn steps(
+        &mut self,
+        weights: &Weights,
+        kept: &[usize],
+        (never, enough): (&[usize], &[usize]),
+    ) -> (Vec<usize>, Option<usize>) {
         let mut taken = kept.to_vec();
-        let mut series = self.series(weights, kept, 0.0);
+        let mut series = self.series(weights, &[], 0.0);
+        let mut triangle = Triangle::new(&series);
+        for &number in kept {
+            let columns = self.columns_of(number);
+            triangle.take(&mut series, number, &columns);
+        }
         let count = series.count() as f64;
         let mut look = CandidateSample::new(self, weights, kept);
         while taken.len() < MOST.max(kept.len() + MORE) {
@@ -248,7 +275,7 @@ impl<'s, 'a> Field<'s, 'a> {
             }
             let known = self.candidates.len();
             self.seek(&series, weights);
-            let Some(Step { number, open }) = self.choose((&series, &mut look), &taken) else {
+            let Some(Step { number, open }) = self.choose((&series, &mut look), &taken, never) else {
                 self.candidates.truncate(known);
                 break;
             };
@@ -269,18 +296,23 @@ impl<'s, 'a> Field<'s, 'a> {
                 }
                 None => number,
             };
-            for column in self.columns_of(number) {
-                series.take(&column);
-            }
+            let columns = self.columns_of(number);
+            triangle.take(&mut series, number, &columns);
             look.take(self, number);
             taken.push(number);
         }
         look.end(self);
-        taken
+        let cancelled = triangle.cancelled(kept);
+        (taken, cancelled)
     }
 
     /// Returns the candidate to take next in addition to some; `None` if none justifies its penalty.
-    fn choose(&self, (series, look): (&Series, &mut CandidateSample<'_, '_>), taken: &[usize]) -> Option<Step> {
+    fn choose(
+        &self,
+        (series, look): (&Series, &mut CandidateSample<'_, '_>),
+        taken: &[usize],
+        never: &[usize],
+    ) -> Option<Step> {
         let squares = series.squares();
         let gains = look.gains(self, series);
         let price = Price::new(series.count() as f64, self.tried);
@@ -291,6 +323,7 @@ impl<'s, 'a> Field<'s, 'a> {
                 gain.rank > 0
                     && !self.bows.contains(number)
                     && !taken.contains(number)
+                    && !never.contains(number)
                     && !self.is_again(*number, taken)
             })
             .map(|(number, gain)| {
