@@ -199,7 +199,7 @@ fn subtract_targets(inquiry: &mut Inquiry<'_>, facts: &mut StatedFacts, found: &
     const NEAR: f64 = 0.01;
     let span = found.iter().fold([f64::MAX, f64::MIN], |[low, high], own| [low.min(own.target), high.max(own.target)]);
     let near = NEAR * (span[1] - span[0]);
-    if found.len() < 4 || !(near > 0.0) || found.iter().any(|own| (own.value - own.target).abs() > near) {
+    if found.len() < 4 || near <= 0.0 || found.iter().any(|own| (own.value - own.target).abs() > near) {
         return;
     }
     found.iter_mut().for_each(|own| own.value -= own.target);

@@ -314,7 +314,7 @@ fn courses(data: &DataSet, sensors: &[Sensor]) -> [Vec<LogColumn>; 2] {
 fn offset(drift: &DriftSeries, own: &[&LogColumn], all: &[&LogColumn]) -> Option<(&'static str, String, Option<f64>)> {
     let found = best(drift, own, &FollowerSet::All, &|_| true)?;
     let limit_s = LEAST_S.max(LEAST_ROWS * interval(&drift.times));
-    // All sensors together need so many columns that few rows remain: each alone explains as much with fewer.
+    // All sensors together need many columns, and few rows remain: each alone explains as much with fewer.
     let unshifted = |courses: &[&LogColumn]| -> Option<LogFit> {
         let together = drift.fitted(&found.rows, courses, &FollowerSet::Rich, 0.0);
         let alone = courses.iter().flat_map(|course| {
