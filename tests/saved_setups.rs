@@ -84,6 +84,10 @@ fn offsets_of_a_fanuc() {
         run.stdout,
         run.stderr
     );
+    // An offset of no linear axis is not known.
+    let none = punched.replace("G10L2P1X-250.Y-120.5Z0.", "G10 L2 P1 A90.");
+    let run = shown("fanuc", "", "o.txt", &none).exits(0);
+    assert!(!run.stdout.contains("G54   "), "{}", run.stdout);
     // A program that moves is still a program.
     shown("fanuc", "", "o.nc", "%\nO1\nG10 L2 P1 X1. Y2. Z3.\nG0 X0.\nM30\n%\n").exits(3);
 }

@@ -20,7 +20,7 @@ struct Names {
 const OF_HAAS: &str = "G154 P";
 
 /// The external offset of a Fanuc, which shifts all others.
-const EXTERNAL: &str = "EXT";
+pub(crate) const EXTERNAL: &str = "EXT";
 
 const NAMES: &[Names] = &[
     Names {

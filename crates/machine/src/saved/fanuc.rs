@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use super::lines::{number, words};
 use super::{SavedFormat, SavedLine, SavedUnit, SavedValues};
-use crate::machine::zero_offset::lacking_axes;
+use crate::machine::zero_offset::{EXTERNAL, lacking_axes};
 use crate::machine::{DecimalPoint, Machine, Tool};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{Axis, AxisSet, FrameParts};
@@ -168,6 +168,10 @@ fn read(lines: &[SavedLine<'_>], machine: &Machine) -> Result<SavedValues, Diagn
         }
     }
     for (name, Offset { parts, stated, line }) in offsets {
+        // Without a linear axis, the offset is still not known: a program that uses it is refused.
+        if name != EXTERNAL && stated.intersection(AxisSet::XYZ).is_empty() {
+            continue;
+        }
         if let Some((lacking, message)) = lacking_axes(&name, machine.axis_set(), |axis| stated.contains(axis)) {
             let letters: Vec<String> = lacking.iter().map(ToString::to_string).collect();
             let help = format!("add {} with the value on the control, even if it is 0", letters.join(" and "));
