@@ -56,6 +56,21 @@ fn a_table_turns_before_the_drill_descends() {
 }
 
 #[test]
+fn repeated_holes_with_an_incremental_table_are_refused() {
+    // With L3 the control turns before each hole; three strokes into one hole would break the tool.
+    for (controller, count) in [("fanuc", "K3"), ("haas", "L3")] {
+        let program = |block: &str| {
+            format!(
+                "%\nO1\nG21 G90 G17 G40 G54\nT1 M6\nG0 X5. Y0. A0.\nS1000 M3\nG43 Z10. H1\nG99 G81 Z-5. R2. F100.\n{block}\nG90 G80\nM30\n%\n"
+            )
+        };
+        snc(controller, &program(&format!("G91 A30. {count}"))).exits(3).says("E0201").says("a block for each hole");
+        snc(controller, &program("G91 A30.")).exits(0);
+        snc(controller, &program(&format!("G91 X2. {count}"))).exits(0);
+    }
+}
+
+#[test]
 fn a_haas_ends_the_tool_length_with_g28() {
     let program = |more: &str| {
         format!("%\nO1\nG21 G90 G17 G40 G54\nT1 M6\nG0 X0. Y0. A0.\nG43 Z50. H1\nG28 Z60.\n{more}\nM30\n%\n")

@@ -174,6 +174,11 @@ pub(super) fn cycle_at(
         channel.outlet.warnings.push(fault(Code::UNUSUAL_MOTION, gathered.span, message, help));
     }
     let holes = call.repeats.unwrap_or(1) as usize;
+    if incremental && holes > 1 && others.iter().any(|axis| end[axis] != here[axis]) {
+        let message = format!("{} repeats with an incremental move of another axis", name_of(code));
+        let help = "write a block for each hole: ncfix does not repeat the move of the other axis";
+        return Err(fault(Code::NOT_SUPPORTED, span, message, help));
+    }
     let may_stay = !is_tapping(code) || tapping::check(channel, gathered, code, span).is_ok();
     let kept = (channel.settings.keeps_cycles && may_stay)
         .then(|| kept_cycle::of(channel, &call, [here[abscissa], here[ordinate]], holes, &actions))

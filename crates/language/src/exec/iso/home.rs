@@ -62,7 +62,7 @@ pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) ->
     let is_haas = channel.settings.machine.control.iso.is_haas();
     if is_haas && code == 280 && channel.modal.tool.length_mm != Vector::zeros() {
         // Mill operator's manual 96-8000, G28: it cancels tool length offsets for the blocks after it.
-        channel.modal.length_ended = Some(span);
+        channel.modal.length_ended = true;
     }
     Ok(())
 }

@@ -123,7 +123,7 @@ fn fanuc_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
         channel.modal.has_h = true;
     }
     let is_off = code == 490;
-    channel.modal.length_ended = None;
+    channel.modal.length_ended = false;
     if !is_off && !channel.modal.has_h {
         let message = format!("{} without H: the control would use the H of an earlier program", name_of(code));
         let help = "write the number of the offset with it, for example G43 H1";

@@ -10,7 +10,6 @@ use crate::exec::core::modal::{CodesInForce, Modes};
 use crate::exec::core::position::Position;
 use crate::exec::core::tool::ToolState;
 use ncfix_base::geometry::{AxisSet, AxisVector, Frame, Vector};
-use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Setup, Turning, WrittenZero};
@@ -58,8 +57,8 @@ pub(super) struct Modal {
     pub(super) h: u32,
     /// True if the program has stated an H.
     pub(super) has_h: bool,
-    /// Place of the G28 of a Haas that ended the length compensation.
-    pub(super) length_ended: Option<Span>,
+    /// `true` after a G28 of a Haas that ended the length compensation.
+    pub(super) length_ended: bool,
     pub(super) d: Option<u32>,
     pub(super) contour: ContourModal,
     /// G43.4, G43.5.
@@ -99,7 +98,7 @@ impl Modal {
             tool: ToolState::default(),
             h: 0,
             has_h: false,
-            length_ended: None,
+            length_ended: false,
             d: None,
             contour: if is_fanuc { ContourModal::fanuc(&machine.control) } else { ContourModal::rs274() },
             turning: None,

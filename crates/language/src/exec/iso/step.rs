@@ -86,7 +86,7 @@ pub(super) fn end(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(Axi
 
 /// A straight motion to a programmed position.
 pub(super) fn step(channel: &mut Channel<'_>, step: Step) -> Result<(), Fault> {
-    if channel.modal.length_ended.is_some() && step.named.contains(Axis::Z) {
+    if channel.modal.length_ended && step.named.contains(Axis::Z) {
         let message = "Z moves after a G28, which ends the tool length compensation of a Haas: the height without it is not certain";
         let help = "program G43 H again, or G49, after the G28; or move Z with G53";
         return Err(fault(Code::NOT_SUPPORTED, step.span, message, help));
