@@ -77,6 +77,7 @@ mod diagnose_logs;
 mod diagnose_mixes;
 mod diagnose_next;
 mod diagnose_plays;
+mod diagnose_probabilities;
 mod diagnose_rates;
 mod diagnose_report;
 mod diagnose_rivals;
