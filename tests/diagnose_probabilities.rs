@@ -37,8 +37,16 @@ fn mix(number: u64) -> Option<Case> {
     Recipe { hide, ..Recipe::new(bench, size, 5_000 + number) }.cook()
 }
 
-/// Whether a finding is, or lists in its class, what is hidden.
+/// Whether a finding is, or lists in its class, what is hidden. A finding without a name is true of what acts through all of its drivers.
 fn is_of(finding: &Value, hidden: &Hidden) -> bool {
+    let has_driver = |driver: &Value| hidden.drivers.iter().any(|own| own == text(driver));
+    if text(&finding["effect"]) == "unknown" && finding["drivers"].as_array().unwrap().iter().all(has_driver) {
+        return true;
+    }
+    // An unknown of set-ups is named with its set-up.
+    if (text(&finding["effect"]), hidden.effect) == ("setup", "setup") {
+        return text(&finding["parameter"]).split(' ').any(|word| word == hidden.parameter);
+    }
     let class = finding["class"].as_array().unwrap().iter().map(text);
     let class = class.map(|name| name.split_once(' ').unwrap_or((name, "")));
     let own = (text(&finding["effect"]), text(&finding["parameter"]));
@@ -53,14 +61,17 @@ fn told(case: &Case) -> Vec<Told> {
     let findings = report["findings"].as_array().unwrap();
     let told = findings.iter().map(|finding| {
         let own = (text(&finding["effect"]), text(&finding["parameter"]));
-        let exact = case.truth.effects.iter().find(|hidden| same((hidden.effect, &hidden.parameter), own));
-        let exact = exact.filter(|hidden| hidden.effect != "setup" && finding["unit"] == hidden.unit);
+        let mut exact = case.truth.effects.iter().filter(|hidden| same((hidden.effect, &hidden.parameter), own));
+        // Two hidden effects of one name have one size together.
+        let exact = exact
+            .next()
+            .filter(|hidden| exact.next().is_none() && hidden.effect != "setup" && finding["unit"] == hidden.unit);
         let off = |hidden: &Hidden| (number(&finding["value"]).abs() - hidden.size.abs()).abs();
         Told {
             probability: number(&finding["probability"]),
             is_true: case.truth.effects.iter().any(|hidden| is_of(finding, hidden)),
             is_inside: exact.map(|hidden| off(hidden) <= number(&finding["u95"])),
-            words: words(finding),
+            words: format!("{} {} ± {}", words(finding), finding["value"], finding["u95"]),
         }
     });
     told.collect()
@@ -97,6 +108,9 @@ fn table(cases: u64) -> (String, [(usize, usize); 2], usize) {
     let certain = || all().filter(|(_, one)| one.probability >= 0.95);
     for (case, one) in certain().filter(|(_, one)| !one.is_true) {
         writeln!(out, "false with {:.1} %: {} in {}", 100.0 * one.probability, one.words, case.words()).unwrap();
+    }
+    for (case, one) in certain().filter(|(_, one)| one.is_inside == Some(false)) {
+        writeln!(out, "outside its interval: {} in {}", one.words, case.words()).unwrap();
     }
     let right = (certain().filter(|(_, one)| one.is_true).count(), certain().count());
     let sizes: Vec<bool> = certain().filter_map(|(_, one)| one.is_inside).collect();
