@@ -1,6 +1,7 @@
 //! Probing: axis positions at which the tip's center coincides with a ball of unknown position in the workpiece (SAMBA, RUMBA, chase-the-ball).
 //!
-//! tip − b = 0 for the ball b of the row; known distances |b − b′| connect balls. `tool` frees the tool vector, one for each set-up. It turns with
+//! tip − b = 0 for the ball b of the row, along the directions of F: a drift of the machine or of the probe keeps its direction there while the
+//! rotary axes turn. Known distances |b − b′| connect balls. `tool` frees the tool vector, one for each set-up. It turns with
 //! the spindle angle in `spindle_deg`, which separates the stylus from the offsets of the spindle itself.
 
 use nalgebra::{Rotation3, Unit};
@@ -96,11 +97,13 @@ fn equations(data: &DataSet, observation: &Observation, seen: &Seen<'_>, values:
         off += stylus * vector_at(values, tool);
     }
     for k in 0..3 {
-        let mut by_unknown = vec![(3 * target + k, -1.0)];
+        let direction = seen.direction(k);
+        let mut by_unknown: Vec<(usize, f64)> = (0..3).map(|j| (3 * target + j, -direction[j])).collect();
         if has_tool {
-            by_unknown.extend((0..3).map(|j| (tool + j, stylus[(k, j)])));
+            let by_tool = stylus.transpose() * direction;
+            by_unknown.extend((0..3).map(|j| (tool + j, by_tool[j])));
         }
-        out.push(Equation { residual: -off[k], by_tip: Vector::ith(k, 1.0), by_unknown, ..Equation::default() });
+        out.push(Equation { residual: -direction.dot(&off), by_tip: direction, by_unknown, ..Equation::default() });
     }
 }
 
