@@ -70,6 +70,8 @@ pub(super) struct Chosen {
     pub(super) harmful: Option<Vec<String>>,
     /// Probability that the readings show this much of it if it is absent.
     pub(super) chance: f64,
+    /// Variance of its amount between the explanations that contain it, mm², rad²; 0 for a term with several columns.
+    pub(super) between: f64,
 }
 
 impl Chosen {
@@ -77,6 +79,16 @@ impl Chosen {
     pub(super) fn is_likely(&self) -> bool {
         self.probability >= UNLIKELY
     }
+}
+
+/// Variance of values with weights; 0 without any weight.
+fn variance(values: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
+    let whole: f64 = values.clone().map(|(_, weight)| weight).sum();
+    if whole <= 0.0 {
+        return 0.0;
+    }
+    let mean = values.clone().map(|(value, weight)| weight * value).sum::<f64>() / whole;
+    values.map(|(value, weight)| weight * (value - mean).powi(2)).sum::<f64>() / whole
 }
 
 /// One explanation as text.
@@ -241,10 +253,16 @@ impl Field<'_, '_> {
         named.push(NamedEntrant { candidate: EntrantSource::Known(number), entrant });
     }
 
-    /// The weight of a shape. If set-ups have unknowns, the mean of a displacement over the measured positions is subtracted: it belongs to the zero.
+    /// The weight of a shape. If set-ups have unknowns, the mean of a displacement over the measured positions is subtracted: it belongs to the zero. So is
+    /// that of an angle of a rotary axis: it belongs to the orientation of the next axis.
     fn weight_without_mean(&self, one: &term::Term) -> Weight {
         let weight = one.weight.clone();
-        if one.component.direction.is_rotation() || self.scene.unknowns == 0 {
+        let is_of_rotary = one.component.axis().is_some_and(|axis| axis.is_rotary());
+        let has_no_mean = match one.component.direction.is_rotation() {
+            true => is_of_rotary,
+            false => self.scene.unknowns > 0,
+        };
+        if !has_no_mean {
             return weight;
         }
         let count = self.scene.rows.len().max(1) as f64;
@@ -301,6 +319,17 @@ impl Field<'_, '_> {
         let said = |k: usize, is_new: bool| -> Option<Vec<String>> {
             Some(harm.of(k, is_new)?.iter().filter_map(|&k| sources.get(k)).map(in_words).collect())
         };
+        let between = |k: usize| -> f64 {
+            if found.widths.get(k) != Some(&1) {
+                return 0.0;
+            }
+            let amount = |one: &Explanation| -> Option<f64> {
+                let place = one.set.iter().position(|&own| own == k)?;
+                let before: usize = one.set.iter().take(place).filter_map(|own| found.widths.get(*own)).sum();
+                one.posterior.mean.get(before).copied()
+            };
+            variance(found.explanations.iter().filter_map(|one| Some((amount(one)?, one.probability))))
+        };
         let of_taken: Vec<Chosen> = start
             .iter()
             .zip(taken)
@@ -310,6 +339,7 @@ impl Field<'_, '_> {
                 share: twins.share(k),
                 harmful: said(same(k), false),
                 chance: 0.0,
+                between: between(same(k)),
             })
             .collect();
         let keys = |sources: &mut dyn Iterator<Item = EntrantSource>| {
@@ -344,7 +374,14 @@ impl Field<'_, '_> {
                     continue;
                 };
                 let (harmful, chance, share) = (said(k, true), (-loss).exp(), twins.share(k));
-                let one = Chosen { candidate: self.candidates.len(), probability, share, harmful, chance };
+                let one = Chosen {
+                    candidate: self.candidates.len(),
+                    probability,
+                    share,
+                    harmful,
+                    chance,
+                    between: between(k),
+                };
                 match source {
                     EntrantSource::Known(number) => chosen.push(Chosen { candidate: *number, ..one }),
                     EntrantSource::Shape(shape) => {
@@ -355,6 +392,7 @@ impl Field<'_, '_> {
                                 all.probability = all.probability.min(one.probability);
                                 all.share = all.share.min(one.share);
                                 all.harmful = all.harmful.take().or(one.harmful);
+                                all.between = 0.0;
                             }
                             None => shapes.push(((**shape).clone(), one)),
                         }

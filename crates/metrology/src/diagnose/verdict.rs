@@ -323,12 +323,14 @@ fn verdict(
         let Some(candidate) = field.candidates.get(term.candidate) else { continue };
         let others: Vec<usize> = taken.iter().copied().filter(|&other| other != term.candidate).collect();
         let inflation = field.inflation(weights, &taken, &others, term.candidate);
+        // The amount also depends on which other causes there are.
+        let between = chosen.iter().find(|one| one.candidate == term.candidate).map_or(0.0, |one| one.between);
+        let of_pair = |k: usize, l: usize| {
+            covariance[(k, l)] * noise * inflation + if k == l && range.len() == 1 { between } else { 0.0 }
+        };
         let amounts = Amounts {
             values: amounts.get(range.clone()).unwrap_or_default().to_vec(),
-            covariance: range
-                .clone()
-                .map(|k| range.clone().map(|l| covariance[(k, l)] * noise * inflation).collect())
-                .collect(),
+            covariance: range.clone().map(|k| range.clone().map(|l| of_pair(k, l)).collect()).collect(),
         };
         let own_without: Vec<Amounts> =
             without_parts.iter().map(|without| without.of(&range, noise * inflation)).collect();

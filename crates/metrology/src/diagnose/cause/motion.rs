@@ -44,12 +44,13 @@ fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
             }
             shapes.push(shape);
         }
-        // An angle also has a value at the zero of the axis, which lever arms show.
+        // An angle also has a value at the zero of the axis, which lever arms show. That of a rotary axis is the orientation of the next axis (ISO 230-1).
         let always = (Weight::new(|_| 1.0), ComponentTerm::Coefficient(0));
         let tilted: Vec<Shape> =
             (1..=2).map(|most| powers.iter().take(most).chain([&always]).cloned().collect()).collect();
+        let has_value = |component: ErrorName| component.direction.is_rotation() && !axis.is_rotary();
         for component in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
-            for shape in shapes.iter().chain(tilted.iter().filter(|_| component.direction.is_rotation())) {
+            for shape in shapes.iter().chain(tilted.iter().filter(|_| has_value(component))) {
                 let mut one = Candidate::one(&CAUSE, component, Through::Component(component), Weight::new(|_| 0.0));
                 one.columns =
                     shape.iter().map(|(weight, _)| vec![(Through::Component(component), weight.clone())]).collect();
