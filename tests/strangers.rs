@@ -136,6 +136,28 @@ fn a_height_map_of_a_duet_gives_straightness_and_no_error_of_z() {
 }
 
 #[test]
+fn the_slope_of_a_height_map_is_not_that_of_the_axis() {
+    // Heights of 1e-6 x² mm from X 100 to 300: their regression line has the slope 1e-6 · (100 + 300).
+    let mut table = "setup,X,Y,Z,tool_x_mm,tool_y_mm,tool_z_mm,dz_um\n".to_owned();
+    let mut noise = Noise(9);
+    for (i, j) in (0..33).map(|k| (k % 11, k / 11)) {
+        let x = 100.0 + 20.0 * f64::from(i);
+        let _ = writeln!(table, "A,{x},{},10,0,0,0,{:.4}", 40 * j, 1e-3 * x * x + noise.next(0.5));
+    }
+    let description = "[measurement]\nkind = \"displacement\"\nfree = [\"offset\", \"rotation\"]\n";
+    let shop = Shop::new().file("m.toml", printer()).file("map.csv", table).file("map.toml", description);
+    let fit =
+        |model: &'static str| ["calibrate", "map.csv", "--machine", "m.toml", "--model", model, "-o", "fitted.toml"];
+    shop.run(fit("EZX1,EZX2")).exits(4).says("E0606");
+    shop.run(fit("EZX2")).exits(0).says("warning[W0609]").says("from 100 to 300 mm");
+    let written = shop.text("fitted.toml");
+    let line = written.lines().find(|line| line.starts_with("coefficients")).unwrap();
+    let values: Vec<f64> =
+        line.split(['[', ']']).nth(1).unwrap().split(',').map(|value| value.trim().parse().unwrap()).collect();
+    assert!((values[2].abs() - 1e-6).abs() < 5e-8 && (values[1] + 400.0 * values[2]).abs() < 1e-9, "{line}");
+}
+
+#[test]
 fn positions_reached_are_not_taken_for_deviations() {
     let mut table = "Target position (mm);1+;1-;2+;2-\n".to_owned();
     for target in [15.0, 35.0, 55.0] {

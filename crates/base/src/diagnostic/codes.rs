@@ -796,6 +796,11 @@ that the test data are not selected.";
 "ncfix calibrate fits a term of --model, such as EXX ~ Y^2, and its interval of 95 % contains 0. The machine file gets the term, because the
 command asks for it. A program would then be corrected by an amount whose sign is not known. Remove the term, or take readings where it
 acts: at several positions of the axis on which it depends.";
+    SLOPE_NOT_SHOWN = "W0609" "slope of a straightness that the readings do not show"
+"ncfix calibrate fits the curvature of an axis, such as EZX2, but no slope, and the readings cannot show a slope: the artifact lies as it
+was set up. A curve without a slope at the zero of the axis would tilt the whole axis by an arbitrary angle. ncfix therefore adds the slope
+that makes the axis straight on average over the measured range. The real slope belongs to the squareness of the axis, which stays unknown:
+measure it with a square, two diagonals or ball-bar circles.";
     STARVING = "W0701" "the link is too slow in places"
 "In some places the control waits briefly for lines (see E0702), but not long enough to forbid the transfer.";
     SERIAL_SETTINGS = "W0702" "port with different settings or a name that may change"

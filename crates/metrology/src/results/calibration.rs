@@ -6,7 +6,7 @@ use super::held::{ComparedMeasurement, fitted};
 use super::measurement::{Measurement, check_copies, data_of};
 pub use super::not_identified::LeftOut;
 use super::selection;
-use super::{conditions, figures, has_errors, not_identified, repeated};
+use super::{conditions, figures, has_errors, not_identified, repeated, slope};
 use crate::calibrate::{ComparedReading, Fit, FitOptions, Parameter, Refusal, Rule, fit, quality, reversals, select};
 use crate::measure::data::{DataSet, Observation};
 use crate::measure::kind::Measurand;
@@ -153,7 +153,7 @@ impl PreparedFit<'_> {
             findings.extend(reversals.into_iter().map(told));
             return None;
         }
-        let (fit, parameters) = match self.fitted(candidates, &data, report) {
+        let (mut fit, parameters) = match self.fitted(candidates, &data, report) {
             Ok(found) => found,
             Err(refusal) => {
                 selection::refuse(refusal, &self.used, findings);
@@ -180,6 +180,7 @@ impl PreparedFit<'_> {
             let (of, fitted) = ((self.begin.machine, parameters.as_slice()), (&fit, self.options()));
             repeated::repeat(of, &self.used, fitted, how, progress, findings, report);
         }
+        slope::level(self.begin.machine, &parameters, &self.used, &mut fit, findings);
         Some(fit)
     }
 

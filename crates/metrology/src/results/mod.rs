@@ -26,6 +26,7 @@ mod repeated;
 pub mod selection;
 pub mod sensors;
 pub mod simulated;
+mod slope;
 pub mod stated;
 pub mod uncertain;
 pub mod weighed;

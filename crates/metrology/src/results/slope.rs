@@ -1,0 +1,90 @@
+//! The slope of a straightness that readings do not show.
+//!
+//! An artifact that lies as it was set up shows the curvature of an axis, but not its slope: that belongs to the squareness of the axis (ISO 230-1). A fitted
+//! curvature has its vertex at the zero of the axis, so that without a slope it would tilt the axis by an arbitrary angle.
+
+use super::measurement::{Measurement, data_of};
+use crate::calibrate::{Fit, Parameter, identify};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::{AXES, Axis, AxisVector};
+use ncfix_base::number::significant;
+use ncfix_base::units::urad_from_rad;
+use ncfix_machine::machine::{Machine, State};
+use ncfix_model::name::{DIRECTIONS, ErrorName};
+use ncfix_model::parameter::{ComponentTerm, ParameterName};
+
+/// Number of points of the line, enough for curves of degree 9.
+const POINTS: u32 = 200;
+
+/// Gives every straightness whose curvature was fitted, but whose slope the readings do not show, the slope that makes it straight on average over the
+/// measured range.
+pub(super) fn level(
+    machine: &Machine,
+    parameters: &[Parameter],
+    used: &[Measurement],
+    fit: &mut Fit,
+    findings: &mut Vec<Diagnostic>,
+) {
+    let data = data_of(used);
+    for axis in AXES.into_iter().filter(|axis| !axis.is_rotary()) {
+        let Some([low, high]) = range(used, axis).filter(|[low, high]| high > low) else { continue };
+        for component in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
+            let fitted: Vec<ParameterName> = parameters
+                .iter()
+                .filter_map(|one| match one {
+                    Parameter::Geometry(name) if name.component == component => Some(*name),
+                    _ => None,
+                })
+                .collect();
+            let slope = ParameterName::coefficient(component, 1);
+            let is_curve = |name: &ParameterName| match name.term {
+                ComponentTerm::Coefficient(degree) | ComponentTerm::Knot { degree, .. } => degree > 1,
+                _ => false,
+            };
+            let is_across = !component.direction.is_rotation() && component.to_string() != format!("E{axis}{axis}");
+            // A slope of the start file is a measured one.
+            if !is_across || !fitted.iter().any(is_curve) || fitted.contains(&slope) || slope.get(&fit.errors) != 0.0 {
+                continue;
+            }
+            let with: Vec<Parameter> = parameters.iter().cloned().chain([slope.into()]).collect();
+            let is_shown =
+                identify(machine, &fit.errors, &with, &data).is_some_and(|told| told.lost.leave_out.is_empty());
+            if is_shown {
+                continue;
+            }
+            let value = -mean_slope(&fitted, fit, axis, [low, high]);
+            slope.set(&mut fit.errors, value);
+            let message = format!(
+                "the readings show the curvature of {component}, but not its slope; {slope} is {} µrad, so that {axis} is straight on average \
+                 from {low} to {high} mm",
+                significant(urad_from_rad(value)),
+            );
+            let help = "measure the squareness of this axis too; until then its slope is not corrected";
+            findings.push(Diagnostic::nowhere(Code::SLOPE_NOT_SHOWN, message, help));
+        }
+    }
+}
+
+/// Measured range of an axis, mm.
+fn range(used: &[Measurement], axis: Axis) -> Option<[f64; 2]> {
+    let all = used.iter().flat_map(|one| &one.data.observations).map(|row| row.reading.position[axis]);
+    all.fold(None, |known: Option<[f64; 2]>, value| {
+        Some(known.map_or([value; 2], |[low, high]| [low.min(value), high.max(value)]))
+    })
+}
+
+/// Slope of the least-squares line through the fitted curve.
+fn mean_slope(fitted: &[ParameterName], fit: &Fit, axis: Axis, [low, high]: [f64; 2]) -> f64 {
+    let middle = f64::midpoint(low, high);
+    let mut sums = [0.0; 2];
+    for k in 0..POINTS {
+        let at = low + (high - low) * (f64::from(k) + 0.5) / f64::from(POINTS);
+        let mut command = AxisVector::default();
+        command[axis] = at;
+        let value: f64 =
+            fitted.iter().map(|name| name.get(&fit.errors) * name.weight(&command, &State::default())).sum();
+        sums[0] += value * (at - middle);
+        sums[1] += (at - middle).powi(2);
+    }
+    sums[0] / sums[1]
+}
