@@ -29,7 +29,7 @@ pub struct DiagnosisOptions {
     pub hypotheses: Vec<String>,
 }
 
-/// The causes that the error model of a machine lacks, the largest first, each with its evidence, its gain on
+/// The causes that the error model of a machine lacks, in the order of their gain on unseen readings, each with its evidence, its gain on
 /// held-out readings, and whether it can be corrected; and the residual.
 ///
 /// ```

@@ -1,4 +1,4 @@
-//! The house rules that a compiler does not check: who may know whom within a crate, what every file opens with, and that every
+//! The house rules that a compiler does not check: which modules of a crate may use which, how every file begins, and that every
 //! register is complete.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// A room, and those that it may name.
 type Room = (&'static str, &'static [&'static str]);
 
-/// The rooms of each crate, and which of the others in it each may name. Between crates the compiler holds the walls.
+/// The rooms of each crate, and which of the others in it each may name. Between crates, `Cargo.toml` and the compiler enforce what is permitted.
 const CRATES: &[(&str, &[Room])] = &[
     (
         "base",
@@ -287,7 +287,6 @@ fn no_files_of_a_room_import_one_another_in_a_circle() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// A member that has no row here would be looked at by no test.
 /// Lines of the command line at most. It goes from arguments to the library and from there to a view; the number only gets smaller.
 const MOST_LINES_OF_CLI: usize = 6000;
 

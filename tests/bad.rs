@@ -1,4 +1,4 @@
-//! Every finding code has a sample that provokes it, and the drawn finding is a snapshot beside its source.
+//! Every code of a diagnostic has a bad sample or a test that covers it. The diagnostics of each bad program are a snapshot beside its source.
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -1,4 +1,4 @@
-//! Every error source in the registry: its example is read, contributes, follows its parameters, and does not care how an axis counts.
+//! Every error source in the registry: its example is read, contributes, follows its parameters, and gives the same error if the direction of an axis is reversed.
 
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
 use ncfix_base::source::{FileId, Source};

@@ -57,7 +57,7 @@ impl<T: ?Sized + Registered> Register<T> {
         }
     }
 
-    /// Adds an entry that is not known when the program is written.
+    /// As [`Self::with`], but returns an error instead of a panic.
     ///
     /// # Errors
     /// [`Refused`] if its name is empty, or an existing entry has its name or another property that must be unique.

@@ -78,7 +78,7 @@ impl<'a> Accumulator<'a> {
         components[name.direction.index()] += self.sign * value;
     }
 
-    /// Adds a function multiplied by a factor to a motion error.
+    /// Adds a function (mm or rad, deviation of the body that the axis moves, along and about F) multiplied by a factor to a motion error.
     pub fn add_motion(&mut self, name: ErrorName, function: &EntryFunction, factor: f64) {
         let factor = self.sign * factor;
         if factor != 0.0 && !function.is_zero() {

@@ -164,7 +164,7 @@ impl Model {
     }
 
     /// Returns the displacement of the tip that a zero touched with these poses for its sides X, Y and Z contains, in the workpiece frame at the
-    /// pose of each, mm. A side gives the component of its own axis of F. An axis without a stated direction of motion is in the middle of its reversal.
+    /// pose of each, mm. A side gives the component of its own axis of F. An axis without a stated direction of motion is in the middle of its backlash.
     #[must_use]
     pub fn displacement_at(&self, sides: &[ZeroPose; 3]) -> Vector {
         let mut out = Vector::zeros();

@@ -10,7 +10,7 @@ use crate::cli::arguments::MachineChoice;
 pub(in crate::cli) const AFTER_HELP: &str = "\
 A measurement is a pair of files, NAME.csv and NAME.toml, as ncfix calibrate reads it. Figures need no error model.
 
-direct:  A, E, R, B, M of ISO 230-2 for every component and set-up; the direction of approach is given in X_dir …, or is taken from the row order; the first row, whose direction is unknown, is left out; if its target then lacks a direction, there are no figures
+direct:  A, E, R, B, M of ISO 230-2 for every component and set-up; the direction of approach is given in X_dir …, or is taken from the row order; the first row is left out if its direction is unknown; if its target then lacks a direction, there are no figures
 ballbar: G, F, D, H of ISO 230-4 for circles in a plane through the ball on the table, without the eccentricity of the set-up; D and H only where the readings of each path are at most 0.1 rad (5.7 deg) apart; size and form of the least-squares sphere for rows that are not in one plane
 
 Examples:

@@ -42,7 +42,7 @@ pub struct DataSet {
     pub sigma_rad: Option<f64>,
     /// Unknowns of every set-up.
     pub free: Vec<Free>,
-    /// Data of set-ups that the description does not name, if the artifact is the same in all of them.
+    /// Data of every set-up without an entry of its own, because all use the same artifact.
     pub artefact: Setup,
     /// Mountings of the instrument.
     pub setups: Vec<Setup>,

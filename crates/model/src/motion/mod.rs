@@ -1,6 +1,6 @@
 //! Position-dependent errors: one file per kind of function, and their sum per axis.
 //!
-//! A function returns one component (mm or rad) from the actual commands of its axis, of another axis ([`cross`], [`grid`]) or from the direction of the last
+//! A function returns one component (mm or rad) from the commanded position of its axis, of another axis ([`cross`], [`grid`]) or from the direction of the last
 //! motion ([`backlash`]). A kind is a file here and a line in `BUILT_IN`. A caller adds others to the registry [`MotionKinds`], with its own functions
 //! ([`MotionFunction`]).
 

@@ -123,7 +123,7 @@ pub trait Effect: BoxedEffect + Debug + Send + Sync {
     /// Returns the source to which it belongs.
     fn source(&self) -> &'static SourceInfo;
 
-    /// Returns the error component that it affects, for tables: `EXX`.
+    /// Returns its name in tables, usually the error component that it affects: `EXX`. By default, the title of its source.
     fn label(&self) -> String {
         self.source().title.to_owned()
     }
@@ -134,7 +134,7 @@ pub trait Effect: BoxedEffect + Debug + Send + Sync {
     /// function whenever the condition changes, not for every position. If the condition lacks the required data, the function adds nothing.
     fn contribute(&self, condition: &Condition, sum: &mut Accumulator<'_>);
 
-    /// Visits every parameter with its name and unit, always in the same order: `name.of.it`, in mm, rad, s or K. These parameters are listed, varied, fitted
+    /// Visits every parameter, always in the same order, with a name of the form `section.key` and its value in mm, rad, s or K. These parameters are listed, varied, fitted
     /// (`ncfix calibrate` by the name) and written back to the machine file.
     fn visit_parameters(&mut self, visit: &mut dyn FnMut(&Parameter<'_>, &mut f64));
 
@@ -148,7 +148,7 @@ pub trait Effect: BoxedEffect + Debug + Send + Sync {
         false
     }
 
-    /// True if it is an offset over time that ends when the zero point of the workpiece is set.
+    /// True if it is a drift: setting the zero point of the workpiece takes up its value at that time.
     fn drifts(&self) -> bool {
         false
     }

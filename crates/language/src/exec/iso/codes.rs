@@ -1,10 +1,10 @@
 //! The groups of G codes, which are given in tenths: `G54.1` is 541.
 //!
-//! The groups are those of the execution, common to both flavors; other codes are looked up in the code table.
+//! The groups are those of the execution, common to Fanuc and RS274/NGC; other codes are looked up in the code table.
 
 use ncfix_dialect::Language;
 
-/// Groups of G codes. A block has one code of each group.
+/// Groups of G codes. A block has at most one code of each group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Group {
     /// Non-modal actions: G4, G10, G28, G52, G92 …

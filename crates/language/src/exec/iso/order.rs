@@ -38,7 +38,6 @@ pub(super) fn execute(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Res
     channel.block.corner = None;
     target::check_axes(channel.language, channel.axes, channel.settings.machine, gathered)?;
     let done = if channel.is_rs274() { execute_rs274(channel, gathered) } else { execute_fanuc(channel, gathered) };
-    // The program ends as commanded, even if the block has an error.
     done?;
     if !channel.is_rs274() && channel.modal.codes.is(Group::Length, 490) && gathered.raw_quietly(b'H') == Some(0.0) {
         // H0 has no effect if no offset is active.
