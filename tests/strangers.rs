@@ -142,7 +142,7 @@ fn the_slope_of_a_height_map_is_not_that_of_the_axis() {
     let mut noise = Noise(9);
     for (i, j) in (0..33).map(|k| (k % 11, k / 11)) {
         let x = 100.0 + 20.0 * f64::from(i);
-        let _ = writeln!(table, "A,{x},{},10,0,0,0,{:.4}", 40 * j, 1e-3 * x * x + noise.next(0.5));
+        let _ = writeln!(table, "A,{x},{},10,0,0,0,{:.4}", 40 * j, 1e-3 * x * x + noise.next(0.05));
     }
     let description = "[measurement]\nkind = \"displacement\"\nfree = [\"offset\", \"rotation\"]\n";
     let shop = Shop::new().file("m.toml", printer()).file("map.csv", table).file("map.toml", description);

@@ -109,11 +109,12 @@ impl<'a> Simulation<'a> {
         let mut now = *row;
         let tip = |command: &AxisVector| self.model.nominal(command, &row.reading.tool_mm).translation;
         let axes = [Axis::X, Axis::Y, Axis::Z];
-        // The nominal tip is linear in the linear axes.
+        // The nominal tip is linear in the linear axes. Residuals are along the directions of F.
+        let to_f = Seen::new(self.machine, &self.model, &row.reading, &row.reading.tool_mm).to_f;
         let columns = axes.map(|axis| {
             let mut moved = row.reading.position;
             moved[axis] += 1.0;
-            tip(&moved) - tip(&row.reading.position)
+            to_f * (tip(&moved) - tip(&row.reading.position))
         });
         let back = Matrix::from_columns(&columns).try_inverse().ok_or(OutOfReach)?;
         for _ in 0..MAX_STEPS {
