@@ -3,6 +3,7 @@
 use ncfix_base::geometry::{AXES, Axis};
 use ncfix_model::name::{DIRECTIONS, ErrorKind, ErrorName};
 
+use super::super::cause::EffectKind;
 use super::super::row::{NOWHERE, SceneRow};
 use super::super::scene::{Scene, Through};
 use super::super::size::{EXPANDED, weights_at};
@@ -15,6 +16,8 @@ const LOOKS: usize = 33;
 const STEP: f64 = 1e-5;
 /// Largest deviation of straight lines between table points, as a share of the largest value.
 const OFF: f64 = 5e-3;
+/// A shape without a name that bends within this share of the measured range from its end acts only where the axis reverses.
+const AT_END: f64 = 0.02;
 /// Directions are equal within this share.
 const SAME: f64 = 1e-6;
 
@@ -167,6 +170,14 @@ pub(super) fn law(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Result
     {
         return Err("the travel is not known".into());
     }
+    if let [axis] = drivers.places[..]
+        && one.candidate.cause.effect == EffectKind::Unknown
+        && one.candidate.points.iter().flatten().any(|&at| is_at_end(at, [low[axis], high[axis]]))
+    {
+        return Err(format!(
+            "it begins at the end of the measured range, where {axis} reverses; measure these positions in both directions"
+        ));
+    }
     let others: Vec<Axis> = drivers.places.iter().copied().filter(|&axis| axis != own).collect();
     let change = |law: &Law<'_>| match (drivers.senses.as_slice(), others.as_slice()) {
         ([], []) => line(law, name, own, None),
@@ -194,6 +205,12 @@ pub(super) fn law(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Result
         ),
         _ => Ok(change),
     }
+}
+
+/// True if a place is inside a range, but hardly.
+fn is_at_end(at: f64, [low, high]: [f64; 2]) -> bool {
+    let from_end = (at - low).min(high - at) / (high - low);
+    0.0 < from_end && from_end < AT_END
 }
 
 /// True if the value common to all exceeds their differences.
@@ -251,6 +268,13 @@ mod tests {
     use crate::diagnose::bench;
     use crate::diagnose::cause::EffectKind;
     use crate::diagnose::size::Amounts;
+
+    #[test]
+    fn a_bend_at_a_reversal_is_at_the_end() {
+        // 2 % of 200 mm are 4 mm; the ends themselves bend nothing.
+        let found = [50.0, 50.34, 53.9, 54.1, 150.0, 245.9, 249.66, 250.0].map(|at| is_at_end(at, [50.0, 250.0]));
+        assert_eq!(found, [false, true, true, false, false, false, true, false]);
+    }
 
     #[test]
     fn what_all_places_have_in_common_is_an_offset() {
