@@ -158,9 +158,12 @@ fn move_along(data: &DataSet, rows: &mut [SceneRow]) {
             continue;
         }
         let velocities: Vec<Option<AxisVector>> = (0..places.len()).map(|k| velocity(rows, &places, k, feed)).collect();
-        let accelerations: Vec<Option<AxisVector>> =
+        let mut accelerations: Vec<Option<AxisVector>> =
             (0..places.len()).map(|k| acceleration(rows, &places, k, &velocities, feed)).collect();
         let is_bar = data.kind.measurand == Measurand::BallDistance;
+        if is_bar {
+            continue_ends(&mut accelerations);
+        }
         for (k, ((&place, velocity), acceleration)) in places.iter().zip(velocities).zip(accelerations).enumerate() {
             if is_bar && velocity.is_none() {
                 rows[place].assumed_velocity = assumed(rows, &places, k);
@@ -175,6 +178,9 @@ fn move_along(data: &DataSet, rows: &mut [SceneRow]) {
         }
     }
 }
+
+/// Rows at each end of a circle whose acceleration is not that of central differences.
+const OUTER: usize = 2;
 
 /// True if the axes stood still at each reading: the median time from one position to the next is long. A ball-bar and a trace record moving axes.
 fn is_at_rest<'p>(data: &DataSet, rows: &[SceneRow], sequences: impl Iterator<Item = &'p Vec<usize>>) -> bool {
@@ -306,10 +312,35 @@ fn acceleration(
     Some(out)
 }
 
+/// The outer two rows of a circle have the acceleration of the next row: the velocities at its ends are those of half a step further inside.
+fn continue_ends(accelerations: &mut [Option<AxisVector>]) {
+    if let Some(last) = accelerations.len().checked_sub(1).filter(|last| *last >= 2 * OUTER) {
+        let [first_inner, last_inner] = [accelerations[OUTER], accelerations[last - OUTER]];
+        accelerations[..OUTER].fill(first_inner);
+        accelerations[last + 1 - OUTER..].fill(last_inner);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::diagnose::bench;
+
+    #[test]
+    fn a_circle_has_its_acceleration_at_its_ends_too() {
+        let of = |value: f64| {
+            let mut out = AxisVector::ZERO;
+            out[Axis::X] = value;
+            Some(out)
+        };
+        // v²/R at the inner rows; half of it and three quarters at the outer ones.
+        let mut all = vec![of(0.5), of(0.75), of(1.0), of(1.1), of(0.8), of(0.6)];
+        continue_ends(&mut all);
+        assert_eq!(all, [of(1.0), of(1.0), of(1.0), of(1.1), of(1.1), of(1.1)]);
+        let mut few = vec![of(0.5), of(1.0), of(0.5)];
+        continue_ends(&mut few);
+        assert_eq!(few, [of(0.5), of(1.0), of(0.5)]);
+    }
 
     #[test]
     fn an_axis_turns_in_a_row_that_has_no_sense_and_starts_with_its_run() {
