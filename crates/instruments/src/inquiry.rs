@@ -6,6 +6,7 @@ use ncfix_machine::machine::Machine;
 
 use crate::answers::{ImportAnswers, MeasuringPoint, ReadingMaterial};
 use crate::grid::{self, GridHeading, GridTable};
+use crate::material;
 use crate::readings::{ImportedReadings, shown};
 use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
@@ -100,7 +101,7 @@ impl<'a> Inquiry<'a> {
     /// Headings of the table as given by `--columns`, or its own.
     ///
     /// # Errors
-    /// If `--columns` names more or fewer columns than the table has.
+    /// If `--columns` names more or fewer columns than the table has, or a unit that the heading contradicts.
     pub fn headings(&self, table: &GridTable) -> Result<Vec<GridHeading>, ImportStop> {
         if self.answers.columns.is_empty() {
             return Ok(table.headings.clone());
@@ -112,16 +113,56 @@ impl<'a> Inquiry<'a> {
             return Err(self.refused(message, help, table.heading_line));
         }
         let units = table.headings.iter().map(|heading| heading.unit).chain(std::iter::repeat(None));
-        let one = |(text, unit): (&String, Option<ReadingUnit>)| {
+        let mut found = Vec::new();
+        for (text, unit) in given.iter().zip(units) {
             let heading = grid::heading_of(text);
-            GridHeading { unit: heading.unit.or(unit), ..heading }
-        };
-        Ok(given.iter().zip(units).map(one).collect())
+            if let (Some(said), Some(stated)) = (heading.unit, unit)
+                && said != stated
+            {
+                let message = format!("--columns {text} contradicts the file, whose heading says {}", stated.sign());
+                return Err(self.refused(
+                    message,
+                    "remove the unit in --columns, or correct the heading",
+                    table.heading_line,
+                ));
+            }
+            found.push(GridHeading { unit: heading.unit.or(unit), ..heading });
+        }
+        Ok(found)
+    }
+
+    /// Checks that the value of an option is that of the file: `said` by the option, `stated` by the file with its line.
+    ///
+    /// # Errors
+    /// If both are there and differ by more than `slack`.
+    pub fn agreed(
+        &self,
+        option: &str,
+        said: Option<f64>,
+        stated: Option<(f64, usize)>,
+        slack: f64,
+    ) -> Result<(), ImportStop> {
+        match (said, stated) {
+            (Some(said), Some((stated, line))) if (said - stated).abs() > slack => {
+                let (said, stated) = (shown(said), shown(stated));
+                let message = format!("--{option} {said} contradicts the file, whose line {line} says {stated}");
+                Err(self.refused(message, format!("remove --{option}, or correct the line"), line))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Sign of the readings. `proven` is what the file itself says, with its line; `question` describes a positive reading.
-    pub fn sign(&mut self, proven: Option<(f64, usize)>, question: &str) -> f64 {
-        match (self.answers.sign, proven) {
+    ///
+    /// # Errors
+    /// If the option contradicts the file.
+    pub fn sign(&mut self, proven: Option<(f64, usize)>, question: &str) -> Result<f64, ImportStop> {
+        let sign = match (self.answers.sign, proven) {
+            (Some(sign), Some((stated, line))) if sign != stated => {
+                let [said, stated] = [sign, stated].map(|sign| if sign > 0.0 { "+" } else { "-" });
+                let message = format!("--sign {said} contradicts the file, whose readings have the sign {stated}");
+                return Err(self.refused(message, "remove --sign, or correct the headings", line));
+            }
             (Some(sign), _) => {
                 let shown = if sign > 0.0 { "+" } else { "-" };
                 self.note(format!("sign: --sign {shown}"), 0);
@@ -137,7 +178,8 @@ impl<'a> Inquiry<'a> {
                 self.ask("sign", question, "+, or - for the opposite");
                 1.0
             }
-        }
+        };
+        Ok(sign)
     }
 
     /// Unit of the readings. `found` is the unit in the file with its line.
@@ -262,8 +304,27 @@ impl<'a> Inquiry<'a> {
     }
 
     /// Temperature state of the scale or of the workpiece.
-    pub fn material(&mut self, what: &str) -> ReadingMaterial {
-        match self.answers.material {
+    ///
+    /// # Errors
+    /// If the option contradicts the file.
+    pub fn material(&mut self, what: &str) -> Result<ReadingMaterial, ImportStop> {
+        /// Digits to which temperature, K, and expansion, µm/m per K, are rounded.
+        const SLACK: [f64; 2] = [0.5, 0.5];
+        if let Some(ReadingMaterial::Expanded { per_k, celsius }) = self.answers.material {
+            for (said, stated, slack) in [
+                (celsius, material::temperatures(self.text), SLACK[0]),
+                (per_k * 1e6, material::expansions(self.text), SLACK[1]),
+            ] {
+                if let Some((_, line)) = stated.first()
+                    && stated.iter().all(|(value, _)| (value - said).abs() > slack)
+                {
+                    let message = format!("{} of --material contradicts line {line} of the file", shown(said));
+                    let help = "correct --material; 20C states that the instrument refers the readings to 20 °C";
+                    return Err(self.refused(message, help, *line));
+                }
+            }
+        }
+        Ok(match self.answers.material {
             Some(material) => {
                 let shown = match material {
                     ReadingMaterial::Reference => "the readings refer to 20 °C (--material 20C)".to_owned(),
@@ -283,7 +344,7 @@ impl<'a> Inquiry<'a> {
                 );
                 ReadingMaterial::Reference
             }
-        }
+        })
     }
 
     /// Makes a refusal at a line (0 for none).

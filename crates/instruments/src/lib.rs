@@ -8,6 +8,7 @@ pub mod answers;
 pub mod format;
 pub mod grid;
 pub mod inquiry;
+mod material;
 pub mod preview;
 pub mod readings;
 pub mod text;

@@ -54,6 +54,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     let facts = facts(inquiry.text, &table);
     let line = table.heading_line;
     let columns = columns::find(inquiry, &table)?;
+    facts.check(inquiry)?;
     let plane = facts.plane(inquiry)?;
     let radius_mm = match (inquiry.answers.radius_mm, facts.radius_mm) {
         (Some(said), _) => said,
@@ -158,7 +159,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
         return Err(inquiry.refused(message, "check --radius and --unit", raw().next().map_or(0, |row| row.2)));
     }
     // A longer bar reads positive in every layout; a radius has no sign at all.
-    let sign = inquiry.sign(Some((1.0, line)), "");
+    let sign = inquiry.sign(Some((1.0, line)), "")?;
     let mut center = [0.0; 3];
     let mut missing = Vec::new();
     for (k, axis) in [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate() {

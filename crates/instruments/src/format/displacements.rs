@@ -83,7 +83,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     }
     let stated = values.iter().find_map(|(column, _)| table.headings.get(*column)?.unit).map(|unit| (unit, line));
     let unit = inquiry.unit(stated, false, largest)?;
-    let sign = inquiry.sign(None, "the file does not state the sign of its readings: is the tool displaced in the positive direction, seen from the workpiece, where a reading is positive?");
+    let sign = inquiry.sign(None, "the file does not state the sign of its readings: is the tool displaced in the positive direction, seen from the workpiece, where a reading is positive?")?;
     let moved: Vec<Axis> = axes.iter().map(|(_, axis)| *axis).collect();
     let tool = inquiry.tool();
     let names = ["dx_um", "dy_um", "dz_um"];

@@ -248,16 +248,7 @@ fn report(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
 fn tabular(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
     let mut table = grid::table(inquiry.text)?;
     if !inquiry.answers.columns.is_empty() {
-        if inquiry.answers.columns.len() != table.width() {
-            let message =
-                format!("--columns names {} columns, the table has {}", inquiry.answers.columns.len(), table.width());
-            return Err(inquiry.refused(
-                message,
-                "name each column in order; write - for a column that is not read",
-                table.heading_line,
-            ));
-        }
-        table.headings = inquiry.answers.columns.iter().map(|text| grid::heading_of(text)).collect();
+        table.headings = inquiry.headings(&table)?;
     }
     let parts = parts(&table);
     let line = table.heading_line;
@@ -288,11 +279,11 @@ fn tabular(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
                 "the meaning of each column, such as name,axis,nominal,actual,-",
             );
             // Whatever the columns are, these are open too: all questions come in one round.
-            inquiry.sign(None, ORIGIN);
+            inquiry.sign(None, ORIGIN)?;
             inquiry.zero(&[Axis::X, Axis::Y, Axis::Z], ZERO);
             inquiry.other_positions(&[Axis::X, Axis::Y, Axis::Z]);
             inquiry.tool();
-            inquiry.material(MATERIAL);
+            inquiry.material(MATERIAL)?;
             return Err(ImportStop::Asks);
         };
         let names = (0..labels).next_back();
@@ -388,7 +379,7 @@ fn displacement(
         .map(|value| value.abs())
         .fold(0.0, f64::max);
     let unit = position_unit(inquiry, unit, largest)?;
-    let sign = inquiry.sign(None, ORIGIN);
+    let sign = inquiry.sign(None, ORIGIN)?;
     let axes: Vec<Axis> = [Axis::X, Axis::Y, Axis::Z]
         .into_iter()
         .enumerate()
@@ -411,7 +402,7 @@ fn displacement(
     }
     let zero = inquiry.zero(&axes, ZERO);
     let tool = inquiry.tool();
-    let material = inquiry.material(MATERIAL);
+    let material = inquiry.material(MATERIAL)?;
     let names = ["dx_um", "dy_um", "dz_um"];
     let mut out = ImportedReadings::new(
         ImportedKind::Displacement,

@@ -387,7 +387,8 @@ fn rest(inquiry: &mut Inquiry<'_>, facts: &StatedFacts) -> ImportStop {
     }
     if !is_angle {
         inquiry.tool();
-        inquiry.material("the scale of the axis");
+        // A contradiction is reported when the readings can be read.
+        _ = inquiry.material("the scale of the axis");
     }
     ImportStop::Asks
 }
@@ -460,7 +461,7 @@ pub(super) fn direct(
 ) -> Result<ImportedReadings, ImportStop> {
     let named = found.iter().find_map(|reading| reading.component);
     let component = match (inquiry.answers.component, named, inquiry.answers.axis, facts.axis) {
-        (Some(component), None, axis, _) => {
+        (Some(component), None, axis, stated) => {
             if axis.is_some_and(|axis| axis != component.axis) {
                 return Err(inquiry.refused(
                     format!("--axis and --component {component} name different axes"),
@@ -468,10 +469,22 @@ pub(super) fn direct(
                     0,
                 ));
             }
+            if let Some((_, line)) = stated.filter(|(axis, _)| *axis != component.axis) {
+                let message = format!("--component {component} contradicts the file, which names another axis");
+                return Err(inquiry.refused(message, "correct the option, or the file", line));
+            }
             inquiry.note(format!("measured error: --component {component}"), 0);
             component
         }
-        (_, Some(component), _, _) => {
+        (said, Some(component), axis, _) => {
+            let is_other = |own: MeasuredComponent| said.is_some_and(|said| said != own);
+            if found.iter().filter_map(|reading| reading.component).any(is_other)
+                || axis.is_some_and(|axis| axis != component.axis)
+            {
+                let option = if said.is_some() { "component" } else { "axis" };
+                let message = format!("--{option} contradicts the headings, which name {component}");
+                return Err(inquiry.refused(message, format!("remove --{option}, or correct the headings"), 0));
+            }
             inquiry.note("measured errors: named by the headings", 0);
             component
         }
@@ -558,7 +571,7 @@ pub(super) fn direct(
             component.letter()
         )
     };
-    let sign = inquiry.sign(facts.sign, &question);
+    let sign = inquiry.sign(facts.sign, &question)?;
     let tool = if component.is_angle()
         && found.iter().all(|reading| reading.component.is_none_or(MeasuredComponent::is_angle))
     {
@@ -567,7 +580,7 @@ pub(super) fn direct(
         inquiry.tool()
     };
     let is_length = component.is_positioning() && !component.is_angle();
-    let stretch = if is_length { inquiry.material("the scale of the axis").stretch() } else { 0.0 };
+    let stretch = if is_length { inquiry.material("the scale of the axis")?.stretch() } else { 0.0 };
     let position =
         |target: f64| if axis.is_rotary() { target_unit.inner(target).to_degrees() } else { target_unit.inner(target) };
     let zero = inquiry.given(axis).unwrap_or(0.0);
