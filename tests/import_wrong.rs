@@ -83,3 +83,61 @@ fn the_material_and_the_component_of_a_laser_are_those_of_the_file() {
         .exits(4)
         .says("--sign + contradicts");
 }
+
+/// A plate of holes as features: nominal and actual position, mm, with a scale of 100 µm/m in X and an offset in Y.
+const HOLES: [[f64; 4]; 6] = [
+    [0.0, 0.0, 0.0, 0.005],
+    [100.0, 0.0, 100.01, 0.005],
+    [200.0, 0.0, 200.02, 0.005],
+    [0.0, 50.0, 0.0, 50.005],
+    [100.0, 50.0, 100.01, 50.005],
+    [200.0, 50.0, 200.02, 50.005],
+];
+
+/// Options that answer the questions of features in mm.
+const PLATE: &[&str] = &["--at", "X100,Y100,Z0", "--sign", "+", "--tool", "0", "--material", "20C"];
+
+/// A table of characteristics: one row for each coordinate, with names of its own, a type and a unit.
+fn characteristics(unit: &str, feature: &str) -> String {
+    let mut text = format!("planid\tid\ttype\tactual\tnominal\tuppertol\tlowertol\tdeviation\tunit\t{feature}\n");
+    for (hole, [x, y, to_x, to_y]) in (1..).zip(HOLES) {
+        for (letter, nominal, actual) in [("X", x, to_x), ("Y", y, to_y)] {
+            let (own, dev) = (letter.to_lowercase(), actual - nominal);
+            let _ = writeln!(
+                text,
+                "P\t{letter}-Value_Hole {hole}\t{own}Value\t{actual:.4}\t{nominal:.4}\t0.05\t-0.05\t{dev:.4}\t{unit}\tHole {hole}"
+            );
+        }
+        let _ = writeln!(text, "P\tD_Hole {hole}\tdiameter\t12.001\t12.000\t0.05\t-0.05\t0.001\t{unit}\tHole {hole}");
+    }
+    text
+}
+
+#[test]
+fn a_table_of_characteristics_has_features_and_not_targets() {
+    let shop = shop().file("chr.txt", characteristics("mm", "featureid"));
+    import(&shop, "chr.txt", "tool.toml", PLATE).exits(0).says("format: nominal-actual");
+    let table = shop.text("out.csv");
+    // X 200, Y 50 of the plate is X 300, Y 150 of the machine; 20 µm and 5 µm.
+    assert!(table.lines().count() == 7 && table.lines().any(|line| line == "A,300,150,0,0,0,20,5"), "{table}");
+    // A laser table needs an axis; this is none.
+    let laser = ["--axis", "X", "--unit", "mm", "--as", "targets"];
+    import(&shop, "chr.txt", "tool.toml", &[PLATE, &laser].concat()).exits(4).says("E0618").says("'type' is not read");
+    // The unit of the rows counts.
+    import(&shop, "chr.txt", "tool.toml", &[PLATE, &["--unit", "inch"]].concat())
+        .exits(4)
+        .says("--unit inch contradicts");
+    let mixed = characteristics("mm", "featureid").replacen("\tmm\t", "\tinch\t", 1);
+    let shop = shop.file("mixed.txt", mixed).file("lonely.txt", characteristics("mm", "remark"));
+    import(&shop, "mixed.txt", "tool.toml", PLATE).exits(4).says("E0618").says("in mm");
+    import(&shop, "lonely.txt", "tool.toml", PLATE).exits(4).says("no two rows belong to one feature");
+}
+
+#[test]
+fn a_column_with_units_in_its_rows_is_not_passed_over() {
+    let rows = "Target [mm];Deviation;Unit\n0;1.0;um\n100;2.0;um\n200;3.5;um\n";
+    let shop = shop().file("l.csv", rows);
+    let more = [LASER, &["--axis", "X", "--material", "20C", "--unit", "um"]].concat();
+    import(&shop, "l.csv", "tool.toml", &more).exits(4).says("E0618").says("'Unit' is not read");
+    import(&shop, "l.csv", "tool.toml", &[&more[..], &["--columns", "target,dev,-"]].concat()).exits(0);
+}

@@ -10,6 +10,7 @@ use crate::material;
 use crate::readings::{ImportedReadings, shown};
 use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
+use crate::words;
 
 /// Question that a file leaves open.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -129,6 +130,25 @@ impl<'a> Inquiry<'a> {
             found.push(GridHeading { unit: heading.unit.or(unit), ..heading });
         }
         Ok(found)
+    }
+
+    /// Notes the columns that are not read.
+    ///
+    /// # Errors
+    /// If one of them has a unit or a quantity in each row, and `--columns` does not say that it is not read: then the rows may not be of one kind.
+    pub fn unread(&mut self, columns: &[&GridHeading], line: usize) -> Result<(), ImportStop> {
+        let is_needed = |own: &&&GridHeading| words::is_unit(&own.words) || words::is_kind(&own.words);
+        if let Some(own) = columns.iter().find(is_needed).filter(|_| self.answers.columns.is_empty()) {
+            let message =
+                format!("the column '{}' is not read, and its rows may have several units or quantities", own.written);
+            let help = "name all columns with --columns, and write - for this one if all rows are of one kind";
+            return Err(self.refused(message, help, line));
+        }
+        if !columns.is_empty() {
+            let names: Vec<&str> = columns.iter().map(|own| own.written.as_str()).collect();
+            self.note(format!("columns that are not read: {}", names.join(", ")), line);
+        }
+        Ok(())
     }
 
     /// Checks that the value of an option is that of the file: `said` by the option, `stated` by the file with its line.

@@ -99,9 +99,56 @@ fn axis_column(table: &GridTable) -> Option<usize> {
     })
 }
 
-/// Coordinate of a row label: `X`, `X-axis`, `Pos.Y`.
+/// Coordinate of a row label: `X`, `X-axis`, `Pos.Y`, `xValue`, `Y-Wert`.
 fn coordinate(text: &str) -> Option<usize> {
-    words::axis(&text.to_lowercase()).and_then(|axis| [Axis::X, Axis::Y, Axis::Z].iter().position(|own| *own == axis))
+    let text = text.trim().to_lowercase();
+    let text = ["value", "wert"].iter().find_map(|word| text.strip_suffix(word)).unwrap_or(&text);
+    words::axis(text).and_then(|axis| [Axis::X, Axis::Y, Axis::Z].iter().position(|own| *own == axis))
+}
+
+/// Column with the name of the feature: of those with names, the first one that several coordinates share. Without one, the column before the coordinates.
+fn name_column(table: &GridTable, labels: usize) -> Option<usize> {
+    let cell =
+        |row: &grid::GridLine, column: usize| row.cells.get(column).map_or_else(String::new, |cell| cell.text.clone());
+    let is_shared = |column: &usize| {
+        table.rows.windows(2).any(|pair| {
+            cell(&pair[0], *column) == cell(&pair[1], *column)
+                && coordinate(&cell(&pair[0], labels)) != coordinate(&cell(&pair[1], labels))
+        })
+    };
+    let is_name = |column: &usize| {
+        table.headings.get(*column).is_some_and(|heading| words::role(&heading.words) == ColumnRole::Name)
+    };
+    let named = (0..table.width()).filter(|column| *column != labels && is_name(column));
+    named.into_iter().find(is_shared).or_else(|| (0..labels).next_back())
+}
+
+/// Unit in a column of its own, the same in all rows of coordinates.
+fn row_unit(
+    inquiry: &Inquiry<'_>,
+    table: &GridTable,
+    labels: usize,
+) -> Result<Option<(ReadingUnit, usize)>, ImportStop> {
+    let Some(column) = table.headings.iter().position(|heading| words::is_unit(&heading.words)) else {
+        return Ok(None);
+    };
+    let mut found: Option<(ReadingUnit, usize)> = None;
+    for row in &table.rows {
+        if row.cells.get(labels).is_none_or(|cell| coordinate(&cell.text).is_none()) {
+            continue;
+        }
+        let text = row.cells.get(column).map_or("", |cell| cell.text.as_str());
+        let Some(unit) = ReadingUnit::find(text) else {
+            let message = format!("'{text}' is not the unit of a position");
+            return Err(inquiry.refused(message, "write mm or inch into the column of the unit", row.number));
+        };
+        if let Some((first, line)) = found.filter(|(first, _)| *first != unit) {
+            let message = format!("the row is in {}, and line {line} in {}", unit.sign(), first.sign());
+            return Err(inquiry.refused(message, "export all positions in one unit", row.number));
+        }
+        found.get_or_insert((unit, row.number));
+    }
+    Ok(found)
 }
 
 /// Lines of a DMIS output, with those that go on joined: `F(name)=…`, `FA(name)=…`.
@@ -252,7 +299,7 @@ fn tabular(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
     }
     let parts = parts(&table);
     let line = table.heading_line;
-    let unit = parts.iter().find_map(|(index, ..)| table.headings.get(*index)?.unit).map(|unit| (unit, line));
+    let mut unit = parts.iter().find_map(|(index, ..)| table.headings.get(*index)?.unit).map(|unit| (unit, line));
     let unread: Vec<String> = table
         .headings
         .iter()
@@ -260,6 +307,7 @@ fn tabular(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
         .filter(|(index, heading)| {
             parts.iter().all(|(own, ..)| own != index)
                 && words::role(&heading.words) == ColumnRole::Unknown
+                && !words::is_unit(&heading.words)
                 && !heading.written.is_empty()
         })
         .map(|(_, heading)| heading.written.clone())
@@ -286,7 +334,8 @@ fn tabular(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
             inquiry.material(MATERIAL)?;
             return Err(ImportStop::Asks);
         };
-        let names = (0..labels).next_back();
+        let names = name_column(&table, labels);
+        unit = unit.or(row_unit(inquiry, &table, labels)?);
         let mut last = None;
         let mut skipped = 0;
         for row in &table.rows {
@@ -313,6 +362,13 @@ fn tabular(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
         }
         if skipped > 0 {
             inquiry.note(format!("{skipped} rows that are no coordinate (diameter, form, position) are not read"), 0);
+        }
+        let counts = features.iter().map(|feature| feature.nominal.iter().flatten().count());
+        let kinds = (0..3).filter(|k| features.iter().any(|feature| feature.nominal[*k].is_some())).count();
+        if kinds > 1 && counts.max() == Some(1) {
+            let message = "no two rows belong to one feature, so the other coordinates of its position are not known";
+            let help = "give the rows of a feature one name, in a column 'feature'";
+            return Err(inquiry.refused(message, help, features.first().map_or(line, |feature| feature.line)));
         }
     } else {
         for row in &table.rows {

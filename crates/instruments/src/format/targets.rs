@@ -57,6 +57,14 @@ pub(super) struct StatedFacts {
     pub(super) other_quantity: Option<usize>,
 }
 
+/// True for a table of features: nominal and actual value, and in each row what they are.
+fn has_features(table: &GridTable, roles: &[ColumnRole]) -> bool {
+    let is_described = |words: &str| words::is_unit(words) || words::is_kind(words);
+    roles.contains(&ColumnRole::Target)
+        && roles.contains(&ColumnRole::Actual)
+        && (table.headings.iter().any(|heading| is_described(&heading.words)) || roles.contains(&ColumnRole::Name))
+}
+
 fn recognize(text: &DecodedText) -> u8 {
     let Ok(table) = grid::table(text) else { return 0 };
     let roles: Vec<ColumnRole> = table.headings.iter().map(|heading| words::role(&heading.words)).collect();
@@ -67,6 +75,9 @@ fn recognize(text: &DecodedText) -> u8 {
     let has_component = table.headings.iter().any(|heading| component(&heading.words).is_ok());
     let has_target = has(|role| *role == ColumnRole::Target)
         || table.headings.iter().any(|heading| words::axis(&heading.words).is_some());
+    if has_features(&table, &roles) {
+        return 0;
+    }
     u8::from((has_target && (has(reads) || has_component)) || targets_in_row(&table).is_some()) * 2
 }
 
@@ -237,15 +248,13 @@ fn collect(
                     facts.axis.get_or_insert((axis, line));
                     columns.push((index, ColumnRole::Target));
                 }
-                _ => unknown.push(heading.written.clone()),
+                _ => unknown.push(heading),
             },
             ColumnRole::Skip => {}
             role => columns.push((index, role)),
         }
     }
-    if !unknown.is_empty() {
-        inquiry.note(format!("columns that are not read: {}", unknown.join(", ")), line);
-    }
+    inquiry.unread(&unknown, line)?;
     if !table.skipped.is_empty() {
         let lines: Vec<String> = table.skipped.iter().take(20).map(ToString::to_string).collect();
         inquiry.note(format!("lines that are not readings: {}", lines.join(", ")), 0);
