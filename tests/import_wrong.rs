@@ -141,3 +141,61 @@ fn a_column_with_units_in_its_rows_is_not_passed_over() {
     import(&shop, "l.csv", "tool.toml", &more).exits(4).says("E0618").says("'Unit' is not read");
     import(&shop, "l.csv", "tool.toml", &[&more[..], &["--columns", "target,dev,-"]].concat()).exits(0);
 }
+
+/// Options that answer the questions of a map.
+const MAP: &[&str] = &["--flat-reference", "--at", "X0,Y0,Z100", "--tool", "0"];
+
+/// A mesh of Klipper with 3 columns and 2 rows.
+fn klipper(from_x: f64, to_x: f64, count_y: u32) -> String {
+    format!(
+        "#*# [bed_mesh default]\n#*# version = 1\n#*# points =\n#*#   0.0, 0.04, 0.10\n#*#   -0.02, 0.02, 0.08\n\
+         #*# x_count = 3\n#*# y_count = {count_y}\n#*# min_x = {from_x}\n#*# max_x = {to_x}\n#*# min_y = 30\n#*# max_y = 330\n"
+    )
+}
+
+/// A map of a Duet with 3 columns and 2 rows.
+fn duet(from_x: f64, to_x: f64, spacing_x: f64) -> String {
+    format!(
+        "RepRapFirmware height map file v2 generated at 2026-01-01 10:00\n\
+         axis0,axis1,min0,max0,min1,max1,radius,spacing0,spacing1,num0,num1\n\
+         X,Y,{from_x:.1},{to_x:.1},30.0,130.0,-1.0,{spacing_x:.1},100.0,3,2\n0.000,0.020,0.080\n-0.010,0.010,0.070\n"
+    )
+}
+
+/// A map of bCNC with 3 columns and 2 rows.
+fn bcnc(grid_x: &str, last: &str) -> String {
+    format!(
+        "{grid_x}\n10 60 2\n-5 5 100\n10 10 0.012\n60 10 -0.034\n110 10 0.021\n10 60 0.043\n60 60 -0.055\n{last} 60 0.012\n"
+    )
+}
+
+#[test]
+fn the_grid_of_a_map_agrees_with_its_points() {
+    let good = [klipper(30.0, 430.0, 2), duet(30.0, 230.0, 100.0), duet(30.0, 280.0, 100.0), bcnc("10 110 3", "110")];
+    let printed = "Bilinear Leveling Grid:\n      0      1      2\n 0 +0.010 +0.020 +0.030\n 1 +0.010 +0.025 +0.030\n";
+    let bad = [
+        (klipper(430.0, 30.0, 2), "min_x is 430 and max_x is 30"),
+        (klipper(30.0, 430.0, 3), "y_count is 3"),
+        (duet(30.0, 230.0, 10.0), "do not fit X from 30 to 230"),
+        (duet(230.0, 30.0, 100.0), "do not fit X from 230 to 30"),
+        (bcnc("110 10 3", "110"), "may be mirrored"),
+        (bcnc("10 110 4", "110"), "the map has 6 points, and its grid 8"),
+        (bcnc("10 110 3", "120"), "x 120 is not in the grid"),
+        (klipper(30.0, 430.0, 2) + "#*# min_x = 50\n", "min_x is stated twice"),
+        (printed.replace("+0.010 +0.025", "+0.025"), "the row has 2 values, and the grid 3 columns"),
+    ];
+    let mut shop = shop();
+    let unit = |text: &str| if text.contains("10 60 2") { vec!["--unit", "mm"] } else { Vec::new() };
+    let more = |text: &str| {
+        let grid = if text.contains("Bilinear") { vec!["--columns", "10,10,50,50"] } else { Vec::new() };
+        [MAP.to_vec(), unit(text), grid].concat()
+    };
+    for text in good.into_iter().chain([printed.to_owned()]) {
+        shop = shop.file("map.txt", text.clone());
+        import(&shop, "map.txt", "tool.toml", &more(&text)).exits(0);
+    }
+    for (text, reason) in bad {
+        shop = shop.file("map.txt", text.clone());
+        import(&shop, "map.txt", "tool.toml", &more(&text)).exits(4).says("E0618").says(reason);
+    }
+}
