@@ -199,3 +199,77 @@ fn the_grid_of_a_map_agrees_with_its_points() {
         import(&shop, "map.txt", "tool.toml", &more(&text)).exits(4).says("E0618").says(reason);
     }
 }
+
+/// A plate of holes in inches, as a table of features.
+fn inches(head: &str, heading: &str) -> String {
+    let mut text = format!("{head}{heading}\n");
+    for (hole, own) in (1..).zip(HOLES) {
+        let cells: Vec<String> = own.iter().map(|mm| format!("{:.5}", mm / 25.4)).collect();
+        let _ = writeln!(text, "H{hole},{}", cells.join(","));
+    }
+    text
+}
+
+#[test]
+fn a_line_with_the_unit_counts_in_every_layout() {
+    let heading = "Feature,Nominal X,Nominal Y,Actual X,Actual Y";
+    let points = "20 10 0.01\n60 10 0.03\n20 50 -0.02\n60 50 0.05\n";
+    let touches = "name,dx,dy,X,Y,Z\n1,0.01,0.02,10,10,10\n2,0.03,0.01,20,10,10\n3,0.02,0.04,30,10,10\n";
+    let shop = shop()
+        .file("plate.csv", inches("Unit,inch\n", heading))
+        .file("two.csv", inches("Unit,mm\n", &heading.replace("Actual X", "Actual X (inch)")))
+        .file("odd.csv", inches("Unit,elle\n", heading))
+        .file("mixed.csv", inches("", &heading.replace("al X", "al X (inch)").replace("al Y", "al Y (mm)")))
+        .file("points.txt", format!("# units: mm\n{points}"))
+        .file("moves.csv", format!("Unit;mm\n{touches}"))
+        .file("bar.csv", circle("plane;XY\nradius_mm;150\nunits;mm\n", 0..=360));
+    import(&shop, "plate.csv", "tool.toml", PLATE).exits(0).says("(line 1: Unit,inch)");
+    // 200 mm, 50 mm and 20 µm again.
+    let table = shop.text("out.csv");
+    let row: Vec<f64> = table.lines().nth(6).unwrap().split(',').skip(1).map(|cell| cell.parse().unwrap()).collect();
+    for (value, expected) in row.iter().zip([300.0, 150.0, 0.0, 0.0, 0.0, 20.0, 5.0]) {
+        assert!((value - expected).abs() < 0.3, "{table}");
+    }
+    for (file, reason) in [("plate.csv", "--unit mm contradicts"), ("odd.csv", "'elle' is not a unit")] {
+        import(&shop, file, "tool.toml", &[PLATE, &["--unit", "mm"]].concat()).exits(4).says("E0618").says(reason);
+    }
+    import(&shop, "mixed.csv", "tool.toml", PLATE).exits(4).says("E0618").says("inch and mm");
+    // Two statements of the file are a question, and the option decides.
+    import(&shop, "two.csv", "tool.toml", PLATE).exits(4).says("E0616").says("states two units");
+    import(&shop, "two.csv", "tool.toml", &[PLATE, &["--unit", "inch"]].concat()).exits(0);
+    import(&shop, "two.csv", "tool.toml", &[PLATE, &["--unit", "um"]].concat()).exits(4).says("E0618");
+    import(&shop, "points.txt", "tool.toml", MAP).exits(0).says("(line 1: # units: mm)");
+    import(&shop, "points.txt", "tool.toml", &[MAP, &["--unit", "inch"]].concat())
+        .exits(4)
+        .says("--unit inch contradicts");
+    let moves = ["--at", "X0,Y0,Z0", "--sign", "+", "--tool", "0"];
+    import(&shop, "moves.csv", "tool.toml", &moves).exits(0).says("(line 1: Unit;mm)");
+    import(&shop, "moves.csv", "tool.toml", &[&moves[..], &["--unit", "um"]].concat()).exits(4).says("E0618");
+    // The heading says µm and the line mm.
+    import(&shop, "bar.csv", "tool.toml", CENTER).exits(4).says("E0616").says("mm in line 3");
+    import(&shop, "bar.csv", "tool.toml", &[CENTER, &["--unit", "um"]].concat()).exits(0);
+    let shop = shop.file("map.txt", klipper(30.0, 430.0, 2));
+    import(&shop, "map.txt", "tool.toml", &[MAP, &["--unit", "inch"]].concat()).exits(4).says("always in mm");
+}
+
+#[test]
+fn all_positions_are_asked_in_one_question() {
+    let tilting = "[machine]\nname = \"mill\"\ntopology = \"wCAFXYZSt\"\ncontroller = \"sinumerik\"\n\
+        [axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [0, 700]\n[axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [0, 500]\n\
+        [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-100, 400]\n[axis.A]\ndirection = [1, 0, 0]\npoint_mm = [0, 0, 0]\n\
+        travel_deg = [-90, 90]\n[axis.C]\ndirection = [0, 0, 1]\npoint_mm = [0, 0, 0]\nmodulo = true\n\
+        [spindle]\norigin_mm = [0, 0, 0]\naxis = [0, 0, 1]\n";
+    let heading = "Feature,Nominal X,Nominal Y,Actual X,Actual Y";
+    let shop = shop()
+        .file("tilt.toml", tilting)
+        .file("bar.csv", circle("plane;XY\nradius_mm;150\n", 0..=360))
+        .file("plate.csv", inches("Unit,inch\n", heading))
+        .file("points.txt", "20 10 0.01\n60 10 0.03\n20 50 -0.02\n60 50 0.05\n");
+    for file in ["bar.csv", "plate.csv", "points.txt"] {
+        let run = import(&shop, file, "tilt.toml", &[]).exits(4);
+        let asked = run.stderr.lines().find(|line| line.contains("give --at")).unwrap_or_default();
+        for position in ["X0", "Y0", "Z0", "A0", "C0"] {
+            assert!(asked.contains(position), "{file}: {}", run.stderr);
+        }
+    }
+}

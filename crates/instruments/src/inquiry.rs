@@ -6,8 +6,8 @@ use ncfix_machine::machine::Machine;
 
 use crate::answers::{ImportAnswers, MeasuringPoint, ReadingMaterial};
 use crate::grid::{self, GridHeading, GridTable};
-use crate::material;
 use crate::readings::{ImportedReadings, shown};
+use crate::stated;
 use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
 use crate::words;
@@ -79,10 +79,22 @@ impl<'a> Inquiry<'a> {
         &self.questions
     }
 
-    /// Asks a question, once for each option.
+    /// Asks a question, once for each option. Several positions make one question, because one option answers all of them.
     pub fn ask(&mut self, option: &'static str, sentence: impl Into<String>, advice: impl Into<String>) {
+        /// Beginning of the sentences about a missing fact, and of the example in an advice.
+        const PARTS: [&str; 2] = ["the file does not state ", "such as "];
+        let (sentence, advice) = (sentence.into(), advice.into());
+        if let Some(first) = self.questions.iter_mut().find(|own| own.option == option && option == "at") {
+            let fact = sentence.strip_prefix(PARTS[0]).unwrap_or(&sentence);
+            if !first.sentence.contains(fact) {
+                first.sentence = format!("{}, and {fact}", first.sentence);
+                let examples = advice.split_once(PARTS[1]).map_or("", |(_, examples)| examples);
+                first.advice = format!("{},{examples}", first.advice).trim_end_matches(',').to_owned();
+            }
+            return;
+        }
         if self.questions.iter().all(|question| question.option != option) {
-            self.questions.push(ImportQuestion { option, sentence: sentence.into(), advice: advice.into() });
+            self.questions.push(ImportQuestion { option, sentence, advice });
         }
     }
 
@@ -202,7 +214,36 @@ impl<'a> Inquiry<'a> {
         Ok(sign)
     }
 
-    /// Unit of the readings. `found` is the unit in the file with its line.
+    /// Units that lines of the file state, with their lines.
+    ///
+    /// # Errors
+    /// If one is not known.
+    pub fn stated_units(&self) -> Result<Vec<(ReadingUnit, usize)>, ImportStop> {
+        stated::units(self.text).map_err(|(word, line)| {
+            let help = format!("write one of {}, {}", ReadingUnit::choices(false), ReadingUnit::choices(true));
+            self.refused(format!("'{word}' is not a unit"), help, line)
+        })
+    }
+
+    /// The unit of columns that must have the same one.
+    ///
+    /// # Errors
+    /// If their headings state different units.
+    pub fn one_unit(
+        &self,
+        units: impl Iterator<Item = Option<ReadingUnit>>,
+        line: usize,
+    ) -> Result<Option<(ReadingUnit, usize)>, ImportStop> {
+        let mut units = units.flatten();
+        let first = units.next();
+        if let (Some(one), Some(other)) = (first, units.find(|unit| Some(*unit) != first)) {
+            let message = format!("the headings state {} and {} for readings of one kind", one.sign(), other.sign());
+            return Err(self.refused(message, "export these columns in one unit", line));
+        }
+        Ok(first.map(|unit| (unit, line)))
+    }
+
+    /// Unit of the readings. `found` is the unit in their headings with its line; lines such as `Unit;mm` are read here.
     ///
     /// # Errors
     /// A contradiction between the file and the option.
@@ -213,6 +254,26 @@ impl<'a> Inquiry<'a> {
         largest: f64,
     ) -> Result<ReadingUnit, ImportStop> {
         let default = if is_angle { ReadingUnit::Angle("urad", 1e-6) } else { ReadingUnit::Length("um", 1e-3) };
+        let lines = self.stated_units()?;
+        let own = found.into_iter().chain(lines.iter().copied().filter(|(unit, _)| unit.is_angle() == is_angle));
+        let own: Vec<(ReadingUnit, usize)> = own.collect();
+        let other = own.iter().find(|(unit, _)| Some(*unit) != own.first().map(|(unit, _)| *unit)).copied();
+        let found = match (own.first().copied(), other, self.answers.unit) {
+            (Some((first, line)), Some((other, at)), None) => {
+                let sentence = format!(
+                    "the file states two units: {} in line {line}, {} in line {at}",
+                    first.sign(),
+                    other.sign()
+                );
+                self.ask("unit", sentence, format!("that of the readings, {} or {}", first.sign(), other.sign()));
+                return Ok(default);
+            }
+            // The option chooses one of them.
+            (_, Some(_), Some(said)) => own.iter().find(|(unit, _)| *unit == said).or(own.first()).copied(),
+            (first, None, Some(_)) => first,
+            (first, None, None) => first.or(lines.first().copied()),
+            (None, Some(_), None) => None,
+        };
         let unit = match (self.answers.unit, found) {
             (Some(said), Some((written, line))) if said != written => {
                 let message =
@@ -332,8 +393,8 @@ impl<'a> Inquiry<'a> {
         const SLACK: [f64; 2] = [0.5, 0.5];
         if let Some(ReadingMaterial::Expanded { per_k, celsius }) = self.answers.material {
             for (said, stated, slack) in [
-                (celsius, material::temperatures(self.text), SLACK[0]),
-                (per_k * 1e6, material::expansions(self.text), SLACK[1]),
+                (celsius, stated::temperatures(self.text), SLACK[0]),
+                (per_k * 1e6, stated::expansions(self.text), SLACK[1]),
             ] {
                 if let Some((_, line)) = stated.first()
                     && stated.iter().all(|(value, _)| (value - said).abs() > slack)

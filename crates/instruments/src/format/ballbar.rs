@@ -150,8 +150,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     }
     let raw = || runs.iter().flat_map(|run| &run.readings);
     let largest = raw().map(|(_, value, _)| value.abs()).fold(0.0, f64::max);
-    let written = columns.unit.map(|unit| (unit, line)).or(facts.unit);
-    let unit = inquiry.unit(written, false, largest)?;
+    let unit = inquiry.unit(columns.unit.map(|unit| (unit, line)), false, largest)?;
     let nominal = if columns.is_radius { radius_mm } else { 0.0 };
     let first = raw().next().map_or(0.0, |(_, value, _)| unit.inner(*value));
     if columns.is_radius && inquiry.questions().is_empty() && (first - radius_mm).abs() > 5.0 {

@@ -35,7 +35,7 @@ pub(super) const KLIPPER: InstrumentFormat = InstrumentFormat {
     name: "klipper-mesh",
     title: "bed mesh in the configuration of Klipper",
     needs: "flat-reference at tool",
-    recognize: |text| u8::from(klipper_points(text).is_ok_and(|found| !found.is_empty())) * 3,
+    recognize: |text| u8::from(klipper_points(text).map_or(true, |found| !found.is_empty())) * 3,
     read: |inquiry| {
         let found = klipper_points(inquiry.text)
             .map_err(|(message, line)| inquiry.refused(message, "copy the whole section of the mesh", line))?;
@@ -296,7 +296,13 @@ pub(super) fn flat(
     }
     let largest = found.iter().map(|(point, _)| point[0].abs().max(point[1].abs())).fold(0.0, f64::max);
     let unit = match unit {
-        Some((unit, 0)) => unit,
+        Some((unit, 0)) => {
+            if inquiry.answers.unit.is_some_and(|said| said != unit) {
+                let message = format!("--unit contradicts the layout, which is always in {}", unit.sign());
+                return Err(inquiry.refused(message, "remove --unit", 0));
+            }
+            unit
+        }
         unit => position_unit(inquiry, unit, largest)?,
     };
     let axes = vec![Axis::X, Axis::Y, Axis::Z];

@@ -195,13 +195,33 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
 /// Features, and the unit with its line if the file states it.
 type StatedFeatures = (Vec<Feature>, Option<(ReadingUnit, usize)>);
 
+/// Takes the unit that another line of a report states.
+///
+/// # Errors
+/// If it differs from the first one.
+fn same_unit(
+    inquiry: &Inquiry<'_>,
+    first: Option<(ReadingUnit, usize)>,
+    next: (ReadingUnit, usize),
+) -> Result<Option<(ReadingUnit, usize)>, ImportStop> {
+    match first {
+        Some((unit, line)) if unit != next.0 => {
+            let message = format!("the line states {}, and line {line} {}", next.0.sign(), unit.sign());
+            Err(inquiry.refused(message, "export the report in one unit", next.1))
+        }
+        first => Ok(first.or(Some(next))),
+    }
+}
+
 /// Features of a DMIS output.
 fn dmis(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
     let mut unit = None;
     for (number, line, _) in inquiry.text.lines() {
         if let Some(rest) = line.trim().to_uppercase().strip_prefix("UNITS/") {
             let word = rest.split(',').next().unwrap_or_default().trim().to_owned();
-            unit = ReadingUnit::find(&word).map(|unit| (unit, number));
+            if let Some(found) = ReadingUnit::find(&word) {
+                unit = same_unit(inquiry, unit, (found, number))?;
+            }
         }
     }
     let mut found: BTreeMap<String, Feature> = BTreeMap::new();
@@ -263,7 +283,7 @@ fn report(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
                 .split_once("UNITS=")
                 .and_then(|(_, rest)| ReadingUnit::find(rest.split([',', ' ']).next()?))
             {
-                unit = unit.or(Some((found, number)));
+                unit = same_unit(inquiry, unit, (found, number))?;
             }
         } else if first.eq_ignore_ascii_case("AX") {
             heading = cells.iter().map(|cell| cell.to_lowercase()).collect();
@@ -299,7 +319,7 @@ fn tabular(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
     }
     let parts = parts(&table);
     let line = table.heading_line;
-    let mut unit = parts.iter().find_map(|(index, ..)| table.headings.get(*index)?.unit).map(|unit| (unit, line));
+    let mut unit = inquiry.one_unit(parts.iter().map(|(index, ..)| table.headings.get(*index)?.unit), line)?;
     let unread: Vec<String> = table
         .headings
         .iter()
@@ -327,6 +347,7 @@ fn tabular(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
                 "the meaning of each column, such as name,axis,nominal,actual,-",
             );
             // Whatever the columns are, these are open too: all questions come in one round.
+            position_unit(inquiry, unit, 0.0)?;
             inquiry.sign(None, ORIGIN)?;
             inquiry.zero(&[Axis::X, Axis::Y, Axis::Z], ZERO);
             inquiry.other_positions(&[Axis::X, Axis::Y, Axis::Z]);
@@ -518,7 +539,7 @@ pub(super) fn position_unit(
     found: Option<(ReadingUnit, usize)>,
     largest: f64,
 ) -> Result<ReadingUnit, ImportStop> {
-    if inquiry.answers.unit.is_none() && found.is_none() {
+    if inquiry.answers.unit.is_none() && found.is_none() && inquiry.stated_units()?.is_empty() {
         let sentence = format!("the file does not state the unit of its positions (largest {})", shown(largest));
         inquiry.ask("unit", sentence, "mm or inch");
         return Ok(ReadingUnit::Length("mm", 1.0));

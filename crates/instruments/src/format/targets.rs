@@ -38,6 +38,8 @@ pub(super) struct TargetReading {
     pub(super) value: f64,
     /// Component, if its heading names it.
     pub(super) component: Option<MeasuredComponent>,
+    /// Unit in its own heading.
+    pub(super) unit: Option<ReadingUnit>,
     /// Line.
     pub(super) line: usize,
 }
@@ -84,6 +86,7 @@ fn recognize(text: &DecodedText) -> u8 {
 fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     let table = grid::table(inquiry.text)?;
     let mut facts = stated(inquiry.text, &table);
+    facts.unit = inquiry.stated_units()?.first().copied();
     let readings = collect(inquiry, &table, &mut facts)?;
     direct(inquiry, readings, facts)
 }
@@ -127,11 +130,6 @@ pub(super) fn stated(text: &DecodedText, table: &GridTable) -> StatedFacts {
         {
             facts.axis.get_or_insert((axis, number));
         }
-        if is_key(&["unit", "units", "einheit", "unité", "unità", "unidad", "deviation unit", "error unit"])
-            && let Some(unit) = ReadingUnit::find(value)
-        {
-            facts.unit.get_or_insert((unit, number));
-        }
     }
     facts
 }
@@ -159,6 +157,7 @@ fn series_of(run: u32, sense: i8, mut own: Vec<(f64, f64, usize)>) -> impl Itera
         sense: (sense != 0).then_some(sense),
         value,
         component: None,
+        unit: None,
         line,
     })
 }
@@ -286,7 +285,8 @@ fn collect(
                 "the meaning of each column, such as target,1+,1-,2+,2-",
             );
         }
-        facts.unit = facts.unit.or_else(|| series.iter().find_map(|(index, _, _)| unit_of(*index)));
+        let units = series.iter().map(|(index, _, _)| headings.get(*index)?.unit);
+        facts.unit = inquiry.one_unit(units, line)?.or(facts.unit);
         for (index, run, sense) in series {
             let mut own = Vec::new();
             for row in &table.rows {
@@ -323,7 +323,7 @@ fn collect(
         );
         return Err(rest(inquiry, facts));
     }
-    facts.unit = facts.unit.or_else(|| value_columns.iter().find_map(|(index, _)| unit_of(*index)));
+    facts.unit = value_columns.iter().find_map(|(index, _)| unit_of(*index)).or(facts.unit);
     let is_difference = components.is_empty() && deviation.is_none();
     if is_difference {
         note_difference(inquiry, facts, line);
@@ -355,6 +355,7 @@ fn collect(
                 sense: own_sense,
                 value,
                 component: *own,
+                unit: own.and(unit_of(*index)).map(|(unit, _)| unit),
                 line: row.number,
             });
         }
@@ -638,12 +639,15 @@ pub(super) fn direct(
             ));
         }
         let is_angle = own.is_angle();
-        let own_unit = match (unit.is_angle() == is_angle, is_angle) {
-            (true, _) => unit,
-            // A table with both has one column of each in its own unit; only arc seconds and µm occur together.
-            (false, true) => ReadingUnit::Angle("arcsec", std::f64::consts::PI / 648_000.0),
-            (false, false) => ReadingUnit::Length("um", 1e-3),
+        // A table with lengths and angles has each column in its own unit.
+        let Some(own_unit) = reading.unit.or((unit.is_angle() == is_angle).then_some(unit)) else {
+            let message = format!("the heading of {own} states no unit, and {} is none of it", unit.sign());
+            return Err(inquiry.refused(message, "write the units into the headings, such as EBX [arcsec]", 0));
         };
+        if own_unit.is_angle() != is_angle {
+            let message = format!("{} is not a unit of {own}", own_unit.sign());
+            return Err(inquiry.refused(message, "correct the heading", 0));
+        }
         let at = position(reading.target);
         let mut fine = sign * own_unit.fine(reading.value);
         if own.is_positioning() && !is_angle {

@@ -24,8 +24,6 @@ pub(super) struct CircleFacts {
     pub(super) end_deg: Option<(f64, usize)>,
     /// Axis positions at the center.
     pub(super) center: Vec<(Axis, f64, usize)>,
-    /// Unit of the readings.
-    pub(super) unit: Option<(ReadingUnit, usize)>,
     /// Two lines that state the same key with different values.
     conflict: Option<[usize; 2]>,
 }
@@ -177,8 +175,6 @@ pub(super) fn facts(text: &DecodedText, table: &GridTable) -> CircleFacts {
             if let (Some(axis), Some(value)) = (letter.and_then(Axis::from_letter), number) {
                 found.center.push((axis, value, line));
             }
-        } else if has(&["unit", "einheit"]) {
-            take(&mut found.unit, ReadingUnit::find(&value), line, conflict);
         }
     }
     found
