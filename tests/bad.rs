@@ -62,6 +62,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("W0605", "cli_calibrate: a_model_is_reduced_to_what_the_data_tell"),
     ("W0606", "crates/metrology/src/results/repeated.rs: uncertainties_that_repetitions_contradict_are_named"),
     ("W0608", "calibrate_terms: a_term_that_the_readings_do_not_show_is_named"),
+    ("W0609", "import_wrong: missing_rows_are_named"),
     ("W0607", "diagnose_faults: the_command_reports_faults_and_refuses_what_is_no_data"),
     ("W0604", "cli_calibrate: a_poor_model_is_pointed_out"),
     ("W0601", "strain: places_that_the_signals_do_not_tell_are_assumed"),

@@ -273,3 +273,190 @@ fn all_positions_are_asked_in_one_question() {
         }
     }
 }
+
+#[test]
+fn a_run_that_has_the_targets_is_refused() {
+    let row = |cells: [f64; 5]| format!("{}\n", cells.map(|cell| format!("{cell:.1}")).join(";"));
+    let table = |swaps: bool, factor: f64| {
+        let mut text = "Target [mm];1+;1-;2+;2-\n".to_owned();
+        for k in 0..13 {
+            let x = 50.0 * f64::from(k);
+            let dev = |offset: f64| factor * (0.04 * x + offset);
+            let [target, first] = if swaps { [dev(3.2), x] } else { [x, dev(3.2)] };
+            text.push_str(&row([target, first, dev(-3.1), dev(3.0), dev(-2.9)]));
+        }
+        text
+    };
+    let shop = shop().file("good.csv", table(false, 1.0)).file("swap.csv", table(true, 1.0));
+    let more = [LASER, &["--axis", "X", "--material", "20C", "--unit", "um"]].concat();
+    import(&shop, "good.csv", "tool.toml", &more).exits(0);
+    // The readings of run 1+ are 0 to 600 µm, those of the others −3 to 27 µm.
+    import(&shop, "swap.csv", "tool.toml", &more).exits(4).says("E0618").says("run 1+");
+    // One run in positions beside runs of deviations.
+    let mut text = "Target [mm];1+;1-;2+;2-\n".to_owned();
+    for k in 0..13 {
+        let x = 50.0 * f64::from(k);
+        text.push_str(&row([x, 3.0 + 0.04 * x, -3.0, x + 0.1, -3.0 + 0.04 * x]));
+    }
+    let shop = shop.file("one.csv", text);
+    import(&shop, "one.csv", "tool.toml", &more).exits(4).says("E0618").says("run 2+ follow the targets");
+}
+
+#[test]
+fn readings_below_the_noise_are_refused_in_any_unit() {
+    let shop = shop().file("nm.csv", laser("Axis;X\nUnit;nm\n", "Target [mm];1+;1-"));
+    // 27 nm.
+    let run = import(&shop, "nm.csv", "tool.toml", &[LASER, &["--material", "20C"]].concat());
+    run.exits(4).says("E0608").says("0.027 µm").says("check the unit in the file");
+}
+
+#[test]
+fn missing_rows_are_named() {
+    let named = |run: crate::support::Run, reason: &str| {
+        run.exits(0).says("warning[W0609]").says(reason);
+    };
+    let head = "plane;XY\nradius_mm;150\n";
+    let gap = (0..=360).filter(|deg| !(100..150).contains(deg));
+    let shop = shop()
+        .file("whole.csv", circle(head, 0..=360))
+        .file("gap.csv", circle(head, gap))
+        .file("cut.csv", circle(head, 0..=299))
+        .file("arc.csv", circle(head, 0..=200));
+    for file in ["whole.csv", "arc.csv"] {
+        assert!(!import(&shop, file, "tool.toml", CENTER).exits(0).stderr.contains("W0609"), "{file}");
+    }
+    named(import(&shop, "gap.csv", "tool.toml", CENTER), "between 99° and 150°");
+    assert!(
+        shop.text("out.toml").contains("# - run 1-ccw has no reading between 99° and 150°"),
+        "{}",
+        shop.text("out.toml")
+    );
+    named(import(&shop, "cut.csv", "tool.toml", CENTER), "between 299° and 360°");
+
+    // 15 targets; 200 to 350 mm are missing in all runs, and one cell is empty.
+    let mut text = "Target [mm];1+ [um];1- [um]\n".to_owned();
+    for x in (0..15).map(|k| 50 * k).filter(|x| !(200..=350).contains(x) && *x <= 600) {
+        let _ = writeln!(text, "{x};{}.5;{}", x / 20, if x == 500 { String::new() } else { format!("{}.2", x / 20) });
+    }
+    let more = [LASER, &["--axis", "X", "--material", "20C"]].concat();
+    let shop =
+        shop.file("l.csv", text.clone()).file("cells.csv", text.replace("150;7.5;7.2", "150;7.5;7.2\n200;9.5;9.2"));
+    named(import(&shop, "l.csv", "tool.toml", &more), "no run has a reading at X 200, X 250, X 300, X 350");
+    let shop = shop.file(
+        "three.csv",
+        text.replace("1- [um]\n", "1- [um];2+ [um]\n").replace(".2\n", ".2;1.1\n").replace(";\n", ";;2.2\n"),
+    );
+    named(import(&shop, "three.csv", "tool.toml", &more), "no reading at X 500 in run 1-");
+
+    // A grid of holes without one line and one hole.
+    let mut plate = "Feature,Nominal X,Nominal Y,Actual X,Actual Y\n".to_owned();
+    for (k, [x, y]) in (0..6).flat_map(|j| (0..5).map(move |i| [80 * i, 60 * j])).enumerate() {
+        if y != 120 && [x, y] != [160, 180] {
+            let _ = writeln!(plate, "H{k},{x}.0,{y}.0,{x}.0{}1,{y}.0{}7", k % 7, k % 5);
+        }
+    }
+    let shop = shop.file("plate.csv", plate);
+    let unit = [PLATE, &["--unit", "mm"]].concat();
+    let run = import(&shop, "plate.csv", "tool.toml", &unit).exits(0).says("warning[W0609]");
+    // The zero of the plate is X 100, Y 100 of the machine.
+    assert!(
+        run.stderr.contains("no point at Y 220") && run.stderr.contains("no reading at X 260 Y 280"),
+        "{}",
+        run.stderr
+    );
+
+    // A map without one point.
+    let mut map = String::new();
+    for [x, y] in (0..4).flat_map(|j| (0..5).map(move |i| [80 * i, 60 * j])).filter(|at| *at != [160, 60]) {
+        let _ = writeln!(map, "{x}.0 {y}.0 0.0{}", (x + y) % 7);
+    }
+    let shop = shop.file("map.txt", map);
+    named(import(&shop, "map.txt", "tool.toml", &[MAP, &["--unit", "mm"]].concat()), "no reading at X 160 Y 60");
+}
+
+/// A report in blocks, with the bar of the tolerance at the end of each row.
+fn report(bar: &str) -> String {
+    let mut text = String::new();
+    for (hole, [x, y, to_x, to_y]) in (1..).zip(HOLES) {
+        let _ = writeln!(
+            text,
+            "DIM LOC{hole}= LOCATION OF CIRCLE CIR{hole}  UNITS=MM ,$\nGRAPH=OFF  TEXT=OFF\nAX NOMINAL +TOL -TOL MEAS DEV OUTTOL"
+        );
+        for (axis, nominal, actual) in [("X", x, to_x), ("Y", y, to_y), ("D", 12.0, 12.001)] {
+            let _ = writeln!(text, "{axis} {nominal:.4} 0.05 0.05 {actual:.4} {:.4} 0.0000{bar}", actual - nominal);
+        }
+        let _ = writeln!(text, "END OF DIMENSION LOC{hole}\n");
+    }
+    text
+}
+
+#[test]
+fn a_report_with_bars_is_read_and_a_cut_one_names_its_end() {
+    let whole = report(" ----#----");
+    let cut = whole.rfind("Y 50.0000").unwrap();
+    let shop = shop()
+        .file("bars.txt", whole.clone())
+        .file("plain.txt", report(""))
+        .file("cut.txt", &whole[..cut])
+        .file("wide.txt", report(" 7.5"));
+    for file in ["bars.txt", "plain.txt"] {
+        assert!(!import(&shop, file, "tool.toml", PLATE).exits(0).stderr.contains("W0609"));
+        assert!(shop.text("out.csv").lines().any(|line| line == "A,300,150,0,0,0,20,5"), "{}", shop.text("out.csv"));
+    }
+    // Without Y the position of the last hole is not known.
+    import(&shop, "cut.txt", "tool.toml", PLATE).exits(0).says("W0609").says("not complete, and not read: 1");
+    assert_eq!(shop.text("out.csv").lines().count(), 6);
+    import(&shop, "wide.txt", "tool.toml", PLATE).exits(4).says("the row has 8 cells, and its heading names 7");
+}
+
+#[test]
+fn nominal_and_actual_values_that_are_exchanged_are_refused() {
+    let heading = "Feature,Nominal X,Nominal Y,Actual X,Actual Y\n";
+    let rows: String = (0..5).map(|k| format!("H{k},{0}.0000,60.0000,{0}.03{k}3,59.99{k}7\n", 80 * k)).collect();
+    let exchanged = heading.replace("Nominal", "Q").replace("Actual", "Nominal").replace('Q', "Actual");
+    let long: String = (0..5).map(|k| format!("{0}.0;{0}.00{k}7\n", 100 * k)).collect();
+    let shop = shop()
+        .file("good.csv", format!("{heading}{rows}"))
+        .file("bad.csv", format!("{exchanged}{rows}"))
+        .file("long.csv", format!("Actual [mm];Target [mm]\n{long}"));
+    let unit = [PLATE, &["--unit", "mm"]].concat();
+    import(&shop, "good.csv", "tool.toml", &unit).exits(0);
+    import(&shop, "bad.csv", "tool.toml", &unit).exits(4).says("E0618").says("may be exchanged");
+    let columns = ["--columns", "name,actual x,actual y,nominal x,nominal y"];
+    import(&shop, "bad.csv", "tool.toml", &[&unit[..], &columns].concat()).exits(0);
+    let more = [LASER, &["--axis", "X", "--material", "20C"]].concat();
+    import(&shop, "long.csv", "tool.toml", &more).exits(4).says("E0618").says("may be exchanged");
+}
+
+#[test]
+fn a_deviation_is_reached_minus_target() {
+    let table = |last: &str| {
+        format!(
+            "Target [mm];Reached [mm];Deviation [um]\n0.0;0.0050;5.0\n100.0;100.0100;10.0\n200.0;200.0210;21.0\n300.0;300.0300;{last}\n"
+        )
+    };
+    let shop = shop().file("good.csv", table("30.0")).file("bad.csv", table("12.0"));
+    let more = [LASER, &["--axis", "X", "--material", "20C"]].concat();
+    import(&shop, "good.csv", "tool.toml", &more).exits(0);
+    import(&shop, "bad.csv", "tool.toml", &more).exits(4).says("E0618").says("not the difference");
+    let opposite = table("30.0").replace(";5.0", ";-5.0").replace(";10.0", ";-10.0").replace(";21.0", ";-21.0");
+    let shop = shop.file("both.csv", opposite);
+    import(&shop, "both.csv", "tool.toml", &more).exits(4);
+}
+
+#[test]
+fn a_point_that_is_given_twice_is_refused() {
+    let points = "20 10 0.01\n60 10 0.03\n20 50 -0.02\n60 50 0.05\n";
+    let shop = shop()
+        .file("again.txt", format!("{points}60 50 0.06\n"))
+        .file("twice.txt", format!("{points}20 10 0.01\n"))
+        .file("lines.txt", "M421 I0 J0 Z0.01\nM421 I1 J0 Z0.02\nM421 I0 J1 Z0.03\nM421 I1 J1 Z0.05\nM421 I0 J0 Z0.01\n")
+        .file("l.csv", "Run;Dir;Target [mm];Dev [um]\n1;+;0;1.0\n1;+;100;2.0\n1;+;200;3.0\n2;+;0;1.0\n1;+;100;2.0\n");
+    let unit = [MAP, &["--unit", "mm"]].concat();
+    import(&shop, "again.txt", "tool.toml", &unit).exits(0);
+    import(&shop, "twice.txt", "tool.toml", &unit).exits(4).says("E0605").says("line 1,");
+    let grid = [MAP, &["--columns", "10,10,50,50"]].concat();
+    import(&shop, "lines.txt", "tool.toml", &grid).exits(4).says("E0605");
+    let more = [LASER, &["--axis", "X", "--material", "20C"]].concat();
+    import(&shop, "l.csv", "tool.toml", &more).exits(4).says("E0605").says("line 3,");
+}

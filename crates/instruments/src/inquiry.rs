@@ -7,6 +7,7 @@ use ncfix_machine::machine::Machine;
 use crate::answers::{ImportAnswers, MeasuringPoint, ReadingMaterial};
 use crate::grid::{self, GridHeading, GridTable};
 use crate::readings::{ImportedReadings, shown};
+use crate::rows;
 use crate::stated;
 use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
@@ -443,6 +444,7 @@ impl<'a> Inquiry<'a> {
     #[must_use]
     pub fn finish(self, mut readings: ImportedReadings, format: &'static str) -> ImportedReadings {
         readings.notes = self.notes;
+        readings.gaps.extend(rows::gaps(&readings));
         readings.notes.insert(0, format!("format: {format}; encoding {}", self.text.encoding()));
         readings
     }

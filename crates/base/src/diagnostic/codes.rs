@@ -796,6 +796,10 @@ that the test data are not selected.";
 "ncfix calibrate fits a term of --model, such as EXX ~ Y^2, and its interval of 95 % contains 0. The machine file gets the term, because the
 command asks for it. A program would then be corrected by an amount whose sign is not known. Remove the term, or take readings where it
 acts: at several positions of the axis on which it depends.";
+    IMPORT_GAP = "W0609" "places without a reading"
+"The readings of a file are regular, and some of them are missing: an arc of a circle, a target of a run, a node of a grid, or a feature
+of a report. The file may have been cut, or rows may have been lost. ncfix import writes the measurement without these places and names them.
+Export the file again. If the places were not measured, the calibration is less certain there.";
     STARVING = "W0701" "the link is too slow in places"
 "In some places the control waits briefly for lines (see E0702), but not long enough to forbid the transfer.";
     SERIAL_SETTINGS = "W0702" "port with different settings or a name that may change"

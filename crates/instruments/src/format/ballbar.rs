@@ -16,6 +16,7 @@ use crate::answers;
 use crate::grid::{self, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
+use crate::rows;
 use crate::text::DecodedText;
 use crate::words::{self, ColumnRole};
 use clock::CircleClock;
@@ -205,6 +206,8 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     }
     for run in &runs {
         let label = runs::standard_label(run, plane);
+        let angles: Vec<f64> = run.readings.iter().map(|(deg, ..)| *deg).collect();
+        out.gaps.extend(rows::missing_arcs(&label, &angles, bounds_deg));
         for &(deg, value, line) in &run.readings {
             let mut position = center.to_vec();
             let angle = deg.to_radians();

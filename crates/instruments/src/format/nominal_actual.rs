@@ -14,6 +14,7 @@ use crate::answers::ReadingMaterial;
 use crate::grid::{self, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
+use crate::rows;
 use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
 use crate::words::{self, ColumnRole};
@@ -183,13 +184,53 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
         (false, true) => report(inquiry)?,
         (false, false) => tabular(inquiry)?,
     };
-    let features: Vec<Feature> = features
-        .into_iter()
-        .filter(|one| {
-            one.actual.iter().zip(&one.nominal).any(|(actual, nominal)| actual.is_some() && nominal.is_some())
-        })
-        .collect();
-    displacement(inquiry, features, unit)
+    let (features, gaps) = complete(inquiry, features)?;
+    check_order(inquiry, &features)?;
+    let mut readings = displacement(inquiry, features, unit)?;
+    readings.gaps = gaps;
+    Ok(readings)
+}
+
+/// Features with a pair of values and all nominal coordinates, and a sentence about the others: without a coordinate the position is not known.
+///
+/// # Errors
+/// If more than half of the features are not complete.
+fn complete(inquiry: &Inquiry<'_>, features: Vec<Feature>) -> Result<(Vec<Feature>, Vec<String>), ImportStop> {
+    let kinds: Vec<usize> = (0..3).filter(|k| features.iter().any(|one| one.nominal[*k].is_some())).collect();
+    let count = features.len();
+    let is_complete = |one: &Feature| {
+        kinds.iter().all(|k| one.nominal[*k].is_some())
+            && one.actual.iter().zip(&one.nominal).any(|(actual, nominal)| actual.is_some() && nominal.is_some())
+    };
+    let (whole, parts): (Vec<Feature>, Vec<Feature>) = features.into_iter().partition(is_complete);
+    let Some(first) = parts.first() else { return Ok((whole, Vec::new())) };
+    if 2 * parts.len() > count {
+        let message = format!("{} of {count} features lack a nominal coordinate or an actual value", parts.len());
+        return Err(inquiry.refused(message, "export nominal and actual value of each coordinate", first.line));
+    }
+    let lines: Vec<String> = parts.iter().take(6).map(|one| one.line.to_string()).collect();
+    let dots = if parts.len() > lines.len() { " …" } else { "" };
+    let sentence =
+        format!("features that are not complete, and not read: {} (line {}{dots})", parts.len(), lines.join(", "));
+    Ok((whole, vec![sentence]))
+}
+
+/// Checks that nominal and actual values are not exchanged: nominal values are round, actual ones are not.
+///
+/// # Errors
+/// If the actual values are the round ones, and no option names the columns.
+fn check_order(inquiry: &Inquiry<'_>, features: &[Feature]) -> Result<(), ImportStop> {
+    if !inquiry.answers.columns.is_empty() {
+        return Ok(());
+    }
+    let pairs = features.iter().flat_map(|one| one.nominal.iter().zip(&one.actual));
+    let pairs: Vec<(f64, f64)> = pairs.filter_map(|(nominal, actual)| nominal.zip(*actual)).collect();
+    if rows::is_exchanged(&pairs) {
+        let message = "the actual values are round and the nominal ones are not: they may be exchanged";
+        let help = "correct the headings, or confirm them with --columns, such as name,nominal x,actual x";
+        return Err(inquiry.refused(message, help, features.first().map_or(0, |one| one.line)));
+    }
+    Ok(())
 }
 
 /// Features, and the unit with its line if the file states it.
@@ -272,7 +313,13 @@ fn report(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
     let mut heading: Vec<String> = Vec::new();
     let mut skipped = 0;
     for (number, line, _) in inquiry.text.lines() {
-        let cells: Vec<&str> = line.split_whitespace().collect();
+        let mut cells: Vec<&str> = line.split_whitespace().collect();
+        // A bar of the position in the tolerance: `----#----`.
+        if cells.len() > 1
+            && cells.last().is_some_and(|cell| cell.len() > 1 && cell.chars().all(|c| "-#<>|=*.".contains(c)))
+        {
+            cells.pop();
+        }
         let Some(first) = cells.first() else { continue };
         let of = |names: &[&str]| heading.iter().position(|own| names.contains(&own.as_str()));
         if *first == "DIM" {
@@ -288,10 +335,14 @@ fn report(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
         } else if first.eq_ignore_ascii_case("AX") {
             heading = cells.iter().map(|cell| cell.to_lowercase()).collect();
         } else if let (Some(k), Some(feature)) = (coordinate(first).filter(|_| first.len() == 1), features.last_mut()) {
-            let (Some(nominal), Some(actual), true) = (of(NOMINAL), of(ACTUAL), cells.len() == heading.len()) else {
+            let (Some(nominal), Some(actual)) = (of(NOMINAL), of(ACTUAL)) else {
                 let message = "the row has no heading that names its nominal and measured value";
                 return Err(inquiry.refused(message, "print the headings AX NOMINAL MEAS into the report", number));
             };
+            if cells.len() != heading.len() {
+                let message = format!("the row has {} cells, and its heading names {}", cells.len(), heading.len());
+                return Err(inquiry.refused(message, "print a value for each heading into the report", number));
+            }
             let value = |index: usize| cells.get(index).and_then(|cell| grid::number(cell, DecimalSign::Point));
             let (Some(nominal), Some(actual)) = (value(nominal), value(actual)) else {
                 return Err(inquiry.refused("a value of the row is not a number", "export the report again", number));

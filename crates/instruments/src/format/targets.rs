@@ -13,6 +13,7 @@ use crate::answers::{MeasuredComponent, component};
 use crate::grid::{self, GridCell, GridLine, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
+use crate::rows;
 use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
 use crate::words::{self, ColumnRole};
@@ -325,6 +326,11 @@ fn collect(
     }
     facts.unit = value_columns.iter().find_map(|(index, _)| unit_of(*index)).or(facts.unit);
     let is_difference = components.is_empty() && deviation.is_none();
+    if let Some(actual) = actual {
+        let pair = [target, actual].into_iter();
+        inquiry.one_unit(pair.map(|column| headings.get(column)?.unit), line)?;
+        check_order(inquiry, table, [target, actual])?;
+    }
     if is_difference {
         note_difference(inquiry, facts, line);
     }
@@ -361,6 +367,72 @@ fn collect(
         }
     }
     Ok(found)
+}
+
+/// Checks that the columns of targets and of actual positions are not exchanged: targets are round numbers, actual positions are not.
+///
+/// # Errors
+/// If the actual positions are the round ones, and no option names the columns.
+fn check_order(inquiry: &Inquiry<'_>, table: &GridTable, columns: [usize; 2]) -> Result<(), ImportStop> {
+    let mut pairs = Vec::new();
+    for row in &table.rows {
+        let [target, actual] = columns;
+        pairs.extend(table.value(row, target)?.zip(table.value(row, actual)?));
+    }
+    if inquiry.answers.columns.is_empty() && rows::is_exchanged(&pairs) {
+        let message = "the actual positions are round and the targets are not: the columns may be exchanged";
+        let help = "correct the headings, or confirm them with --columns, such as target,actual";
+        return Err(inquiry.refused(message, help, table.heading_line));
+    }
+    Ok(())
+}
+
+/// Checks that no run is a column of positions: its readings spread far more than those of all others, or they follow the targets.
+///
+/// # Errors
+/// If one does.
+fn check_runs(inquiry: &Inquiry<'_>, found: &[TargetReading], unit: ReadingUnit) -> Result<(), ImportStop> {
+    /// Spread of a run as a multiple of the largest one of the others, and difference from the targets as a share of their span.
+    const FAR: (f64, f64) = (8.0, 0.01);
+    /// Smallest spread that is far, µm or µrad: below it the digits of a file decide.
+    const LEAST: f64 = 20.0;
+    type Run<'a> = ((&'a str, Option<i8>, Option<MeasuredComponent>), Vec<&'a TargetReading>);
+    let mut runs: Vec<Run<'_>> = Vec::new();
+    for reading in found {
+        let key = (reading.run.as_str(), reading.sense, reading.component);
+        let count = runs.len();
+        match runs.iter_mut().find(|(own, _)| *own == key) {
+            Some((_, readings)) => readings.push(reading),
+            None if count < 1000 => runs.push((key, vec![reading])),
+            None => return Ok(()),
+        }
+    }
+    let span = |readings: &[&TargetReading], of: fn(&TargetReading) -> f64| {
+        let ends = readings.iter().fold((f64::MAX, f64::MIN), |(low, high), own| (low.min(of(own)), high.max(of(own))));
+        ends.1 - ends.0
+    };
+    for (index, ((name, sense, component), readings)) in runs.iter().enumerate().filter(|(_, (_, own))| own.len() > 3) {
+        let others = runs
+            .iter()
+            .enumerate()
+            .filter(|(k, ((.., other), own))| *k != index && other == component && own.len() > 3);
+        let most = others
+            .map(|(_, (_, own))| span(own, |own| own.value))
+            .fold(None, |most: Option<f64>, own| Some(most.map_or(own, |most| most.max(own))));
+        let targets = span(readings, |own| own.target);
+        let near = FAR.1 * targets;
+        let is_position = near > 0.0 && readings.iter().all(|own| (own.value - own.target).abs() <= near);
+        let own = span(readings, |own| own.value);
+        let is_far = most.is_some_and(|most| own > FAR.0 * most && unit.fine(own) > LEAST);
+        if is_position || is_far {
+            let sign = sense.map_or("", |sense| if sense < 0 { "-" } else { "+" });
+            let why = if is_position { "follow the targets" } else { "spread far more than those of the other runs" };
+            let message = format!("the readings of run {name}{sign} {why}: its column may be that of the targets");
+            let help = "check the headings; name the columns with --columns, and write - for a run that is not valid";
+            return Err(inquiry.refused(message, help, readings.first().map_or(0, |own| own.line)));
+        }
+    }
+    Ok(())
 }
 
 /// Asks for everything else that a table of readings leaves open if it cannot be read on: all questions come in one round.
@@ -561,6 +633,7 @@ pub(super) fn direct(
     }
     let largest = found.iter().map(|reading| reading.value.abs()).fold(0.0, f64::max);
     let unit = inquiry.unit(facts.unit, component.is_angle(), largest)?;
+    check_runs(inquiry, &found, unit)?;
     if facts.target_unit.is_none() && unit == ReadingUnit::Length("inch", 25.4) {
         let sentence = "the readings are in inches, and the file does not state the unit of the targets";
         inquiry.ask("columns", sentence, "the meaning of each column with the unit, such as target [inch],1+,1-");
