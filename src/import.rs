@@ -48,7 +48,12 @@ impl InstrumentFile {
         findings: &mut Diagnostics,
     ) -> Option<ImportOutcome> {
         match import(&self.text, format, answers, &machine.machine, &machine.registry().instrument_formats) {
-            Ok(outcome) => Some(outcome),
+            Ok(outcome) => {
+                if let ImportOutcome::Readings(readings) = &outcome {
+                    readings.warning().into_iter().for_each(|warning| findings.add(warning, &[]));
+                }
+                Some(outcome)
+            }
             Err(diagnostic) => {
                 findings.add(*diagnostic, std::slice::from_ref(self.text.source()));
                 None

@@ -6,8 +6,10 @@ use crate::error::Error;
 use crate::machine::Machine;
 use ncfix_base::geometry::Plane;
 use ncfix_base::units::urad_from_rad;
+use ncfix_machine::describe;
 use ncfix_machine::machine::edit::{Edit, Given};
 use ncfix_machine::machine::squareness::{SquarenessTerm, pair, squareness};
+use ncfix_machine::machine::uncertainty;
 use ncfix_metrology::measure::squareness::MeasuredSquareness;
 
 /// Coverage factor of the stated interval, 95 %.
@@ -28,6 +30,8 @@ pub(crate) struct FoundSquareness {
     pub(crate) page: String,
     term: SquarenessTerm,
     value_urad: f64,
+    /// Standard uncertainty, µrad.
+    uncertainty_urad: f64,
 }
 
 /// Calculates the squareness of the axes of a plane. `sides_mm` are those of the part, or of the part that the page describes; readings are within
@@ -82,10 +86,10 @@ pub(crate) fn find(
     if half_urad >= gamma_urad.abs() {
         row(
             "note",
-            "the angle is not larger than its uncertainty: measure a larger part, or read to a finer mark".to_owned(),
+            "the angle is not significant: it is not larger than its uncertainty. Measure a larger part, or read to a finer mark".to_owned(),
         );
     }
-    Ok(FoundSquareness { page, term, value_urad })
+    Ok(FoundSquareness { page, term, value_urad, uncertainty_urad: half_urad / COVERAGE })
 }
 
 impl FoundSquareness {
@@ -105,13 +109,17 @@ impl FoundSquareness {
         let old = edit.number("location", 0, name);
         let value = self.value_urad + if adds { old.unwrap_or_default() } else { 0.0 };
         // A tenth of a microradian is below any of these readings.
-        if !edit.set("location", name, &Given::Number((value * 10.0).round() / 10.0)) {
-            return Err(Error::usage("the section [location] of the machine file cannot be changed".into()));
+        let tenths = |value: f64| Given::Number((value * 10.0).round() / 10.0);
+        for (section, value) in [("location", value), (uncertainty::SECTION, self.uncertainty_urad)] {
+            if !edit.set(section, name, &tenths(value)) {
+                let message = format!("the section [{section}] of the machine file cannot be changed");
+                return Err(Error::usage(message));
+            }
         }
         if let Some(old) = old {
             let verb = if adds { "added to" } else { "replaces" };
             let _ = writeln!(self.page, "{:<12}{verb} {name} = {old} of the machine file", "written");
         }
-        Ok(edit.text())
+        Ok(describe::measured(&edit.text(), name))
     }
 }

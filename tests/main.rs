@@ -119,6 +119,7 @@ mod guard;
 mod hostile;
 mod import;
 mod import_directions;
+mod import_wrong;
 mod instruments;
 mod iso;
 mod iso230;

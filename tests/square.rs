@@ -147,3 +147,33 @@ fn the_test_square_is_a_program_of_the_machine() {
         }
     }
 }
+
+#[test]
+fn diagonals_far_from_the_sides_are_refused_and_uncertain_angles_are_named() {
+    let shop = Shop::new().file("m.toml", machine("wFXYZSt"));
+    // √2 · 300 mm = 424.264 mm. The mean of the squares of the diagonals is that of 429.551 mm, 5.287 mm more.
+    let words = ["--d1", "434.183", "--d2", "424.868", "--side", "300", "--read-to", "0.05"];
+    square(&shop, &words).exits(2).says("424.264 mm").says("+5.287 mm away");
+    // With 0.5 mm of uncertainty, 424.264 · 1e-3 + 2.5 mm are possible.
+    square(&shop, &["--d1", "426", "--d2", "425.8", "--side", "300"]).exits(0);
+    let run = square(&shop, &["--d1", "424.30", "--d2", "424.29", "--side", "300", "--read-to", "0.05"]).exits(0);
+    assert!(run.stdout.contains("the angle is not significant"), "{}", run.stdout);
+}
+
+#[test]
+fn the_written_file_has_the_uncertainty_and_no_comment_against_it() {
+    let shop = Shop::new();
+    shop.run(["machine", "new", "m.toml", "--like", "router", "--control", "grbl"]).exits(0);
+    let text = shop.text("m.toml");
+    let listed = |text: &str| text.lines().any(|line| line.starts_with("#   EC0X") || line.starts_with("#   EC0Y"));
+    assert!(text.contains("# No error of this machine is measured yet.") && listed(&text), "{text}");
+    square(&shop, &["--d1", "424.310", "--d2", "424.220", "--side", "300", "--read-to", "0.02", "-o", "s.toml"])
+        .exits(0);
+    let text = shop.text("s.toml");
+    assert!(!text.contains("No error of this machine is measured yet") && !listed(&text), "{text}");
+    assert!(text.contains("squareness of Z and X"), "{text}");
+    // u = (0.02/√3) · 424.265/(√2 · 300²) = 0.011547 · 424.265/127279 = 3.849e-5, and 38.5 µrad in the file.
+    let (_, after) = text.split_once("[uncertainty]").unwrap();
+    assert!(after.contains("= 38.5"), "{text}");
+    shop.run(["square", "--machine", "s.toml", "--square", "300", "--dial", "0.03"]).exits(0);
+}

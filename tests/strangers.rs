@@ -149,7 +149,7 @@ fn the_slope_of_a_height_map_is_not_that_of_the_axis() {
     let fit =
         |model: &'static str| ["calibrate", "map.csv", "--machine", "m.toml", "--model", model, "-o", "fitted.toml"];
     shop.run(fit("EZX1,EZX2")).exits(4).says("E0606");
-    shop.run(fit("EZX2")).exits(0).says("warning[W0609]").says("from 100 to 300 mm");
+    shop.run(fit("EZX2")).exits(0).says("warning[W0610]").says("from 100 to 300 mm");
     let written = shop.text("fitted.toml");
     let line = written.lines().find(|line| line.starts_with("coefficients")).unwrap();
     let values: Vec<f64> =

@@ -7,8 +7,11 @@ use ncfix_machine::machine::Machine;
 use crate::answers::{ImportAnswers, MeasuringPoint, ReadingMaterial};
 use crate::grid::{self, GridHeading, GridTable};
 use crate::readings::{ImportedReadings, shown};
+use crate::rows;
+use crate::stated;
 use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
+use crate::words;
 
 /// Question that a file leaves open.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -77,10 +80,22 @@ impl<'a> Inquiry<'a> {
         &self.questions
     }
 
-    /// Asks a question, once for each option.
+    /// Asks a question, once for each option. Several positions make one question, because one option answers all of them.
     pub fn ask(&mut self, option: &'static str, sentence: impl Into<String>, advice: impl Into<String>) {
+        /// Beginning of the sentences about a missing fact, and of the example in an advice.
+        const PARTS: [&str; 2] = ["the file does not state ", "such as "];
+        let (sentence, advice) = (sentence.into(), advice.into());
+        if let Some(first) = self.questions.iter_mut().find(|own| own.option == option && option == "at") {
+            let fact = sentence.strip_prefix(PARTS[0]).unwrap_or(&sentence);
+            if !first.sentence.contains(fact) {
+                first.sentence = format!("{}, and {fact}", first.sentence);
+                let examples = advice.split_once(PARTS[1]).map_or("", |(_, examples)| examples);
+                first.advice = format!("{},{examples}", first.advice).trim_end_matches(',').to_owned();
+            }
+            return;
+        }
         if self.questions.iter().all(|question| question.option != option) {
-            self.questions.push(ImportQuestion { option, sentence: sentence.into(), advice: advice.into() });
+            self.questions.push(ImportQuestion { option, sentence, advice });
         }
     }
 
@@ -100,7 +115,7 @@ impl<'a> Inquiry<'a> {
     /// Headings of the table as given by `--columns`, or its own.
     ///
     /// # Errors
-    /// If `--columns` names more or fewer columns than the table has.
+    /// If `--columns` names more or fewer columns than the table has, or a unit that the heading contradicts.
     pub fn headings(&self, table: &GridTable) -> Result<Vec<GridHeading>, ImportStop> {
         if self.answers.columns.is_empty() {
             return Ok(table.headings.clone());
@@ -112,16 +127,75 @@ impl<'a> Inquiry<'a> {
             return Err(self.refused(message, help, table.heading_line));
         }
         let units = table.headings.iter().map(|heading| heading.unit).chain(std::iter::repeat(None));
-        let one = |(text, unit): (&String, Option<ReadingUnit>)| {
+        let mut found = Vec::new();
+        for (text, unit) in given.iter().zip(units) {
             let heading = grid::heading_of(text);
-            GridHeading { unit: heading.unit.or(unit), ..heading }
-        };
-        Ok(given.iter().zip(units).map(one).collect())
+            if let (Some(said), Some(stated)) = (heading.unit, unit)
+                && said != stated
+            {
+                let message = format!("--columns {text} contradicts the file, whose heading says {}", stated.sign());
+                return Err(self.refused(
+                    message,
+                    "remove the unit in --columns, or correct the heading",
+                    table.heading_line,
+                ));
+            }
+            found.push(GridHeading { unit: heading.unit.or(unit), ..heading });
+        }
+        Ok(found)
+    }
+
+    /// Notes the columns that are not read.
+    ///
+    /// # Errors
+    /// If one of them has a unit or a quantity in each row, and `--columns` does not say that it is not read: then the rows may not be of one kind.
+    pub fn unread(&mut self, columns: &[&GridHeading], line: usize) -> Result<(), ImportStop> {
+        let is_needed = |own: &&&GridHeading| words::is_unit(&own.words) || words::is_kind(&own.words);
+        if let Some(own) = columns.iter().find(is_needed).filter(|_| self.answers.columns.is_empty()) {
+            let message =
+                format!("the column '{}' is not read, and its rows may have several units or quantities", own.written);
+            let help = "name all columns with --columns, and write - for this one if all rows are of one kind";
+            return Err(self.refused(message, help, line));
+        }
+        if !columns.is_empty() {
+            let names: Vec<&str> = columns.iter().map(|own| own.written.as_str()).collect();
+            self.note(format!("columns that are not read: {}", names.join(", ")), line);
+        }
+        Ok(())
+    }
+
+    /// Checks that the value of an option is that of the file: `said` by the option, `stated` by the file with its line.
+    ///
+    /// # Errors
+    /// If both are there and differ by more than `slack`.
+    pub fn agreed(
+        &self,
+        option: &str,
+        said: Option<f64>,
+        stated: Option<(f64, usize)>,
+        slack: f64,
+    ) -> Result<(), ImportStop> {
+        match (said, stated) {
+            (Some(said), Some((stated, line))) if (said - stated).abs() > slack => {
+                let (said, stated) = (shown(said), shown(stated));
+                let message = format!("--{option} {said} contradicts the file, whose line {line} says {stated}");
+                Err(self.refused(message, format!("remove --{option}, or correct the line"), line))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Sign of the readings. `proven` is what the file itself says, with its line; `question` describes a positive reading.
-    pub fn sign(&mut self, proven: Option<(f64, usize)>, question: &str) -> f64 {
-        match (self.answers.sign, proven) {
+    ///
+    /// # Errors
+    /// If the option contradicts the file.
+    pub fn sign(&mut self, proven: Option<(f64, usize)>, question: &str) -> Result<f64, ImportStop> {
+        let sign = match (self.answers.sign, proven) {
+            (Some(sign), Some((stated, line))) if sign != stated => {
+                let [said, stated] = [sign, stated].map(|sign| if sign > 0.0 { "+" } else { "-" });
+                let message = format!("--sign {said} contradicts the file, whose readings have the sign {stated}");
+                return Err(self.refused(message, "remove --sign, or correct the headings", line));
+            }
             (Some(sign), _) => {
                 let shown = if sign > 0.0 { "+" } else { "-" };
                 self.note(format!("sign: --sign {shown}"), 0);
@@ -137,10 +211,40 @@ impl<'a> Inquiry<'a> {
                 self.ask("sign", question, "+, or - for the opposite");
                 1.0
             }
-        }
+        };
+        Ok(sign)
     }
 
-    /// Unit of the readings. `found` is the unit in the file with its line.
+    /// Units that lines of the file state, with their lines.
+    ///
+    /// # Errors
+    /// If one is not known.
+    pub fn stated_units(&self) -> Result<Vec<(ReadingUnit, usize)>, ImportStop> {
+        stated::units(self.text).map_err(|(word, line)| {
+            let help = format!("write one of {}, {}", ReadingUnit::choices(false), ReadingUnit::choices(true));
+            self.refused(format!("'{word}' is not a unit"), help, line)
+        })
+    }
+
+    /// The unit of columns that must have the same one.
+    ///
+    /// # Errors
+    /// If their headings state different units.
+    pub fn one_unit(
+        &self,
+        units: impl Iterator<Item = Option<ReadingUnit>>,
+        line: usize,
+    ) -> Result<Option<(ReadingUnit, usize)>, ImportStop> {
+        let mut units = units.flatten();
+        let first = units.next();
+        if let (Some(one), Some(other)) = (first, units.find(|unit| Some(*unit) != first)) {
+            let message = format!("the headings state {} and {} for readings of one kind", one.sign(), other.sign());
+            return Err(self.refused(message, "export these columns in one unit", line));
+        }
+        Ok(first.map(|unit| (unit, line)))
+    }
+
+    /// Unit of the readings. `found` is the unit in their headings with its line; lines such as `Unit;mm` are read here.
     ///
     /// # Errors
     /// A contradiction between the file and the option.
@@ -151,6 +255,26 @@ impl<'a> Inquiry<'a> {
         largest: f64,
     ) -> Result<ReadingUnit, ImportStop> {
         let default = if is_angle { ReadingUnit::Angle("urad", 1e-6) } else { ReadingUnit::Length("um", 1e-3) };
+        let lines = self.stated_units()?;
+        let own = found.into_iter().chain(lines.iter().copied().filter(|(unit, _)| unit.is_angle() == is_angle));
+        let own: Vec<(ReadingUnit, usize)> = own.collect();
+        let other = own.iter().find(|(unit, _)| Some(*unit) != own.first().map(|(unit, _)| *unit)).copied();
+        let found = match (own.first().copied(), other, self.answers.unit) {
+            (Some((first, line)), Some((other, at)), None) => {
+                let sentence = format!(
+                    "the file states two units: {} in line {line}, {} in line {at}",
+                    first.sign(),
+                    other.sign()
+                );
+                self.ask("unit", sentence, format!("that of the readings, {} or {}", first.sign(), other.sign()));
+                return Ok(default);
+            }
+            // The option chooses one of them.
+            (_, Some(_), Some(said)) => own.iter().find(|(unit, _)| *unit == said).or(own.first()).copied(),
+            (first, None, Some(_)) => first,
+            (first, None, None) => first.or(lines.first().copied()),
+            (None, Some(_), None) => None,
+        };
         let unit = match (self.answers.unit, found) {
             (Some(said), Some((written, line))) if said != written => {
                 let message =
@@ -262,8 +386,27 @@ impl<'a> Inquiry<'a> {
     }
 
     /// Temperature state of the scale or of the workpiece.
-    pub fn material(&mut self, what: &str) -> ReadingMaterial {
-        match self.answers.material {
+    ///
+    /// # Errors
+    /// If the option contradicts the file.
+    pub fn material(&mut self, what: &str) -> Result<ReadingMaterial, ImportStop> {
+        /// Digits to which temperature, K, and expansion, µm/m per K, are rounded.
+        const SLACK: [f64; 2] = [0.5, 0.5];
+        if let Some(ReadingMaterial::Expanded { per_k, celsius }) = self.answers.material {
+            for (said, stated, slack) in [
+                (celsius, stated::temperatures(self.text), SLACK[0]),
+                (per_k * 1e6, stated::expansions(self.text), SLACK[1]),
+            ] {
+                if let Some((_, line)) = stated.first()
+                    && stated.iter().all(|(value, _)| (value - said).abs() > slack)
+                {
+                    let message = format!("{} of --material contradicts line {line} of the file", shown(said));
+                    let help = "correct --material; 20C states that the instrument refers the readings to 20 °C";
+                    return Err(self.refused(message, help, *line));
+                }
+            }
+        }
+        Ok(match self.answers.material {
             Some(material) => {
                 let shown = match material {
                     ReadingMaterial::Reference => "the readings refer to 20 °C (--material 20C)".to_owned(),
@@ -283,7 +426,7 @@ impl<'a> Inquiry<'a> {
                 );
                 ReadingMaterial::Reference
             }
-        }
+        })
     }
 
     /// Makes a refusal at a line (0 for none).
@@ -301,6 +444,7 @@ impl<'a> Inquiry<'a> {
     #[must_use]
     pub fn finish(self, mut readings: ImportedReadings, format: &'static str) -> ImportedReadings {
         readings.notes = self.notes;
+        readings.gaps.extend(rows::gaps(&readings));
         readings.notes.insert(0, format!("format: {format}; encoding {}", self.text.encoding()));
         readings
     }

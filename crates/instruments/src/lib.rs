@@ -10,6 +10,8 @@ pub mod grid;
 pub mod inquiry;
 pub mod preview;
 pub mod readings;
+mod rows;
+mod stated;
 pub mod text;
 pub mod unit;
 pub mod words;

@@ -11,8 +11,8 @@ use crate::text::DecodedText;
 /// Largest deviation of a machine tool that is believed, µm or µrad: 20 mm, 20 mrad. A reading above it has another unit.
 const LARGEST: f64 = 20_000.0;
 
-/// Smallest peak deviation that is believed, µm or µrad: a nanometer is below the noise of every instrument in a workshop.
-const SMALLEST: f64 = 1e-3;
+/// Smallest peak deviation that is believed, µm or µrad: it is below the noise of every instrument in a workshop, and the preview would show it as 0.0.
+const SMALLEST: f64 = 0.1;
 
 /// Most readings of one file.
 pub const MOST_ROWS: usize = 1_000_000;
@@ -87,6 +87,8 @@ pub struct ImportedReadings {
     pub sign_sentence: String,
     /// Facts that were understood or assumed.
     pub notes: Vec<String>,
+    /// Places at which a reading is missing, each a sentence without a full stop.
+    pub gaps: Vec<String>,
 }
 
 impl ImportedReadings {
@@ -106,6 +108,7 @@ impl ImportedReadings {
             sections: String::new(),
             sign_sentence: String::new(),
             notes: Vec::new(),
+            gaps: Vec::new(),
         }
     }
 
@@ -159,6 +162,11 @@ impl ImportedReadings {
         if self.kind == ImportedKind::Probe {
             return Ok(());
         }
+        if let Some([first, second]) = crate::rows::copied(self) {
+            let message = format!("the reading is the same as that in line {first}, to the last digit");
+            let help = "remove one of them: a repetition would differ by the noise of the instrument; if it is one, give it a run of its own";
+            return Err(Box::new(Diagnostic::at(Code::DATA_REPEATED, text.place(second), message, help)));
+        }
         let values =
             || self.rows.iter().flat_map(|row| row.values.iter().flatten().map(move |value| (*value, row.line)));
         let peak = values().map(|(value, _)| value.abs()).fold(0.0, f64::max);
@@ -172,17 +180,24 @@ impl ImportedReadings {
             )));
         }
         if peak > 0.0 && peak < SMALLEST {
-            let message = format!(
-                "the largest deviation is {} µm or µrad, below the resolution of every instrument",
-                shown(peak)
-            );
+            let message =
+                format!("the largest deviation is {} µm or µrad, below the noise of every instrument", shown(peak));
             return Err(Box::new(Diagnostic::nowhere(
                 Code::DATA_SIZE,
                 message,
-                "check --unit: small numbers are usually mm",
+                "check the unit in the file, and --unit: small numbers are usually mm",
             )));
         }
         Ok(())
+    }
+
+    /// Returns the warning about places without a reading.
+    #[must_use]
+    pub fn warning(&self) -> Option<Diagnostic> {
+        let (first, rest) = self.gaps.split_first()?;
+        let more = if rest.is_empty() { String::new() } else { format!("; {}", rest.join("; ")) };
+        let help = "export the whole file again if it was cut; if these places were not measured, the result is less certain there";
+        Some(Diagnostic::nowhere(Code::IMPORT_GAP, format!("{first}{more}"), help))
     }
 
     fn has(&self, given: impl Fn(&ImportedRow) -> bool) -> bool {
@@ -230,7 +245,7 @@ impl ImportedReadings {
     #[must_use]
     pub fn description(&self, file: &str) -> String {
         let mut out = format!("# Imported from {}.\n", comment(file));
-        for note in &self.notes {
+        for note in self.notes.iter().chain(&self.gaps) {
             let _ = writeln!(out, "# - {}", comment(note));
         }
         let _ = writeln!(out, "# - {}", comment(&self.sign_sentence));

@@ -67,6 +67,13 @@ const ROLES: &[(ColumnRole, &[&str])] = &[
             "actual position",
             "measured",
             "measured position",
+            "reached",
+            "reached position",
+            "erreicht",
+            "erreichte position",
+            "position atteinte",
+            "raggiunta",
+            "alcanzada",
             "ist",
             "istposition",
             "istwert",
@@ -177,6 +184,10 @@ const ROLES: &[(ColumnRole, &[&str])] = &[
             "nome",
             "nombre",
             "kennung",
+            "featureid",
+            "feature id",
+            "feature name",
+            "merkmalsname",
         ],
     ),
     (ColumnRole::Skip, &["-", "skip"]),
@@ -316,6 +327,23 @@ pub fn circle(words: &str) -> Option<CircleHeading> {
     found.turn.is_some().then_some(found)
 }
 
+/// Headings of columns that have a unit in each row.
+const UNITS: &[&str] = &["unit", "units", "einheit", "unité", "unità", "unidad"];
+/// Headings of columns that have the quantity of each row.
+const KINDS: &[&str] = &["type", "typ", "kind", "quantity", "messgröße", "messgroesse", "characteristic"];
+
+/// True for the heading of a column that has a unit in each row.
+#[must_use]
+pub fn is_unit(words: &str) -> bool {
+    UNITS.contains(&words.trim())
+}
+
+/// True for the heading of a column that has the quantity of each row.
+#[must_use]
+pub fn is_kind(words: &str) -> bool {
+    KINDS.contains(&words.trim())
+}
+
 /// Returns the meaning of a heading, given in lower case without its unit.
 #[must_use]
 pub fn role(words: &str) -> ColumnRole {
@@ -403,5 +431,6 @@ mod tests {
         assert_eq!(axis("x-axis"), Some(Axis::X));
         assert_eq!(axis("pos y"), Some(Axis::Y));
         assert_eq!(axis("x error"), None);
+        assert!(is_unit("einheit") && is_kind("type") && !is_unit("target") && !is_kind("deviation"));
     }
 }

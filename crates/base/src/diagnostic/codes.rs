@@ -796,7 +796,11 @@ that the test data are not selected.";
 "ncfix calibrate fits a term of --model, such as EXX ~ Y^2, and its interval of 95 % contains 0. The machine file gets the term, because the
 command asks for it. A program would then be corrected by an amount whose sign is not known. Remove the term, or take readings where it
 acts: at several positions of the axis on which it depends.";
-    SLOPE_NOT_SHOWN = "W0609" "slope of a straightness that the readings do not show"
+    IMPORT_GAP = "W0609" "places without a reading"
+"The readings of a file are regular, and some of them are missing: an arc of a circle, a target of a run, a node of a grid, or a feature
+of a report. The file may have been cut, or rows may have been lost. ncfix import writes the measurement without these places and names them.
+Export the file again. If the places were not measured, the calibration is less certain there.";
+    SLOPE_NOT_SHOWN = "W0610" "slope of a straightness that the readings do not show"
 "ncfix calibrate fits the curvature of an axis, such as EZX2, but no slope, and the readings cannot show a slope: the artifact lies as it
 was set up. A curve without a slope at the zero of the axis would tilt the whole axis by an arbitrary angle. ncfix therefore adds the slope
 that makes the axis straight on average over the measured range. The real slope belongs to the squareness of the axis, which stays unknown:

@@ -16,6 +16,7 @@ use crate::answers;
 use crate::grid::{self, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
+use crate::rows;
 use crate::text::DecodedText;
 use crate::words::{self, ColumnRole};
 use clock::CircleClock;
@@ -54,6 +55,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     let facts = facts(inquiry.text, &table);
     let line = table.heading_line;
     let columns = columns::find(inquiry, &table)?;
+    facts.check(inquiry)?;
     let plane = facts.plane(inquiry)?;
     let radius_mm = match (inquiry.answers.radius_mm, facts.radius_mm) {
         (Some(said), _) => said,
@@ -149,8 +151,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     }
     let raw = || runs.iter().flat_map(|run| &run.readings);
     let largest = raw().map(|(_, value, _)| value.abs()).fold(0.0, f64::max);
-    let written = columns.unit.map(|unit| (unit, line)).or(facts.unit);
-    let unit = inquiry.unit(written, false, largest)?;
+    let unit = inquiry.unit(columns.unit.map(|unit| (unit, line)), false, largest)?;
     let nominal = if columns.is_radius { radius_mm } else { 0.0 };
     let first = raw().next().map_or(0.0, |(_, value, _)| unit.inner(*value));
     if columns.is_radius && inquiry.questions().is_empty() && (first - radius_mm).abs() > 5.0 {
@@ -158,7 +159,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
         return Err(inquiry.refused(message, "check --radius and --unit", raw().next().map_or(0, |row| row.2)));
     }
     // A longer bar reads positive in every layout; a radius has no sign at all.
-    let sign = inquiry.sign(Some((1.0, line)), "");
+    let sign = inquiry.sign(Some((1.0, line)), "")?;
     let mut center = [0.0; 3];
     let mut missing = Vec::new();
     for (k, axis) in [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate() {
@@ -205,6 +206,8 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     }
     for run in &runs {
         let label = runs::standard_label(run, plane);
+        let angles: Vec<f64> = run.readings.iter().map(|(deg, ..)| *deg).collect();
+        out.gaps.extend(rows::missing_arcs(&label, &angles, bounds_deg));
         for &(deg, value, line) in &run.readings {
             let mut position = center.to_vec();
             let angle = deg.to_radians();

@@ -81,9 +81,9 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
             largest = largest.max(table.value(row, *column)?.unwrap_or(0.0).abs());
         }
     }
-    let stated = values.iter().find_map(|(column, _)| table.headings.get(*column)?.unit).map(|unit| (unit, line));
+    let stated = inquiry.one_unit(values.iter().map(|(column, _)| table.headings.get(*column)?.unit), line)?;
     let unit = inquiry.unit(stated, false, largest)?;
-    let sign = inquiry.sign(None, "the file does not state the sign of its readings: is the tool displaced in the positive direction, seen from the workpiece, where a reading is positive?");
+    let sign = inquiry.sign(None, "the file does not state the sign of its readings: is the tool displaced in the positive direction, seen from the workpiece, where a reading is positive?")?;
     let moved: Vec<Axis> = axes.iter().map(|(_, axis)| *axis).collect();
     let tool = inquiry.tool();
     let names = ["dx_um", "dy_um", "dz_um"];

@@ -25,6 +25,7 @@ pub(super) const POINTS: InstrumentFormat = InstrumentFormat {
             let message = "the file has no points x y z in every line";
             return Err(inquiry.refused(message, "`ncfix import --list` lists the formats", 0));
         };
+        check_grid(inquiry.text).map_err(|(message, line)| inquiry.refused(message, "export the map again", line))?;
         flat(inquiry, found, unit)
     },
 };
@@ -34,7 +35,7 @@ pub(super) const KLIPPER: InstrumentFormat = InstrumentFormat {
     name: "klipper-mesh",
     title: "bed mesh in the configuration of Klipper",
     needs: "flat-reference at tool",
-    recognize: |text| u8::from(klipper_points(text).is_ok_and(|found| !found.is_empty())) * 3,
+    recognize: |text| u8::from(klipper_points(text).map_or(true, |found| !found.is_empty())) * 3,
     read: |inquiry| {
         let found = klipper_points(inquiry.text)
             .map_err(|(message, line)| inquiry.refused(message, "copy the whole section of the mesh", line))?;
@@ -57,6 +58,7 @@ pub(super) const MARLIN: InstrumentFormat = InstrumentFormat {
             // The other questions do not depend on the spacing, and nothing is written before all are answered.
             [0.0, 0.0, 1.0, 1.0]
         });
+        check_marlin(inquiry.text).map_err(|(message, line)| inquiry.refused(message, "copy the whole grid", line))?;
         let found = marlin_points(inquiry.text);
         let found = found.into_iter().map(|([i, j, z], number)| ([x + dx * i, y + dy * j, z], number)).collect();
         // Marlin prints its meshes in mm.
@@ -76,8 +78,20 @@ fn points(text: &DecodedText) -> Option<ProbedLog> {
     if grbl.len() >= 3 {
         return Some((grbl, 3, None));
     }
-    let rows: Vec<(Vec<f64>, usize)> = text
-        .lines()
+    let rows = numbers(text)?;
+    let is_grid = has_grid(&rows);
+    let start = if is_grid { 3 } else { 0 };
+    let width = rows.get(start)?.0.len();
+    if rows.len() < start + 3 || ![3, 9].contains(&width) || rows[start..].iter().any(|(row, _)| row.len() != width) {
+        return None;
+    }
+    let found = rows[start..].iter().map(|(row, number)| ([row[0], row[1], row[2]], *number)).collect();
+    Some((found, if is_grid || width == 9 { 3 } else { 1 }, None))
+}
+
+/// Numbers of every line that is no comment; `None` if a line has anything else.
+fn numbers(text: &DecodedText) -> Option<Vec<(Vec<f64>, usize)>> {
+    text.lines()
         .filter(|(_, line, _)| !line.trim().is_empty() && !line.trim_start().starts_with(['#', '(', ';']))
         .map(|(number, line, _)| {
             (
@@ -88,21 +102,47 @@ fn points(text: &DecodedText) -> Option<ProbedLog> {
             )
         })
         .map(|(cells, number)| Some((cells?, number)))
-        .collect::<Option<_>>()?;
-    // bCNC has three lines with the grid before its points: from, to and count of x and y, then the depth range and feed.
-    let is_grid = rows.len() > 6
-        && rows
-            .iter()
-            .take(2)
-            .all(|(row, _)| row.len() == 3 && row[0] < row[1] && row[2].fract() == 0.0 && row[2] >= 2.0)
-        && rows[0].0[2] * rows[1].0[2] == (rows.len() - 3) as f64;
-    let start = if is_grid { 3 } else { 0 };
-    let width = rows.get(start)?.0.len();
-    if rows.len() < start + 3 || ![3, 9].contains(&width) || rows[start..].iter().any(|(row, _)| row.len() != width) {
-        return None;
+        .collect()
+}
+
+/// True for rows that begin with the grid of bCNC: from, to and count of x and y, then the depth range and feed. A count is a whole number of 2 or more, and
+/// most heights are none.
+fn has_grid(rows: &[(Vec<f64>, usize)]) -> bool {
+    let is_count = |row: &[f64]| row.len() == 3 && row[2].fract() == 0.0 && row[2] >= 2.0;
+    let heights = rows.iter().skip(3).filter_map(|(row, _)| row.get(2));
+    let is_height = |z: &&f64| !is_count(&[0.0, 0.0, **z]);
+    let count = heights.clone().filter(is_height).count();
+    rows.len() > 6 && rows[..2].iter().all(|(row, _)| is_count(row)) && 2 * count > rows.len() - 3
+}
+
+/// Checks the grid of bCNC against its points.
+///
+/// # Errors
+/// A sentence with the line of the contradiction.
+fn check_grid(text: &DecodedText) -> Result<(), (String, usize)> {
+    let rows = numbers(text).unwrap_or_default();
+    if !has_grid(&rows) {
+        return Ok(());
     }
-    let found = rows[start..].iter().map(|(row, number)| ([row[0], row[1], row[2]], *number)).collect();
-    Some((found, if is_grid || width == 9 { 3 } else { 1 }, None))
+    for ((row, line), name) in rows.iter().zip(["x", "y"]) {
+        if row[0] >= row[1] {
+            return Err((format!("the grid in {name} goes from {} to {}: it may be mirrored", row[0], row[1]), *line));
+        }
+    }
+    let (points, count) = (rows.len() - 3, rows[0].0[2] * rows[1].0[2]);
+    if points as f64 != count {
+        return Err((format!("the map has {points} points, and its grid {count}"), rows[0].1));
+    }
+    for (row, line) in &rows[3..] {
+        for (k, name) in ["x", "y"].iter().enumerate() {
+            let ([low, high], value) = ([rows[k].0[0], rows[k].0[1]], row[k]);
+            let slack = 1e-3 * (high - low);
+            if value < low - slack || value > high + slack {
+                return Err((format!("{name} {value} is not in the grid from {low} to {high}"), *line));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Point of a line `[PRB:x,y,z:1]`; a failed probing has `:0`.
@@ -158,10 +198,29 @@ fn marlin_points(text: &DecodedText) -> Vec<Probed> {
     found
 }
 
+/// Checks that every row of a printed grid has a value for each of its columns.
+///
+/// # Errors
+/// A sentence with the line of the contradiction.
+fn check_marlin(text: &DecodedText) -> Result<(), (String, usize)> {
+    let found = marlin_points(text);
+    let columns = |number: usize| text.line(number).trim().trim_start_matches("Recv:").split_whitespace().count();
+    let Some((_, first)) = found.first().filter(|(_, line)| marlin_value(text.line(*line)).is_none()) else {
+        return Ok(());
+    };
+    // The line above the first row has the indices of the columns, and no index of a row.
+    let wanted = columns(first - 1) + 1;
+    let wrong = found.iter().map(|(_, line)| *line).find(|line| columns(*line) != wanted);
+    wrong.map_or(Ok(()), |line| {
+        Err((format!("the row has {} values, and the grid {} columns", columns(line) - 1, wanted - 1), line))
+    })
+}
+
 /// Points of the first mesh in a configuration of Klipper: rows from min_y, values from min_x.
 fn klipper_points(text: &DecodedText) -> Result<Vec<Probed>, (String, usize)> {
     let mut rows: Vec<(Vec<f64>, usize)> = Vec::new();
     let mut keys = std::collections::BTreeMap::new();
+    let mut lines_of = std::collections::BTreeMap::new();
     let (mut is_mesh, mut is_points) = (false, false);
     for (number, line, _) in text.lines() {
         let Some(body) = line.strip_prefix("#*#") else { continue };
@@ -179,7 +238,11 @@ fn klipper_points(text: &DecodedText) -> Result<Vec<Probed>, (String, usize)> {
         if let Some((key, value)) = body.split_once('=') {
             is_points = key.trim() == "points";
             if let Some(value) = grid::number(value, DecimalSign::Point) {
-                keys.insert(key.trim().to_owned(), value);
+                let key = key.trim().to_owned();
+                if keys.insert(key.clone(), value).is_some_and(|old| old != value) {
+                    return Err((format!("{key} is stated twice, with different values"), number));
+                }
+                lines_of.insert(key, number);
             }
         } else if is_points && !body.is_empty() {
             let cells: Option<Vec<f64>> =
@@ -193,6 +256,12 @@ fn klipper_points(text: &DecodedText) -> Result<Vec<Probed>, (String, usize)> {
     let key = |name: &str| keys.get(name).copied().ok_or_else(|| (format!("the mesh has no {name}"), rows[0].1));
     let (columns, lines) = (key("x_count")?, key("y_count")?);
     let [low_x, high_x, low_y, high_y] = [key("min_x")?, key("max_x")?, key("min_y")?, key("max_y")?];
+    for (name, low, high) in [("x", low_x, high_x), ("y", low_y, high_y)] {
+        if low >= high {
+            let message = format!("min_{name} is {low} and max_{name} is {high}: the mesh may be mirrored");
+            return Err((message, lines_of.get(&format!("min_{name}")).copied().unwrap_or_default()));
+        }
+    }
     if let Some((row, number)) = rows.iter().find(|(row, _)| row.len() as f64 != columns) {
         return Err((format!("the row of the mesh has {} values, x_count is {columns}", row.len()), *number));
     }
@@ -227,7 +296,13 @@ pub(super) fn flat(
     }
     let largest = found.iter().map(|(point, _)| point[0].abs().max(point[1].abs())).fold(0.0, f64::max);
     let unit = match unit {
-        Some((unit, 0)) => unit,
+        Some((unit, 0)) => {
+            if inquiry.answers.unit.is_some_and(|said| said != unit) {
+                let message = format!("--unit contradicts the layout, which is always in {}", unit.sign());
+                return Err(inquiry.refused(message, "remove --unit", 0));
+            }
+            unit
+        }
         unit => position_unit(inquiry, unit, largest)?,
     };
     let axes = vec![Axis::X, Axis::Y, Axis::Z];

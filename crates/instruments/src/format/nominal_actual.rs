@@ -4,9 +4,8 @@
 //! (`name, axis, nominal, actual, deviation` in the order of the headings). A workpiece machined here shows the displacement of the tool; a calibrated artifact
 //! probed here shows the opposite. Offset and rotation of the report remain unknowns of the fit.
 
-use std::collections::BTreeMap;
+mod report;
 
-use ncfix_base::csv::DecimalSign;
 use ncfix_base::geometry::Axis;
 
 use super::InstrumentFormat;
@@ -14,9 +13,11 @@ use crate::answers::ReadingMaterial;
 use crate::grid::{self, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
+use crate::rows;
 use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
 use crate::words::{self, ColumnRole};
+use report::{dmis, dmis_lines, report};
 
 /// The question for the sign: where the features come from.
 const ORIGIN: &str = "the file does not state the origin of the features: were they machined on this machine (+), or is it a calibrated artifact that was probed here (-)?";
@@ -99,33 +100,56 @@ fn axis_column(table: &GridTable) -> Option<usize> {
     })
 }
 
-/// Coordinate of a row label: `X`, `X-axis`, `Pos.Y`.
+/// Coordinate of a row label: `X`, `X-axis`, `Pos.Y`, `xValue`, `Y-Wert`.
 fn coordinate(text: &str) -> Option<usize> {
-    words::axis(&text.to_lowercase()).and_then(|axis| [Axis::X, Axis::Y, Axis::Z].iter().position(|own| *own == axis))
+    let text = text.trim().to_lowercase();
+    let text = ["value", "wert"].iter().find_map(|word| text.strip_suffix(word)).unwrap_or(&text);
+    words::axis(text).and_then(|axis| [Axis::X, Axis::Y, Axis::Z].iter().position(|own| *own == axis))
 }
 
-/// Lines of a DMIS output, with those that go on joined: `F(name)=…`, `FA(name)=…`.
-fn dmis_lines(text: &DecodedText) -> impl Iterator<Item = (usize, bool, String, String)> {
-    let mut joined: Vec<(usize, String)> = Vec::new();
-    let mut is_open = false;
-    for (number, line, _) in text.lines() {
-        let body = line.trim();
-        match joined.last_mut().filter(|_| is_open) {
-            Some((_, last)) if last.len() < 4096 => last.push_str(body.trim_end_matches('$')),
-            _ => joined.push((number, body.trim_end_matches('$').to_owned())),
+/// Column with the name of the feature: of those with names, the first one that several coordinates share. Without one, the column before the coordinates.
+fn name_column(table: &GridTable, labels: usize) -> Option<usize> {
+    let cell =
+        |row: &grid::GridLine, column: usize| row.cells.get(column).map_or_else(String::new, |cell| cell.text.clone());
+    let is_shared = |column: &usize| {
+        table.rows.windows(2).any(|pair| {
+            cell(&pair[0], *column) == cell(&pair[1], *column)
+                && coordinate(&cell(&pair[0], labels)) != coordinate(&cell(&pair[1], labels))
+        })
+    };
+    let is_name = |column: &usize| {
+        table.headings.get(*column).is_some_and(|heading| words::role(&heading.words) == ColumnRole::Name)
+    };
+    let named = (0..table.width()).filter(|column| *column != labels && is_name(column));
+    named.into_iter().find(is_shared).or_else(|| (0..labels).next_back())
+}
+
+/// Unit in a column of its own, the same in all rows of coordinates.
+fn row_unit(
+    inquiry: &Inquiry<'_>,
+    table: &GridTable,
+    labels: usize,
+) -> Result<Option<(ReadingUnit, usize)>, ImportStop> {
+    let Some(column) = table.headings.iter().position(|heading| words::is_unit(&heading.words)) else {
+        return Ok(None);
+    };
+    let mut found: Option<(ReadingUnit, usize)> = None;
+    for row in &table.rows {
+        if row.cells.get(labels).is_none_or(|cell| coordinate(&cell.text).is_none()) {
+            continue;
         }
-        is_open = body.ends_with('$');
+        let text = row.cells.get(column).map_or("", |cell| cell.text.as_str());
+        let Some(unit) = ReadingUnit::find(text) else {
+            let message = format!("'{text}' is not the unit of a position");
+            return Err(inquiry.refused(message, "write mm or inch into the column of the unit", row.number));
+        };
+        if let Some((first, line)) = found.filter(|(first, _)| *first != unit) {
+            let message = format!("the row is in {}, and line {line} in {}", unit.sign(), first.sign());
+            return Err(inquiry.refused(message, "export all positions in one unit", row.number));
+        }
+        found.get_or_insert((unit, row.number));
     }
-    joined.into_iter().filter_map(|(number, line)| {
-        let upper = line.to_uppercase();
-        let is_actual = upper.starts_with("FA(");
-        if !is_actual && !upper.starts_with("F(") {
-            return None;
-        }
-        let (head, body) = line.split_once('=')?;
-        let name = head.split_once('(')?.1.split(')').next()?.trim().to_owned();
-        body.trim().to_uppercase().starts_with("FEAT/").then(|| (number, is_actual, name, body.trim().to_owned()))
-    })
+    Ok(found)
 }
 
 fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
@@ -136,132 +160,67 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
         (false, true) => report(inquiry)?,
         (false, false) => tabular(inquiry)?,
     };
-    let features: Vec<Feature> = features
-        .into_iter()
-        .filter(|one| {
-            one.actual.iter().zip(&one.nominal).any(|(actual, nominal)| actual.is_some() && nominal.is_some())
-        })
-        .collect();
-    displacement(inquiry, features, unit)
+    let (features, gaps) = complete(inquiry, features)?;
+    check_order(inquiry, &features)?;
+    let mut readings = displacement(inquiry, features, unit)?;
+    readings.gaps = gaps;
+    Ok(readings)
+}
+
+/// Features with a pair of values and all nominal coordinates, and a sentence about the others: without a coordinate the position is not known.
+///
+/// # Errors
+/// If more than half of the features are not complete.
+fn complete(inquiry: &Inquiry<'_>, features: Vec<Feature>) -> Result<(Vec<Feature>, Vec<String>), ImportStop> {
+    let kinds: Vec<usize> = (0..3).filter(|k| features.iter().any(|one| one.nominal[*k].is_some())).collect();
+    let count = features.len();
+    let is_complete = |one: &Feature| {
+        kinds.iter().all(|k| one.nominal[*k].is_some())
+            && one.actual.iter().zip(&one.nominal).any(|(actual, nominal)| actual.is_some() && nominal.is_some())
+    };
+    let (whole, parts): (Vec<Feature>, Vec<Feature>) = features.into_iter().partition(is_complete);
+    let Some(first) = parts.first() else { return Ok((whole, Vec::new())) };
+    if 2 * parts.len() > count {
+        let message = format!("{} of {count} features lack a nominal coordinate or an actual value", parts.len());
+        return Err(inquiry.refused(message, "export nominal and actual value of each coordinate", first.line));
+    }
+    let lines: Vec<String> = parts.iter().take(6).map(|one| one.line.to_string()).collect();
+    let dots = if parts.len() > lines.len() { " …" } else { "" };
+    let sentence =
+        format!("features that are not complete, and not read: {} (line {}{dots})", parts.len(), lines.join(", "));
+    Ok((whole, vec![sentence]))
+}
+
+/// Checks that nominal and actual values are not exchanged: nominal values are round, actual ones are not.
+///
+/// # Errors
+/// If the actual values are the round ones, and no option names the columns.
+fn check_order(inquiry: &Inquiry<'_>, features: &[Feature]) -> Result<(), ImportStop> {
+    if !inquiry.answers.columns.is_empty() {
+        return Ok(());
+    }
+    let pairs = features.iter().flat_map(|one| one.nominal.iter().zip(&one.actual));
+    let pairs: Vec<(f64, f64)> = pairs.filter_map(|(nominal, actual)| nominal.zip(*actual)).collect();
+    if rows::is_exchanged(&pairs) {
+        let message = "the actual values are round and the nominal ones are not: they may be exchanged";
+        let help = "correct the headings, or confirm them with --columns, such as name,nominal x,actual x";
+        return Err(inquiry.refused(message, help, features.first().map_or(0, |one| one.line)));
+    }
+    Ok(())
 }
 
 /// Features, and the unit with its line if the file states it.
 type StatedFeatures = (Vec<Feature>, Option<(ReadingUnit, usize)>);
 
-/// Features of a DMIS output.
-fn dmis(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
-    let mut unit = None;
-    for (number, line, _) in inquiry.text.lines() {
-        if let Some(rest) = line.trim().to_uppercase().strip_prefix("UNITS/") {
-            let word = rest.split(',').next().unwrap_or_default().trim().to_owned();
-            unit = ReadingUnit::find(&word).map(|unit| (unit, number));
-        }
-    }
-    let mut found: BTreeMap<String, Feature> = BTreeMap::new();
-    let mut order = Vec::new();
-    for (line, is_actual, name, body) in dmis_lines(inquiry.text) {
-        let cells: Vec<&str> = body.split(',').map(str::trim).collect();
-        let Some(start) = cells.iter().position(|cell| cell.eq_ignore_ascii_case("CART")) else {
-            inquiry.note(format!("feature {name} is not in Cartesian coordinates and is not read"), line);
-            continue;
-        };
-        let mut values = [None; 3];
-        for (k, value) in values.iter_mut().enumerate() {
-            let cell = cells.get(start + 1 + k).copied().unwrap_or_default();
-            *value = Some(grid::number(cell, DecimalSign::Point).ok_or_else(|| {
-                inquiry.refused(format!("'{cell}' of feature {name} is not a number"), "export the report again", line)
-            })?);
-        }
-        if !found.contains_key(&name) {
-            order.push(name.clone());
-        }
-        let one = found.entry(name).or_default();
-        one.line = line;
-        *(if is_actual { &mut one.actual } else { &mut one.nominal }) = values;
-    }
-    inquiry.note(format!("DMIS output with {} features", order.len()), 0);
-    let without: Vec<&String> =
-        order.iter().filter(|name| found[*name].nominal[0].is_none() || found[*name].actual[0].is_none()).collect();
-    if let Some(first) = without.first() {
-        let message = format!(
-            "feature {first} has no nominal or no actual position ({} of {} features)",
-            without.len(),
-            order.len()
-        );
-        return Err(inquiry.refused(
-            message,
-            "export nominal (F) and actual (FA) features, or remove those that were not measured",
-            found[*first].line,
-        ));
-    }
-    Ok((order.iter().filter_map(|name| found.get(name).cloned()).collect(), unit))
-}
-
-/// Features of a report in blocks: `DIM NAME= LOCATION OF … UNITS=MM`, a heading, and rows that begin with X, Y or Z. The user sets the order of the columns, so the
-/// heading decides.
-fn report(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
-    let mut features: Vec<Feature> = Vec::new();
-    let mut unit = None;
-    let mut heading: Vec<String> = Vec::new();
-    let mut skipped = 0;
-    for (number, line, _) in inquiry.text.lines() {
-        let cells: Vec<&str> = line.split_whitespace().collect();
-        let Some(first) = cells.first() else { continue };
-        let of = |names: &[&str]| heading.iter().position(|own| names.contains(&own.as_str()));
-        if *first == "DIM" {
-            features.push(Feature { line: number, ..Feature::default() });
-            heading.clear();
-            if let Some(found) = line
-                .to_uppercase()
-                .split_once("UNITS=")
-                .and_then(|(_, rest)| ReadingUnit::find(rest.split([',', ' ']).next()?))
-            {
-                unit = unit.or(Some((found, number)));
-            }
-        } else if first.eq_ignore_ascii_case("AX") {
-            heading = cells.iter().map(|cell| cell.to_lowercase()).collect();
-        } else if let (Some(k), Some(feature)) = (coordinate(first).filter(|_| first.len() == 1), features.last_mut()) {
-            let (Some(nominal), Some(actual), true) = (of(NOMINAL), of(ACTUAL), cells.len() == heading.len()) else {
-                let message = "the row has no heading that names its nominal and measured value";
-                return Err(inquiry.refused(message, "print the headings AX NOMINAL MEAS into the report", number));
-            };
-            let value = |index: usize| cells.get(index).and_then(|cell| grid::number(cell, DecimalSign::Point));
-            let (Some(nominal), Some(actual)) = (value(nominal), value(actual)) else {
-                return Err(inquiry.refused("a value of the row is not a number", "export the report again", number));
-            };
-            feature.nominal[k] = Some(nominal);
-            feature.actual[k] = Some(actual);
-        } else if !heading.is_empty() && cells.len() == heading.len() {
-            skipped += 1;
-        }
-    }
-    if skipped > 0 {
-        inquiry.note(format!("{skipped} rows that are no coordinate (diameter, form, position) are not read"), 0);
-    }
-    if features.is_empty() {
-        return Err(inquiry.refused("the report has no features", "export nominal and measured positions", 0));
-    }
-    Ok((features, unit))
-}
-
 /// Features of a table.
 fn tabular(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
     let mut table = grid::table(inquiry.text)?;
     if !inquiry.answers.columns.is_empty() {
-        if inquiry.answers.columns.len() != table.width() {
-            let message =
-                format!("--columns names {} columns, the table has {}", inquiry.answers.columns.len(), table.width());
-            return Err(inquiry.refused(
-                message,
-                "name each column in order; write - for a column that is not read",
-                table.heading_line,
-            ));
-        }
-        table.headings = inquiry.answers.columns.iter().map(|text| grid::heading_of(text)).collect();
+        table.headings = inquiry.headings(&table)?;
     }
     let parts = parts(&table);
     let line = table.heading_line;
-    let unit = parts.iter().find_map(|(index, ..)| table.headings.get(*index)?.unit).map(|unit| (unit, line));
+    let mut unit = inquiry.one_unit(parts.iter().map(|(index, ..)| table.headings.get(*index)?.unit), line)?;
     let unread: Vec<String> = table
         .headings
         .iter()
@@ -269,6 +228,7 @@ fn tabular(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
         .filter(|(index, heading)| {
             parts.iter().all(|(own, ..)| own != index)
                 && words::role(&heading.words) == ColumnRole::Unknown
+                && !words::is_unit(&heading.words)
                 && !heading.written.is_empty()
         })
         .map(|(_, heading)| heading.written.clone())
@@ -288,14 +248,16 @@ fn tabular(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
                 "the meaning of each column, such as name,axis,nominal,actual,-",
             );
             // Whatever the columns are, these are open too: all questions come in one round.
-            inquiry.sign(None, ORIGIN);
+            position_unit(inquiry, unit, 0.0)?;
+            inquiry.sign(None, ORIGIN)?;
             inquiry.zero(&[Axis::X, Axis::Y, Axis::Z], ZERO);
             inquiry.other_positions(&[Axis::X, Axis::Y, Axis::Z]);
             inquiry.tool();
-            inquiry.material(MATERIAL);
+            inquiry.material(MATERIAL)?;
             return Err(ImportStop::Asks);
         };
-        let names = (0..labels).next_back();
+        let names = name_column(&table, labels);
+        unit = unit.or(row_unit(inquiry, &table, labels)?);
         let mut last = None;
         let mut skipped = 0;
         for row in &table.rows {
@@ -322,6 +284,13 @@ fn tabular(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
         }
         if skipped > 0 {
             inquiry.note(format!("{skipped} rows that are no coordinate (diameter, form, position) are not read"), 0);
+        }
+        let counts = features.iter().map(|feature| feature.nominal.iter().flatten().count());
+        let kinds = (0..3).filter(|k| features.iter().any(|feature| feature.nominal[*k].is_some())).count();
+        if kinds > 1 && counts.max() == Some(1) {
+            let message = "no two rows belong to one feature, so the other coordinates of its position are not known";
+            let help = "give the rows of a feature one name, in a column 'feature'";
+            return Err(inquiry.refused(message, help, features.first().map_or(line, |feature| feature.line)));
         }
     } else {
         for row in &table.rows {
@@ -388,7 +357,7 @@ fn displacement(
         .map(|value| value.abs())
         .fold(0.0, f64::max);
     let unit = position_unit(inquiry, unit, largest)?;
-    let sign = inquiry.sign(None, ORIGIN);
+    let sign = inquiry.sign(None, ORIGIN)?;
     let axes: Vec<Axis> = [Axis::X, Axis::Y, Axis::Z]
         .into_iter()
         .enumerate()
@@ -411,7 +380,7 @@ fn displacement(
     }
     let zero = inquiry.zero(&axes, ZERO);
     let tool = inquiry.tool();
-    let material = inquiry.material(MATERIAL);
+    let material = inquiry.material(MATERIAL)?;
     let names = ["dx_um", "dy_um", "dz_um"];
     let mut out = ImportedReadings::new(
         ImportedKind::Displacement,
@@ -471,7 +440,7 @@ pub(super) fn position_unit(
     found: Option<(ReadingUnit, usize)>,
     largest: f64,
 ) -> Result<ReadingUnit, ImportStop> {
-    if inquiry.answers.unit.is_none() && found.is_none() {
+    if inquiry.answers.unit.is_none() && found.is_none() && inquiry.stated_units()?.is_empty() {
         let sentence = format!("the file does not state the unit of its positions (largest {})", shown(largest));
         inquiry.ask("unit", sentence, "mm or inch");
         return Ok(ReadingUnit::Length("mm", 1.0));

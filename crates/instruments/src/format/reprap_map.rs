@@ -65,6 +65,16 @@ fn points(text: &DecodedText) -> Result<Vec<Probed>, (String, usize)> {
     if !(1.0..=MOST).contains(&count_x) || !(1.0..=MOST).contains(&count_y) || step_x <= 0.0 || step_y <= 0.0 {
         return Err(("the map has no grid".to_owned(), at));
     }
+    let [high_x, high_y] = [value(["xmax", "max0", ""])?, value(["ymax", "max1", ""])?];
+    for (name, low, high, step, count) in [("X", low_x, high_x, step_x, count_x), ("Y", low_y, high_y, step_y, count_y)]
+    {
+        // The firmware fits as many points of this spacing as it can between the ends, and prints two decimals.
+        let slack = 0.01 * count;
+        if high < low || (count - 1.0) * step > high - low + slack || count * step < high - low - slack {
+            let message = format!("{count} points with the spacing {step} do not fit {name} from {low} to {high}");
+            return Err((message, at));
+        }
+    }
     let (mut out, mut rows) = (Vec::new(), 0.0);
     for (number, line, _) in lines {
         let own = cells(line);

@@ -121,6 +121,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
             sense: sense.map(|is_up| if is_up { 1 } else { -1 }),
             value: *value,
             component: None,
+            unit: None,
             line: *line,
         });
     }

@@ -72,7 +72,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
         }
     }
     let largest = table.rows.len() as f64;
-    let stated = linear.iter().find_map(|column| table.headings.get(*column)?.unit).map(|unit| (unit, line));
+    let stated = inquiry.one_unit(linear.iter().map(|column| table.headings.get(*column)?.unit), line)?;
     let unit = position_unit(inquiry, stated, largest)?;
     let mut axes = vec![Axis::X, Axis::Y, Axis::Z];
     axes.extend(rotary.iter().map(|(_, axis)| *axis));

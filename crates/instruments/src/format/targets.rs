@@ -4,18 +4,23 @@
 //! targets in its first row. The description of `direct` readings is the deviation of the moving body: of an axis under the table it has the opposite sign
 //! of what an instrument between tool and table reads.
 
-use ncfix_base::geometry::Axis;
-use ncfix_base::units::{um_from_mm, urad_from_rad};
-use ncfix_machine::machine::{Branch, Machine};
+mod checks;
+mod direct;
+mod facts;
 
 use super::InstrumentFormat;
 use crate::answers::{MeasuredComponent, component};
 use crate::grid::{self, GridCell, GridLine, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
-use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
+use crate::readings::ImportedReadings;
 use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
 use crate::words::{self, ColumnRole};
+use checks::{agree, check_order};
+pub(super) use direct::direct;
+use direct::rest;
+pub(super) use facts::StatedFacts;
+use facts::stated;
 
 /// The format.
 pub(super) const FORMAT: InstrumentFormat = InstrumentFormat {
@@ -38,23 +43,18 @@ pub(super) struct TargetReading {
     pub(super) value: f64,
     /// Component, if its heading names it.
     pub(super) component: Option<MeasuredComponent>,
+    /// Unit in its own heading.
+    pub(super) unit: Option<ReadingUnit>,
     /// Line.
     pub(super) line: usize,
 }
 
-/// Facts that the file itself states.
-#[derive(Default)]
-pub(super) struct StatedFacts {
-    /// Axis and its line.
-    pub(super) axis: Option<(Axis, usize)>,
-    /// Sign and its line.
-    pub(super) sign: Option<(f64, usize)>,
-    /// Unit of the readings and its line.
-    pub(super) unit: Option<(ReadingUnit, usize)>,
-    /// Unit of the targets and its line.
-    pub(super) target_unit: Option<(ReadingUnit, usize)>,
-    /// Line with a word for another quantity than positioning.
-    pub(super) other_quantity: Option<usize>,
+/// True for a table of features: nominal and actual value, and in each row what they are.
+fn has_features(table: &GridTable, roles: &[ColumnRole]) -> bool {
+    let is_described = |words: &str| words::is_unit(words) || words::is_kind(words);
+    roles.contains(&ColumnRole::Target)
+        && roles.contains(&ColumnRole::Actual)
+        && (table.headings.iter().any(|heading| is_described(&heading.words)) || roles.contains(&ColumnRole::Name))
 }
 
 fn recognize(text: &DecodedText) -> u8 {
@@ -67,62 +67,18 @@ fn recognize(text: &DecodedText) -> u8 {
     let has_component = table.headings.iter().any(|heading| component(&heading.words).is_ok());
     let has_target = has(|role| *role == ColumnRole::Target)
         || table.headings.iter().any(|heading| words::axis(&heading.words).is_some());
+    if has_features(&table, &roles) {
+        return 0;
+    }
     u8::from((has_target && (has(reads) || has_component)) || targets_in_row(&table).is_some()) * 2
 }
 
 fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     let table = grid::table(inquiry.text)?;
     let mut facts = stated(inquiry.text, &table);
+    facts.unit = inquiry.stated_units()?.first().copied();
     let readings = collect(inquiry, &table, &mut facts)?;
     direct(inquiry, readings, facts)
-}
-
-/// Words of quantities other than positioning.
-const OTHER: &[&str] = &[
-    "straight",
-    "gerad",
-    "rectitude",
-    "rettilin",
-    "rectitud",
-    "pitch",
-    "yaw",
-    "roll",
-    "angle",
-    "angular",
-    "winkel",
-    "nick",
-    "gier",
-    "roll",
-    "level",
-    "neigung",
-    "inclin",
-    "flatness",
-    "squareness",
-];
-
-/// Reads the facts in the lines around a table.
-pub(super) fn stated(text: &DecodedText, table: &GridTable) -> StatedFacts {
-    let mut facts = StatedFacts::default();
-    for &number in table.before.iter().chain([&table.heading_line]).filter(|number| **number > 0) {
-        let line = text.line(number).to_lowercase();
-        if OTHER.iter().any(|word| line.contains(word)) {
-            facts.other_quantity.get_or_insert(number);
-        }
-        let Some((key, value)) = line.split_once([':', '=', ';', '\t', ',']) else { continue };
-        let value = value.trim_matches([' ', ';', ',', '\t', '"']);
-        let is_key = |words: &[&str]| words.contains(&key.trim().trim_start_matches(['#', '/']).trim());
-        if is_key(&["axis", "achse", "axe", "asse", "eje"])
-            && let Some(axis) = words::axis(value)
-        {
-            facts.axis.get_or_insert((axis, number));
-        }
-        if is_key(&["unit", "units", "einheit", "unité", "unità", "unidad", "deviation unit", "error unit"])
-            && let Some(unit) = ReadingUnit::find(value)
-        {
-            facts.unit.get_or_insert((unit, number));
-        }
-    }
-    facts
 }
 
 /// Targets of a table that has them in its first row, with the series in the rows below.
@@ -148,6 +104,7 @@ fn series_of(run: u32, sense: i8, mut own: Vec<(f64, f64, usize)>) -> impl Itera
         sense: (sense != 0).then_some(sense),
         value,
         component: None,
+        unit: None,
         line,
     })
 }
@@ -237,15 +194,13 @@ fn collect(
                     facts.axis.get_or_insert((axis, line));
                     columns.push((index, ColumnRole::Target));
                 }
-                _ => unknown.push(heading.written.clone()),
+                _ => unknown.push(heading),
             },
             ColumnRole::Skip => {}
             role => columns.push((index, role)),
         }
     }
-    if !unknown.is_empty() {
-        inquiry.note(format!("columns that are not read: {}", unknown.join(", ")), line);
-    }
+    inquiry.unread(&unknown, line)?;
     if !table.skipped.is_empty() {
         let lines: Vec<String> = table.skipped.iter().take(20).map(ToString::to_string).collect();
         inquiry.note(format!("lines that are not readings: {}", lines.join(", ")), 0);
@@ -277,7 +232,8 @@ fn collect(
                 "the meaning of each column, such as target,1+,1-,2+,2-",
             );
         }
-        facts.unit = facts.unit.or_else(|| series.iter().find_map(|(index, _, _)| unit_of(*index)));
+        let units = series.iter().map(|(index, _, _)| headings.get(*index)?.unit);
+        facts.unit = inquiry.one_unit(units, line)?.or(facts.unit);
         for (index, run, sense) in series {
             let mut own = Vec::new();
             for row in &table.rows {
@@ -314,8 +270,13 @@ fn collect(
         );
         return Err(rest(inquiry, facts));
     }
-    facts.unit = facts.unit.or_else(|| value_columns.iter().find_map(|(index, _)| unit_of(*index)));
+    facts.unit = value_columns.iter().find_map(|(index, _)| unit_of(*index)).or(facts.unit);
     let is_difference = components.is_empty() && deviation.is_none();
+    if let Some(actual) = actual {
+        let pair = [target, actual].into_iter();
+        inquiry.one_unit(pair.map(|column| headings.get(column)?.unit), line)?;
+        check_order(inquiry, table, [target, actual])?;
+    }
     if is_difference {
         note_difference(inquiry, facts, line);
     }
@@ -346,333 +307,10 @@ fn collect(
                 sense: own_sense,
                 value,
                 component: *own,
+                unit: own.and(unit_of(*index)).map(|(unit, _)| unit),
                 line: row.number,
             });
         }
     }
     Ok(found)
-}
-
-/// Asks for everything else that a table of readings leaves open if it cannot be read on: all questions come in one round.
-fn rest(inquiry: &mut Inquiry<'_>, facts: &StatedFacts) -> ImportStop {
-    let component = inquiry.answers.component;
-    let axis = component.map(|one| one.axis).or(inquiry.answers.axis).or(facts.axis.map(|(axis, _)| axis));
-    let is_angle = component.is_some_and(MeasuredComponent::is_angle);
-    if axis.is_none() {
-        inquiry.ask("axis", "the file does not state the axis that moved", "its letter, such as X");
-    }
-    if let (None, Some(line)) = (component, facts.other_quantity) {
-        let sentence =
-            format!("line {line} mentions a straightness or an angle, and the file does not name its component");
-        inquiry.ask("component", sentence, "the error, such as EXX for positioning or EYX for a straightness");
-    }
-    if inquiry.answers.sign.is_none() && facts.sign.is_none() {
-        inquiry.ask(
-            "sign",
-            "the file does not state the sign of its readings",
-            "+ if a positive reading means too far in the positive direction, else -",
-        );
-    }
-    if inquiry.answers.unit.is_none() && facts.unit.is_none() {
-        let choices = format!("one of {}", ReadingUnit::choices(is_angle));
-        inquiry.ask("unit", "the file does not state the unit of its readings", choices);
-    }
-    match axis {
-        Some(axis) => _ = inquiry.other_positions(&[axis]),
-        None if inquiry.answers.at.is_empty() => {
-            let sentence = "the file does not state the positions of the axes that did not move";
-            inquiry.ask("at", sentence, "all of them, in machine coordinates, such as Y200,Z100");
-        }
-        None => {}
-    }
-    if !is_angle {
-        inquiry.tool();
-        inquiry.material("the scale of the axis");
-    }
-    ImportStop::Asks
-}
-
-/// Checks that a deviation is the difference of target and actual position, and learns its sign from that.
-fn agree(
-    inquiry: &Inquiry<'_>,
-    facts: &mut StatedFacts,
-    (target, actual, value): (f64, f64, f64),
-    line: usize,
-) -> Result<(), ImportStop> {
-    let one = facts.target_unit.map_or(1.0, |(unit, _)| unit.inner(1.0));
-    let unit = facts.unit.map_or(one, |(unit, _)| unit.inner(1.0));
-    let (difference, value) = ((actual - target) * one, value * unit);
-    // A position is printed with three or four decimals, so a tenth of a micrometer is below its last digit.
-    let slack = 6e-4_f64.max(0.02 * difference.abs());
-    let is_same = (difference - value).abs() <= slack;
-    let is_opposite = (difference + value).abs() <= slack;
-    match (is_same, is_opposite, facts.sign) {
-        (true, true, _) => Ok(()),
-        (true, false, None | Some((1.0.., _))) => {
-            facts.sign.get_or_insert((1.0, line));
-            Ok(())
-        }
-        (false, true, None) => {
-            facts.sign = Some((-1.0, line));
-            Ok(())
-        }
-        (false, true, Some((sign, _))) if sign < 0.0 => Ok(()),
-        _ => {
-            let message = format!(
-                "the deviation {} is not the difference of actual and target position, {}",
-                shown(value),
-                shown(difference)
-            );
-            Err(inquiry.refused(message, "check the columns and their units, or name them with --columns", line))
-        }
-    }
-}
-
-/// Sense of the moving body for readings of the tool relative to the workpiece.
-///
-/// # Errors
-/// If the axis is not parallel to the direction in F.
-fn body_sense(inquiry: &Inquiry<'_>, machine: &Machine, component: MeasuredComponent) -> Result<f64, ImportStop> {
-    let Some(axis) = machine.axis(component.axis) else {
-        let message = format!("the machine has no axis {}", char::from(component.axis.letter()));
-        return Err(inquiry.refused(message, "check --axis and --machine", 0));
-    };
-    let is_on_table = machine.topology.branch(component.axis) == Some(Branch::Workpiece);
-    if !component.is_positioning() {
-        return Ok(if is_on_table { -1.0 } else { 1.0 });
-    }
-    let share = axis.direction[component.direction % 3];
-    if share.abs() < 0.999 {
-        let message = format!(
-            "{} is not parallel to an axis of F, so its positioning error is no single component",
-            char::from(component.axis.letter())
-        );
-        return Err(inquiry.refused(message, "enter the readings as a displacement", 0));
-    }
-    Ok(share.signum())
-}
-
-/// Turns readings into those of one error component at a time.
-pub(super) fn direct(
-    inquiry: &mut Inquiry<'_>,
-    found: Vec<TargetReading>,
-    facts: StatedFacts,
-) -> Result<ImportedReadings, ImportStop> {
-    let named = found.iter().find_map(|reading| reading.component);
-    let component = match (inquiry.answers.component, named, inquiry.answers.axis, facts.axis) {
-        (Some(component), None, axis, _) => {
-            if axis.is_some_and(|axis| axis != component.axis) {
-                return Err(inquiry.refused(
-                    format!("--axis and --component {component} name different axes"),
-                    "give one of them",
-                    0,
-                ));
-            }
-            inquiry.note(format!("measured error: --component {component}"), 0);
-            component
-        }
-        (_, Some(component), _, _) => {
-            inquiry.note("measured errors: named by the headings", 0);
-            component
-        }
-        (None, None, said, stated) => {
-            let Some(axis) = said.or(stated.map(|(axis, _)| axis)) else {
-                return Err(rest(inquiry, &facts));
-            };
-            match stated {
-                Some((stated, line)) if stated != axis => {
-                    let message = format!("--axis {} contradicts the file", char::from(axis.letter()));
-                    return Err(inquiry.refused(message, "correct the option, or the file", line));
-                }
-                Some((_, line)) if said.is_none() => inquiry.note(format!("axis: {}", char::from(axis.letter())), line),
-                _ => inquiry.note(format!("axis: --axis {}", char::from(axis.letter())), 0),
-            }
-            if let Some(line) = facts.other_quantity {
-                let sentence = format!(
-                    "line {line} mentions a straightness or an angle, and the file does not name its component"
-                );
-                inquiry.ask(
-                    "component",
-                    sentence,
-                    format!(
-                        "the error, such as E{0}{0} for positioning or EY{0} for a straightness",
-                        char::from(axis.letter())
-                    ),
-                );
-            } else {
-                inquiry.note(
-                    format!(
-                        "measured error: positioning of {} (use --component for others)",
-                        char::from(axis.letter())
-                    ),
-                    0,
-                );
-            }
-            MeasuredComponent::positioning(axis)
-        }
-    };
-    let machine = inquiry.machine;
-    body_sense(inquiry, machine, component)?;
-    let axis = component.axis;
-    let target_unit = match facts.target_unit {
-        Some((unit, line)) if unit.is_angle() != axis.is_rotary() => {
-            let message = format!(
-                "the targets are in {}, which is no unit of the positions of {}",
-                unit.sign(),
-                char::from(axis.letter())
-            );
-            return Err(inquiry.refused(message, "check --axis and the columns", line));
-        }
-        Some((unit, line)) => {
-            inquiry.note(format!("unit of the targets: {}", unit.sign()), line);
-            unit
-        }
-        None if axis.is_rotary() => ReadingUnit::Angle("deg", std::f64::consts::PI / 180.0),
-        None => ReadingUnit::Length("mm", 1.0),
-    };
-    if facts.target_unit.is_none() {
-        inquiry.note(
-            format!("unit of the targets: {} is assumed; all targets are within the travel", target_unit.sign()),
-            0,
-        );
-    }
-    let largest = found.iter().map(|reading| reading.value.abs()).fold(0.0, f64::max);
-    let unit = inquiry.unit(facts.unit, component.is_angle(), largest)?;
-    if facts.target_unit.is_none() && unit == ReadingUnit::Length("inch", 25.4) {
-        let sentence = "the readings are in inches, and the file does not state the unit of the targets";
-        inquiry.ask("columns", sentence, "the meaning of each column with the unit, such as target [inch],1+,1-");
-    }
-    let letter = char::from(axis.letter());
-    let question = if component.is_positioning() {
-        format!(
-            "the file does not state the sign of its readings: is {letter} too far in the positive direction where a reading is positive?"
-        )
-    } else if component.is_angle() {
-        format!(
-            "the file does not state the sign of its readings: is the tool turned about +{} (right-hand rule), seen from the workpiece, where a reading is positive?",
-            ['X', 'Y', 'Z'][component.direction % 3]
-        )
-    } else {
-        format!(
-            "the file does not state the sign of its readings: is the tool too far in +{}, seen from the workpiece, where a reading is positive?",
-            component.letter()
-        )
-    };
-    let sign = inquiry.sign(facts.sign, &question);
-    let tool = if component.is_angle()
-        && found.iter().all(|reading| reading.component.is_none_or(MeasuredComponent::is_angle))
-    {
-        ncfix_base::geometry::Vector::zeros()
-    } else {
-        inquiry.tool()
-    };
-    let is_length = component.is_positioning() && !component.is_angle();
-    let stretch = if is_length { inquiry.material("the scale of the axis").stretch() } else { 0.0 };
-    let position =
-        |target: f64| if axis.is_rotary() { target_unit.inner(target).to_degrees() } else { target_unit.inner(target) };
-    let zero = inquiry.given(axis).unwrap_or(0.0);
-    if inquiry.given(axis).is_some() {
-        inquiry.note(format!("target 0 of the file is {letter} {zero} of the machine (--at)"), 0);
-    } else {
-        inquiry.note("targets are machine coordinates", 0);
-    }
-    let span = found
-        .iter()
-        .map(|reading| position(reading.target))
-        .fold([f64::MAX, f64::MIN], |[low, high], at| [low.min(at), high.max(at)]);
-    if found.len() > 2 && span[1] - span[0] < 1.0 {
-        let message = format!("the targets span only {}: the columns may be swapped", shown(span[1] - span[0]));
-        return Err(inquiry.refused(
-            message,
-            "name the columns with --columns",
-            facts.target_unit.map_or(0, |(_, line)| line),
-        ));
-    }
-    let columns: Vec<&'static str> = match found
-        .iter()
-        .map(|reading| reading.component.unwrap_or(component).is_angle())
-        .fold((false, false), |(lengths, angles), is_angle| (lengths || !is_angle, angles || is_angle))
-    {
-        (true, true) => vec!["value_um", "value_urad"],
-        (false, true) => vec!["value_urad"],
-        _ => vec!["value_um"],
-    };
-    let mut out = ImportedReadings::new(ImportedKind::Direct, vec![axis], columns);
-    out.fixed = inquiry.other_positions(&[axis]);
-    out.tool_mm = [tool[0], tool[1], tool[2]];
-    out.sigma = inquiry.answers.sigma;
-    if found.iter().all(|reading| reading.sense.is_none()) {
-        let note = "direction of approach: from the order of the rows; an end target that is read twice is the turn";
-        inquiry.note(note, 0);
-    }
-    let mut worst: Option<(f64, f64, MeasuredComponent)> = None;
-    for reading in found {
-        let own = reading.component.unwrap_or(component);
-        if own.axis != axis {
-            return Err(inquiry.refused(
-                format!("{own} and {component} are errors of different axes"),
-                "import them from a file for each axis",
-                reading.line,
-            ));
-        }
-        let is_angle = own.is_angle();
-        let own_unit = match (unit.is_angle() == is_angle, is_angle) {
-            (true, _) => unit,
-            // A table with both has one column of each in its own unit; only arc seconds and µm occur together.
-            (false, true) => ReadingUnit::Angle("arcsec", std::f64::consts::PI / 648_000.0),
-            (false, false) => ReadingUnit::Length("um", 1e-3),
-        };
-        let at = position(reading.target);
-        let mut fine = sign * own_unit.fine(reading.value);
-        if own.is_positioning() && !is_angle {
-            fine -= um_from_mm(stretch * at);
-        }
-        if worst.is_none_or(|(most, _, _): (f64, _, _)| fine.abs() > most.abs()) {
-            worst = Some((fine, at + zero, own));
-        }
-        let value = Some(fine * body_sense(inquiry, machine, own)?);
-        let values = if out.value_columns.len() == 1 {
-            vec![value]
-        } else if is_angle {
-            vec![None, value]
-        } else {
-            vec![value, None]
-        };
-        out.rows.push(ImportedRow {
-            run: reading.run,
-            position: vec![at + zero],
-            sense: reading.sense,
-            label: own.to_string(),
-            values,
-            line: reading.line,
-        });
-    }
-    if let Some((fine, at, own)) = worst {
-        out.sign_sentence = sentence(fine, at, own);
-    }
-    Ok(out)
-}
-
-/// Describes a reading so that a person can check its sign.
-fn sentence(fine: f64, at: f64, component: MeasuredComponent) -> String {
-    let place = format!("at {} {} ", char::from(component.axis.letter()), shown(at));
-    let size = format!("{:.1}", fine.abs());
-    let mark = if fine < 0.0 { '-' } else { '+' };
-    if component.is_positioning() {
-        let unit = if component.is_angle() {
-            format!("{size} µrad ({:.1}\")", fine.abs() / urad_from_rad(std::f64::consts::PI / 648_000.0))
-        } else {
-            format!("{size} µm")
-        };
-        let how = if fine < 0.0 { "less" } else { "more" };
-        return format!("{place}the true position is {unit} {how} than commanded ({mark})");
-    }
-    let letter = ['X', 'Y', 'Z'][component.direction % 3];
-    if component.is_angle() {
-        format!(
-            "{place}the tool is turned by {size} µrad about {mark}{letter} (right-hand rule), seen from the workpiece"
-        )
-    } else {
-        format!("{place}the tool is {size} µm too far in {mark}{letter}, seen from the workpiece")
-    }
 }

@@ -15,4 +15,4 @@ pub use description::{Ask, AxisDescription, Description, DescriptionRequest, Que
 pub use known::{Known, KnownOrigin};
 pub use stated::{StatedPivot, StatedSense, StatedTravel, TravelRange};
 pub use template::{TEMPLATES, Template, TemplateRotary, template};
-pub use write::text;
+pub use write::{measured, text};

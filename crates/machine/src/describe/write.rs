@@ -127,9 +127,25 @@ fn axis_section(out: &mut String, described: &AxisDescription) {
     }
 }
 
+/// First comment of a machine whose errors are not measured.
+const NOTHING: &str = "# No error of this machine is measured yet. Without errors ncfix changes nothing.";
+/// First comment of one with measured errors.
+const REST: &str = "# The errors below are not measured yet, unless a section of this file has them.";
+
+/// Returns the text of a machine file after the measurement of a location error: its comments no longer list the error as not measured.
+#[must_use]
+pub fn measured(text: &str, name: &str) -> String {
+    let is_listed = |line: &&str| {
+        let words = line.strip_prefix("#   ").map(str::trim_start).unwrap_or_default();
+        words.split(' ').next() == Some(name) && words.contains("squareness of")
+    };
+    let lines = text.split_inclusive('\n').filter(|line| !is_listed(line));
+    lines.map(|line| line.replace(NOTHING, REST)).collect()
+}
+
 /// Comments that name the errors of the chain, none of which is measured, and the next measurements.
 fn unmeasured(out: &mut String, description: &Description) {
-    let _ = writeln!(out, "\n# No error of this machine is measured yet. Without errors ncfix changes nothing.");
+    let _ = writeln!(out, "\n{NOTHING}");
     let _ = writeln!(out, "# Not measured, location errors, for [location] (angles in µrad, offsets in µm):");
     let direction = |axis: Axis| description.axes.iter().find(|one| one.axis == axis).map(AxisDescription::vector);
     for plane in [Plane::XY, Plane::ZX, Plane::YZ] {

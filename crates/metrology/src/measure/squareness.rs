@@ -6,8 +6,10 @@
 
 /// Largest angle that counts as a squareness, rad: beyond it a number is wrong.
 const MOST_RAD: f64 = 0.05;
-/// Largest share by which the diagonals may be longer or shorter than the sides require.
-const MOST_SHARE: f64 = 0.02;
+/// Largest deviation of the diagonals from the length that the sides require: a share of it for a part that is not cut to size, and a multiple of the
+/// reading uncertainty.
+const MOST_SHARE: f64 = 1e-3;
+const MOST_READINGS: f64 = 5.0;
 
 /// Measured squareness.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,10 +33,12 @@ impl MeasuredSquareness {
     pub fn of_diagonals([d1, d2]: [f64; 2], [a, b]: [f64; 2], read_to_mm: f64) -> Result<MeasuredSquareness, String> {
         let nominal = a.hypot(b);
         let mean = ((d1 * d1 + d2 * d2) / 2.0).sqrt();
-        let share = mean / nominal - 1.0;
-        if share.is_nan() || share.abs() > MOST_SHARE {
+        let most = MOST_SHARE * nominal + MOST_READINGS * read_to_mm;
+        let wrong = mean - nominal;
+        if wrong.is_nan() || wrong.abs() > most {
             return Err(format!(
-                "sides of {a} and {b} mm have diagonals of {nominal:.3} mm; {d1} and {d2} mm do not fit"
+                "sides of {a} and {b} mm have diagonals of {nominal:.3} mm; {d1} and {d2} mm do not fit: their mean is {wrong:+.3} mm away, and {most:.3} mm \
+                 are possible. Measure the diagonals again, and give the measured sides with --sides"
             ));
         }
         let sine = (d2 * d2 - d1 * d1) / (4.0 * a * b);
@@ -77,5 +81,8 @@ mod tests {
         let found = MeasuredSquareness::of_diagonals(made, [400.0, 300.0], 0.0).unwrap();
         assert!((found.gamma_rad - 1e-4).abs() < 1e-12);
         assert!(MeasuredSquareness::of_diagonals([500.0, 400.0], [400.0, 300.0], 0.0).is_err());
+        // 500 mm · 1e-3 + 5 · 0.1 mm = 1 mm.
+        let of = |wrong: f64| MeasuredSquareness::of_diagonals([500.0 + wrong; 2], [400.0, 300.0], 0.1);
+        assert!(of(0.99).is_ok() && of(-0.99).is_ok() && of(1.01).is_err() && of(-1.01).is_err());
     }
 }

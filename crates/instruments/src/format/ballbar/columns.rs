@@ -93,14 +93,9 @@ pub(super) fn find(inquiry: &mut Inquiry<'_>, table: &GridTable) -> Result<Circl
     let is_read = |column: usize| {
         [angle, time, run, sense].contains(&Some(column)) || readings.iter().any(|(own, _)| *own == column)
     };
-    let unread: Vec<&str> = headings
-        .iter()
-        .enumerate()
-        .filter(|(column, _)| !is_read(*column) && roles.get(*column) != Some(&ColumnRole::Skip))
-        .map(|(_, heading)| heading.written.as_str())
-        .collect();
-    if !unread.is_empty() {
-        inquiry.note(format!("columns that are not read: {}", unread.join(", ")), line);
-    }
+    let is_open = |column: usize| !is_read(column) && roles.get(column) != Some(&ColumnRole::Skip);
+    let unread: Vec<&GridHeading> =
+        headings.iter().enumerate().filter(|(column, _)| is_open(*column)).map(|(_, heading)| heading).collect();
+    inquiry.unread(&unread, line)?;
     Ok(CircleColumns { angle, deg, time, run, sense, readings, is_radius, unit })
 }

@@ -5,6 +5,7 @@ use ncfix_base::geometry::Axis;
 use crate::answers;
 use crate::grid::{self, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
+use crate::readings::shown;
 use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
 
@@ -23,14 +24,38 @@ pub(super) struct CircleFacts {
     pub(super) end_deg: Option<(f64, usize)>,
     /// Axis positions at the center.
     pub(super) center: Vec<(Axis, f64, usize)>,
-    /// Unit of the readings.
-    pub(super) unit: Option<(ReadingUnit, usize)>,
+    /// Two lines that state the same key with different values.
+    conflict: Option<[usize; 2]>,
 }
 
 impl CircleFacts {
     /// True if they are those of a circle.
     pub(super) fn is_circle(&self) -> bool {
         self.plane.is_some() || self.radius_mm.is_some()
+    }
+
+    /// Checks the lines against each other and against the options.
+    ///
+    /// # Errors
+    /// The first contradiction.
+    pub(super) fn check(&self, inquiry: &Inquiry<'_>) -> Result<(), ImportStop> {
+        /// Half a digit of a length in mm, of a feed in mm/min, and of a position in mm.
+        const SLACK: [f64; 3] = [0.05, 0.5, 0.005];
+        if let Some([first, second]) = self.conflict {
+            let message = format!("lines {first} and {second} state the same fact with different values");
+            return Err(inquiry.refused(message, "remove the wrong line", second));
+        }
+        inquiry.agreed("radius", inquiry.answers.radius_mm, self.radius_mm, SLACK[0])?;
+        inquiry.agreed("feed", inquiry.answers.feed, self.feed, SLACK[1])?;
+        for &(axis, value, line) in &self.center {
+            if let Some(said) = inquiry.given(axis).filter(|said| (said - value).abs() > SLACK[2]) {
+                let (said, value) = (shown(said), shown(value));
+                let message = format!("--at {axis}{said} contradicts the file, whose line {line} says {value}");
+                let help = format!("remove {axis} from --at; if line {line} is no machine coordinate, remove the line");
+                return Err(inquiry.refused(message, help, line));
+            }
+        }
+        Ok(())
     }
 
     /// First and second axis of the plane; angles count from the first to the second.
@@ -92,6 +117,30 @@ fn feed_factor(key: &str, value: &str) -> f64 {
     }
 }
 
+/// Words before the name of a fact: `Test radius`, `Nennradius`, `Prüfebene`.
+const BEFORE: &[&str] = &[
+    "test", "nominal", "nenn", "soll", "prüf", "pruef", "mess", "ball-bar", "ballbar", "bar", "circle", "kreis", "of",
+    "the",
+];
+
+/// A key without the words before its name.
+fn name_of(key: &str) -> &str {
+    let mut name = key.trim_start_matches(['#', '/', '!', ' ']);
+    while let Some(rest) = BEFORE.iter().find_map(|word| name.strip_prefix(word)) {
+        name = rest.trim_start_matches([' ', '_', '-', '.']);
+    }
+    name
+}
+
+/// Takes the value of a line. The first one counts, and a second one that differs is a conflict.
+fn take<T: PartialEq>(slot: &mut Option<(T, usize)>, value: Option<T>, line: usize, conflict: &mut Option<[usize; 2]>) {
+    match (slot.as_ref(), value) {
+        (Some((own, first)), Some(value)) if *own != value => _ = conflict.get_or_insert([*first, line]),
+        (None, Some(value)) => *slot = Some((value, line)),
+        _ => {}
+    }
+}
+
 /// Reads the lines before the table.
 pub(super) fn facts(text: &DecodedText, table: &GridTable) -> CircleFacts {
     let mut found = CircleFacts::default();
@@ -108,24 +157,24 @@ pub(super) fn facts(text: &DecodedText, table: &GridTable) -> CircleFacts {
             Some(unit @ ReadingUnit::Length(..)) => unit.inner(value),
             _ => value,
         });
-        let has = |words: &[&str]| words.iter().any(|word| key.starts_with(word));
+        let name = name_of(&key);
+        let has = |words: &[&str]| words.iter().any(|word| name.starts_with(word));
+        let conflict = &mut found.conflict;
         if has(&["plane", "ebene", "plan", "piano", "plano"]) {
-            found.plane = answers::plane(&value).ok().map(|plane| (plane, line));
-        } else if has(&["radius", "nominal radius", "nennradius", "rayon", "raggio", "radio"]) {
-            found.radius_mm = length_mm.map(|value| (value, line));
+            take(&mut found.plane, answers::plane(&value).ok(), line, conflict);
+        } else if has(&["radius", "rayon", "raggio", "radio"]) && !has(&["radius error", "radius dev", "radiusabw"]) {
+            take(&mut found.radius_mm, length_mm, line, conflict);
         } else if has(&["feed", "vorschub", "avance", "avanzamento"]) {
-            found.feed = number.map(|number| (number * feed_factor(&key, &value), line));
+            take(&mut found.feed, number.map(|number| number * feed_factor(&key, &value)), line, conflict);
         } else if has(&["start angle", "start_angle", "startwinkel", "start"]) {
-            found.start_deg = number.map(|value| (value, line));
+            take(&mut found.start_deg, number, line, conflict);
         } else if has(&["end angle", "end_angle", "endwinkel", "end"]) {
-            found.end_deg = number.map(|value| (value, line));
+            take(&mut found.end_deg, number, line, conflict);
         } else if has(&["center", "centre", "mittelpunkt", "zentrum"]) {
             let letter = key.bytes().last().map(|byte| byte.to_ascii_uppercase());
             if let (Some(axis), Some(value)) = (letter.and_then(Axis::from_letter), number) {
                 found.center.push((axis, value, line));
             }
-        } else if has(&["unit", "einheit"]) {
-            found.unit = ReadingUnit::find(&value).map(|unit| (unit, line));
         }
     }
     found

@@ -1,0 +1,66 @@
+//! Facts that the lines around a table of targets state.
+
+use ncfix_base::geometry::Axis;
+
+use crate::grid::GridTable;
+use crate::text::DecodedText;
+use crate::unit::ReadingUnit;
+use crate::words;
+
+/// Facts that the file itself states.
+#[derive(Default)]
+pub(in crate::format) struct StatedFacts {
+    /// Axis and its line.
+    pub(in crate::format) axis: Option<(Axis, usize)>,
+    /// Sign and its line.
+    pub(in crate::format) sign: Option<(f64, usize)>,
+    /// Unit of the readings and its line.
+    pub(in crate::format) unit: Option<(ReadingUnit, usize)>,
+    /// Unit of the targets and its line.
+    pub(in crate::format) target_unit: Option<(ReadingUnit, usize)>,
+    /// Line with a word for another quantity than positioning.
+    pub(in crate::format) other_quantity: Option<usize>,
+}
+
+/// Words of quantities other than positioning.
+const OTHER: &[&str] = &[
+    "straight",
+    "gerad",
+    "rectitude",
+    "rettilin",
+    "rectitud",
+    "pitch",
+    "yaw",
+    "roll",
+    "angle",
+    "angular",
+    "winkel",
+    "nick",
+    "gier",
+    "roll",
+    "level",
+    "neigung",
+    "inclin",
+    "flatness",
+    "squareness",
+];
+
+/// Reads the facts in the lines around a table.
+pub(in crate::format) fn stated(text: &DecodedText, table: &GridTable) -> StatedFacts {
+    let mut facts = StatedFacts::default();
+    for &number in table.before.iter().chain([&table.heading_line]).filter(|number| **number > 0) {
+        let line = text.line(number).to_lowercase();
+        if OTHER.iter().any(|word| line.contains(word)) {
+            facts.other_quantity.get_or_insert(number);
+        }
+        let Some((key, value)) = line.split_once([':', '=', ';', '\t', ',']) else { continue };
+        let value = value.trim_matches([' ', ';', ',', '\t', '"']);
+        let is_key = |words: &[&str]| words.contains(&key.trim().trim_start_matches(['#', '/']).trim());
+        if is_key(&["axis", "achse", "axe", "asse", "eje"])
+            && let Some(axis) = words::axis(value)
+        {
+            facts.axis.get_or_insert((axis, number));
+        }
+    }
+    facts
+}

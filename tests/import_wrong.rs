@@ -1,0 +1,462 @@
+//! `ncfix import`: files with wrong or missing data, and options that contradict the file, end in a question, a refusal or a warning.
+
+use std::fmt::Write as _;
+
+use crate::import::{import, shop};
+
+/// A circle of the ball-bar, one reading per degree: angle, and 0.1 µm more for each ten degrees.
+fn circle(head: &str, degrees: impl Iterator<Item = u32>) -> String {
+    let mut text = format!("{head}Angle (deg);Run 1 CCW (µm)\n");
+    for deg in degrees {
+        let _ = writeln!(text, "{deg};{:.2}", f64::from(deg) / 100.0);
+    }
+    text
+}
+
+/// Options for a circle at a place of the machine.
+const CENTER: &[&str] = &["--at", "X300,Y250,Z100", "--tool", "0"];
+
+#[test]
+fn an_option_that_contradicts_the_file_is_refused() {
+    let head = "Test plane;XY\nTest radius (mm);150.0000\nFeedrate (mm/min);1000.0\n";
+    let shop = shop().file("bar.csv", circle(head, 0..=360));
+    // The words before the facts are understood.
+    let run = import(&shop, "bar.csv", "tool.toml", CENTER).exits(0);
+    assert!(run.stderr.contains("(line 2: Test radius (mm);150.0000)"), "{}", run.stderr);
+    assert!(shop.text("out.toml").contains("length_mm = 150"), "{}", shop.text("out.toml"));
+    import(&shop, "bar.csv", "tool.toml", &[CENTER, &["--radius", "150", "--feed", "1000"]].concat()).exits(0);
+    for [option, value] in
+        [["--radius", "100"], ["--feed", "2000"], ["--plane", "YZ"], ["--sign", "-"], ["--unit", "mm"]]
+    {
+        let run = import(&shop, "bar.csv", "tool.toml", &[CENTER, &[option, value]].concat());
+        run.exits(4).says("E0618").says(&format!("{option}{}", if option == "--plane" { "" } else { " " }));
+    }
+    let center = format!("{head}Center X;300\n");
+    let shop = shop.file("center.csv", circle(&center, 0..=360));
+    import(&shop, "center.csv", "tool.toml", CENTER).exits(0);
+    import(&shop, "center.csv", "tool.toml", &["--at", "X310,Y250,Z100", "--tool", "0"])
+        .exits(4)
+        .says("--at X310 contradicts the file");
+    // Two lines that differ.
+    let shop = shop.file("two.csv", circle(&format!("{head}Radius;100\n"), 0..=360));
+    import(&shop, "two.csv", "tool.toml", CENTER).exits(4).says("lines 2 and 4");
+}
+
+/// A table of a laser with one run in both directions, 0 to 600 mm.
+fn laser(head: &str, title: &str) -> String {
+    let mut text = format!("{head}{title}\n");
+    for k in 0..7 {
+        let x = f64::from(100 * k);
+        let _ = writeln!(text, "{x:.1};{:.2};{:.2}", 0.04 * x + 3.0, 0.04 * x - 3.1);
+    }
+    text
+}
+
+/// Options that answer the questions of a laser, without axis and unit.
+const LASER: &[&str] = &["--at", "Y200,Z100", "--sign", "+", "--tool", "0"];
+
+#[test]
+fn the_material_and_the_component_of_a_laser_are_those_of_the_file() {
+    let head = "Axis;X\nUnit;um\nMaterial temperature (°C);24.0\nExpansion coefficient (ppm/°C);11.7\n";
+    let shop = shop().file("l.csv", laser(head, "Target [mm];1+;1-"));
+    for state in ["20C", "11.7@24", "12@24.3"] {
+        import(&shop, "l.csv", "tool.toml", &[LASER, &["--material", state]].concat()).exits(0);
+    }
+    for state in ["11.7@30", "23.8@24"] {
+        import(&shop, "l.csv", "tool.toml", &[LASER, &["--material", state]].concat())
+            .exits(4)
+            .says("--material contradicts");
+    }
+    let component = |text: &str| {
+        import(&shop, "l.csv", "tool.toml", &[LASER, &["--material", "20C", "--component", text]].concat())
+    };
+    component("EXX").exits(0);
+    component("EZY").exits(4).says("E0618").says("--component EZY contradicts the file");
+    let columns = ["--material", "20C", "--columns", "target [inch],1+,1-"];
+    import(&shop, "l.csv", "tool.toml", &[LASER, &columns].concat())
+        .exits(4)
+        .says("E0618")
+        .says("whose heading says mm");
+    // The headings say "correction".
+    let shop = shop.file("c.csv", "Axis;X\nTarget [mm];Correction [um]\n0;1.0\n100;2.0\n200;3.5\n");
+    import(&shop, "c.csv", "tool.toml", &[LASER, &["--material", "20C"]].concat())
+        .exits(4)
+        .says("--sign + contradicts");
+}
+
+/// A plate of holes as features: nominal and actual position, mm, with a scale of 100 µm/m in X and an offset in Y.
+const HOLES: [[f64; 4]; 6] = [
+    [0.0, 0.0, 0.0, 0.005],
+    [100.0, 0.0, 100.01, 0.005],
+    [200.0, 0.0, 200.02, 0.005],
+    [0.0, 50.0, 0.0, 50.005],
+    [100.0, 50.0, 100.01, 50.005],
+    [200.0, 50.0, 200.02, 50.005],
+];
+
+/// Options that answer the questions of features in mm.
+const PLATE: &[&str] = &["--at", "X100,Y100,Z0", "--sign", "+", "--tool", "0", "--material", "20C"];
+
+/// A table of characteristics: one row for each coordinate, with names of its own, a type and a unit.
+fn characteristics(unit: &str, feature: &str) -> String {
+    let mut text = format!("planid\tid\ttype\tactual\tnominal\tuppertol\tlowertol\tdeviation\tunit\t{feature}\n");
+    for (hole, [x, y, to_x, to_y]) in (1..).zip(HOLES) {
+        for (letter, nominal, actual) in [("X", x, to_x), ("Y", y, to_y)] {
+            let (own, dev) = (letter.to_lowercase(), actual - nominal);
+            let _ = writeln!(
+                text,
+                "P\t{letter}-Value_Hole {hole}\t{own}Value\t{actual:.4}\t{nominal:.4}\t0.05\t-0.05\t{dev:.4}\t{unit}\tHole {hole}"
+            );
+        }
+        let _ = writeln!(text, "P\tD_Hole {hole}\tdiameter\t12.001\t12.000\t0.05\t-0.05\t0.001\t{unit}\tHole {hole}");
+    }
+    text
+}
+
+#[test]
+fn a_table_of_characteristics_has_features_and_not_targets() {
+    let shop = shop().file("chr.txt", characteristics("mm", "featureid"));
+    import(&shop, "chr.txt", "tool.toml", PLATE).exits(0).says("format: nominal-actual");
+    let table = shop.text("out.csv");
+    // X 200, Y 50 of the plate is X 300, Y 150 of the machine; 20 µm and 5 µm.
+    assert!(table.lines().count() == 7 && table.lines().any(|line| line == "A,300,150,0,0,0,20,5"), "{table}");
+    // A laser table needs an axis; this is none.
+    let laser = ["--axis", "X", "--unit", "mm", "--as", "targets"];
+    import(&shop, "chr.txt", "tool.toml", &[PLATE, &laser].concat()).exits(4).says("E0618").says("'type' is not read");
+    // The unit of the rows counts.
+    import(&shop, "chr.txt", "tool.toml", &[PLATE, &["--unit", "inch"]].concat())
+        .exits(4)
+        .says("--unit inch contradicts");
+    let mixed = characteristics("mm", "featureid").replacen("\tmm\t", "\tinch\t", 1);
+    let shop = shop.file("mixed.txt", mixed).file("lonely.txt", characteristics("mm", "remark"));
+    import(&shop, "mixed.txt", "tool.toml", PLATE).exits(4).says("E0618").says("in mm");
+    import(&shop, "lonely.txt", "tool.toml", PLATE).exits(4).says("no two rows belong to one feature");
+}
+
+#[test]
+fn a_column_with_units_in_its_rows_is_not_passed_over() {
+    let rows = "Target [mm];Deviation;Unit\n0;1.0;um\n100;2.0;um\n200;3.5;um\n";
+    let shop = shop().file("l.csv", rows);
+    let more = [LASER, &["--axis", "X", "--material", "20C", "--unit", "um"]].concat();
+    import(&shop, "l.csv", "tool.toml", &more).exits(4).says("E0618").says("'Unit' is not read");
+    import(&shop, "l.csv", "tool.toml", &[&more[..], &["--columns", "target,dev,-"]].concat()).exits(0);
+}
+
+/// Options that answer the questions of a map.
+const MAP: &[&str] = &["--flat-reference", "--at", "X0,Y0,Z100", "--tool", "0"];
+
+/// A mesh of Klipper with 3 columns and 2 rows.
+fn klipper(from_x: f64, to_x: f64, count_y: u32) -> String {
+    format!(
+        "#*# [bed_mesh default]\n#*# version = 1\n#*# points =\n#*#   0.0, 0.04, 0.10\n#*#   -0.02, 0.02, 0.08\n\
+         #*# x_count = 3\n#*# y_count = {count_y}\n#*# min_x = {from_x}\n#*# max_x = {to_x}\n#*# min_y = 30\n#*# max_y = 330\n"
+    )
+}
+
+/// A map of a Duet with 3 columns and 2 rows.
+fn duet(from_x: f64, to_x: f64, spacing_x: f64) -> String {
+    format!(
+        "RepRapFirmware height map file v2 generated at 2026-01-01 10:00\n\
+         axis0,axis1,min0,max0,min1,max1,radius,spacing0,spacing1,num0,num1\n\
+         X,Y,{from_x:.1},{to_x:.1},30.0,130.0,-1.0,{spacing_x:.1},100.0,3,2\n0.000,0.020,0.080\n-0.010,0.010,0.070\n"
+    )
+}
+
+/// A map of bCNC with 3 columns and 2 rows.
+fn bcnc(grid_x: &str, last: &str) -> String {
+    format!(
+        "{grid_x}\n10 60 2\n-5 5 100\n10 10 0.012\n60 10 -0.034\n110 10 0.021\n10 60 0.043\n60 60 -0.055\n{last} 60 0.012\n"
+    )
+}
+
+#[test]
+fn the_grid_of_a_map_agrees_with_its_points() {
+    let good = [klipper(30.0, 430.0, 2), duet(30.0, 230.0, 100.0), duet(30.0, 280.0, 100.0), bcnc("10 110 3", "110")];
+    let printed = "Bilinear Leveling Grid:\n      0      1      2\n 0 +0.010 +0.020 +0.030\n 1 +0.010 +0.025 +0.030\n";
+    let bad = [
+        (klipper(430.0, 30.0, 2), "min_x is 430 and max_x is 30"),
+        (klipper(30.0, 430.0, 3), "y_count is 3"),
+        (duet(30.0, 230.0, 10.0), "do not fit X from 30 to 230"),
+        (duet(230.0, 30.0, 100.0), "do not fit X from 230 to 30"),
+        (bcnc("110 10 3", "110"), "may be mirrored"),
+        (bcnc("10 110 4", "110"), "the map has 6 points, and its grid 8"),
+        (bcnc("10 110 3", "120"), "x 120 is not in the grid"),
+        (klipper(30.0, 430.0, 2) + "#*# min_x = 50\n", "min_x is stated twice"),
+        (printed.replace("+0.010 +0.025", "+0.025"), "the row has 2 values, and the grid 3 columns"),
+    ];
+    let mut shop = shop();
+    let unit = |text: &str| if text.contains("10 60 2") { vec!["--unit", "mm"] } else { Vec::new() };
+    let more = |text: &str| {
+        let grid = if text.contains("Bilinear") { vec!["--columns", "10,10,50,50"] } else { Vec::new() };
+        [MAP.to_vec(), unit(text), grid].concat()
+    };
+    for text in good.into_iter().chain([printed.to_owned()]) {
+        shop = shop.file("map.txt", text.clone());
+        import(&shop, "map.txt", "tool.toml", &more(&text)).exits(0);
+    }
+    for (text, reason) in bad {
+        shop = shop.file("map.txt", text.clone());
+        import(&shop, "map.txt", "tool.toml", &more(&text)).exits(4).says("E0618").says(reason);
+    }
+}
+
+/// A plate of holes in inches, as a table of features.
+fn inches(head: &str, heading: &str) -> String {
+    let mut text = format!("{head}{heading}\n");
+    for (hole, own) in (1..).zip(HOLES) {
+        let cells: Vec<String> = own.iter().map(|mm| format!("{:.5}", mm / 25.4)).collect();
+        let _ = writeln!(text, "H{hole},{}", cells.join(","));
+    }
+    text
+}
+
+#[test]
+fn a_line_with_the_unit_counts_in_every_layout() {
+    let heading = "Feature,Nominal X,Nominal Y,Actual X,Actual Y";
+    let points = "20 10 0.01\n60 10 0.03\n20 50 -0.02\n60 50 0.05\n";
+    let touches = "name,dx,dy,X,Y,Z\n1,0.01,0.02,10,10,10\n2,0.03,0.01,20,10,10\n3,0.02,0.04,30,10,10\n";
+    let shop = shop()
+        .file("plate.csv", inches("Unit,inch\n", heading))
+        .file("two.csv", inches("Unit,mm\n", &heading.replace("Actual X", "Actual X (inch)")))
+        .file("odd.csv", inches("Unit,elle\n", heading))
+        .file("mixed.csv", inches("", &heading.replace("al X", "al X (inch)").replace("al Y", "al Y (mm)")))
+        .file("points.txt", format!("# units: mm\n{points}"))
+        .file("moves.csv", format!("Unit;mm\n{touches}"))
+        .file("bar.csv", circle("plane;XY\nradius_mm;150\nunits;mm\n", 0..=360));
+    import(&shop, "plate.csv", "tool.toml", PLATE).exits(0).says("(line 1: Unit,inch)");
+    // 200 mm, 50 mm and 20 µm again.
+    let table = shop.text("out.csv");
+    let row: Vec<f64> = table.lines().nth(6).unwrap().split(',').skip(1).map(|cell| cell.parse().unwrap()).collect();
+    for (value, expected) in row.iter().zip([300.0, 150.0, 0.0, 0.0, 0.0, 20.0, 5.0]) {
+        assert!((value - expected).abs() < 0.3, "{table}");
+    }
+    for (file, reason) in [("plate.csv", "--unit mm contradicts"), ("odd.csv", "'elle' is not a unit")] {
+        import(&shop, file, "tool.toml", &[PLATE, &["--unit", "mm"]].concat()).exits(4).says("E0618").says(reason);
+    }
+    import(&shop, "mixed.csv", "tool.toml", PLATE).exits(4).says("E0618").says("inch and mm");
+    // Two statements of the file are a question, and the option decides.
+    import(&shop, "two.csv", "tool.toml", PLATE).exits(4).says("E0616").says("states two units");
+    import(&shop, "two.csv", "tool.toml", &[PLATE, &["--unit", "inch"]].concat()).exits(0);
+    import(&shop, "two.csv", "tool.toml", &[PLATE, &["--unit", "um"]].concat()).exits(4).says("E0618");
+    import(&shop, "points.txt", "tool.toml", MAP).exits(0).says("(line 1: # units: mm)");
+    import(&shop, "points.txt", "tool.toml", &[MAP, &["--unit", "inch"]].concat())
+        .exits(4)
+        .says("--unit inch contradicts");
+    let moves = ["--at", "X0,Y0,Z0", "--sign", "+", "--tool", "0"];
+    import(&shop, "moves.csv", "tool.toml", &moves).exits(0).says("(line 1: Unit;mm)");
+    import(&shop, "moves.csv", "tool.toml", &[&moves[..], &["--unit", "um"]].concat()).exits(4).says("E0618");
+    // The heading says µm and the line mm.
+    import(&shop, "bar.csv", "tool.toml", CENTER).exits(4).says("E0616").says("mm in line 3");
+    import(&shop, "bar.csv", "tool.toml", &[CENTER, &["--unit", "um"]].concat()).exits(0);
+    let shop = shop.file("map.txt", klipper(30.0, 430.0, 2));
+    import(&shop, "map.txt", "tool.toml", &[MAP, &["--unit", "inch"]].concat()).exits(4).says("always in mm");
+}
+
+#[test]
+fn all_positions_are_asked_in_one_question() {
+    let tilting = "[machine]\nname = \"mill\"\ntopology = \"wCAFXYZSt\"\ncontroller = \"sinumerik\"\n\
+        [axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [0, 700]\n[axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [0, 500]\n\
+        [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-100, 400]\n[axis.A]\ndirection = [1, 0, 0]\npoint_mm = [0, 0, 0]\n\
+        travel_deg = [-90, 90]\n[axis.C]\ndirection = [0, 0, 1]\npoint_mm = [0, 0, 0]\nmodulo = true\n\
+        [spindle]\norigin_mm = [0, 0, 0]\naxis = [0, 0, 1]\n";
+    let heading = "Feature,Nominal X,Nominal Y,Actual X,Actual Y";
+    let shop = shop()
+        .file("tilt.toml", tilting)
+        .file("bar.csv", circle("plane;XY\nradius_mm;150\n", 0..=360))
+        .file("plate.csv", inches("Unit,inch\n", heading))
+        .file("points.txt", "20 10 0.01\n60 10 0.03\n20 50 -0.02\n60 50 0.05\n");
+    for file in ["bar.csv", "plate.csv", "points.txt"] {
+        let run = import(&shop, file, "tilt.toml", &[]).exits(4);
+        let asked = run.stderr.lines().find(|line| line.contains("give --at")).unwrap_or_default();
+        for position in ["X0", "Y0", "Z0", "A0", "C0"] {
+            assert!(asked.contains(position), "{file}: {}", run.stderr);
+        }
+    }
+}
+
+#[test]
+fn a_run_that_has_the_targets_is_refused() {
+    let row = |cells: [f64; 5]| format!("{}\n", cells.map(|cell| format!("{cell:.1}")).join(";"));
+    let table = |swaps: bool, factor: f64| {
+        let mut text = "Target [mm];1+;1-;2+;2-\n".to_owned();
+        for k in 0..13 {
+            let x = 50.0 * f64::from(k);
+            let dev = |offset: f64| factor * (0.04 * x + offset);
+            let [target, first] = if swaps { [dev(3.2), x] } else { [x, dev(3.2)] };
+            text.push_str(&row([target, first, dev(-3.1), dev(3.0), dev(-2.9)]));
+        }
+        text
+    };
+    let shop = shop().file("good.csv", table(false, 1.0)).file("swap.csv", table(true, 1.0));
+    let more = [LASER, &["--axis", "X", "--material", "20C", "--unit", "um"]].concat();
+    import(&shop, "good.csv", "tool.toml", &more).exits(0);
+    // The readings of run 1+ are 0 to 600 µm, those of the others −3 to 27 µm.
+    import(&shop, "swap.csv", "tool.toml", &more).exits(4).says("E0618").says("run 1+");
+    // One run in positions beside runs of deviations.
+    let mut text = "Target [mm];1+;1-;2+;2-\n".to_owned();
+    for k in 0..13 {
+        let x = 50.0 * f64::from(k);
+        text.push_str(&row([x, 3.0 + 0.04 * x, -3.0, x + 0.1, -3.0 + 0.04 * x]));
+    }
+    let shop = shop.file("one.csv", text);
+    import(&shop, "one.csv", "tool.toml", &more).exits(4).says("E0618").says("run 2+ follow the targets");
+}
+
+#[test]
+fn readings_below_the_noise_are_refused_in_any_unit() {
+    let shop = shop().file("nm.csv", laser("Axis;X\nUnit;nm\n", "Target [mm];1+;1-"));
+    // 27 nm.
+    let run = import(&shop, "nm.csv", "tool.toml", &[LASER, &["--material", "20C"]].concat());
+    run.exits(4).says("E0608").says("0.027 µm").says("check the unit in the file");
+}
+
+#[test]
+fn missing_rows_are_named() {
+    let named = |run: crate::support::Run, reason: &str| {
+        run.exits(0).says("warning[W0609]").says(reason);
+    };
+    let head = "plane;XY\nradius_mm;150\n";
+    let gap = (0..=360).filter(|deg| !(100..150).contains(deg));
+    let shop = shop()
+        .file("whole.csv", circle(head, 0..=360))
+        .file("gap.csv", circle(head, gap))
+        .file("cut.csv", circle(head, 0..=299))
+        .file("arc.csv", circle(head, 0..=200));
+    for file in ["whole.csv", "arc.csv"] {
+        assert!(!import(&shop, file, "tool.toml", CENTER).exits(0).stderr.contains("W0609"), "{file}");
+    }
+    named(import(&shop, "gap.csv", "tool.toml", CENTER), "between 99° and 150°");
+    assert!(
+        shop.text("out.toml").contains("# - run 1-ccw has no reading between 99° and 150°"),
+        "{}",
+        shop.text("out.toml")
+    );
+    named(import(&shop, "cut.csv", "tool.toml", CENTER), "between 299° and 360°");
+
+    // 15 targets; 200 to 350 mm are missing in all runs, and one cell is empty.
+    let mut text = "Target [mm];1+ [um];1- [um]\n".to_owned();
+    for x in (0..15).map(|k| 50 * k).filter(|x| !(200..=350).contains(x) && *x <= 600) {
+        let _ = writeln!(text, "{x};{}.5;{}", x / 20, if x == 500 { String::new() } else { format!("{}.2", x / 20) });
+    }
+    let more = [LASER, &["--axis", "X", "--material", "20C"]].concat();
+    let shop =
+        shop.file("l.csv", text.clone()).file("cells.csv", text.replace("150;7.5;7.2", "150;7.5;7.2\n200;9.5;9.2"));
+    named(import(&shop, "l.csv", "tool.toml", &more), "no run has a reading at X 200, X 250, X 300, X 350");
+    let shop = shop.file(
+        "three.csv",
+        text.replace("1- [um]\n", "1- [um];2+ [um]\n").replace(".2\n", ".2;1.1\n").replace(";\n", ";;2.2\n"),
+    );
+    named(import(&shop, "three.csv", "tool.toml", &more), "no reading at X 500 in run 1-");
+
+    // A grid of holes without one line and one hole.
+    let mut plate = "Feature,Nominal X,Nominal Y,Actual X,Actual Y\n".to_owned();
+    for (k, [x, y]) in (0..6).flat_map(|j| (0..5).map(move |i| [80 * i, 60 * j])).enumerate() {
+        if y != 120 && [x, y] != [160, 180] {
+            let _ = writeln!(plate, "H{k},{x}.0,{y}.0,{x}.0{}1,{y}.0{}7", k % 7, k % 5);
+        }
+    }
+    let shop = shop.file("plate.csv", plate);
+    let unit = [PLATE, &["--unit", "mm"]].concat();
+    let run = import(&shop, "plate.csv", "tool.toml", &unit).exits(0).says("warning[W0609]");
+    // The zero of the plate is X 100, Y 100 of the machine.
+    assert!(
+        run.stderr.contains("no point at Y 220") && run.stderr.contains("no reading at X 260 Y 280"),
+        "{}",
+        run.stderr
+    );
+
+    // A map without one point.
+    let mut map = String::new();
+    for [x, y] in (0..4).flat_map(|j| (0..5).map(move |i| [80 * i, 60 * j])).filter(|at| *at != [160, 60]) {
+        let _ = writeln!(map, "{x}.0 {y}.0 0.0{}", (x + y) % 7);
+    }
+    let shop = shop.file("map.txt", map);
+    named(import(&shop, "map.txt", "tool.toml", &[MAP, &["--unit", "mm"]].concat()), "no reading at X 160 Y 60");
+}
+
+/// A report in blocks, with the bar of the tolerance at the end of each row.
+fn report(bar: &str) -> String {
+    let mut text = String::new();
+    for (hole, [x, y, to_x, to_y]) in (1..).zip(HOLES) {
+        let _ = writeln!(
+            text,
+            "DIM LOC{hole}= LOCATION OF CIRCLE CIR{hole}  UNITS=MM ,$\nGRAPH=OFF  TEXT=OFF\nAX NOMINAL +TOL -TOL MEAS DEV OUTTOL"
+        );
+        for (axis, nominal, actual) in [("X", x, to_x), ("Y", y, to_y), ("D", 12.0, 12.001)] {
+            let _ = writeln!(text, "{axis} {nominal:.4} 0.05 0.05 {actual:.4} {:.4} 0.0000{bar}", actual - nominal);
+        }
+        let _ = writeln!(text, "END OF DIMENSION LOC{hole}\n");
+    }
+    text
+}
+
+#[test]
+fn a_report_with_bars_is_read_and_a_cut_one_names_its_end() {
+    let whole = report(" ----#----");
+    let cut = whole.rfind("Y 50.0000").unwrap();
+    let shop = shop()
+        .file("bars.txt", whole.clone())
+        .file("plain.txt", report(""))
+        .file("cut.txt", &whole[..cut])
+        .file("wide.txt", report(" 7.5"));
+    for file in ["bars.txt", "plain.txt"] {
+        assert!(!import(&shop, file, "tool.toml", PLATE).exits(0).stderr.contains("W0609"));
+        assert!(shop.text("out.csv").lines().any(|line| line == "A,300,150,0,0,0,20,5"), "{}", shop.text("out.csv"));
+    }
+    // Without Y the position of the last hole is not known.
+    import(&shop, "cut.txt", "tool.toml", PLATE).exits(0).says("W0609").says("not complete, and not read: 1");
+    assert_eq!(shop.text("out.csv").lines().count(), 6);
+    import(&shop, "wide.txt", "tool.toml", PLATE).exits(4).says("the row has 8 cells, and its heading names 7");
+}
+
+#[test]
+fn nominal_and_actual_values_that_are_exchanged_are_refused() {
+    let heading = "Feature,Nominal X,Nominal Y,Actual X,Actual Y\n";
+    let rows: String = (0..5).map(|k| format!("H{k},{0}.0000,60.0000,{0}.03{k}3,59.99{k}7\n", 80 * k)).collect();
+    let exchanged = heading.replace("Nominal", "Q").replace("Actual", "Nominal").replace('Q', "Actual");
+    let long: String = (0..5).map(|k| format!("{0}.0;{0}.00{k}7\n", 100 * k)).collect();
+    let shop = shop()
+        .file("good.csv", format!("{heading}{rows}"))
+        .file("bad.csv", format!("{exchanged}{rows}"))
+        .file("long.csv", format!("Actual [mm];Target [mm]\n{long}"));
+    let unit = [PLATE, &["--unit", "mm"]].concat();
+    import(&shop, "good.csv", "tool.toml", &unit).exits(0);
+    import(&shop, "bad.csv", "tool.toml", &unit).exits(4).says("E0618").says("may be exchanged");
+    let columns = ["--columns", "name,actual x,actual y,nominal x,nominal y"];
+    import(&shop, "bad.csv", "tool.toml", &[&unit[..], &columns].concat()).exits(0);
+    let more = [LASER, &["--axis", "X", "--material", "20C"]].concat();
+    import(&shop, "long.csv", "tool.toml", &more).exits(4).says("E0618").says("may be exchanged");
+}
+
+#[test]
+fn a_deviation_is_reached_minus_target() {
+    let table = |last: &str| {
+        format!(
+            "Target [mm];Reached [mm];Deviation [um]\n0.0;0.0050;5.0\n100.0;100.0100;10.0\n200.0;200.0210;21.0\n300.0;300.0300;{last}\n"
+        )
+    };
+    let shop = shop().file("good.csv", table("30.0")).file("bad.csv", table("12.0"));
+    let more = [LASER, &["--axis", "X", "--material", "20C"]].concat();
+    import(&shop, "good.csv", "tool.toml", &more).exits(0);
+    import(&shop, "bad.csv", "tool.toml", &more).exits(4).says("E0618").says("not the difference");
+    let opposite = table("30.0").replace(";5.0", ";-5.0").replace(";10.0", ";-10.0").replace(";21.0", ";-21.0");
+    let shop = shop.file("both.csv", opposite);
+    import(&shop, "both.csv", "tool.toml", &more).exits(4);
+}
+
+#[test]
+fn a_point_that_is_given_twice_is_refused() {
+    let points = "20 10 0.01\n60 10 0.03\n20 50 -0.02\n60 50 0.05\n";
+    let shop = shop()
+        .file("again.txt", format!("{points}60 50 0.06\n"))
+        .file("twice.txt", format!("{points}20 10 0.01\n"))
+        .file("lines.txt", "M421 I0 J0 Z0.01\nM421 I1 J0 Z0.02\nM421 I0 J1 Z0.03\nM421 I1 J1 Z0.05\nM421 I0 J0 Z0.01\n")
+        .file("l.csv", "Run;Dir;Target [mm];Dev [um]\n1;+;0;1.0\n1;+;100;2.0\n1;+;200;3.0\n2;+;0;1.0\n1;+;100;2.0\n");
+    let unit = [MAP, &["--unit", "mm"]].concat();
+    import(&shop, "again.txt", "tool.toml", &unit).exits(0);
+    import(&shop, "twice.txt", "tool.toml", &unit).exits(4).says("E0605").says("line 1,");
+    let grid = [MAP, &["--columns", "10,10,50,50"]].concat();
+    import(&shop, "lines.txt", "tool.toml", &grid).exits(4).says("E0605");
+    let more = [LASER, &["--axis", "X", "--material", "20C"]].concat();
+    import(&shop, "l.csv", "tool.toml", &more).exits(4).says("E0605").says("line 3,");
+}
