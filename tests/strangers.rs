@@ -300,3 +300,23 @@ fn words_of_a_haas_that_other_controls_lack() {
     snc("haas", &program("G84 X1. Z-5. R2. J2. F500.")).exits(3).says("E0201").says("omit J");
     snc("fanuc", &program("G42 H19 X10. F39.")).exits(4).says("E0232").says("H may be a radius");
 }
+
+#[test]
+fn a_letter_in_place_of_a_digit_is_named() {
+    for controller in ["sinumerik", "fanuc", "haas", "rs274", "grundig"] {
+        for (word, letter) in [
+            ("GO X10.", "letter O"),
+            ("G0O X1.", "letter O"),
+            ("XO", "letter O"),
+            ("G0 X1O.", "letter O"),
+            ("MO6", "letter O"),
+            ("TO1", "letter O"),
+            ("SlOOO", "letter O"),
+            ("G0l X1.", "letter I or l"),
+            ("G0 Xl0.", "letter I or l"),
+        ] {
+            let run = snc(controller, &format!("N1 G90 G17\nN2 {word}\nN3 M30\n"));
+            assert!(run.code >= 3 && run.stderr.contains(letter), "{controller} {word}: {}", run.stderr);
+        }
+    }
+}

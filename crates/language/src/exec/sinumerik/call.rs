@@ -18,6 +18,7 @@ use super::variables::Locals;
 use super::{cycles, library, names};
 use crate::exec::core::fault::{Fault, fault};
 use crate::exec::core::level::RepeatedSection;
+use crate::syntax::look_alike;
 use crate::syntax::sinumerik::{ArgumentRange, Block, CallKind, CallStatement, Callee, JumpTarget, Search};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
@@ -210,7 +211,10 @@ impl Interpreter<'_> {
                 let refusal = self.library.refusal();
                 (Code::NO_SUBPROGRAM, refusal.unwrap_or_else(|| format!("there is no program {name}")))
             };
-            let help = if cycle {
+            let written = self.programs[caller].program.source.slice(span);
+            let help = if let Some(help) = look_alike::help_at(written, 0) {
+                help
+            } else if cycle {
                 "write its moves out, or add it to control.opaque of the machine file if the control is to run it itself"
             } else {
                 "put it next to the main program as NAME.SPF, or add it to control.opaque of the machine file if \
