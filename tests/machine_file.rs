@@ -239,7 +239,10 @@ fn a_set_up_replaces_and_adds_and_an_unsound_one_changes_nothing() {
     // An offset of the set-up takes the place of the whole one: what it does not state is 0, not what stood there.
     let found: Vec<String> =
         apply_setup(&source(text.as_bytes()), &mut machine).into_iter().map(|one| one.message).collect();
-    let expected = ["G54 gives X but not Y and Z, which count as 0", "G599 gives Y but not X and Z, which count as 0"];
+    let expected = [
+        "G54 gives X but not Y and Z, which count as 0 unless",
+        "G599 gives Y but not X and Z, which count as 0 unless",
+    ];
     assert_eq!(found, expected);
     assert_eq!(machine.zero_offsets["G54"].translation.xyz(), Vector::new(1.0, 0.0, 0.0));
     assert_eq!(machine.zero_offsets["G599"].translation.xyz(), Vector::new(0.0, 2.0, 0.0));

@@ -44,6 +44,7 @@ pub(crate) fn xyz_machine() -> Machine {
         spindle: Spindle { origin_mm: Vector::zeros(), axis: Vector::z() },
         control: Control::default(),
         zero_offsets,
+        partial_offsets: BTreeMap::new(),
         datums: BTreeMap::new(),
         radius_wear_mm: BTreeMap::new(),
         base_frames: BTreeMap::new(),

@@ -87,13 +87,36 @@ fn an_axis_that_saved_data_do_not_state_is_reported() {
         run.stderr.lines().filter(|line| line.contains("W0404")).map(str::to_owned).collect::<Vec<_>>()
     };
     let by_axis = "$P_UIFR[1,X,TR]=100\n$P_UIFR[1,SP1,TR]=0\n$P_UIFR[1,Y,TR]=5\n";
-    assert_eq!(says(&[("ufr.ini", by_axis)]), ["warning[W0404]: G54 gives X and Y but not Z, which counts as 0"]);
+    let lacks = ["warning[W0404]: G54 gives X and Y but not Z, which counts as 0 unless a later --setup states it"];
+    assert_eq!(says(&[("ufr.ini", by_axis)]), lacks);
+    // A component before the shifts does not make the frame known.
+    assert_eq!(says(&[("ufr.ini", &format!("$P_UIFR[1,X,FI]=0.5\n{by_axis}"))]), lacks);
     // All axes, a whole frame, or an offset that another file states.
     for whole in [format!("{by_axis}$P_UIFR[1,Z,TR]=0\n"), format!("{by_axis}$P_UIFR[1]=CTRANS(X,7)\n")] {
         assert_eq!(says(&[("ufr.ini", &whole)]), [""; 0], "{whole}");
     }
     let toml = "[zero_offset.G54]\nX_mm = 3\nY_mm = 0\nZ_mm = -9\n";
     assert_eq!(says(&[("s.toml", toml), ("ufr.ini", by_axis)]), [""; 0]);
+}
+
+#[test]
+fn components_without_a_shift_do_not_make_a_zero_known() {
+    let program = "G90 G54 G0 X10 Y0 Z0\nM30";
+    for alone in ["[1,X,FI]=0.25", "[1,Z,RT]=90", "[1,X,SC]=2", "[1,X,MI]=1"] {
+        let alone = format!("$P_UIFR{alone}\n");
+        snc(program, &[("a.ini", &alone)]).exits(3).says("E0306").says("G54 has no value");
+        // With the shifts of another file, in either order, it counts.
+        let shifts = "$P_UIFR[1,X,TR]=100\n$P_UIFR[1,Y,TR]=0\n$P_UIFR[1,Z,TR]=0\n";
+        let [one, other] = [[("a.ini", alone.as_str()), ("b.ini", shifts)], [("b.ini", shifts), ("a.ini", &alone)]]
+            .map(|setups| snc(program, &setups).exits(0).stdout);
+        assert!(one == other && !one.contains("G0 X110 Y0"), "{alone}: {one}{other}");
+    }
+    // Frames of the control that ncfix does not execute: 0 is no shift, another value moves each position.
+    let toml = ("s.toml", "[zero_offset.G54]\nX_mm = 0\nY_mm = 0\nZ_mm = 0\n");
+    for name in ["$P_SETFR", "$P_EXTFR", "$P_PARTFR", "$P_TOOLFR", "$P_WPFR", "$P_CYCFR", "$P_TRAFR"] {
+        snc(program, &[toml, ("a.ini", &format!("{name}[X,TR]=0\n"))]).exits(0);
+        snc(program, &[toml, ("a.ini", &format!("{name}[X,TR]=5\n"))]).exits(3).says("E0201");
+    }
 }
 
 #[test]

@@ -88,8 +88,44 @@ fn offsets_of_a_fanuc() {
     let none = punched.replace("G10L2P1X-250.Y-120.5Z0.", "G10 L2 P1 A90.");
     let run = shown("fanuc", "", "o.txt", &none).exits(0);
     assert!(!run.stdout.contains("G54   "), "{}", run.stdout);
+    // A later file with the linear axes keeps it.
+    let shop = Shop::new()
+        .file(
+            "m.toml",
+            machine("fanuc", "").replace("wFXYZSt", "wAFXYZSt")
+                + "\n[axis.A]\ndirection = [1, 0, 0]\npoint_mm = [0, 0, 0]\nmodulo = true\n",
+        )
+        .file("a.txt", "%\nG21\nG10 L2 P1 A90.\n%\n")
+        .file("b.txt", "%\nG21\nG10 L2 P1 X1. Y2. Z3.\n%\n");
+    let run = shop.run(["machine", "show", "m.toml", "--setup", "a.txt", "--setup", "b.txt"]).exits(0);
+    assert!(run.stdout.contains("G54   X1 Y2 Z3 A90"), "{}", run.stdout);
     // A program that moves is still a program.
     shown("fanuc", "", "o.nc", "%\nO1\nG10 L2 P1 X1. Y2. Z3.\nG0 X0.\nM30\n%\n").exits(3);
+}
+
+#[test]
+fn an_offset_of_an_axis_that_the_machine_lacks_is_refused() {
+    let variables = VARIABLES.replace("5223\t", "5225\t30.0\n5223\t");
+    let grbl = "[G54:1.000,2.000,3.000,0.000,30.000]\n[G55:1.000,2.000,3.000]\n[TLO:0.000]\nok\n";
+    let unit = "saved_unit = \"mm\"";
+    for (controller, control, saved) in [
+        ("fanuc", "", "%\nG21\nG10 L2 P1 X1. Y2. Z3. B30.\n%\n"),
+        ("fanuc", "", "%\nG21\nG10 L2 P1 B30.\n%\n"),
+        ("haas", "", "%\nG21\nG10 L20 P1 X1. Y2. Z3. B30.\n%\n"),
+        ("rs274", unit, &variables),
+        ("grbl", "", grbl),
+        ("grundig", "", "%ZO\nG54 X1 Y2 Z3 B30\n"),
+        ("sinumerik", "", "%_N_A_UFR\n$P_UIFR[1,B,TR]=30\nM17\n"),
+    ] {
+        let name = if controller == "sinumerik" { "saved.ini" } else { "saved.txt" };
+        shown(controller, control, name, saved).exits(4).says("E0309").says("has no axis B");
+        // An axis at 0 shifts nothing: controls save all axes that they know.
+        shown(controller, control, name, &saved.replace("30", "0")).exits(0);
+        if controller == "fanuc" {
+            let passed = "passed_on_axes = [\"B\"]";
+            shown(controller, passed, name, saved).exits(0);
+        }
+    }
 }
 
 #[test]

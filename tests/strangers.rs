@@ -322,3 +322,39 @@ fn words_of_a_haas_that_other_controls_lack() {
     snc("haas", &program("G84 X1. Z-5. R2. J2. F500.")).exits(3).says("E0201").says("omit J");
     snc("fanuc", &program("G42 H19 X10. F39.")).exits(4).says("E0232").says("H may be a radius");
 }
+
+#[test]
+fn a_letter_in_place_of_a_digit_is_named() {
+    for controller in ["sinumerik", "fanuc", "haas", "rs274", "grundig"] {
+        for (word, letter) in [
+            ("GO X10.", "letter O"),
+            ("G0O X1.", "letter O"),
+            ("XO", "letter O"),
+            ("G0 X1O.", "letter O"),
+            ("MO6", "letter O"),
+            ("TO1", "letter O"),
+            ("SlOOO", "letter O"),
+            ("G0l X1.", "letter I or l"),
+            ("G0 Xl0.", "letter I or l"),
+        ] {
+            let run = snc(controller, &format!("N1 G90 G17\nN2 {word}\nN3 M30\n"));
+            assert!(run.code >= 3 && run.stderr.contains(letter), "{controller} {word}: {}", run.stderr);
+        }
+    }
+}
+
+#[test]
+fn a_depth_of_cut_of_an_earlier_cycle_is_named_at_the_tap() {
+    // Q stays until G80, as do the other data of the hole (Fanuc operator's manual, canned cycle).
+    let program = |between: &str, q: &str| {
+        format!(
+            "%\nO1\nG21 G90 G17 G40 G94 G54\nT1 M6\nS500 M3\nG0 X0. Y0. A0.\nG43 Z20. H1\nG83 X5. Y5. Z-10. R2. Q2. F100.\n{between}G84 X15. Y5. Z-10. R2. {q}F500.\nG80\nM30\n%\n"
+        )
+    };
+    for controller in ["fanuc", "haas"] {
+        snc(controller, &program("", "")).exits(3).says("E0201").says("Q of an earlier cycle").says("G80");
+        snc(controller, &program("", "Q2. ")).exits(3).says("E0201").says("tapping in pecks (Q)");
+        snc(controller, &program("G80\n", "")).exits(0);
+        snc(controller, &program("", "Q0 ")).exits(0);
+    }
+}

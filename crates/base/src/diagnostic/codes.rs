@@ -739,7 +739,7 @@ of the other.";
 name is misspelled, the intended sensor keeps the reference temperature of the machine.";
     PARTIAL_OFFSET = "W0404" "zero offset without an axis"
 "[zero_offset.NAME], or a file of the control given with --setup, states some linear axes of the machine, but not all of them; the others
-count as 0. If the control has another value for these axes, the correction is for a wrong position. Write every axis as the control shows it, including 0. The external
+count as 0, unless a later file states them. If the control has another value for these axes, the correction is for a wrong position. Write every axis as the control shows it, including 0. The external
 offset EXT of a Fanuc may have single axes.";
     NO_EFFECT = "W0405" "location error without effect"
 "A location error in [location] moves neither the tip nor the tool axis on this machine. On the workpiece side, the error of the axis next

@@ -101,6 +101,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
         spindle,
         control,
         zero_offsets,
+        partial_offsets: BTreeMap::new(),
         datums,
         tools,
         radius_wear_mm: BTreeMap::new(),
@@ -160,6 +161,7 @@ pub fn apply_setup(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
             datum.at = Default::default();
         }
     }
+    machine.partial_offsets.retain(|name, _| !zero_offsets.contains_key(name));
     machine.zero_offsets.extend(zero_offsets);
     machine.datums.extend(datums);
     machine.system.extend(system);

@@ -83,6 +83,8 @@ pub struct Machine {
     pub control: Control,
     /// Settable zero offsets by name: `G54` …
     pub zero_offsets: BTreeMap<String, FrameParts>,
+    /// Values of zero offsets whose shift of X, Y and Z no file states: the offsets are not known, but further data complete them.
+    pub partial_offsets: BTreeMap<String, FrameParts>,
     /// Statements about the setting of zero offsets, by their names.
     pub datums: BTreeMap<String, Datum>,
     /// Tools by number and edge.

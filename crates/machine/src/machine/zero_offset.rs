@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_base::geometry::{Axis, AxisSet, FrameParts};
+use ncfix_base::geometry::{AXES, Axis, AxisSet, FrameParts};
 
+use super::Machine;
 use super::datum::Datum;
 use super::section::Section;
 
@@ -121,8 +122,27 @@ pub fn lacking_axes(name: &str, axes: AxisSet, has: impl Fn(Axis) -> bool) -> Op
     }
     let listed = |axes: &[Axis]| axes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ");
     let counts = if lacking.len() == 1 { "counts" } else { "count" };
-    let message = format!("{name} gives {} but not {}, which {counts} as 0", listed(&there), listed(&lacking));
+    let message = format!(
+        "{name} gives {} but not {}, which {counts} as 0 unless a later --setup states it",
+        listed(&there),
+        listed(&lacking)
+    );
     Some((lacking, message))
+}
+
+/// The error for an offset of a saved file that shifts an axis which neither the machine file nor the control alone moves: the file may be that of another
+/// machine.
+#[must_use]
+pub fn foreign_axis(name: &str, parts: &FrameParts, machine: &Machine) -> Option<Diagnostic> {
+    let is_foreign = |axis: &Axis| {
+        parts.shift()[*axis] != 0.0
+            && !machine.axis_set().contains(*axis)
+            && !machine.control.passes_axis(&axis.to_string())
+    };
+    let axis = AXES.into_iter().find(is_foreign)?;
+    let message = format!("{name} shifts {axis}, and the machine has no axis {axis}");
+    let help = "give the file of this machine, or add the axis to the machine file; if only the control moves it, name it in control.passed_on_axes";
+    Some(Diagnostic::nowhere(Code::NO_AXIS, message, help))
 }
 
 /// Warns of linear axes that an offset lacks beside others.

@@ -137,8 +137,9 @@ fn read(lines: &[SavedLine<'_>], machine: &Machine) -> Result<SavedValues, Diagn
                 };
                 // G10 leaves the other axes as they are.
                 let known = machine.zero_offsets.get(&name);
+                let begun = machine.partial_offsets.get(&name);
                 let offset = offsets.entry(name).or_insert_with(|| Offset {
-                    parts: known.copied().unwrap_or_default(),
+                    parts: known.or(begun).copied().unwrap_or_default(),
                     stated: if known.is_some() { AxisSet::ALL } else { AxisSet::EMPTY },
                     line,
                 });
@@ -170,6 +171,7 @@ fn read(lines: &[SavedLine<'_>], machine: &Machine) -> Result<SavedValues, Diagn
     for (name, Offset { parts, stated, line }) in offsets {
         // Without a linear axis, the offset is still not known: a program that uses it is refused.
         if name != EXTERNAL && stated.intersection(AxisSet::XYZ).is_empty() {
+            out.partial_offsets.push((name, parts));
             continue;
         }
         if let Some((lacking, message)) = lacking_axes(&name, machine.axis_set(), |axis| stated.contains(axis)) {

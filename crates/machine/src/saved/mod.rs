@@ -11,6 +11,7 @@ mod linuxcnc_tools;
 mod linuxcnc_variables;
 pub mod zero_shift;
 
+use crate::machine::zero_offset::foreign_axis;
 use crate::machine::{Machine, Setting, Tool};
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::FrameParts;
@@ -45,6 +46,8 @@ pub const FORMATS: &[SavedFormat] = &[
 #[derive(Debug, Default)]
 struct SavedValues {
     offsets: Vec<(String, FrameParts)>,
+    /// Offsets without a shift of X, Y and Z.
+    partial_offsets: Vec<(String, FrameParts)>,
     tools: Vec<Tool>,
     /// Radius wear by tool number, mm.
     wear_mm: Vec<(u32, f64)>,
@@ -82,13 +85,19 @@ pub fn apply_saved(format: &SavedFormat, source: &Source, machine: &mut Machine)
         Ok(values) => values,
         Err(found) => return named(found),
     };
+    let mut offsets = values.offsets.iter().chain(&values.partial_offsets);
+    if let Some(found) = offsets.find_map(|(name, parts)| foreign_axis(name, parts, machine)) {
+        return named(found);
+    }
     for (name, parts) in values.offsets {
         // The zero was set again: the method of the machine file still holds, its places of touch do not.
         if let Some(datum) = machine.datums.get_mut(&name) {
             datum.at = Default::default();
         }
+        machine.partial_offsets.remove(&name);
         machine.zero_offsets.insert(name, parts);
     }
+    machine.partial_offsets.extend(values.partial_offsets);
     machine.set_tools(values.tools);
     machine.radius_wear_mm.extend(values.wear_mm.into_iter().map(|(number, wear_mm)| ((number, 1), wear_mm)));
     machine.system.extend(values.system.into_iter().map(|(name, value)| (name, Setting::Number(value))));

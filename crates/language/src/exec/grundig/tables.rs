@@ -14,6 +14,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, FrameParts};
 use ncfix_base::source::Source;
 use ncfix_base::source::Span;
+use ncfix_machine::machine::zero_offset::foreign_axis;
 use ncfix_machine::machine::{Machine, Tool};
 
 /// Axes of entries.
@@ -152,6 +153,11 @@ pub(in crate::exec) fn apply(
             "this table line has no known entry",
             "entries are T5 L… R…, G54 X… Y… Z…, E10=…",
         ));
+    }
+    let foreign = tables.offsets.iter().find_map(|(name, parts)| foreign_axis(name, parts, machine));
+    if let Some(found) = foreign {
+        findings.push(found);
+        return findings;
     }
     machine.set_tools(tables.tools);
     machine.radius_wear_mm.extend(tables.radius_wear);

@@ -162,8 +162,16 @@ impl Drill {
         self.dwell_s = call.dwell_s.or(self.dwell_s);
         let (Some(r), Some(bottom)) = (self.r, self.bottom) else {
             let missing = if self.r.is_none() { "R" } else { "the bottom of the hole" };
-            return Err(fault(format!("{missing} was not programmed"), "program R and the depth"));
+            // The manual of Haas calls R optional, but states no level for a cycle without it.
+            let help = "program R and the depth: no manual states where the cycle would begin or end without them";
+            return Err(fault(format!("{missing} was not programmed"), help));
         };
+        // Q is data of the hole, which stay until G80 (Fanuc operator's manual, canned cycle).
+        if matches!(call.code, 740 | 840 | 842 | 843) && call.q.is_none() && self.q.is_some_and(|q| q != 0.0) {
+            let message = "Q of an earlier cycle is still in force, so the control may tap in pecks".into();
+            let help = "write G80 in a block before this cycle, or Q0 in its block";
+            return Err(HoleFault { is_unsupported: true, ..fault(message, help) });
+        }
         let r = r.value + if r.is_incremental { initial } else { 0.0 };
         let bottom = bottom.value + if bottom.is_incremental { r } else { 0.0 };
         let is_back_boring = call.code == 870;

@@ -2,11 +2,11 @@
 //! (`_TEA`, `_INI`). They are read into the machine with the code that executes programs.
 
 use super::startup;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::assign::{assign, assigned};
 use super::channel::Channel;
-use super::frame_store::{FrameName, settable_code};
+use super::frame_store::{FrameName, settable_code, settable_number};
 use super::frame_value::Component;
 use super::level::Loaded;
 use super::loaded::load;
@@ -41,12 +41,17 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
     if findings.iter().any(Diagnostic::is_error) {
         return findings;
     }
-    let before = machine.clone();
+    let mut before = machine.clone();
+    // Components that an earlier file gave belong to the frame, even if it is not known yet.
+    for (name, parts) in &machine.partial_offsets {
+        before.zero_offsets.insert(name.clone(), *parts);
+    }
     let loaded = load(program, &before.control);
     let mut reader = Reader {
         loaded: &loaded,
         channel: startup::begin(&before, &Options::default(), ncfix_dialect::sinumerik().codes()),
         data: Data::default(),
+        unknown: machine.partial_offsets.keys().filter_map(|name| settable_number(name)).collect(),
         by_axis: BTreeMap::new(),
     };
     let is_program = |section: &&Section| PROGRAMS.contains(&section.ending.as_str());
@@ -104,16 +109,25 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
         return findings;
     }
     let Reader { channel, data, by_axis, .. } = reader;
-    let lacking = |(number, (axes, span)): (i64, (AxisSet, Span))| {
+    let lacking = |(&number, &(axes, span)): (&i64, &(AxisSet, Span))| {
         let name = settable_code(number);
         let (lacking, message) = lacking_axes(&name, before.axis_set(), |axis| axes.contains(axis))?;
         let keys: Vec<String> = lacking.iter().map(|axis| format!("$P_UIFR[{number},{axis},TR]")).collect();
         let help = format!("add {} with the value on the control, even if it is 0", keys.join(" and "));
         Some(at(span, Code::PARTIAL_OFFSET, message, &help).in_file(source.id()))
     };
-    findings.extend(by_axis.into_iter().filter_map(lacking));
+    findings.extend(by_axis.iter().filter_map(lacking));
     let frames = &channel.system.frames;
-    machine.zero_offsets.extend(frames.written_settable().map(|(number, parts)| (settable_code(number), parts)));
+    for (number, parts) in frames.written_settable() {
+        let name = settable_code(number);
+        // A fine shift or a rotation alone does not tell where the zero is: a program that uses it is refused.
+        if by_axis.get(&number).is_some_and(|(axes, _)| axes.intersection(AxisSet::XYZ).is_empty()) {
+            machine.partial_offsets.insert(name, parts);
+        } else {
+            machine.partial_offsets.remove(&name);
+            machine.zero_offsets.insert(name, parts);
+        }
+    }
     machine.base_frames.extend(frames.written_bases());
     machine.set_tools(channel.system.tools.tools(channel.settings.machine));
     machine.radius_wear_mm.extend(channel.system.tools.radius_wear());
@@ -142,7 +156,9 @@ struct Reader<'a> {
     loaded: &'a Loaded,
     channel: Channel<'a>,
     data: Data,
-    /// Settable frames of which the file gives single axes, with these axes and the place of the first.
+    /// Settable frames that are not known, although earlier files give components of them.
+    unknown: BTreeSet<i64>,
+    /// Settable frames of which the file gives components, with the axes that it shifts and the place of the first component.
     by_axis: BTreeMap<i64, (AxisSet, Span)>,
 }
 
@@ -230,12 +246,17 @@ impl Reader<'_> {
             return Ok(());
         };
         let is_known = self.channel.system.frames.settable(scope.machine, number).is_some();
-        match component.flatten() {
-            None => drop(self.by_axis.remove(&number)),
-            Some((axis, Component::Translation, _)) if !is_known || self.by_axis.contains_key(&number) => {
-                self.by_axis.entry(number).or_insert((AxisSet::EMPTY, span)).0.insert(axis);
-            }
-            Some(_) => {}
+        let Some((axis, component, _)) = component.flatten() else {
+            self.unknown.remove(&number);
+            self.by_axis.remove(&number);
+            return Ok(());
+        };
+        if is_known && !self.unknown.contains(&number) && !self.by_axis.contains_key(&number) {
+            return Ok(());
+        }
+        let (axes, _) = self.by_axis.entry(number).or_insert((AxisSet::EMPTY, span));
+        if component == Component::Translation {
+            axes.insert(axis);
         }
         Ok(())
     }
@@ -284,7 +305,19 @@ fn no_assignment(word: &Word) -> Fault {
 
 /// `true` if a variable is a zero offset or tool datum.
 fn is_frame_or_tool(name: &str) -> bool {
-    const FRAMES: &[&str] = &["$P_UIFR", "$P_CHBFR", "$P_NCBFR", "$P_UBFR"];
+    const FRAMES: &[&str] = &[
+        "$P_UIFR",
+        "$P_CHBFR",
+        "$P_NCBFR",
+        "$P_UBFR",
+        "$P_PARTFR",
+        "$P_SETFR",
+        "$P_EXTFR",
+        "$P_TOOLFR",
+        "$P_WPFR",
+        "$P_TRAFR",
+        "$P_CYCFR",
+    ];
     let is_edge = name.strip_prefix("$TC_DP").is_some_and(|rest| rest.bytes().all(|byte| byte.is_ascii_digit()));
     FRAMES.contains(&name) || is_edge || name == "$TC_TP2"
 }

@@ -6,7 +6,6 @@ use super::flow;
 use super::gathered::Call;
 use super::jump::{place_of, search, variable};
 use super::level::{CalledWith, Entry, Interpreter, Level, Loaded, ReturnTarget};
-use super::modal::MotionKind;
 use super::names::opaque_moves;
 use super::parameters;
 use super::part::{COUNT_HELP, count_of};
@@ -19,9 +18,8 @@ use super::variables::Locals;
 use super::{cycles, library, names};
 use crate::exec::core::fault::{Fault, fault};
 use crate::exec::core::level::RepeatedSection;
-use crate::syntax::sinumerik::{
-    Address, ArgumentRange, Block, Body, CallKind, CallStatement, Callee, JumpTarget, Search, Value as WordValue, Word,
-};
+use crate::syntax::look_alike;
+use crate::syntax::sinumerik::{ArgumentRange, Block, CallKind, CallStatement, Callee, JumpTarget, Search};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_machine::snc::Kind;
@@ -151,49 +149,6 @@ impl Interpreter<'_> {
         Ok(())
     }
 
-    /// Executes the modal call after a block with motion.
-    pub(super) fn trigger(&mut self, block: &Block) -> bool {
-        if self.levels.iter().any(|level| level.own.is_modal) {
-            return false;
-        }
-        let Some(entry) = self.own.modal_call.clone() else { return false };
-        if let Err(found) = self.check_depth("the modal program", block.span) {
-            self.report_here(found);
-            return false;
-        }
-        self.begin(entry, block.line);
-        true
-    }
-
-    /// Rejects a block with F, S, G0 or G1 alone while MCALL is in force under G0 or G1: the control executes the modal program after it, at the current
-    /// position (programming manual 840D sl, "modal subprogram call").
-    pub(super) fn check_still_block(&self, block: &Block) -> Result<(), Fault> {
-        let Some(level) = self.levels.last().filter(|level| level.own.cycle.is_none() && !level.own.is_modal) else {
-            return Ok(());
-        };
-        if !matches!(block.body, Body::Words)
-            || !matches!(self.channel.modal.modes.motion, MotionKind::Rapid | MotionKind::Line)
-        {
-            return Ok(());
-        }
-        let words = self.programs[level.program].program.words_of(block);
-        let is_still = |word: &Word| match (word.address, word.value) {
-            (Address::Letter(b'F' | b'S'), _) => true,
-            (Address::Letter(b'G'), WordValue::Number(code, _)) => code == 0.0 || code == 1.0,
-            _ => false,
-        };
-        if words.is_empty() || !words.iter().all(is_still) {
-            return Ok(());
-        }
-        let message = "a block with F, S, G0 or G1 alone after MCALL: the control executes the modal program at the current position too";
-        Err(fault(
-            Code::TWO_MEANINGS,
-            block.span,
-            message,
-            "write the words in a block before MCALL, or in that of the first position",
-        ))
-    }
-
     fn label_text(&self, program: usize, target: JumpTarget, span: Span) -> Result<Vec<u8>, Fault> {
         let loaded = &self.programs[program];
         match place_of(loaded, &self.channel, target)? {
@@ -256,7 +211,10 @@ impl Interpreter<'_> {
                 let refusal = self.library.refusal();
                 (Code::NO_SUBPROGRAM, refusal.unwrap_or_else(|| format!("there is no program {name}")))
             };
-            let help = if cycle {
+            let written = self.programs[caller].program.source.slice(span);
+            let help = if let Some(help) = look_alike::help_at(written, 0) {
+                help
+            } else if cycle {
                 "write its moves out, or add it to control.opaque of the machine file if the control is to run it itself"
             } else {
                 "put it next to the main program as NAME.SPF, or add it to control.opaque of the machine file if \

@@ -43,6 +43,8 @@ pub(super) struct Channel<'a> {
 pub(super) struct SinumerikAtHand {
     /// `true` if the block has moved a geometry axis.
     pub(super) has_moved: bool,
+    /// `true` if the block has moved only other axes, or positioning axes: MCALL may react to it or not.
+    pub(super) has_moved_beside: bool,
     /// Corner request of the next motion for the contour stage.
     pub(super) corner: Option<Corner>,
     /// FRC of a block without its own transition.
@@ -79,6 +81,7 @@ impl<'a> Channel<'a> {
     pub(super) fn begin_block(&mut self, origin: Origin, number: Option<BlockNumber>) {
         self.outlet.begin_block(origin, number);
         self.block.has_moved = false;
+        self.block.has_moved_beside = false;
     }
 
     /// Emits an element.

@@ -289,6 +289,13 @@ const NAMES: &[Row] = &[
     ("$P_WPFRAME", 0, |_| FrameName::System),
     ("$P_TRAFRAME", 0, |_| FrameName::System),
     ("$P_CYCFRAME", 0, |_| FrameName::System),
+    ("$P_PARTFR", 0, |_| FrameName::System),
+    ("$P_SETFR", 0, |_| FrameName::System),
+    ("$P_EXTFR", 0, |_| FrameName::System),
+    ("$P_TOOLFR", 0, |_| FrameName::System),
+    ("$P_WPFR", 0, |_| FrameName::System),
+    ("$P_TRAFR", 0, |_| FrameName::System),
+    ("$P_CYCFR", 0, |_| FrameName::System),
 ];
 
 impl Scope<'_> {

@@ -14,6 +14,7 @@ use super::operand::undefined;
 use super::pole::PoleBase;
 use super::refusals;
 use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::syntax::look_alike;
 use crate::syntax::sinumerik::{Address, ArgumentRange, Block, DimensionFunction, NameId, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;
@@ -57,7 +58,8 @@ impl Gatherer<'_> {
                 Code::MUST_STAND_ALONE,
                 call.span,
                 format!("the call of {} must be alone in its block", call.name),
-                "give the call its own block, or correct the word",
+                look_alike::help_at(self.scope.program.source.slice(call.span), 0)
+                    .unwrap_or("give the call its own block, or correct the word"),
             ));
         }
         Ok(())

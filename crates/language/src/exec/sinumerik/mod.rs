@@ -43,6 +43,7 @@ mod level;
 mod library;
 mod loaded;
 mod modal;
+mod modal_call;
 mod modes;
 mod motion;
 mod names;

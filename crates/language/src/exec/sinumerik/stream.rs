@@ -23,7 +23,8 @@ use std::sync::Arc;
 pub(super) fn send(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Result<(), Fault> {
     check_swivelled(channel.settings.machine, &channel.modal, span)?;
     let geometry = || LINEAR_AXES.into_iter().take(3).any(|axis| gathered.named.contains(axis));
-    channel.block.has_moved = gathered.named.is_empty() || geometry();
+    channel.block.has_moved = gathered.positioned.is_empty() && (gathered.named.is_empty() || geometry());
+    channel.block.has_moved_beside = !channel.block.has_moved;
     let setup = if let Some(word) = gathered.suppress {
         let bare = Arc::new(suppressed(&channel.modal, &channel.standing, word));
         channel.push(Kind::Setup(Arc::clone(&bare)));

@@ -11,6 +11,7 @@ use super::token::{
     number, one, required, small_number,
 };
 use super::tree::{Address, Block, BlockNumber, Body, Program, Value, Word};
+use crate::syntax::look_alike;
 use crate::syntax::names::NameId;
 use crate::syntax::{MAX_FINDINGS, too_many_parts};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
@@ -136,7 +137,12 @@ impl Parser {
         let start = self.line_end - fault.left.min(self.line_end);
         let end = (start + fault.length.max(1)).min(self.line_end.max(start + 1));
         let place = Place { file: self.program.source.id(), span: Span::new(start, end) };
-        self.findings.push(Diagnostic::at(fault.code, place, fault.message, help_for(fault.code)));
+        let bytes = self.program.source.bytes();
+        let before = bytes.get(..start).unwrap_or_default();
+        let first = before.iter().rposition(|&byte| matches!(byte, b'\n' | b'\r')).map_or(0, |at| at + 1);
+        let line = bytes.get(first..self.line_end).unwrap_or_default();
+        let help = look_alike::help_at(line, start - first).unwrap_or_else(|| help_for(fault.code));
+        self.findings.push(Diagnostic::at(fault.code, place, fault.message, help));
     }
 
     fn read_line(&mut self, text: &[u8], line: u32) {

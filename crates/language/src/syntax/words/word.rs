@@ -27,7 +27,7 @@ impl Parser {
         match behind.first() {
             Some(b'0'..=b'9' | b'.') => {
                 let (rest, number) = number(behind, self.is_spaced())?;
-                if !matches!(letter, b'G' | b'M' | b'N' | b'O' | b'T') {
+                if !matches!(letter, b'G' | b'M' | b'N' | b'O' | b'T') && !self.calls_macro(rest) {
                     self.no_exponent(behind, rest)?;
                 }
                 if self.language == Language::Grundig
@@ -92,11 +92,25 @@ impl Parser {
         }
     }
 
+    /// `true` if the block calls a macro of a Fanuc before `rest`, so that an E with digits is an argument: `G65 P2 V0.2E41`. With a sign, it more likely is
+    /// an exponent of the program that wrote the text.
+    fn calls_macro(&self, rest: Input<'_>) -> bool {
+        let [b'E' | b'e', b'0'..=b'9', ..] = rest else { return false };
+        let bytes = self.program.source.bytes();
+        let before = bytes.get(..self.offset(rest)).unwrap_or_default();
+        let start = before.iter().rposition(|&byte| matches!(byte, b'\n' | b'\r')).map_or(0, |at| at + 1);
+        let mut found = before.get(start..).unwrap_or_default().windows(3);
+        self.language == Language::Fanuc
+            && found.any(|text| text.eq_ignore_ascii_case(b"G65") || text.eq_ignore_ascii_case(b"G66"))
+    }
+
     /// A number with an optional sign.
     fn signed_number<'a>(&self, input: Input<'a>) -> Parsed<'a, Value> {
         let (behind, sign) = alt((terminated(sign, blank), success(1.0))).parse(input)?;
         let (rest, number) = number(behind, self.is_spaced())?;
-        self.no_exponent(behind, rest)?;
+        if !self.calls_macro(rest) {
+            self.no_exponent(behind, rest)?;
+        }
         let value = sign * number.value;
         Ok((rest, Value::Number { value, has_point: number.has_point, digits: number.digits }))
     }
