@@ -19,8 +19,8 @@ use crate::words::{self, ColumnRole};
 use checks::{agree, check_order};
 pub(super) use direct::direct;
 use direct::rest;
-pub(super) use facts::StatedFacts;
 use facts::stated;
+pub(super) use facts::{StatedFacts, TargetReading};
 
 /// The format.
 pub(super) const FORMAT: InstrumentFormat = InstrumentFormat {
@@ -30,24 +30,6 @@ pub(super) const FORMAT: InstrumentFormat = InstrumentFormat {
     recognize,
     read,
 };
-
-/// One reading before its sign and unit are known.
-pub(super) struct TargetReading {
-    /// Label of the repetition.
-    pub(super) run: String,
-    /// Target, in the unit of the file.
-    pub(super) target: f64,
-    /// Direction of approach.
-    pub(super) sense: Option<i8>,
-    /// Reading, in the unit of the file.
-    pub(super) value: f64,
-    /// Component, if its heading names it.
-    pub(super) component: Option<MeasuredComponent>,
-    /// Unit in its own heading.
-    pub(super) unit: Option<ReadingUnit>,
-    /// Line.
-    pub(super) line: usize,
-}
 
 /// True for a table of features: nominal and actual value, and in each row what they are.
 fn has_features(table: &GridTable, roles: &[ColumnRole]) -> bool {

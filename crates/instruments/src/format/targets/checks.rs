@@ -1,6 +1,6 @@
 //! Checks of a table of targets against itself: columns that are exchanged, and deviations that are not those of the positions.
 
-use super::{StatedFacts, TargetReading};
+use super::facts::{StatedFacts, TargetReading};
 use crate::answers::MeasuredComponent;
 use crate::grid::GridTable;
 use crate::inquiry::{ImportStop, Inquiry};

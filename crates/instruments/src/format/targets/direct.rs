@@ -4,7 +4,7 @@ use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_machine::machine::{Branch, Machine};
 
 use super::checks::check_runs;
-use super::{StatedFacts, TargetReading};
+use super::facts::{StatedFacts, TargetReading};
 use crate::answers::MeasuredComponent;
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};

@@ -2,10 +2,29 @@
 
 use ncfix_base::geometry::Axis;
 
+use crate::answers::MeasuredComponent;
 use crate::grid::GridTable;
 use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
 use crate::words;
+
+/// One reading before its sign and unit are known.
+pub(in crate::format) struct TargetReading {
+    /// Label of the repetition.
+    pub(in crate::format) run: String,
+    /// Target, in the unit of the file.
+    pub(in crate::format) target: f64,
+    /// Direction of approach.
+    pub(in crate::format) sense: Option<i8>,
+    /// Reading, in the unit of the file.
+    pub(in crate::format) value: f64,
+    /// Component, if its heading names it.
+    pub(in crate::format) component: Option<MeasuredComponent>,
+    /// Unit in its own heading.
+    pub(in crate::format) unit: Option<ReadingUnit>,
+    /// Line.
+    pub(in crate::format) line: usize,
+}
 
 /// Facts that the file itself states.
 #[derive(Default)]
