@@ -462,7 +462,7 @@ fn page(compared: &Compared, tools: &[Told<'_>]) -> String {
         (
             "direct",
             "`laser`, 6 components of each axis, 36 targets, 2 runs",
-            "0.5 µm, 0.5 µrad; try squares with an error of 2 µrad",
+            "0.5 µm, 0.5 µrad; master squares with an error of 2 µrad",
         ),
         (
             "hole plates",

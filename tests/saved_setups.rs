@@ -85,7 +85,7 @@ fn offsets_of_a_fanuc() {
         run.stderr
     );
     // An offset of no linear axis is not known.
-    let none = punched.replace("G10L2P1X-250.Y-120.5Z0.", "G10 L2 P1 A90.");
+    let none = punched.replace("G10L2P1X-250.Y-120.5Z0.", "G10 L2 P1 A0.");
     let run = shown("fanuc", "", "o.txt", &none).exits(0);
     assert!(!run.stdout.contains("G54   "), "{}", run.stdout);
     // A later file with the linear axes keeps it.

@@ -3,6 +3,8 @@
 /// Addresses whose values are numbers in every language. A name such as `LOOP` begins with one of them too, but has other letters.
 const ADDRESSES: &[u8] = b"ABCDFGHIJKLMNPQRSTUVWXYZ";
 
+const LETTER_O: &str = "this is the letter O in place of the digit 0: write the digit";
+
 /// The help for an error at `at` in a line, if the word there is a number but for letters that look like digits.
 pub(crate) fn help_at(line: &[u8], at: usize) -> Option<&'static str> {
     let is_address = |byte: &u8| ADDRESSES.contains(&byte.to_ascii_uppercase());
@@ -12,19 +14,21 @@ pub(crate) fn help_at(line: &[u8], at: usize) -> Option<&'static str> {
         let Some((letter, rest)) = line.get(start..)?.split_first() else { break };
         let length = rest.iter().take_while(|byte| is_value(byte)).count();
         let (value, behind) = rest.split_at(length);
-        let ends = behind.first().is_none_or(|byte| !matches!(byte, b'_' | b'=' | b'[' | b'('));
+        let ends = behind.first().is_none_or(|byte| !byte.is_ascii_alphabetic() && !b"_=[(".contains(byte));
         if !is_address(letter) || !ends || start + length < at {
             continue;
         }
         if value.iter().any(|byte| b"Oo".contains(byte)) {
-            return Some("this is the letter O in place of the digit 0: write the digit");
+            return Some(LETTER_O);
         }
         let has_digit = value.iter().any(u8::is_ascii_digit);
         if has_digit && value.iter().any(|byte| b"Il".contains(byte)) {
             return Some("this is the letter I or l in place of the digit 1: write the digit");
         }
     }
-    None
+    // A Fanuc has GO as a short GOTO, so that the error is at the word behind it.
+    let before = line.get(..at)?.trim_ascii_end();
+    (before.len() < at && before.to_ascii_uppercase().ends_with(b"GO")).then_some(LETTER_O)
 }
 
 #[cfg(test)]

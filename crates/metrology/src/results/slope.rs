@@ -46,9 +46,9 @@ pub(super) fn level(
             if !is_across || !fitted.iter().any(is_curve) || fitted.contains(&slope) || slope.get(&fit.errors) != 0.0 {
                 continue;
             }
-            let with: Vec<Parameter> = parameters.iter().cloned().chain([slope.into()]).collect();
-            let is_shown =
-                identify(machine, &fit.errors, &with, &data).is_some_and(|told| told.lost.leave_out.is_empty());
+            // Alone: beside a squareness in the model, the slope is that of the squareness.
+            let is_shown = identify(machine, &fit.errors, &[Parameter::from(slope)], &data)
+                .is_some_and(|told| told.lost.leave_out.is_empty());
             if is_shown {
                 continue;
             }
