@@ -212,7 +212,10 @@ fn is_comment(line: &str) -> bool {
 /// A diagnostic if the text has no table, if a row has more or fewer cells than the others, or if the decimal sign is not certain.
 pub fn table(text: &DecodedText) -> Result<GridTable, Box<Diagnostic>> {
     let candidates = [Separator::Semicolon, Separator::Tab, Separator::Comma, Separator::Blanks];
-    let scored = candidates.into_iter().map(|separator| (score(text, separator), separator));
+    // Cells between tabs may have blanks in them, such as `Hole 1`.
+    let has_tabs = score(text, Separator::Tab).1 >= TABBED;
+    let possible = candidates.into_iter().filter(|separator| !has_tabs || *separator != Separator::Blanks);
+    let scored = possible.map(|separator| (score(text, separator).0, separator));
     let best = scored.fold((0, Separator::Semicolon), |best, one| if one.0 > best.0 { one } else { best });
     if best.0 == 0 {
         let help = "export the readings as a table: a line of headings, then one line for each reading";
@@ -221,8 +224,11 @@ pub fn table(text: &DecodedText) -> Result<GridTable, Box<Diagnostic>> {
     read(text, best.1)
 }
 
-/// Number of numeric cells in rows that look like readings with this separator.
-fn score(text: &DecodedText, separator: Separator) -> usize {
+/// Number of columns from which on tabs separate them.
+const TABBED: usize = 4;
+
+/// Number of numeric cells in rows that look like readings with this separator, and the number of their columns.
+fn score(text: &DecodedText, separator: Separator) -> (usize, usize) {
     let mut widths: std::collections::BTreeMap<usize, usize> = std::collections::BTreeMap::new();
     for (_, line, start) in text.lines().filter(|(_, line, _)| !is_comment(line)) {
         let cells = split(line, start, separator);
@@ -233,7 +239,7 @@ fn score(text: &DecodedText, separator: Separator) -> usize {
         }
     }
     // Blanks split every prose line, so a written separator is preferred for equal evidence.
-    widths.values().copied().max().unwrap_or(0)
+    widths.into_iter().map(|(width, score)| (score, width)).max().unwrap_or((0, 0))
 }
 
 /// True for a number that has no separator in it.
