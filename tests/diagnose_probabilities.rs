@@ -77,7 +77,7 @@ fn told(case: &Case) -> Vec<Told> {
     told.collect()
 }
 
-/// Diagnoses so many mixes; the table of the bands and what must hold.
+/// Diagnoses a number of mixes; the table of the bands and what must hold.
 fn table(cases: u64) -> (String, [(usize, usize); 2], usize) {
     let open = Mutex::new((0..cases).rev().collect::<Vec<u64>>());
     let done: Mutex<Vec<(u64, Case, Vec<Told>)>> = Mutex::default();
@@ -121,7 +121,7 @@ fn table(cases: u64) -> (String, [(usize, usize); 2], usize) {
     (out, [right, inside], in_nulls)
 }
 
-/// True if so many of all are compatible with a share: not below it by more than twice the standard deviation of a count.
+/// True if a part of all is compatible with a share: not below it by more than twice the standard deviation of a count.
 fn has_share(share: f64, (part, all): (usize, usize)) -> bool {
     let wanted = share * all as f64;
     part as f64 >= wanted - 2.0 * (wanted * (1.0 - share)).sqrt()

@@ -4,6 +4,7 @@
 //! (`name, axis, nominal, actual, deviation` in the order of the headings). A workpiece machined here shows the displacement of the tool; a calibrated artifact
 //! probed here shows the opposite. Offset and rotation of the report remain unknowns of the fit.
 
+mod feature;
 mod report;
 
 use ncfix_base::geometry::Axis;
@@ -17,6 +18,7 @@ use crate::rows;
 use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
 use crate::words::{self, ColumnRole};
+use feature::{ACTUAL, Feature, NOMINAL, StatedFeatures, coordinate};
 use report::{dmis, dmis_lines, report};
 
 /// The question for the sign: where the features come from.
@@ -33,14 +35,6 @@ pub(super) const FORMAT: InstrumentFormat = InstrumentFormat {
     recognize,
     read,
 };
-
-/// Feature: nominal and actual coordinates in the unit of the file.
-#[derive(Clone, Debug, Default)]
-struct Feature {
-    nominal: [Option<f64>; 3],
-    actual: [Option<f64>; 3],
-    line: usize,
-}
 
 /// Part of a feature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,10 +58,6 @@ fn recognize(text: &DecodedText) -> u8 {
     if in_rows(Part::Nominal) && in_rows(Part::Actual) && axis_column(&table).is_some() { 3 } else { 0 }
 }
 
-const NOMINAL: &[&str] =
-    &["nom", "nominal", "theo", "theoretical", "soll", "sollwert", "target", "cmd", "command", "commanded", "nominale"];
-const ACTUAL: &[&str] =
-    &["act", "actual", "actl", "meas", "measured", "ist", "istwert", "messwert", "mesuré", "reale", "medido"];
 const DEVIATION: &[&str] = &["dev", "deviation", "err", "error", "abw", "abweichung", "écart", "diff"];
 
 /// Columns with the part of a feature that they have, and the coordinate of headings such as `nom_x`.
@@ -98,13 +88,6 @@ fn axis_column(table: &GridTable) -> Option<usize> {
         let count = cells.filter(|cell| coordinate(&cell.text).is_some()).count();
         count >= 2 && 2 * count >= table.rows.len()
     })
-}
-
-/// Coordinate of a row label: `X`, `X-axis`, `Pos.Y`, `xValue`, `Y-Wert`.
-fn coordinate(text: &str) -> Option<usize> {
-    let text = text.trim().to_lowercase();
-    let text = ["value", "wert"].iter().find_map(|word| text.strip_suffix(word)).unwrap_or(&text);
-    words::axis(text).and_then(|axis| [Axis::X, Axis::Y, Axis::Z].iter().position(|own| *own == axis))
 }
 
 /// Column with the name of the feature: of those with names, the first one that several coordinates share. Without one, the column before the coordinates.
@@ -208,9 +191,6 @@ fn check_order(inquiry: &Inquiry<'_>, features: &[Feature]) -> Result<(), Import
     }
     Ok(())
 }
-
-/// Features, and the unit with its line if the file states it.
-type StatedFeatures = (Vec<Feature>, Option<(ReadingUnit, usize)>);
 
 /// Features of a table.
 fn tabular(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {

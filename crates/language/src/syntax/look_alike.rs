@@ -26,9 +26,14 @@ pub(crate) fn help_at(line: &[u8], at: usize) -> Option<&'static str> {
             return Some("this is the letter I or l in place of the digit 1: write the digit");
         }
     }
-    // A Fanuc has GO as a short GOTO, so that the error is at the word behind it.
+    // The error may be at the word behind it: a Fanuc has GO as a short GOTO, and O alone is a word.
     let before = line.get(..at)?.trim_ascii_end();
-    (before.len() < at && before.to_ascii_uppercase().ends_with(b"GO")).then_some(LETTER_O)
+    let length = before.iter().rev().take_while(|byte| byte.is_ascii_alphanumeric()).count();
+    let word = before.get(before.len() - length..)?;
+    let (letter, value) = word.split_first().filter(|_| before.len() < at)?;
+    let is_number = is_address(letter) && value.iter().all(is_value) && value.iter().any(u8::is_ascii_digit);
+    let has_letter = is_number && value.iter().any(|byte| b"Oo".contains(byte));
+    (has_letter || word.eq_ignore_ascii_case(b"GO")).then_some(LETTER_O)
 }
 
 #[cfg(test)]

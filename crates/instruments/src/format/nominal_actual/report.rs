@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use ncfix_base::csv::DecimalSign;
 
-use super::{ACTUAL, Feature, NOMINAL, StatedFeatures, coordinate};
+use super::feature::{ACTUAL, Feature, NOMINAL, StatedFeatures, coordinate};
 use crate::grid;
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::text::DecodedText;
