@@ -85,18 +85,15 @@ fn offsets_of_a_fanuc() {
         run.stderr
     );
     // An offset of no linear axis is not known.
-    let none = punched.replace("G10L2P1X-250.Y-120.5Z0.", "G10 L2 P1 A90.");
-    let run = shown("fanuc", "", "o.txt", &none).exits(0);
-    assert!(!run.stdout.contains("G54   "), "{}", run.stdout);
-    // A later file with the linear axes keeps it.
+    let with_table = machine("fanuc", "").replace("wFXYZSt", "wAFXYZSt")
+        + "\n[axis.A]\ndirection = [1, 0, 0]\npoint_mm = [0, 0, 0]\nmodulo = true\n";
     let shop = Shop::new()
-        .file(
-            "m.toml",
-            machine("fanuc", "").replace("wFXYZSt", "wAFXYZSt")
-                + "\n[axis.A]\ndirection = [1, 0, 0]\npoint_mm = [0, 0, 0]\nmodulo = true\n",
-        )
+        .file("m.toml", with_table)
         .file("a.txt", "%\nG21\nG10 L2 P1 A90.\n%\n")
         .file("b.txt", "%\nG21\nG10 L2 P1 X1. Y2. Z3.\n%\n");
+    let run = shop.run(["machine", "show", "m.toml", "--setup", "a.txt"]).exits(0);
+    assert!(!run.stdout.contains("G54   "), "{}", run.stdout);
+    // A later file with the linear axes keeps it.
     let run = shop.run(["machine", "show", "m.toml", "--setup", "a.txt", "--setup", "b.txt"]).exits(0);
     assert!(run.stdout.contains("G54   X1 Y2 Z3 A90"), "{}", run.stdout);
     // A program that moves is still a program.

@@ -1,30 +1,56 @@
 //! Letters typed in place of digits: O for 0, and I or l for 1.
 
-/// Addresses whose values are numbers in every language. A name such as `LOOP` begins with one of them too, but has other letters.
+/// Addresses whose values are numbers in every language.
 const ADDRESSES: &[u8] = b"ABCDFGHIJKLMNPQRSTUVWXYZ";
+const ZERO: &str = "this is the letter O in place of the digit 0: write the digit";
+const ONE: &str = "this is the letter I or l in place of the digit 1: write the digit";
 
-/// The help for an error at `at` in a line, if the word there is a number but for letters that look like digits.
+/// The help for an error at `at` in a line, if the word there, or the one before it, is a number but for letters that look like digits.
 pub(crate) fn help_at(line: &[u8], at: usize) -> Option<&'static str> {
-    let is_address = |byte: &u8| ADDRESSES.contains(&byte.to_ascii_uppercase());
-    let is_value = |byte: &u8| byte.is_ascii_digit() || b".+-OoIl".contains(byte);
-    let first = at.saturating_sub(line.get(..at)?.iter().rev().take_while(|byte| byte.is_ascii_alphanumeric()).count());
-    for start in first..=at.min(line.len()) {
-        let Some((letter, rest)) = line.get(start..)?.split_first() else { break };
-        let length = rest.iter().take_while(|byte| is_value(byte)).count();
-        let (value, behind) = rest.split_at(length);
-        let ends = behind.first().is_none_or(|byte| !matches!(byte, b'_' | b'=' | b'[' | b'('));
-        if !is_address(letter) || !ends || start + length < at {
+    let before = line.get(..at)?;
+    let joined = before.iter().rev().take_while(|byte| byte.is_ascii_alphanumeric()).count();
+    for start in at - joined..=at {
+        let after_letter = start.checked_sub(1).and_then(|place| line.get(place)).is_some_and(u8::is_ascii_alphabetic);
+        if after_letter {
             continue;
         }
-        if value.iter().any(|byte| b"Oo".contains(byte)) {
-            return Some("this is the letter O in place of the digit 0: write the digit");
-        }
-        let has_digit = value.iter().any(u8::is_ascii_digit);
-        if has_digit && value.iter().any(|byte| b"Il".contains(byte)) {
-            return Some("this is the letter I or l in place of the digit 1: write the digit");
+        let Some((length, help)) = number(line.get(start..)?) else { continue };
+        if start + length >= at {
+            return Some(help);
         }
     }
-    None
+    // `GO X10.`: GO is also a control word, and the error is at the next word.
+    let word = before.trim_ascii_end();
+    whole(word.rsplit(u8::is_ascii_whitespace).next()?)
+}
+
+/// The help for a word that is one address with a number but for such letters.
+pub(crate) fn whole(word: &[u8]) -> Option<&'static str> {
+    number(word).filter(|(length, _)| *length == word.len()).map(|(_, help)| help)
+}
+
+/// Length and help of an address with such a number at the start of a text.
+fn number(text: &[u8]) -> Option<(usize, &'static str)> {
+    let is_value = |byte: &u8| byte.is_ascii_digit() || b".+-OoIl".contains(byte);
+    let (letter, rest) = text.split_first().filter(|(letter, _)| ADDRESSES.contains(&letter.to_ascii_uppercase()))?;
+    let (value, behind) = rest.split_at(rest.iter().take_while(|byte| is_value(byte)).count());
+    let ends = match behind {
+        [] => true,
+        // `GOX10`, but not the names `LOOP1` and `GOTO5`.
+        [next, digit, ..] if next.is_ascii_alphabetic() => {
+            let is_number = value.iter().any(u8::is_ascii_digit) || value.len() == 1 && b"GMgm".contains(letter);
+            is_number && (digit.is_ascii_digit() || b".+-".contains(digit))
+        }
+        [next, ..] => !next.is_ascii_alphabetic() && !matches!(next, b'_' | b'=' | b'[' | b'('),
+    };
+    let has = |letters: &[u8]| value.iter().any(|byte| letters.contains(byte));
+    let help = match () {
+        () if !ends => return None,
+        () if has(b"Oo") => ZERO,
+        () if has(b"Il") && value.iter().any(u8::is_ascii_digit) => ONE,
+        () => return None,
+    };
+    Some((1 + value.len(), help))
 }
 
 #[cfg(test)]
@@ -35,6 +61,8 @@ mod tests {
     fn letters_in_numbers_are_named_and_names_are_not() {
         for (line, at, wanted) in [
             ("GO X10.", 0, Some("letter O")),
+            ("N2 GO X10.", 6, Some("letter O")),
+            ("GOX10.", 0, Some("letter O")),
             ("G0O X1", 2, Some("letter O")),
             ("G0XO", 2, Some("letter O")),
             ("XO", 1, Some("letter O")),
@@ -44,6 +72,9 @@ mod tests {
             ("G0l X1", 2, Some("letter I or l")),
             ("X Y1", 0, None),
             ("LOOP", 0, None),
+            ("LOOP1", 0, None),
+            ("TOOL1", 0, None),
+            ("GOTO5 X", 6, None),
             ("TO_1", 0, None),
             ("G2 X1 I", 6, None),
         ] {

@@ -120,7 +120,7 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
     let frames = &channel.system.frames;
     for (number, parts) in frames.written_settable() {
         let name = settable_code(number);
-        // A fine shift or a rotation alone does not tell where the zero is: a program that uses it is refused.
+        // A fine shift or a rotation alone does not state where the zero is: a program that uses it is refused.
         if by_axis.get(&number).is_some_and(|(axes, _)| axes.intersection(AxisSet::XYZ).is_empty()) {
             machine.partial_offsets.insert(name, parts);
         } else {

@@ -212,13 +212,15 @@ impl Interpreter<'_> {
                 (Code::NO_SUBPROGRAM, refusal.unwrap_or_else(|| format!("there is no program {name}")))
             };
             let written = self.programs[caller].program.source.slice(span);
-            let help = if let Some(help) = look_alike::help_at(written, 0) {
-                help
-            } else if cycle {
+            let help = if cycle {
                 "write its moves out, or add it to control.opaque of the machine file if the control is to run it itself"
             } else {
                 "put it next to the main program as NAME.SPF, or add it to control.opaque of the machine file if \
                  the control is to run it itself"
+            };
+            let help = match look_alike::whole(written) {
+                Some(typed) => format!("{typed}; if it is a program, {help}"),
+                None => help.to_owned(),
             };
             return Err(fault(code, span, message, help));
         };

@@ -58,7 +58,7 @@ impl Gatherer<'_> {
                 Code::MUST_STAND_ALONE,
                 call.span,
                 format!("the call of {} must be alone in its block", call.name),
-                look_alike::help_at(self.scope.program.source.slice(call.span), 0)
+                look_alike::whole(self.scope.program.source.slice(call.span))
                     .unwrap_or("give the call its own block, or correct the word"),
             ));
         }
