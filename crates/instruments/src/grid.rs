@@ -213,7 +213,17 @@ fn is_comment(line: &str) -> bool {
 pub fn table(text: &DecodedText) -> Result<GridTable, Box<Diagnostic>> {
     let candidates = [Separator::Semicolon, Separator::Tab, Separator::Comma, Separator::Blanks];
     let scored = candidates.into_iter().map(|separator| (score(text, separator), separator));
-    let best = scored.fold((0, Separator::Semicolon), |best, one| if one.0 > best.0 { one } else { best });
+    let scored: Vec<(usize, Separator)> = scored.collect();
+    let better = |best: (usize, Separator), one: &(usize, Separator)| if one.0 > best.0 { *one } else { best };
+    let mut best = scored.iter().fold((0, Separator::Semicolon), better);
+    if best.1 == Separator::Blanks {
+        // In rows with tabs or semicolons, blanks belong to the cells: names with a number make more numeric cells.
+        let is_written = |one: &&(usize, Separator)| matches!(one.1, Separator::Semicolon | Separator::Tab);
+        let written = scored.iter().filter(is_written).fold((0, Separator::Semicolon), better);
+        if 2 * written.0 >= best.0 {
+            best = written;
+        }
+    }
     if best.0 == 0 {
         let help = "export the readings as a table: a line of headings, then one line for each reading";
         return Err(Box::new(Diagnostic::nowhere(Code::DATA_NO_TABLE, "the file has no table of numbers", help)));
@@ -496,6 +506,12 @@ mod tests {
             assert_eq!(table.rows.len(), 2, "{text}");
             assert_eq!(table.value(&table.rows[1], 1).unwrap(), Some(value), "{text}");
         }
+    }
+
+    #[test]
+    fn blanks_in_the_cells_of_a_written_separator_are_no_separators() {
+        let table = of("id\tvalue\thole\nX 1\t0.5\tHole 1\nX 2\t1.5\tHole 2\n").unwrap();
+        assert_eq!((table.separator, table.width(), table.headings.len()), (Separator::Tab, 3, 3));
     }
 
     #[test]
