@@ -120,7 +120,7 @@ fn a_table_of_characteristics_has_features_and_not_targets() {
     let table = shop.text("out.csv");
     // X 200, Y 50 of the plate is X 300, Y 150 of the machine; 20 µm and 5 µm.
     assert!(table.lines().count() == 7 && table.lines().any(|line| line == "A,300,150,0,0,0,20,5"), "{table}");
-    // A laser table needs an axis.
+    // As a table of a laser it is refused.
     let laser = ["--axis", "X", "--unit", "mm", "--as", "targets"];
     import(&shop, "chr.txt", "tool.toml", &[PLATE, &laser].concat()).exits(4).says("E0618").says("'type' is not read");
     // The unit of the rows counts.

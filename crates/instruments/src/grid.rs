@@ -212,11 +212,18 @@ fn is_comment(line: &str) -> bool {
 /// A diagnostic if the text has no table, if a row has more or fewer cells than the others, or if the decimal sign is not certain.
 pub fn table(text: &DecodedText) -> Result<GridTable, Box<Diagnostic>> {
     let candidates = [Separator::Semicolon, Separator::Tab, Separator::Comma, Separator::Blanks];
-    // Cells between tabs may have blanks in them, such as `Hole 1`.
-    let has_tabs = score(text, Separator::Tab).1 >= TABBED;
-    let possible = candidates.into_iter().filter(|separator| !has_tabs || *separator != Separator::Blanks);
-    let scored = possible.map(|separator| (score(text, separator).0, separator));
-    let best = scored.fold((0, Separator::Semicolon), |best, one| if one.0 > best.0 { one } else { best });
+    let scored = candidates.into_iter().map(|separator| (score(text, separator), separator));
+    let scored: Vec<(usize, Separator)> = scored.collect();
+    let better = |best: (usize, Separator), one: &(usize, Separator)| if one.0 > best.0 { *one } else { best };
+    let mut best = scored.iter().fold((0, Separator::Semicolon), better);
+    if best.1 == Separator::Blanks {
+        // In rows with tabs or semicolons, blanks belong to the cells: names with a number make more numeric cells.
+        let is_written = |one: &&(usize, Separator)| matches!(one.1, Separator::Semicolon | Separator::Tab);
+        let written = scored.iter().filter(is_written).fold((0, Separator::Semicolon), better);
+        if 2 * written.0 >= best.0 {
+            best = written;
+        }
+    }
     if best.0 == 0 {
         let help = "export the readings as a table: a line of headings, then one line for each reading";
         return Err(Box::new(Diagnostic::nowhere(Code::DATA_NO_TABLE, "the file has no table of numbers", help)));
@@ -224,11 +231,8 @@ pub fn table(text: &DecodedText) -> Result<GridTable, Box<Diagnostic>> {
     read(text, best.1)
 }
 
-/// Number of columns from which on tabs separate them.
-const TABBED: usize = 4;
-
-/// Number of numeric cells in rows that look like readings with this separator, and the number of their columns.
-fn score(text: &DecodedText, separator: Separator) -> (usize, usize) {
+/// Number of numeric cells in rows that look like readings with this separator.
+fn score(text: &DecodedText, separator: Separator) -> usize {
     let mut widths: std::collections::BTreeMap<usize, usize> = std::collections::BTreeMap::new();
     for (_, line, start) in text.lines().filter(|(_, line, _)| !is_comment(line)) {
         let cells = split(line, start, separator);
@@ -239,7 +243,7 @@ fn score(text: &DecodedText, separator: Separator) -> (usize, usize) {
         }
     }
     // Blanks split every prose line, so a written separator is preferred for equal evidence.
-    widths.into_iter().map(|(width, score)| (score, width)).max().unwrap_or((0, 0))
+    widths.values().copied().max().unwrap_or(0)
 }
 
 /// True for a number that has no separator in it.
@@ -502,6 +506,12 @@ mod tests {
             assert_eq!(table.rows.len(), 2, "{text}");
             assert_eq!(table.value(&table.rows[1], 1).unwrap(), Some(value), "{text}");
         }
+    }
+
+    #[test]
+    fn blanks_in_the_cells_of_a_written_separator_are_no_separators() {
+        let table = of("id\tvalue\thole\nX 1\t0.5\tHole 1\nX 2\t1.5\tHole 2\n").unwrap();
+        assert_eq!((table.separator, table.width(), table.headings.len()), (Separator::Tab, 3, 3));
     }
 
     #[test]

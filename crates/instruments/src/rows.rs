@@ -16,6 +16,9 @@ const REGULAR: (f64, usize) = (0.7, 4);
 /// Steps that count as equal to the usual one: targets of ISO 230-2 vary.
 const EQUAL: std::ops::RangeInclusive<f64> = 0.6..=1.4;
 
+/// Deviation from a multiple of the usual step up to which a sequence is exact, the share of the steps that must be the usual one, and their least number.
+const EXACT: (f64, f64, usize) = (0.01, 0.5, 3);
+
 /// Length of a step, as a multiple of the usual one, above which a place is missing.
 const LONG: f64 = 1.6;
 
@@ -120,17 +123,25 @@ fn listed(places: &[String]) -> String {
     format!("{}{dots}", places.iter().take(MOST_NAMED).cloned().collect::<Vec<_>>().join(", "))
 }
 
-/// Places between the values of a regular sequence that it lacks.
+/// Places between the values of a regular sequence that it lacks. Its steps are alike, or exact multiples of the usual one.
 fn between(values: &[f64]) -> Vec<f64> {
     let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    if steps.len() < REGULAR.1 {
+    if steps.len() < EXACT.2 {
         return Vec::new();
     }
     let mut sorted = steps.clone();
     sorted.sort_by(f64::total_cmp);
     let usual = sorted[sorted.len() / 2];
-    let is_equal = |step: &&f64| EQUAL.contains(&(**step / usual));
-    if usual <= 0.0 || (steps.iter().filter(is_equal).count() as f64) < REGULAR.0 * steps.len() as f64 {
+    if usual <= 0.0 {
+        return Vec::new();
+    }
+    let share = |is_equal: &dyn Fn(f64) -> bool| {
+        steps.iter().filter(|step| is_equal(**step / usual)).count() as f64 / steps.len() as f64
+    };
+    let is_alike = steps.len() >= REGULAR.1 && share(&|step| EQUAL.contains(&step)) >= REGULAR.0;
+    let is_exact = share(&|step| (step - step.round()).abs() <= EXACT.0 && step > 0.5) == 1.0
+        && share(&|step| (step - 1.0).abs() <= EXACT.0) >= EXACT.1;
+    if !is_alike && !is_exact {
         return Vec::new();
     }
     let mut found = Vec::new();
@@ -235,6 +246,7 @@ mod tests {
     #[test]
     fn a_regular_sequence_names_its_gaps() {
         assert_eq!(between(&[0.0, 50.0, 100.0, 150.0, 400.0, 450.0, 500.0, 550.0]), [200.0, 250.0, 300.0, 350.0]);
+        assert_eq!(between(&[0.0, 120.0, 180.0, 240.0]), [60.0]);
         // Targets with a random part, a sequence without a usual step, and a short one.
         assert!(between(&[0.0, 48.0, 103.0, 151.0, 197.0, 252.0]).is_empty());
         assert!(between(&[0.0, 1.0, 2.0, 10.0, 30.0, 60.0, 61.0]).is_empty());

@@ -106,7 +106,7 @@ fn numbers(text: &DecodedText) -> Option<Vec<(Vec<f64>, usize)>> {
 }
 
 /// True for rows that begin with the grid of bCNC: from, to and count of x and y, then the depth range and feed. A count is a whole number of 2 or more, and
-/// most heights are not whole.
+/// most heights are not.
 fn has_grid(rows: &[(Vec<f64>, usize)]) -> bool {
     let is_count = |row: &[f64]| row.len() == 3 && row[2].fract() == 0.0 && row[2] >= 2.0;
     let heights = rows.iter().skip(3).filter_map(|(row, _)| row.get(2));

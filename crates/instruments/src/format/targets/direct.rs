@@ -253,7 +253,7 @@ pub(in crate::format) fn direct(
         let is_angle = own.is_angle();
         // A table with lengths and angles has each column in its own unit.
         let Some(own_unit) = reading.unit.or((unit.is_angle() == is_angle).then_some(unit)) else {
-            let message = format!("the heading of {own} states no unit, and {} does not fit", unit.sign());
+            let message = format!("the heading of {own} states no unit, and {} does not fit it", unit.sign());
             return Err(inquiry.refused(message, "write the units into the headings, such as EBX [arcsec]", 0));
         };
         if own_unit.is_angle() != is_angle {
