@@ -220,7 +220,7 @@ pub fn table(text: &DecodedText) -> Result<GridTable, Box<Diagnostic>> {
         // In rows with tabs or semicolons, blanks belong to the cells: names with a number make more numeric cells.
         let is_written = |one: &&(usize, Separator)| matches!(one.1, Separator::Semicolon | Separator::Tab);
         let written = scored.iter().filter(is_written).fold((0, Separator::Semicolon), better);
-        if 2 * written.0 >= best.0 {
+        if BLANKS_IN_CELLS * written.0 >= best.0 {
             best = written;
         }
     }
@@ -230,6 +230,9 @@ pub fn table(text: &DecodedText) -> Result<GridTable, Box<Diagnostic>> {
     }
     read(text, best.1)
 }
+
+/// Numeric cells of a table split at blanks for each one of the table itself at most: each cell may be a name with up to three numbers.
+const BLANKS_IN_CELLS: usize = 4;
 
 /// Number of numeric cells in rows that look like readings with this separator.
 fn score(text: &DecodedText, separator: Separator) -> usize {
