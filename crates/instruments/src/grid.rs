@@ -513,8 +513,8 @@ mod tests {
 
     #[test]
     fn blanks_in_the_cells_of_a_written_separator_are_no_separators() {
-        let table = of("id\tvalue\thole\nX 1\t0.5\tHole 1\nX 2\t1.5\tHole 2\n").unwrap();
-        assert_eq!((table.separator, table.width(), table.headings.len()), (Separator::Tab, 3, 3));
+        let table = of("id\tactual\tnominal\thole\nX 1\t0.5\t0\tHole 1\nX 2\t1.5\t1\tHole 2\n").unwrap();
+        assert_eq!((table.separator, table.width(), table.headings.len()), (Separator::Tab, 4, 4));
     }
 
     #[test]
