@@ -58,6 +58,7 @@ pub fn import(
     match (chosen.read)(&mut inquiry) {
         Ok(readings) if inquiry.questions().is_empty() => {
             readings.check(machine, text)?;
+            rows::check_copies(&readings, text)?;
             Ok(ImportOutcome::Readings(Box::new(inquiry.finish(readings, chosen.name))))
         }
         Err(ImportStop::Asks) if inquiry.questions().is_empty() => {

@@ -162,11 +162,6 @@ impl ImportedReadings {
         if self.kind == ImportedKind::Probe {
             return Ok(());
         }
-        if let Some([first, second]) = crate::rows::copied(self) {
-            let message = format!("the reading is the same as that in line {first}, to the last digit");
-            let help = "remove one of them: a repetition would differ by the noise of the instrument; if it is one, give it a run of its own";
-            return Err(Box::new(Diagnostic::at(Code::DATA_REPEATED, text.place(second), message, help)));
-        }
         let values =
             || self.rows.iter().flat_map(|row| row.values.iter().flatten().map(move |value| (*value, row.line)));
         let peak = values().map(|(value, _)| value.abs()).fold(0.0, f64::max);
@@ -180,8 +175,10 @@ impl ImportedReadings {
             )));
         }
         if peak > 0.0 && peak < SMALLEST {
-            let message =
-                format!("the largest deviation is {} µm or µrad, below the noise of every instrument", shown(peak));
+            let message = format!(
+                "the largest deviation is {} µm or µrad, below the noise of any instrument in a workshop",
+                shown(peak)
+            );
             return Err(Box::new(Diagnostic::nowhere(
                 Code::DATA_SIZE,
                 message,

@@ -2,7 +2,10 @@
 
 use std::collections::{BTreeMap, HashMap};
 
+use ncfix_base::diagnostic::{Code, Diagnostic};
+
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
+use crate::text::DecodedText;
 
 /// Most targets whose runs are compared: more are those of a continuous measurement.
 const MOST_TARGETS: usize = 2000;
@@ -10,14 +13,23 @@ const MOST_TARGETS: usize = 2000;
 /// Most places that a sentence names.
 const MOST_NAMED: usize = 6;
 
-/// Share of the steps that must be equal before a longer one counts as a gap, and the least number of steps.
-const REGULAR: (f64, usize) = (0.7, 4);
+/// Share of the steps that must be equal before a longer one counts as a gap.
+const REGULAR: f64 = 0.7;
+
+/// Least number of steps of such a sequence.
+const REGULAR_STEPS: usize = 4;
 
 /// Steps that count as equal to the usual one: targets of ISO 230-2 vary.
 const EQUAL: std::ops::RangeInclusive<f64> = 0.6..=1.4;
 
-/// Deviation from a multiple of the usual step up to which a sequence is exact, the share of the steps that must be the usual one, and their least number.
-const EXACT: (f64, f64, usize) = (0.01, 0.5, 3);
+/// Deviation from a multiple of the usual step, as a share of it, up to which a sequence is exact.
+const EXACT: f64 = 0.01;
+
+/// Share of the steps of an exact sequence that must be the usual one.
+const EXACT_SHARE: f64 = 0.5;
+
+/// Least number of steps of an exact sequence.
+const EXACT_STEPS: usize = 3;
 
 /// Length of a step, as a multiple of the usual one, above which a place is missing.
 const LONG: f64 = 1.6;
@@ -28,12 +40,15 @@ const FILLED: f64 = 0.6;
 /// Distance below which two coordinates are one line of a grid, as a share of the span.
 const SAME_LINE: f64 = 2e-3;
 
-/// Longest end of a circle without readings, as a multiple of the usual step, and the least arc that is meant as a whole circle, degrees.
-const CIRCLE: (f64, f64) = (2.5, 225.0);
+/// Longest part of a circle without readings, as a multiple of the usual step.
+const ARC_STEPS: f64 = 2.5;
+
+/// Longest arc of a ball-bar test that is no whole circle, degrees: those of 220° are usual.
+const ARC_DEG: f64 = 225.0;
 
 /// Lines of the first two rows that are copies: the same run, place and readings. Rows of one error component count only if the file states run and
 /// direction, because rounded readings of a target repeat. On a circle only neighbors count, because its start and its end may agree.
-pub(crate) fn copied(readings: &ImportedReadings) -> Option<[usize; 2]> {
+fn copied(readings: &ImportedReadings) -> Option<[usize; 2]> {
     type Key<'a> = (&'a str, &'a str, Option<i8>, Vec<u64>);
     let key = |row: &'_ ImportedRow| -> Vec<u64> {
         let values = row.values.iter().map(|value| value.unwrap_or(f64::NAN));
@@ -56,6 +71,19 @@ pub(crate) fn copied(readings: &ImportedReadings) -> Option<[usize; 2]> {
     None
 }
 
+/// Checks that no row is a copy of another one. Balls that are probed again may be at the same position.
+///
+/// # Errors
+/// The second row, with the line of the first one.
+pub(crate) fn check_copies(readings: &ImportedReadings, text: &DecodedText) -> Result<(), Box<Diagnostic>> {
+    let found = copied(readings).filter(|_| readings.kind != ImportedKind::Probe);
+    found.map_or(Ok(()), |[first, second]| {
+        let message = format!("the reading is the same as that in line {first}, to the last digit");
+        let help = "remove one of them: a repetition would differ by the noise of the instrument; if it is one, give it a run of its own";
+        Err(Box::new(Diagnostic::at(Code::DATA_REPEATED, text.place(second), message, help)))
+    })
+}
+
 /// Sentences that name the places without a reading.
 pub(crate) fn gaps(readings: &ImportedReadings) -> Vec<String> {
     match readings.kind {
@@ -70,13 +98,13 @@ pub(crate) fn missing_arcs(run: &str, angles_deg: &[f64], stated_deg: Option<[f6
     let name = if run.is_empty() { "the circle".to_owned() } else { format!("run {run}") };
     let mut steps: Vec<f64> =
         angles_deg.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0).collect();
-    if steps.len() < REGULAR.1 {
+    if steps.len() < REGULAR_STEPS {
         return Vec::new();
     }
     steps.sort_by(f64::total_cmp);
     let usual = steps[steps.len() / 2];
     // Times and coarse circles vary by more than the targets of a laser.
-    let least = CIRCLE.0 * usual;
+    let least = ARC_STEPS * usual;
     let mut found = Vec::new();
     let mut say =
         |from: f64, to: f64| found.push(format!("{name} has no reading between {}° and {}°", degree(from), degree(to)));
@@ -91,7 +119,7 @@ pub(crate) fn missing_arcs(run: &str, angles_deg: &[f64], stated_deg: Option<[f6
     if low - from > least {
         say(from, low);
     }
-    if to - high > least && (stated_deg.is_some() || high - low > CIRCLE.1) {
+    if to - high > least && (stated_deg.is_some() || high - low > ARC_DEG) {
         say(high, to);
     }
     found
@@ -126,7 +154,7 @@ fn listed(places: &[String]) -> String {
 /// Places between the values of a regular sequence that it lacks. Its steps are alike, or exact multiples of the usual one.
 fn between(values: &[f64]) -> Vec<f64> {
     let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    if steps.len() < EXACT.2 {
+    if steps.len() < EXACT_STEPS {
         return Vec::new();
     }
     let mut sorted = steps.clone();
@@ -138,9 +166,9 @@ fn between(values: &[f64]) -> Vec<f64> {
     let share = |is_equal: &dyn Fn(f64) -> bool| {
         steps.iter().filter(|step| is_equal(**step / usual)).count() as f64 / steps.len() as f64
     };
-    let is_alike = steps.len() >= REGULAR.1 && share(&|step| EQUAL.contains(&step)) >= REGULAR.0;
-    let is_exact = share(&|step| (step - step.round()).abs() <= EXACT.0 && step > 0.5) == 1.0
-        && share(&|step| (step - 1.0).abs() <= EXACT.0) >= EXACT.1;
+    let is_alike = steps.len() >= REGULAR_STEPS && share(&|step| EQUAL.contains(&step)) >= REGULAR;
+    let is_exact = share(&|step| (step - step.round()).abs() <= EXACT && step > 0.5) == 1.0
+        && share(&|step| (step - 1.0).abs() <= EXACT) >= EXACT_SHARE;
     if !is_alike && !is_exact {
         return Vec::new();
     }

@@ -6,7 +6,7 @@ const ZERO: &str = "this is the letter O in place of the digit 0: write the digi
 const ONE: &str = "this is the letter I or l in place of the digit 1: write the digit";
 
 /// The help for an error at `at` in a line, if the word there, or the one before it, is a number but for letters that look like digits.
-pub(crate) fn help_at(line: &[u8], at: usize) -> Option<&'static str> {
+fn help_at(line: &[u8], at: usize) -> Option<&'static str> {
     let before = line.get(..at)?;
     let joined = before.iter().rev().take_while(|byte| byte.is_ascii_alphanumeric()).count();
     for start in at - joined..=at {
@@ -22,6 +22,12 @@ pub(crate) fn help_at(line: &[u8], at: usize) -> Option<&'static str> {
     // `GO X10.`: GO is also a control word, and the error is at the next word.
     let word = before.trim_ascii_end();
     whole(word.rsplit(u8::is_ascii_whitespace).next()?)
+}
+
+/// As [`help_at`], for an error at `at` in a text whose line ends at `end`.
+pub(crate) fn help_in(text: &[u8], at: usize, end: usize) -> Option<&'static str> {
+    let first = text.get(..at)?.iter().rposition(|&byte| matches!(byte, b'\n' | b'\r')).map_or(0, |place| place + 1);
+    help_at(text.get(first..end)?, at - first)
 }
 
 /// The help for a word that is one address with a number but for such letters.

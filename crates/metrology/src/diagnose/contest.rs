@@ -416,3 +416,16 @@ impl Field<'_, '_> {
         ContestOutcome { instead, is_whole, of_taken, explanations, nothing: Some(nothing), next }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::variance;
+
+    #[test]
+    fn a_variance_weighs_its_values() {
+        // Mean 2.5: 0.25 · 1.5² + 0.75 · 0.5² = 0.75; weights need not sum to 1.
+        assert!((variance([(1.0, 0.5), (3.0, 1.5)].into_iter()) - 0.75).abs() < 1e-12);
+        assert_eq!(variance(std::iter::empty()), 0.0);
+        assert_eq!(variance([(2.0, 0.3)].into_iter()), 0.0);
+    }
+}

@@ -328,18 +328,21 @@ mod tests {
 
     #[test]
     fn a_circle_has_its_acceleration_at_its_ends_too() {
-        let of = |value: f64| {
-            let mut out = AxisVector::ZERO;
-            out[Axis::X] = value;
-            Some(out)
-        };
-        // v²/R at the inner rows; half of it and three quarters at the outer ones.
-        let mut all = vec![of(0.5), of(0.75), of(1.0), of(1.1), of(0.8), of(0.6)];
-        continue_ends(&mut all);
-        assert_eq!(all, [of(1.0), of(1.0), of(1.0), of(1.1), of(1.1), of(1.1)]);
-        let mut few = vec![of(0.5), of(1.0), of(0.5)];
-        continue_ends(&mut few);
-        assert_eq!(few, [of(0.5), of(1.0), of(0.5)]);
+        // 3000 mm/min are 50 mm/s; on a radius of 100 mm the acceleration is 50²/100 = 25 mm/s² towards the center, at each end of a run too.
+        let machine = bench::machine();
+        let mut text = "run,setup,X,Y,Z,X_dir,Y_dir,Z_dir,tool_x_mm,tool_y_mm,tool_z_mm,feed_mm_min,dr_um\n".to_owned();
+        for k in 0..60 {
+            let (sin, cos) = (f64::from(k) * 2.0_f64.to_radians()).sin_cos();
+            text += &format!("1,A,{},{},0,-1,1,0,0,0,0,3000,0\n", 100.0 * cos, 100.0 * sin);
+        }
+        let description = "[measurement]\nkind = \"ballbar\"\nfree = [\"centre\"]\nsigma_um = 1\n\
+                           [setup.A]\ncentre_mm = [0, 0, 0]\nlength_mm = 100\n";
+        let found = rows(&[bench::table(&machine, &text, description)]);
+        for row in &found {
+            let own = row.acceleration.unwrap();
+            let size = own[Axis::X].hypot(own[Axis::Y]);
+            assert!((size - 25.0).abs() < 0.1, "{}: {size}", row.number);
+        }
     }
 
     #[test]

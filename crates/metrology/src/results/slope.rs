@@ -5,6 +5,7 @@
 
 use super::measurement::{Measurement, data_of};
 use crate::calibrate::{Fit, Parameter, identify};
+use crate::diagnose::cause::own;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{AXES, Axis, AxisVector};
 use ncfix_base::number::significant;
@@ -41,7 +42,7 @@ pub(super) fn level(
                 ComponentTerm::Coefficient(degree) | ComponentTerm::Knot { degree, .. } => degree > 1,
                 _ => false,
             };
-            let is_across = !component.direction.is_rotation() && component.to_string() != format!("E{axis}{axis}");
+            let is_across = !component.direction.is_rotation() && component != own(axis);
             // A slope of the start file is a measured one.
             if !is_across || !fitted.iter().any(is_curve) || fitted.contains(&slope) || slope.get(&fit.errors) != 0.0 {
                 continue;

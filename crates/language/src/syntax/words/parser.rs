@@ -163,11 +163,8 @@ impl Parser {
         let start = self.line_end - fault.left.min(self.line_end);
         let end = (start + fault.length.max(1)).min(self.line_end.max(start + 1));
         let place = Place { file: self.program.source.id(), span: Span::new(start, end) };
-        let bytes = self.program.source.bytes();
-        let before = bytes.get(..start).unwrap_or_default();
-        let first = before.iter().rposition(|&byte| matches!(byte, b'\n' | b'\r')).map_or(0, |at| at + 1);
-        let line = bytes.get(first..self.line_end).unwrap_or_default();
-        let help = look_alike::help_at(line, start - first).unwrap_or_else(|| help_for(fault.code));
+        let typed = look_alike::help_in(self.program.source.bytes(), start, self.line_end);
+        let help = typed.unwrap_or_else(|| help_for(fault.code));
         self.findings.push(Diagnostic::at(fault.code, place, fault.message, help));
     }
 
