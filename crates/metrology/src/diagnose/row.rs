@@ -153,14 +153,14 @@ fn move_along(data: &DataSet, rows: &mut [SceneRow]) {
     }
     let is_at_rest = is_at_rest(data, rows, sequences.values());
     for places in sequences.into_values() {
-        turns(rows, &places);
+        let is_bar = data.kind.measurand == Measurand::BallDistance;
+        turns(rows, &places, is_bar);
         if is_at_rest {
             continue;
         }
         let velocities: Vec<Option<AxisVector>> = (0..places.len()).map(|k| velocity(rows, &places, k, feed)).collect();
         let mut accelerations: Vec<Option<AxisVector>> =
             (0..places.len()).map(|k| acceleration(rows, &places, k, &velocities, feed)).collect();
-        let is_bar = data.kind.measurand == Measurand::BallDistance;
         if is_bar {
             continue_ends(&mut accelerations);
         }
@@ -179,6 +179,10 @@ fn move_along(data: &DataSet, rows: &mut [SceneRow]) {
     }
 }
 
+/// Path of an axis before its first reversal.
+const UNTURNED: AxisVector = AxisVector([f64::INFINITY; AXIS_COUNT]);
+/// An axis reverses in the first row of a circle if it does so within this many steps after it: positions are rounded.
+const NEARLY_TURNING: f64 = 0.05;
 /// Rows at each end of a circle whose acceleration is not that of central differences.
 const OUTER: usize = 2;
 
@@ -208,9 +212,11 @@ fn is_at_rest<'p>(data: &DataSet, rows: &[SceneRow], sequences: impl Iterator<It
     seconds.get(seconds.len() / 2).is_some_and(|median| *median > AT_REST)
 }
 
-fn turns(rows: &mut [SceneRow], places: &[usize]) {
-    let mut path = AxisVector([f64::INFINITY; AXIS_COUNT]);
-    let mut way = path;
+fn turns(rows: &mut [SceneRow], places: &[usize], is_bar: bool) {
+    let (mut path, mut way) = if is_bar { before_circle(rows, places) } else { [UNTURNED; 2].into() };
+    if let Some(&first) = places.first() {
+        (rows[first].since_turn, rows[first].way_since_turn) = (path, way);
+    }
     // Mean motion towards both neighbors: a measure of the speed of the axis there.
     let speed = |rows: &[SceneRow], k: usize, axis: Axis| {
         let pair = [k.saturating_sub(1), (k + 1).min(places.len() - 1)];
@@ -247,6 +253,25 @@ fn turns(rows: &mut [SceneRow], places: &[usize]) {
         rows[now].since_turn = path;
         rows[now].way_since_turn = way;
     }
+}
+
+/// Path of each axis and path of the tool since the reversals within one step before a circle. A circle is a part of a longer arc: the feed-in arc brings the axes
+/// to the path feed, so they reverse before the first reading as they do later.
+fn before_circle(rows: &[SceneRow], places: &[usize]) -> (AxisVector, AxisVector) {
+    let (mut path, mut way) = (UNTURNED, UNTURNED);
+    let &[first, second, third, ..] = places else { return (path, way) };
+    let (step, two) = (difference(rows, [first, second]), difference(rows, [first, third]));
+    let length = linear_length(&step);
+    for axis in AXES.into_iter().filter(|&axis| step[axis].abs() > STILL) {
+        // Velocity at the first row by the parabola through three rows, in steps, as a share of that of the tool: on a circle the number of steps since the reversal.
+        let steps = (2.0 * step[axis] - 0.5 * two[axis]) * step[axis].signum() / length;
+        if (-NEARLY_TURNING..1.0).contains(&steps) {
+            let steps = steps.max(0.0);
+            way[axis] = steps * length;
+            path[axis] = step[axis].abs() * steps * steps / (2.0 * steps + 1.0);
+        }
+    }
+    (path, way)
 }
 
 /// Sum over the linear axes.
@@ -357,6 +382,31 @@ mod tests {
         assert_eq!(of(|row| row.way_since_turn)[..6], [far, 10.0, 20.0, 30.0, 10.0, 20.0]);
         assert_eq!(of(|row| row.since_turn)[..6], [far, far, far, far, 10.0, 20.0]);
         assert!(of(|row| row.way_since_turn)[6] <= 15.0);
+    }
+
+    #[test]
+    fn an_axis_reverses_where_its_circle_begins() {
+        let machine = bench::machine();
+        let description = "[measurement]\nkind = \"ballbar\"\nfree = [\"centre\"]\nsigma_um = 1\n\
+                           [setup.A]\ncentre_mm = [0, 0, 0]\nlength_mm = 100\n";
+        // X at the first row of a circle in steps of 2°, that begins so many degrees after the reversal of X.
+        let first = |degrees: f64| {
+            let mut text = "run,setup,X,Y,Z,X_dir,Y_dir,Z_dir,tool_x_mm,tool_y_mm,tool_z_mm,dr_um\n".to_owned();
+            for k in 0..40 {
+                let (sin, cos) = (degrees + 2.0 * f64::from(k)).to_radians().sin_cos();
+                text += &format!("1,A,{:.5},{:.5},0,-1,1,0,0,0,0,0\n", 100.0 * cos, 100.0 * sin);
+            }
+            let rows = rows(&[bench::table(&machine, &text, description)]);
+            [rows[0].way_since_turn[Axis::X], rows[1].way_since_turn[Axis::X], rows[0].way_since_turn[Axis::Y]]
+        };
+        // An arc of 2° on a radius of 100 mm is 3.491 mm long.
+        let near = |[a, b, c]: [f64; 3], expected: [f64; 2]| {
+            (a - expected[0]).abs() < 0.02 && (b - expected[1]).abs() < 0.02 && c.is_infinite()
+        };
+        assert!(near(first(0.0), [0.0, 3.491]), "{:?}", first(0.0));
+        assert!(near(first(1.0), [1.745, 5.236]), "{:?}", first(1.0));
+        // Further back the feed-in arc is not known.
+        assert!(first(10.0)[0].is_infinite());
     }
 
     #[test]
