@@ -18,6 +18,7 @@ mod exchanged_positions;
 mod fading;
 mod fahrenheit;
 mod first_cycle;
+mod glitch;
 mod missing;
 mod offset;
 mod order;
@@ -83,6 +84,7 @@ impl Registered for &'static DefectCheck {
 /// Built-in checks in order; later checks do not use data that earlier ones exclude.
 pub const FAULTS: &[&DefectCheck] = &[
     &dead::CHECK,
+    &glitch::CHECK,
     &stuck::CHECK,
     &fahrenheit::CHECK,
     &exchanged::CHECK,
