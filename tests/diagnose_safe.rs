@@ -119,9 +119,12 @@ fn a_squareness_and_a_scale_on_circles_are_no_yaw_to_correct() {
 fn one_error_on_circles_is_corrected_all_the_same() {
     let mut corrected = 0;
     for seed in 1..4 {
-        for (truth, slope) in [("location EC0Y", [0.0, 0.02]), ("motion EXX", [0.02, 0.0])] {
+        let known_length = CIRCLES.replace(", \"length\"", "");
+        for (truth, slope, description) in
+            [("location EC0Y", [0.0, 0.02], CIRCLES), ("motion EXX", [0.02, 0.0], &known_length)]
+        {
             let table = circles(seed, |[x, y, _]| [slope[0] * x + slope[1] * y, 0.0, 0.0]);
-            let (_, report) = found(&table, CIRCLES, &[]);
+            let (_, report) = found(&table, description, &[]);
             let all = findings(&report);
             assert!(all.len() == 1 && name(&all[0]) == truth, "{report:#}");
             let is_certain = number(&all[0], "probability") >= 0.95;
@@ -131,6 +134,40 @@ fn one_error_on_circles_is_corrected_all_the_same() {
         }
     }
     assert!(corrected >= 4, "{corrected} of 6");
+}
+
+/// A bar of unknown length shows only differences of scales: X may be too long, or Y and Z too short by the same share.
+#[test]
+fn a_scale_on_circles_of_unknown_length_waits_for_a_line() {
+    for seed in 1..4 {
+        let table = circles(seed, |[x, ..]| [0.02 * x, 0.0, 0.0]);
+        let (shop, report) = found(&table, CIRCLES, &["-o", "out.toml"]);
+        let all = findings(&report);
+        let scale = all.iter().find(|one| name(one) == "motion EXX").unwrap_or_else(|| panic!("{report:#}"));
+        assert!(scale["certain"] == false && !is_written(scale) && !shop.path("out.toml").exists(), "{scale:#}");
+        assert_eq!(scale["rivals"][0]["cause"], "motion EYY with motion EZZ");
+        assert!(scale["separate_by"].as_str().unwrap().contains("ncfix plan laser --axis X"), "{scale:#}");
+    }
+}
+
+/// A warm machine on a bar of known length makes all circles too large, as a lag of all axes makes them smaller at one feed: neither is certain.
+#[test]
+fn equal_scales_of_all_axes_are_no_certain_lag() {
+    let known_length = CIRCLES.replace(", \"length\"", "");
+    for (seed, scale) in [(1, 0.02), (2, -0.02)] {
+        let table = circles(seed, |[x, y, z]| [scale * x, scale * y, scale * z]);
+        let table: String = table
+            .lines()
+            .enumerate()
+            .map(|(line, cells)| format!("{cells},{}\n", if line == 0 { "feed_mm_min" } else { "1000" }))
+            .collect();
+        let (_, report) = found(&table, &known_length, &[]);
+        for one in findings(&report) {
+            assert!(one["certain"] == false && !is_written(&one), "{one:#}");
+        }
+        let explanations = report["explanations"].to_string();
+        assert!(explanations.contains("motion XYZ"), "{explanations}");
+    }
 }
 
 /// What goes round with the angle of the circles in all planes, as a radial error of so many lobes, µm; in each plane behind by its own phase.

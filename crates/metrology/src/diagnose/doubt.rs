@@ -7,12 +7,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::cause::{Candidate, EffectKind, Term, circle};
+use super::cause::{Candidate, EffectKind, Term, circle, own};
 use super::mimic::RIVAL;
 use super::scene::Through;
 use super::search::{Field, Weights};
-use super::separate::separating;
-use super::size::{Amounts, EXPANDED};
+use super::separate::{line_along, separating};
+use super::size::{Amounts, EXPANDED, sense_along};
 use super::volume::Volume;
 use ncfix_base::geometry::AXES;
 use ncfix_base::numeric::Series;
@@ -96,7 +96,8 @@ impl Field<'_, '_> {
             Some(ExtrapolationRisk { rivals: names, separate_by: separating(self.scene, one, rivals.first()?) })
         };
         for &rival in class.iter().skip(1) {
-            let Some(other) = self.candidates.get(rival).filter(|other| is_of_place(other)) else { continue };
+            let is_single = |other: &&Candidate| is_of_place(other) && !self.is_sum(rival);
+            let Some(other) = self.candidates.get(rival).filter(is_single) else { continue };
             // Cross-couplings with and without the contribution of each axis count as one kind.
             let are_cross = [one, other].iter().all(|one| one.cause.effect == EffectKind::Cross);
             let is_as_short = are_cross || other.columns.len() <= one.columns.len();
@@ -147,6 +148,49 @@ impl Field<'_, '_> {
             .pair(needed, &moves)
             .or_else(|| (one.far_fetched() >= FAR).then(|| rivals.several(needed, &moves)).flatten())?;
         said(&found)
+    }
+
+    /// Returns the reason why the scale of an axis is known only relative to those of others: equal scales of these axes do not change the readings. A bar of
+    /// unknown length reads the same if all axes of its circles are longer by the same share.
+    pub(super) fn relative_scale(&self, weights: &Weights, number: usize) -> Option<ExtrapolationRisk> {
+        let one = self.candidates.get(number).filter(|one| is_scale(one))?;
+        let others: Vec<&Candidate> =
+            self.candidates.iter().filter(|other| is_scale(other) && other.parameter != one.parameter).collect();
+        let mut series = self.series(weights, &[], 0.0);
+        let mut left = |column: &[f64]| {
+            series.set_values(column);
+            dot(series.left(), series.left())
+        };
+        let along = |one: &Candidate| {
+            let sense = sense_along(one, self.scene);
+            self.columns(one)
+                .into_iter()
+                .next()
+                .unwrap_or_default()
+                .into_iter()
+                .map(|value| sense * value)
+                .collect::<Vec<f64>>()
+        };
+        let own = along(one);
+        let whole = left(&own);
+        // Each choice of other axes, the smallest first: one bit for each.
+        let mut choices: Vec<u32> = (1..1 << others.len()).collect();
+        choices.sort_by_key(|choice| choice.count_ones());
+        let chosen =
+            |choice: u32| others.iter().enumerate().filter(move |(k, _)| choice >> k & 1 == 1).map(|(_, other)| *other);
+        let with = choices.into_iter().find(|&choice| {
+            let mut sum = own.clone();
+            for other in chosen(choice) {
+                sum.iter_mut().zip(along(other)).for_each(|(sum, value)| *sum += value);
+            }
+            left(&sum) <= OWN * whole
+        })?;
+        let names: Vec<String> = chosen(with).map(Candidate::title).collect();
+        let line = line_along(self.scene, one);
+        Some(ExtrapolationRisk {
+            rivals: vec![names.join(" with ")],
+            separate_by: format!("a bar of calibrated length, or {line}"),
+        })
     }
 
     /// True if a reversal rotation of a carriage may as well be a plain backlash, which is independent of the tool position.
@@ -346,6 +390,15 @@ fn sum(columns: &[impl AsRef<[f64]>], amounts: &[f64]) -> Vec<f64> {
         out.iter_mut().zip(column.as_ref()).for_each(|(sum, value)| *sum += amount * value);
     }
     out
+}
+
+/// True for a positioning error proportional to the position.
+fn is_scale(one: &Candidate) -> bool {
+    let is_proportional = matches!(&one.term, Term::Parameters(names)
+    if names.iter().all(|name| {
+        name.term == ComponentTerm::Coefficient(1) && name.component.axis().is_some_and(|axis| own(axis) == name.component && !axis.is_rotary())
+    }));
+    one.cause.effect == EffectKind::Motion && one.columns.len() == 1 && is_proportional
 }
 
 /// True if the term stays constant beyond the measured places: nonlinear terms.

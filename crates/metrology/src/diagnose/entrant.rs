@@ -1,6 +1,6 @@
 //! Candidates as entrants of the comparison: their family, their columns, their typical size.
 
-use super::cause::{Candidate, EffectKind, Term, Weight, servo, setup};
+use super::cause::{Candidate, EffectKind, Term, Weight, common_scale, servo, setup};
 use super::scene::Through;
 use super::search::Field;
 use crate::diagnose::explain::assumptions::Family;
@@ -49,6 +49,7 @@ pub(super) fn family(one: &Candidate) -> Family {
         }
         EffectKind::Location if is_angle => Family::Tilt,
         EffectKind::Location => Family::Offset,
+        EffectKind::Motion if one.cause.name == common_scale::CAUSE.name => Family::Scale,
         EffectKind::Motion if is_angle => Family::Angle,
         EffectKind::Motion if is_rotary => Family::Rotary,
         EffectKind::Motion

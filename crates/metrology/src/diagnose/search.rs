@@ -10,7 +10,7 @@ use std::sync::Arc;
 use ncfix_base::numeric::{Series, in_parts};
 
 use super::cancel::Triangle;
-use super::cause::{Candidate, EffectKind, Term, motion, targets};
+use super::cause::{Candidate, EffectKind, Term, common_scale, motion, targets};
 use super::known::{KnownTables, Starts};
 use super::price::Price;
 use super::sample::{CandidateSample, SearchPart};
@@ -322,6 +322,7 @@ impl<'s, 'a> Field<'s, 'a> {
             .filter(|(number, gain)| {
                 gain.rank > 0
                     && !self.bows.contains(number)
+                    && !self.is_sum(*number)
                     && !taken.contains(number)
                     && !never.contains(number)
                     && !self.is_again(*number, taken)
@@ -342,6 +343,11 @@ impl<'s, 'a> Field<'s, 'a> {
         };
         let named = self.is_unnamed(number).then(|| self.named_instead((series, look), &open, price, worth));
         Some(Step { number: named.flatten().unwrap_or(number), open })
+    }
+
+    /// True for equal scales, which are the sum of single ones: the search has those. They are only a rival of causes of another nature.
+    pub(super) fn is_sum(&self, number: usize) -> bool {
+        self.candidates.get(number).is_some_and(|one| one.cause.name == common_scale::CAUSE.name)
     }
 
     /// Returns the simplest of the candidates that are equivalent to the best.

@@ -77,6 +77,12 @@ const OTHERS: [(&str, SeparatingPlan); 5] = [
     ("the line of the axis in both directions", SeparatingPlan::Line),
     ("circles of another radius", SeparatingPlan::SmallCircles),
 ];
+/// Returns the measurement of a line along the axis of an error, and the command that plans it.
+pub(super) fn line_along(scene: &Scene<'_>, one: &Candidate) -> String {
+    let command = Around::new(scene, one).and_then(|around| around.command(SeparatingPlan::Line));
+    with_command("the positioning of one axis".to_owned(), command)
+}
+
 /// Fallback if no other measurement remains.
 const AGAIN: &str =
     "the same measurement again, with more readings: the data are too few or too noisy to separate them";

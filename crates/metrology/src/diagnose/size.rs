@@ -1,6 +1,6 @@
 //! Size of a finding in the usual form: a reversal value, an amplitude, a slope or the range over the measured travel.
 
-use super::cause::{Candidate, EffectKind, Term, setup};
+use super::cause::{Candidate, EffectKind, Term, body_sense, setup};
 use super::row::SceneRow;
 use super::scene::{Scene, Through};
 use ncfix_base::geometry::{AXES, Axis};
@@ -148,10 +148,8 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
 }
 
 /// Returns 1 if the body that an axis moves moves with its coordinate, −1 if it moves against it.
-fn sense_along(candidate: &Candidate, scene: &Scene<'_>) -> f64 {
-    let data = component_axis(candidate).and_then(|axis| scene.machine.axis(axis));
-    let along = data.and_then(|data| data.direction.get(data.axis.dimension()).copied()).unwrap_or(1.0);
-    if along < 0.0 { -1.0 } else { 1.0 }
+pub(super) fn sense_along(candidate: &Candidate, scene: &Scene<'_>) -> f64 {
+    component_axis(candidate).map_or(1.0, |axis| body_sense(scene, axis))
 }
 
 fn amplitude(amounts: &Amounts, first: usize, micro: f64, unit: &'static str) -> Size {

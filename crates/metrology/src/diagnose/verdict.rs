@@ -5,6 +5,7 @@ use super::cause::{Candidate, Cause, Causes, EffectKind, earlier, periodic, ther
 use super::class::class;
 use super::contest::{Chosen, ExplanationSummary};
 use super::doubt::ExtrapolationRisk;
+use super::explain::assumptions::Family;
 use super::far::drop_far;
 use super::fold::{confirmed, counts};
 use super::gates::{confirm, hold};
@@ -388,11 +389,18 @@ fn verdict(
             cause: format!("{} {}", periodic::CAUSE.effect, separate::every(&candidate.parameter, *period)),
             probability: (1.0 - of_waves) * undecided.own,
         });
-        let own_share = undecided.own * of_waves.min(1.0);
+        let relative = field.relative_scale(weights, term.candidate);
+        // A common scale of all axes is as frequent as one of a single axis: temperature does both.
+        let of_scale = relative.as_ref().map_or(1.0, |_| 1.0 / (1.0 + Family::Scale.assumption().odds));
+        let of_others = relative.iter().flat_map(|relative| &relative.rivals);
+        let of_others = of_others
+            .map(|cause| RivalCause { cause: cause.clone(), probability: (1.0 - of_scale) * undecided.own })
+            .collect::<Vec<_>>();
+        let own_share = undecided.own * of_waves.min(1.0) * of_scale;
         let of_natures = if undecided.is_certain() { Vec::new() } else { field.rivals(&undecided) };
-        let mut rivals: Vec<RivalCause> = of_natures.into_iter().chain(of_wave).collect();
+        let mut rivals: Vec<RivalCause> = of_natures.into_iter().chain(of_wave).chain(of_others).collect();
         rivals.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-        let doubt = field.nature_doubt(candidate, &undecided);
+        let doubt = field.nature_doubt(candidate, &undecided).or(relative);
         let doubt = doubt.or_else(|| of_chosen.flatten().filter(|_| is_compared)).or_else(by_class);
         // Itself, its other periods, and the other explanations.
         let mut names: Vec<(&'static Cause, String)> = class

@@ -10,6 +10,7 @@
 mod backlash;
 pub mod catalogue;
 pub(in crate::diagnose) mod circle;
+pub(in crate::diagnose) mod common_scale;
 mod cross;
 pub(in crate::diagnose) mod drift;
 pub(in crate::diagnose) mod earlier;
@@ -178,6 +179,7 @@ impl Registered for dyn Propose {
 pub(in crate::diagnose) const BUILT_IN: &[&Cause] = &[
     &location::CAUSE,
     &motion::CAUSE,
+    &common_scale::CAUSE,
     &targets::CAUSE,
     &backlash::BACKLASH,
     &backlash::WIND_UP,
@@ -507,6 +509,13 @@ pub fn column(sets: &[DataSet], name: &str) -> Option<Values> {
         .map(|set| set.drivers.iter().find(|driver| driver.name == name).map_or(Vec::new(), |one| one.values.clone()))
         .collect();
     values.iter().any(|values| !values.is_empty()).then(|| Arc::new(values))
+}
+
+/// Sense of the motion of a body for a positive command of its axis. Errors are those of the moving body, and a table moves against its coordinate.
+pub(in crate::diagnose) fn body_sense(scene: &Scene<'_>, axis: Axis) -> f64 {
+    let data = scene.machine.axes.iter().flatten().find(|data| data.axis == axis);
+    let along = data.and_then(|data| data.direction.get(axis.dimension()).copied()).unwrap_or(1.0);
+    if along < 0.0 { -1.0 } else { 1.0 }
 }
 
 /// Error of an axis along itself, or about itself if it is rotary.

@@ -76,9 +76,7 @@ fn moving(scene: &Scene<'_>, of: fn(&SceneRow) -> Option<AxisVector>) -> Vec<Axi
 
 /// Effect of an axis ahead of its command, with its sign. Errors are those of the moving body; for an axis that moves the table the sign is reversed.
 fn ahead(scene: &Scene<'_>, axis: Axis) -> (Through, f64) {
-    let data = scene.machine.axes.iter().flatten().find(|data| data.axis == axis);
-    let along = data.and_then(|data| data.direction.get(axis.dimension()).copied()).unwrap_or(1.0);
-    (Through::Component(super::own(axis)), if along < 0.0 { -1.0 } else { 1.0 })
+    (Through::Component(super::own(axis)), super::body_sense(scene, axis))
 }
 
 /// Effect of a lag of an axis by `factor` seconds.
