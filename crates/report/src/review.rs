@@ -173,6 +173,16 @@ pub struct Look {
 }
 
 impl Review {
+    /// Adds diagnostics that it does not have yet, and renews the verdict.
+    pub fn take_in(&mut self, diagnostics: Vec<DiagnosticReport>) {
+        for one in diagnostics {
+            if !self.diagnostics.iter().any(|known| known.code == one.code && known.message == one.message) {
+                self.diagnostics.push(one);
+            }
+        }
+        self.verdict = Verdict::of(self);
+    }
+
     /// Returns the summary.
     #[must_use]
     pub fn summary(&self) -> String {

@@ -208,16 +208,16 @@ impl<'a> Job<'a> {
             watch: Some(progress::watch),
         };
         let allowed_um = um_from_mm(arguments.correction.max_correction);
-        // Diagnostics of the program are known already and are found again.
+        // Most diagnostics of the program are found again; the verdict needs those of the correction too.
         let mut again = Findings::default();
-        let Some(reviewed) = pair.review(names, allowed_um, &mut again)? else {
+        let Some(mut reviewed) = pair.review(names, allowed_um, &mut again)? else {
             findings.absorb(again);
             return Ok(None);
         };
-        let verdict = reviewed.review.verdict.clone();
+        reviewed.review.take_in(findings.json());
         let text = diff::page(&reviewed.review, &reviewed.trace, (&reviewed.outcome, corrected.source()), None)?;
         report.review = arguments.review.as_ref().map(|path| path.display().to_string());
-        report.verdict = Some(verdict);
+        report.verdict = Some(reviewed.review.verdict);
         Ok(Some(text))
     }
 }
