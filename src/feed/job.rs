@@ -62,7 +62,7 @@ impl Transfer {
         }
         let Some(opened) = program.open(Some(&machine), found)? else { return Ok(None) };
         if let Err(why) = link.profile.check_dialect(opened.dialect.name) {
-            let help = "choose the link of your control with --link, or its dialect with controller in the machine file; dialects in [text] of an own link states others";
+            let help = "choose the link of your control with --link, or its dialect with controller in the machine file; to allow others, list them under dialects in [text] of your own link file";
             found.add(Diagnostic::nowhere(Code::NOT_FOR_LINK, why, help), &[]);
             return Ok(None);
         }

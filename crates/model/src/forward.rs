@@ -1,7 +1,8 @@
 //! Forward kinematics: pose of the tool in the workpiece for given axis commands, with and without errors.
 //!
 //! wTt = (F→w)⁻¹ (F→t). The tool frame has its origin at the tip and is parallel to F at the zero pose. It is carried through the spindle, through the axes
-//! of the tool side to F, and back through the axes of the workpiece side ([`super::link`]). The spindle is D(e0) at its gauge point.
+//! of the tool side to the foundation F, and through the inverse transforms of the workpiece side to the workpiece ([`super::link`]). The spindle has only a
+//! location error D(e0), which acts at its gauge point.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -214,7 +215,10 @@ impl Model {
         self.carry(Pose::parallel_at(*tool_mm), command, None)
     }
 
-    /// Returns the pose of the tool in the workpiece with errors. Correction and prediction both use this single forward function.
+    /// Returns the pose of the tool in the workpiece frame with errors, with the tip in mm. `command` is in mm and rad, `tool_mm` as for [`Model::nominal`].
+    ///
+    /// This is the single forward function of correction and prediction. `tip`, `ray` and `pointer` evaluate the same chain for less or more data: the formula
+    /// is in `carry` and in `link.rs` only.
     #[must_use]
     pub fn actual(&self, command: &AxisVector, tool_mm: &Vector, state: &State) -> Pose {
         self.carry(Pose::parallel_at(*tool_mm), &self.controlled(command, tool_mm, Some(state)), Some(state))

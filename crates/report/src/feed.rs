@@ -381,7 +381,7 @@ impl Plan {
         }
         let _ = writeln!(
             out,
-            "\nReset the control, so that its codes are those at the start of the job. Home the machine, check the zero point, and check that\nthe first moves are free. No line is sent unless the control reports that it is idle. Then:\n  ncfix resume {journal} --confirm {}{}",
+            "\nReset the control, so that its codes are those at the start of the job. Home the machine, check the zero point, and check that\nthe first moves are free. No line is sent unless the control reports that it is idle; a link without\nsuch a report also needs --i-checked-the-machine-stands-still. Then:\n  ncfix resume {journal} --confirm {}{}",
             self.plan,
             self.clearance.as_ref().map_or(String::new(), |given| format!(" --clearance {given}"))
         );

@@ -128,7 +128,7 @@ ncfix never resumes a job automatically. An answer of the control does not prove
 the size that the control reported, count as not executed. Without such a report, only lines executed when the machine last stood still are certain. \
 The plan moves up to the height of --clearance, across, and down at a slow feed to the end of a retract of the program, or starts at the beginning. \
 ncfix refuses it without that height, if no move lifts the tool to it, and if the program, the machine file, the state or ncfix has changed. It sends \
-nothing unless the control reports that it is idle.
+nothing unless the control reports that it is idle; a link without such a report also needs --i-checked-the-machine-stands-still.
 
 Examples:
   ncfix resume part.ngc.journal --clearance 25mm

@@ -30,7 +30,7 @@ pub(in crate::cli) fn run(arguments: &ResumeArguments) -> Result<ExitCode, Stop>
     check_same(&told, &job, &before, &mut findings);
     if feed.dosing.zero_now {
         let message = "drift is relative to the condition at the start of the job (--zero-now), which is unknown now";
-        let help = "set the workpiece zero again, and feed the remaining program as a new job";
+        let help = "touch off the workpiece zero again, remove the journal, and feed the program from the beginning with --zero-now";
         findings.add(Diagnostic::nowhere(Code::OTHER_JOB, message, help), &[]);
     }
     if findings.has_errors() {

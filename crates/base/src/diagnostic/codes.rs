@@ -145,8 +145,8 @@ could change the motion. The message names it.";
     NO_CENTER = "E0202" "arc without center or radius"
 "G2 and G3 need a center (I, J, K, incremental from the start, or absolute with =AC()) or a radius (CR=).";
     ARC_OFF_CIRCLE = "E0203" "arc end is not on the circle"
-"The radius at the start of the arc and the radius at its end differ by more than the control allows, or the center is off the
-perpendicular bisector of the chord by more than that. The limit is the larger of control.arc_tolerance_mm and
+"The radius at the start of the arc and the radius at its end differ by more than the control allows. Or the center is off the
+perpendicular bisector of the chord by more than that and, on a Sinumerik, by more than 1.8° as seen from the start. The limit is the larger of control.arc_tolerance_mm and
 control.arc_tolerance_ratio times the radius (Sinumerik MD21000 and MD21010, default 0.01 mm and 0.001).
 
   N10 G1 X0 Y0
