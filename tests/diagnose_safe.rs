@@ -170,6 +170,27 @@ fn equal_scales_of_all_axes_are_no_certain_lag() {
     }
 }
 
+/// Holes drilled in serpentine order and listed row by row: a backlash of X shifts every second row, which looks like a straightness of Y with a bend at
+/// each row.
+#[test]
+fn a_backlash_behind_a_sorted_report_is_no_straightness() {
+    for seed in 1..4 {
+        let mut random = Random::new(seed, "sorted report");
+        let mut table = "setup,X,Y,Z,tool_z_mm,dx_um,dy_um\n".to_owned();
+        for (line, hole) in (0..63).map(|n| (n / 9, n % 9)) {
+            let side = if line % 2 == 0 { 10.0 } else { -10.0 };
+            let [x, y] = [60.0 + 60.0 * f64::from(hole), 50.0 + 50.0 * f64::from(line)];
+            let [dx, dy] = [side + 2.0 * random.normal(), 2.0 * random.normal()];
+            let _ = writeln!(table, "A,{x},{y},200,-120,{dx:.4},{dy:.4}");
+        }
+        let (shop, report) = found(&table, &PLATE.replace("0.6", "2"), &["-o", "out.toml"]);
+        let all = findings(&report);
+        assert!(all.len() == 1 && name(&all[0]) == "backlash EXX", "{report:#}");
+        assert!((number(&all[0], "value").abs() - 20.0).abs() < number(&all[0], "u95"), "{:#}", all[0]);
+        assert!(!is_written(&all[0]) && !shop.path("out.toml").exists(), "{:#}", all[0]);
+    }
+}
+
 /// What goes round with the angle of the circles in all planes, as a radial error of so many lobes, µm; in each plane behind by its own phase.
 fn lobes([x, y, z]: [f64; 3], amplitude: f64, count: f64, phases: [f64; 3]) -> [f64; 3] {
     let normal = [(x - 350.0) / 150.0, (y - 250.0) / 150.0, (z - 220.0) / 150.0];

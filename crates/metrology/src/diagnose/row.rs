@@ -389,7 +389,7 @@ mod tests {
         let machine = bench::machine();
         let description = "[measurement]\nkind = \"ballbar\"\nfree = [\"centre\"]\nsigma_um = 1\n\
                            [setup.A]\ncentre_mm = [0, 0, 0]\nlength_mm = 100\n";
-        // X at the first row of a circle in steps of 2°, that begins so many degrees after the reversal of X.
+        // X at the first row of a circle in steps of 2°, that begins N degrees after the reversal of X.
         let first = |degrees: f64| {
             let mut text = "run,setup,X,Y,Z,X_dir,Y_dir,Z_dir,tool_x_mm,tool_y_mm,tool_z_mm,dr_um\n".to_owned();
             for k in 0..40 {

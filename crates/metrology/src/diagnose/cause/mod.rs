@@ -18,6 +18,7 @@ mod load;
 pub(in crate::diagnose) mod location;
 pub(in crate::diagnose) mod motion;
 pub(in crate::diagnose) mod periodic;
+pub(in crate::diagnose) mod serpentine;
 pub(in crate::diagnose) mod servo;
 pub(in crate::diagnose) mod setup;
 mod spike;
@@ -183,6 +184,7 @@ pub(in crate::diagnose) const BUILT_IN: &[&Cause] = &[
     &targets::CAUSE,
     &backlash::BACKLASH,
     &backlash::WIND_UP,
+    &serpentine::CAUSE,
     &backlash::LATERAL_PLAY,
     &spike::CAUSE,
     &periodic::CAUSE,
