@@ -134,8 +134,10 @@ pub(super) fn move_axes(channel: &mut Channel<'_>, gathered: &Gathered, takes_ax
             let is_passed = !takes_axes && passed_axis::pass_on(channel, gathered, code)?;
             kept_cycle::note_end(channel, gathered);
             cycle::note_motion(channel, code);
-            let moves =
-                !is_passed && !takes_axes && (code > 30 && code != G80 || has_way(&channel.modal, gathered, code));
+            // G80 alone restores a thread as the motion mode, and does not cut it.
+            let is_named = gathered.code(Group::Motion).is_some() || gathered.code(Group::Cycle) != Some(G80);
+            let is_special = code > 30 && code != G80 && (is_named || !gathered.axes.is_empty());
+            let moves = !is_passed && !takes_axes && (is_special || has_way(&channel.modal, gathered, code));
             if moves {
                 done = motion::motion(channel, gathered, code);
             } else {
