@@ -5,6 +5,7 @@ use crate::diagnostics::Diagnostics;
 use crate::disk::hash::short_hash;
 use crate::error::Error;
 use crate::machine::Machine;
+use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::{MeasuredRanges, Uncertainty};
 use ncfix_metrology::calibrate::{Fit, Parameter};
@@ -103,6 +104,7 @@ impl Calibration {
     /// If a name is not a parameter of the machine, the data are wrong, or the parameters are not identifiable. The diagnostics state the reason, and the
     /// measurement that is missing.
     pub fn run(machine: &Machine, data: &[DataSet], options: &CalibrationOptions) -> Result<Calibration, Error> {
+        machine.check_one_head()?;
         let mut diagnostics = Diagnostics::default();
         let parameters = chosen(machine, &options.parameters, &mut diagnostics)?;
         let read = measurements(data, machine, (Purpose::Fit, &machine.registry.instruments), &mut diagnostics);
@@ -283,6 +285,12 @@ pub(crate) fn with_terms(
     findings: &mut Diagnostics,
 ) -> Option<(Vec<Parameter>, Option<StatedStart>)> {
     let Some(terms) = model.terms else { return Some((model.parameters, None)) };
+    if !chosen.machine.heads.is_empty() {
+        let message = "stated terms are written into a machine file without heads only";
+        let help = "fit parameters, such as EX0S or EXX1; or state the term in the machine file, in [[motion]] or [[head.motion]]";
+        findings.add(Diagnostic::nowhere(Code::NOT_SUPPORTED, message, help), std::slice::from_ref(&terms));
+        return None;
+    }
     let sets: Vec<_> = all.iter().take(used).map(|one| one.data.clone()).collect();
     let mut found = Vec::new();
     let file = (start, &chosen.registry.model);

@@ -94,7 +94,7 @@ fn set_times(choice: &ConditionFiles, condition: &mut Condition, is_logged: bool
 fn check(choice: &ConditionFiles, chosen: &Machine, condition: &Condition, findings: &mut Diagnostics) -> bool {
     let sensors = chosen.errors.sensors();
     let drifting: Vec<&str> =
-        chosen.errors.effects().filter(|effect| effect.drifts()).flat_map(Effect::sensors).collect();
+        chosen.errors.effects_with_heads().filter(|effect| effect.drifts()).flat_map(Effect::sensors).collect();
     let lacks = |condition: &Condition, wanted: &[&str]| -> Vec<String> {
         let missing = wanted.iter().filter(|sensor| condition.temperature_c(sensor, 0.0).is_none());
         missing.map(|&sensor| sensor.to_owned()).collect()
@@ -121,7 +121,7 @@ fn check(choice: &ConditionFiles, chosen: &Machine, condition: &Condition, findi
             return false;
         }
     }
-    let needs_load = chosen.errors.effects().any(Effect::needs_load);
+    let needs_load = chosen.errors.effects_with_heads().any(Effect::needs_load);
     if needs_load && condition.loads().is_empty() && choice.files.is_empty() {
         let message = "no workpiece weight is given: the table is assumed empty";
         let help = "give --load with the weight in N, 0 for no load, or --state with [[load]]";
@@ -132,7 +132,7 @@ fn check(choice: &ConditionFiles, chosen: &Machine, condition: &Condition, findi
 
 /// Warns if `--load` has no effect, or if a rotary axis turns a load that is off its center.
 fn check_load(choice: &ConditionFiles, chosen: &Machine, findings: &mut Diagnostics) {
-    let needs_load = chosen.errors.effects().any(Effect::needs_load);
+    let needs_load = chosen.errors.effects_with_heads().any(Effect::needs_load);
     if !needs_load && choice.load.is_some() {
         let message = "the machine file has no data for the weight of workpieces: --load has no effect";
         let help = "add [[load]] to the machine file, or remove --load";

@@ -68,6 +68,7 @@ impl Diagnosis {
     /// # Errors
     /// If data are invalid or not informative: the diagnostics state the reason, and what to measure.
     pub fn run(machine: &Machine, data: &[DataSet], options: &DiagnosisOptions) -> Result<Diagnosis, Error> {
+        machine.check_one_head()?;
         let mut diagnostics = Diagnostics::default();
         let how = (Purpose::Diagnosis(&machine.errors), &machine.registry.instruments);
         let read = measurements(data, machine, how, &mut diagnostics);

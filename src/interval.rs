@@ -1,28 +1,52 @@
 //! Interval of the errors of a run, from the uncertainty of its machine.
 
+use crate::head::HeadInUse;
 use crate::machine::Machine;
 use ncfix_base::units::mm_from_um;
+use ncfix_machine::machine::Uncertainty;
 use ncfix_model::Model;
 use ncfix_model::uncertainty::{unknown_of, variations};
 use ncfix_path::path::{self, ErrorPlace};
 use ncfix_report::prediction::PredictionReport;
 
 /// The interval of the errors at these places of a run; `None` on a machine without errors, whose programs stay as they are.
-pub(crate) fn of_run(chosen: &Machine, model: &Model, places: &[ErrorPlace]) -> Option<PredictionReport> {
-    if model.is_empty() || places.is_empty() {
+pub(crate) fn of_run(heads: &[HeadInUse<'_>], model: &Model, places: &[ErrorPlace]) -> Option<PredictionReport> {
+    let [first, others @ ..] = heads else { return None };
+    if !model.has_errors() || places.is_empty() {
         return None;
     }
+    let chosen = &*first.chosen;
     let Some(uncertainty) = &chosen.machine.uncertainty else { return Some(PredictionReport::of(None, Vec::new())) };
-    // Each variation touches its zero offsets anew.
-    let mut other = chosen.clone();
-    let varied: Vec<Model> = variations(&chosen.machine, &chosen.errors, uncertainty)
-        .into_iter()
-        .map(|errors| {
-            other.errors = errors;
-            other.model()
-        })
-        .collect();
+    let varied = match others {
+        [] => varied(chosen, uncertainty),
+        _ => {
+            let mut by_head: Vec<Vec<Model>> = heads.iter().map(|one| varied(&one.chosen, uncertainty)).collect();
+            // Each cause varies all heads; the parameters of a head alone would be a cause of their own.
+            if by_head.iter().any(|models| models.len() != by_head[0].len()) {
+                return Some(PredictionReport::of(None, unknown_of(&chosen.errors, uncertainty)));
+            }
+            let count = by_head[0].len();
+            let most = heads.iter().map(|one| usize::from(one.head)).max().unwrap_or(0);
+            let of_cause = |_| {
+                let mut models: Vec<Model> = by_head.iter_mut().filter_map(Vec::pop).collect();
+                let place_of = |head: usize| heads.iter().position(|one| usize::from(one.head) == head).unwrap_or(0);
+                let others = (1..=most).map(|head| models[place_of(head)].clone()).collect();
+                models.swap_remove(place_of(0)).with_heads(others)
+            };
+            (0..count).map(of_cause).collect()
+        }
+    };
     let unexplained_mm = mm_from_um(uncertainty.unexplained_um.unwrap_or(0.0));
     let found = path::predict(places, model, &varied, unexplained_mm);
     Some(PredictionReport::of(found.as_ref(), unknown_of(&chosen.errors, uncertainty)))
+}
+
+/// The models after one standard deviation of each cause. Each touches its zero offsets anew.
+fn varied(chosen: &Machine, uncertainty: &Uncertainty) -> Vec<Model> {
+    let mut other = chosen.clone();
+    let models = variations(&chosen.machine, &chosen.errors, uncertainty).into_iter().map(|errors| {
+        other.errors = errors;
+        other.model()
+    });
+    models.collect()
 }

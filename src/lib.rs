@@ -42,6 +42,7 @@ mod diagnostics;
 mod disk;
 mod error;
 mod feed;
+mod head;
 mod import;
 mod interval;
 mod machine;

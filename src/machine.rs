@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::datum;
 use crate::diagnostics::Diagnostics;
 use crate::disk::machine_file;
 use crate::error::Error;
@@ -13,8 +12,8 @@ use ncfix_base::geometry::{AXES, Axis, AxisVector};
 use ncfix_base::source::{FileId, Source};
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_machine::machine::{AxisData, Condition, State};
+use ncfix_model::ErrorModel;
 use ncfix_model::shares::{Deviation, ErrorShares};
-use ncfix_model::{ErrorModel, Model};
 
 /// One machine: its axes, control, tools and zero offsets, its measured errors, and its current condition.
 ///
@@ -222,7 +221,8 @@ impl Machine {
 
     /// The errors at a pose: position error of the tip and orientation error of the tool, relative to the workpiece,
     /// along and about the directions of the foundation. `pose` contains the axis commands, mm and rad
-    /// (`"X100,C30".parse()` takes mm and degrees); `state` contains the directions of the last motions.
+    /// (`"X100,C30".parse()` takes mm and degrees); `state` contains the directions of the last motions. On a machine with several heads they are those of
+    /// the head at the start; [`with_head`](Self::with_head) chooses another one.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -281,10 +281,5 @@ impl Machine {
             }
         }
         Ok(())
-    }
-
-    /// The error model in the condition of the machine.
-    pub(crate) fn model(&self) -> Model {
-        datum::with_zeros(self, Model::at(&self.machine, &self.errors, &self.condition))
     }
 }

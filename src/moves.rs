@@ -1,5 +1,6 @@
 //! The flat stream of a program, as an iterator and as a text.
 
+use std::cell::RefCell;
 use std::fmt;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -14,7 +15,7 @@ use ncfix_base::geometry::{AxisVector, Vector};
 use ncfix_base::source::Span;
 use ncfix_language::exec::{Options, RapidOrder};
 use ncfix_machine::machine::Kinematics;
-use ncfix_machine::snc::{Element, TextReader, TextWriter};
+use ncfix_machine::snc::{Element, Kind, TextReader, TextWriter};
 
 /// The first line of a flat stream.
 const HEAD: &str = "; snc 1";
@@ -163,13 +164,16 @@ impl<'a> FlatText<'a> {
     pub(crate) fn write(self, out: impl Write, found: &mut Diagnostics) -> io::Result<Vec<PathBuf>> {
         let FlatText { program, machine: Machine { machine, .. }, mut running } = self;
         let turned = |command: &AxisVector, tool_mm: &Vector| machine.turned_tool_mm(command, tool_mm);
-        let kinematics = Kinematics::new(machine);
+        let kinematics = RefCell::new(Kinematics::new(machine));
         let mut writer = TextWriter::new(out, &machine.name, machine.axis_set(), turned)?
-            .with_workpiece(|command, tool_mm| kinematics.on_workpiece(command, tool_mm));
+            .with_workpiece(|command, tool_mm| kinematics.borrow().on_workpiece(command, tool_mm));
         if let Some(start) = program.reading().start {
             writer.start_at(start);
         }
         while let Some(item) = running.next() {
+            if let Ok(Element { kind: Kind::Setup(setup), .. }) = &item {
+                kinematics.borrow_mut().set_head(machine, setup.head);
+            }
             match item {
                 // A stream with a gap would be read as another program: it ends before the first error, and the rest is only executed.
                 Ok(_) if found.has_errors() => {}

@@ -49,6 +49,7 @@ impl PlanRequest<'_> {
     /// # Errors
     /// If there is no such plan on this machine, a file cannot be read, or the parameters of the model cannot be evaluated for it.
     pub(crate) fn run(&self, chosen: &Machine, found: &mut Diagnostics) -> Result<Option<MadePlan>, Error> {
+        chosen.check_one_head()?;
         let machine = &chosen.machine;
         self.kind.check(self.wishes, self.is_seeded, machine).map_err(|reason| Error::usage(reason.to_string()))?;
         let refused = |reason: String| Error::usage(format!("plan {} is not possible: {reason}", self.kind.name));

@@ -271,7 +271,7 @@ impl Program {
 
     /// The search for its machine, with the nearest machine file from the folder of `near` upwards.
     pub(crate) fn search<'a>(&'a self, near: &'a Path) -> MachineSearch<'a> {
-        MachineSearch { near, made: Some((Path::new(self.source.name()), self.bytes())) }
+        MachineSearch { near, made: Some((Path::new(self.source.name()), self.bytes())), changes_heads: true }
     }
 
     /// The text.

@@ -244,6 +244,7 @@ pub(crate) struct Running<'a> {
     moves: bool,
     elements: u64,
     extent: PathExtent,
+    machine: &'a ncfix_machine::machine::Machine,
     /// Of machines with rotary axes: the axes move along curves while a control keeps the tip on its path.
     kinematics: Option<Kinematics>,
 }
@@ -270,7 +271,7 @@ impl<'a> Running<'a> {
         let execution = Execution::new(opened.program, machine, library, options);
         let turns = machine.axis_set().iter().any(|axis| axis.is_rotary());
         let (extent, kinematics) = (PathExtent::default(), turns.then(|| Kinematics::new(machine)));
-        Running { execution, watch: None, loaded, length, moves: false, elements: 0, extent, kinematics }
+        Running { execution, watch: None, loaded, length, moves: false, elements: 0, extent, machine, kinematics }
     }
 
     /// The run with an observer of its progress.
@@ -309,6 +310,9 @@ impl<'a> Running<'a> {
     }
 
     fn note_extent(&mut self, element: &Element) {
+        if let (Kind::Setup(setup), Some(kinematics)) = (&element.kind, &mut self.kinematics) {
+            kinematics.set_head(self.machine, setup.head);
+        }
         if let (Kind::Move(motion), Some(kinematics)) = (&element.kind, &self.kinematics)
             && let Some(turning) = motion.tip
         {

@@ -46,6 +46,7 @@ pub(crate) fn find(
     sides_mm: [f64; 2],
     read_to_mm: f64,
 ) -> Result<FoundSquareness, Error> {
+    chosen.check_one_head()?;
     let machine = &chosen.machine;
     let direction = |axis| machine.axis(axis).map(|data| data.direction);
     let [first, second, _] = pair(plane);

@@ -48,6 +48,7 @@ impl StepSearch<'_> {
         share: impl FnMut(f64),
         found: &mut Diagnostics,
     ) -> Result<StepReport, Error> {
+        machine.check_one_head()?;
         let model = machine.model();
         let trial = StepTrial::new(&model, self.rotary);
         let mut report = StepReport { machine: machine.machine.name.clone(), ..self.empty() };

@@ -62,6 +62,7 @@ pub(crate) fn find(
             "the program was corrected for the state {state} and contains a drift already: give the original, or one that was corrected without --state"
         )));
     }
+    chosen.check_one_head()?;
     let Some(volume) = cut_volume(program, chosen, found)? else { return Ok(None) };
     let reference = chosen.condition.zero().map_or_else(Condition::default, |_| chosen.condition.when_zeroed());
     let models = [&chosen.condition, &reference].map(|one| Model::at(&chosen.machine, &chosen.errors, one));

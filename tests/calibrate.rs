@@ -53,6 +53,7 @@ pub(crate) fn measurement(kind: &str, free: &[Free]) -> DataSet {
         name: kind.to_owned(),
         kind: Instruments::default().find(kind).copied().unwrap(),
         date: None,
+        head: None,
         sigma: None,
         sigma_rad: None,
         free: free.to_vec(),

@@ -176,7 +176,7 @@ fn small_errors_leave_arcs_what_they_are() {
     let errors = ErrorModel {
         location: vec![LocationError { name: "EC0Y".parse().unwrap(), value: 5e-6 }],
         motion: vec![motion("EXX", polynomial(&[0.01, 4e-6])), motion("EZX", polynomial(&[0.0, 2e-6]))],
-        effects: Vec::new(),
+        ..ErrorModel::default()
     };
     let text = "G0 X60 Y0 Z0\nG3 X60 Y0 Z0 I-40 J0 P17 F500\nG2 X20 Y-40 Z-3 I-40 J0 P17 L1 F500\n";
     let run = correct(text, &xyz_machine(), &errors, CorrectionOptions::default());

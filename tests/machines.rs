@@ -42,6 +42,8 @@ pub(crate) fn xyz_machine() -> Machine {
         axis_order: Vec::new(),
         axes,
         spindle: Spindle { origin_mm: Vector::zeros(), axis: Vector::z() },
+        heads: Vec::new(),
+        has_fixed_head: false,
         control: Control::default(),
         zero_offsets,
         partial_offsets: BTreeMap::new(),

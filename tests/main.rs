@@ -116,6 +116,7 @@ mod grundig_laws;
 mod grundig_output;
 mod grundig_requirements;
 mod guard;
+mod heads;
 mod hostile;
 mod import;
 mod import_directions;

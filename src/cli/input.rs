@@ -9,9 +9,8 @@ pub(super) use crate::disk::files::{is_standard_stream, read, read_written};
 /// If both would.
 pub(super) fn one_stream(is_json: bool, machine_goes_out: bool) -> Result<(), Stop> {
     if is_json && machine_goes_out {
-        return Err(Stop::Usage(
-            "--json and the machine file cannot both go to standard output; give -o a file".into(),
-        ));
+        let sentence = "--json and the machine file cannot both go to standard output; give -o a file";
+        return Err(Stop::Usage(sentence.into()));
     }
     Ok(())
 }

@@ -5,7 +5,7 @@ use super::findings::Findings;
 use super::state;
 use super::stop::Stop;
 pub(super) use crate::disk::hash::digest;
-pub(super) use crate::disk::machine_file::{FoundFile, locate, read, source_of};
+pub(super) use crate::disk::machine_file::{FoundFile, locate, read, read_head, source_of};
 pub(super) use crate::disk::stated_machine::{self, MachineSearch};
 pub(super) use crate::machine::Machine as Chosen;
 
@@ -18,7 +18,8 @@ pub(super) fn choose<'a>(
     program: impl Into<MachineSearch<'a>>,
     findings: &mut Findings,
 ) -> Result<Option<Chosen>, Stop> {
-    Ok(stated_machine::choose(choice.machine.as_deref(), &choice.setup, program.into(), findings)?)
+    let MachineChoice { machine, head, setup } = choice;
+    Ok(stated_machine::choose((machine.as_deref(), head.as_deref()), setup, program.into(), findings)?)
 }
 
 /// Chooses and reads the machine for `program`, in the condition given.

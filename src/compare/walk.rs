@@ -13,6 +13,7 @@ use crate::coverage;
 use crate::datum;
 use crate::diagnostics::Diagnostics;
 use crate::error::Error;
+use crate::head;
 use crate::interval;
 use crate::machine::Machine;
 use crate::program::Program;
@@ -237,10 +238,11 @@ fn walk(
     }
     match result {
         Ok(comparison) => {
-            let (coverage, gaps) = coverage::of_run(chosen, original.extent(), how.requires_coverage);
+            let heads = head::in_use(chosen, &model, original.extent());
+            let (coverage, gaps) = coverage::of_run(&heads[0].chosen, original.extent(), how.requires_coverage);
             let tolerance_mm = path::CorrectionOptions::default().tolerance_mm;
-            let zeros = datum::of_run(chosen, &model, original.extent().zeros(), tolerance_mm, findings);
-            let prediction = interval::of_run(chosen, &model, &comparison.places);
+            let zeros = head::zeros(&heads, original.extent(), tolerance_mm, findings);
+            let prediction = interval::of_run(&heads, &model, &comparison.places);
             let (refused, noted) = if how.requires_coverage { (gaps, Vec::new()) } else { (Vec::new(), gaps) };
             findings.extend(noted, &sources[0]);
             let machine = MachineUsed {

@@ -9,6 +9,12 @@ use ncfix_report::json::{Contouring, FeedLimit};
 
 /// The `[servo]` section of the machine file; a diagnostic if it is missing.
 pub(crate) fn servo<'m>(machine: &'m Machine, findings: &mut Diagnostics) -> Option<&'m Servo> {
+    if machine.changes_heads() {
+        let message = format!("errors at feed are simulated for one spindle, and {} has several heads", machine.name);
+        let help = "make a machine file with the [spindle] of the head that the program uses";
+        findings.add(Diagnostic::nowhere(Code::NOT_SUPPORTED, message, help), &[]);
+        return None;
+    }
     if machine.servo.is_none() {
         let message =
             format!("the machine file of {} does not describe how its axes follow a program at feed", machine.name);

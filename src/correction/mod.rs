@@ -19,6 +19,7 @@ use crate::datum;
 use crate::diagnostics::Diagnostics;
 use crate::disk::hash::short_hash;
 use crate::error::Error;
+use crate::head;
 use crate::interval;
 use crate::machine::Machine;
 use crate::options::{Compensation, Options};
@@ -375,12 +376,13 @@ impl<'a> Prepared<'a> {
         for stamped in sources.iter().skip(1).filter(|source| emit::is_stamped(source.bytes())) {
             found.add(corrected_before(stamped), sources);
         }
+        let heads = head::in_use(machine, model, running.extent());
         if running.moves() && !found.has_errors() {
-            let (coverage, gaps) = coverage::of_run(machine, running.extent(), is_required);
+            let (coverage, gaps) = coverage::of_run(&heads[0].chosen, running.extent(), is_required);
             report.coverage = Some(coverage);
             found.extend(gaps, sources);
-            report.zeros = datum::of_run(machine, model, running.extent().zeros(), options.tolerance_mm, found);
-            report.prediction = interval::of_run(machine, model, &passed.prediction.places());
+            report.zeros = head::zeros(&heads, running.extent(), options.tolerance_mm, found);
+            report.prediction = interval::of_run(&heads, model, &passed.prediction.places());
         }
         note(&passed.prediction, &running, &machine.machine, options.tolerance_mm, report);
         if let Some((finding, source)) = short_blocks(&passed.prediction.short_blocks, sources, report) {
@@ -389,8 +391,7 @@ impl<'a> Prepared<'a> {
         if let Some(finding) = worse(&passed.prediction, options.tolerance_mm) {
             found.add(finding, &[]);
         }
-        let left = path::remaining(&machine.machine, &machine.errors, &machine.condition, &passed.poses);
-        report.remaining = left.iter().map(remaining).collect();
+        report.remaining = head::remaining(&heads, &passed.poses).iter().map(remaining).collect();
         Ok(Ok(WrittenText { has_wear, elements: running.elements() }))
     }
 

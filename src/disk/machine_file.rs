@@ -10,7 +10,7 @@ use crate::disk::{archive, table_files};
 use crate::error::Error;
 use crate::machine::Machine;
 use crate::registry::Registry;
-use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::{FileId, Source};
 use ncfix_dialect::{CodeEffect, Dialect};
 use ncfix_language::exec::apply_archive;
@@ -152,6 +152,19 @@ pub(crate) fn read(source: &Source, setups: &[PathBuf], findings: &mut Diagnosti
     read_with(source, setups, &Registry::default(), findings)
 }
 
+/// Reads a machine as [`read`] does, with one head: the named one, or the only one.
+///
+/// # Errors
+/// If a set-up file cannot be read, or the head is not clear.
+pub(crate) fn read_head(
+    source: &Source,
+    setups: &[PathBuf],
+    head: Option<&str>,
+    findings: &mut Diagnostics,
+) -> Result<Option<Machine>, Error> {
+    read(source, setups, findings)?.map(|machine| machine.with_one_head(head)).transpose()
+}
+
 /// Reads a machine as [`read`] does, with the additional keys of a registry.
 fn read_with(
     source: &Source,
@@ -177,6 +190,9 @@ fn read_with(
         let found = Diagnostic::nowhere(Code::BAD_VALUE, message, help);
         findings.add(Diagnostic { place, ..found }, std::slice::from_ref(source));
     }
+    let found = of_other_meaning(&machine, source);
+    is_usable &= found.is_empty();
+    findings.extend(found, std::slice::from_ref(source));
     for word in &machine.control.initial_codes {
         let table = ncfix_dialect::find(&machine.controller).map(Dialect::codes);
         let row = table.and_then(|table| table.word(&word.to_ascii_uppercase()));
@@ -244,6 +260,43 @@ fn read_with(
         hash,
         files,
     }))
+}
+
+/// Words that select a head, and that have another meaning in the language of the control.
+fn of_other_meaning(machine: &ncfix_machine::machine::Machine, source: &Source) -> Vec<Diagnostic> {
+    let codes = ncfix_dialect::find(&machine.controller).map(Dialect::codes);
+    let meaning = |number: u32| match codes.and_then(|codes| codes.m(number as usize)) {
+        Some(row) if is_for_heads(&machine.controller, row.name) => None,
+        Some(row) => Some(row.meaning),
+        None => is_standard(number).then_some("a standard function"),
+    };
+    let mut found = Vec::new();
+    for head in &machine.heads {
+        for number in &head.select {
+            let Some(meaning) = meaning(*number) else { continue };
+            let place = MachineFile::parse(source).ok().and_then(|file| place_of_head(&file, &head.name));
+            let message = format!("M{number}, which selects the head {}, already means: {meaning}", head.name);
+            let help = "write the M word with which this control selects the head; it must have no other meaning";
+            found.push(Diagnostic { place, ..Diagnostic::nowhere(Code::BAD_HEAD, message, help) });
+        }
+    }
+    found
+}
+
+/// True for the words of a swivel head, and for those that the user assigns.
+fn is_for_heads(controller: &str, row: &str) -> bool {
+    matches!((controller, row), ("grundig", "M53" | "M54") | ("rs274", "M100..M199"))
+}
+
+/// True for M words that a control without rows for them has: stops, ends, spindle, tool change, coolant, gears.
+fn is_standard(number: u32) -> bool {
+    matches!(number, 0..=9 | 17 | 19 | 30 | 40..=45 | 70)
+}
+
+/// The place of the words of a head.
+fn place_of_head(file: &MachineFile, name: &str) -> Option<Place> {
+    let mut heads = file.root().sections("head").into_iter();
+    heads.find_map(|mut section| (section.text("name") == Some(name)).then(|| section.place_of("select")))
 }
 
 /// True if the name or the words of a file are those of a part program.

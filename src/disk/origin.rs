@@ -100,7 +100,8 @@ fn insert(values: &mut Vec<OriginRow>, row: OriginRow) {
 
 /// Adds the defaults of keys that were not written.
 fn fill_in(values: &mut Vec<OriginRow>, machine: &Machine) {
-    let mut sections: Vec<String> = ALWAYS.map(str::to_owned).to_vec();
+    let is_valid = |section: &&str| machine.heads.is_empty() || *section != "spindle";
+    let mut sections: Vec<String> = ALWAYS.iter().copied().filter(is_valid).map(str::to_owned).collect();
     for row in values.iter() {
         let own = section(&row.path).to_owned();
         if !sections.contains(&own) {

@@ -22,17 +22,31 @@ pub(crate) struct MachineSearch<'a> {
     pub(crate) near: &'a Path,
     /// A file that states its machine, with its bytes.
     pub(crate) made: Option<(&'a Path, &'a [u8])>,
+    /// True if the program itself may change the head.
+    pub(crate) changes_heads: bool,
+}
+
+impl<'a> MachineSearch<'a> {
+    /// The search for the machine of a program in a file, which may change the head.
+    pub(crate) fn of_program(near: &'a Path) -> MachineSearch<'a> {
+        MachineSearch { near, made: None, changes_heads: true }
+    }
+
+    /// The same search for one head.
+    pub(crate) fn with_one_head(self) -> MachineSearch<'a> {
+        MachineSearch { changes_heads: false, ..self }
+    }
 }
 
 impl<'a> From<&'a Path> for MachineSearch<'a> {
     fn from(near: &'a Path) -> MachineSearch<'a> {
-        MachineSearch { near, made: None }
+        MachineSearch { near, made: None, changes_heads: false }
     }
 }
 
 impl<'a> From<&'a PathBuf> for MachineSearch<'a> {
     fn from(near: &'a PathBuf) -> MachineSearch<'a> {
-        MachineSearch { near, made: None }
+        MachineSearch { near, made: None, changes_heads: false }
     }
 }
 
@@ -64,12 +78,30 @@ impl StatedMachine {
     }
 }
 
-/// Chooses a machine as [`machine_file::choose`] does. If neither an option nor the environment names a file, and the program states its machine, only
+/// Chooses a machine as [`found`] does, with a head: the one that is active at the start of a program that may change it, otherwise the only one in use.
+///
+/// # Errors
+/// If a named file cannot be read, or the head is not clear.
+pub(crate) fn choose(
+    (named, head): (Option<&Path>, Option<&str>),
+    setups: &[PathBuf],
+    search: MachineSearch<'_>,
+    findings: &mut Diagnostics,
+) -> Result<Option<Machine>, Error> {
+    let Some(machine) = found(named, setups, search, findings)? else { return Ok(None) };
+    Ok(Some(match head {
+        Some(name) if search.changes_heads => machine.starting_with(name)?,
+        None if search.changes_heads => machine,
+        head => machine.with_one_head(head)?,
+    }))
+}
+
+/// Finds a machine as [`machine_file::choose`] does. If neither an option nor the environment names a file, and the program states its machine, only
 /// that one is used: the nearest `ncfix.toml`, or another file in the folder of the program.
 ///
 /// # Errors
 /// If a named file cannot be read.
-pub(crate) fn choose(
+fn found(
     named: Option<&Path>,
     setups: &[PathBuf],
     search: MachineSearch<'_>,

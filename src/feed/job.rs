@@ -56,6 +56,7 @@ impl Transfer {
         (correction, options): (&Options, FeedOptions),
         found: &mut Diagnostics,
     ) -> Result<Option<Transfer>, Error> {
+        machine.check_one_head()?;
         let mut machine = datum::with_written(&program, &machine);
         if let Some(increment_mm) = correction.increment_mm {
             machine.machine.control.increment_mm = increment_mm;

@@ -147,6 +147,7 @@ impl Tables {
         result: &mut TablesResult,
         found: &mut Diagnostics,
     ) -> Result<Option<Tables>, Error> {
+        machine.check_one_head()?;
         let machine = &itself(machine);
         let schemes = &machine.registry.schemes;
         let scheme = scheme_of(schemes, &options.scheme)?;

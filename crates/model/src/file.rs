@@ -3,18 +3,21 @@
 //! Displacements are µm and rotations µrad in the file; polynomial coefficients are mm and rad per power of mm or rad.
 
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
-use ncfix_base::geometry::{Axis, AxisSet};
+use ncfix_base::geometry::{Axis, AxisSet, Vector};
 use ncfix_base::source::Source;
 use ncfix_base::units::{mm_from_um, rad_from_urad};
 use ncfix_machine::machine::file::{MachineFile, SECTIONS, Section, nearest, read_machine};
-use ncfix_machine::machine::{Machine, uncertainty};
+use ncfix_machine::machine::{MOST_HEADS, Machine, uncertainty};
 
 use super::location;
 use super::motion::{Entry, MotionKind, MotionKinds};
 use super::name::{ErrorKind, ErrorName};
 use super::source::MachineFileReading;
 use super::uncertainty::UncertainParameter;
-use super::{ErrorModel, LocationError, ModelRegisters, MotionError};
+use super::{ErrorModel, HeadEntries, LocationError, ModelRegisters, MotionError};
+
+/// Directions whose angle has a smaller sine are parallel.
+const PARALLEL: f64 = 1e-9;
 
 /// Reads a machine file and reports all diagnostics in one run, in the order of the file. The machine is `None` if any of them is an error.
 #[must_use]
@@ -42,6 +45,7 @@ pub fn load_with(source: &Source, registers: &ModelRegisters) -> (Option<(Machin
             MachineFileReading { root: &mut root, axes, machine: machine.as_ref(), kinds, findings: &mut findings };
         source.read(&mut reading, &mut errors);
     }
+    read_heads(&mut root, axes, machine.as_ref(), registers, (&mut errors, &mut findings));
     let used = errors.sensors();
     let unused: Vec<String> = machine
         .iter()
@@ -65,11 +69,51 @@ pub fn load_with(source: &Source, registers: &ModelRegisters) -> (Option<(Machin
     check_uncertainty(&mut root, axes, &errors, &mut findings);
     if let Some(machine) = &machine {
         check_location(&mut root, machine, &errors);
+        if machine.heads.is_empty() {
+            check_spindle(&mut root, &machine.spindle.axis);
+        }
     }
     root.finish(&mut findings);
     findings.sort_by_key(|finding| (finding.place, finding.code));
     let sound = !findings.iter().any(Diagnostic::is_error);
     (machine.filter(|_| sound).map(|machine| (machine, errors)), findings)
+}
+
+/// Reads the errors of each `[[head]]`, which add to those of the machine while the head is active: a head may have every section of an error source.
+fn read_heads(
+    root: &mut Section<'_>,
+    axes: AxisSet,
+    machine: Option<&Machine>,
+    registers: &ModelRegisters,
+    (errors, findings): (&mut ErrorModel, &mut Vec<Diagnostic>),
+) {
+    let mut heads = Vec::new();
+    let mut start = 0;
+    for (index, mut section) in root.sections("head").into_iter().take(MOST_HEADS).enumerate() {
+        for key in ["select", "origin_mm", "axis"] {
+            section.accept(key);
+        }
+        if section.boolean("start") == Some(true) {
+            start = index;
+        }
+        let common = [errors.location.len(), errors.motion.len(), errors.effects.len()];
+        let mut own = ErrorModel { head_entries: Some(HeadEntries { index, common }), ..errors.clone() };
+        for source in registers.sources.iter() {
+            let kinds = &registers.motion_kinds;
+            let mut reading = MachineFileReading { root: &mut section, axes, machine, kinds, findings };
+            source.read(&mut reading, &mut own);
+        }
+        let name = section.text("name");
+        if let Some(head) =
+            machine.and_then(|machine| machine.heads.iter().find(|head| Some(head.name.as_str()) == name))
+        {
+            check_spindle(&mut section, &head.spindle.axis);
+        }
+        section.finish(findings);
+        heads.push(own);
+    }
+    errors.heads = heads;
+    errors.start_with_head(start);
 }
 
 /// Reports location errors that move neither the tip nor the tool axis on this machine, such as the rotation of everything under the workpiece: the
@@ -89,6 +133,21 @@ fn check_location(root: &mut Section<'_>, machine: &Machine, errors: &ErrorModel
             "{name} has no effect on this machine: it tilts the workpiece together with all axes on its side, so no angle between axes changes"
         );
         root.report(Code::NO_EFFECT, section.place_of_key(&name.to_string()), message, help);
+    }
+}
+
+/// Reports a rotation of the spindle about its own axis, which moves nothing.
+fn check_spindle(section: &mut Section<'_>, axis: &Vector) {
+    let Some(location) = section.section("location") else { return };
+    for key in location.keys() {
+        let Ok(name) = key.parse::<ErrorName>() else { continue };
+        let along = Vector::ith(name.direction.index() % 3, 1.0);
+        if name.axis().is_some() || !name.direction.is_rotation() || axis.cross(&along).norm() > PARALLEL {
+            continue;
+        }
+        let message = format!("{key} is a rotation of the spindle about its own axis, which moves nothing");
+        let help = "remove it; the tilts of a spindle are rotations about the other two directions";
+        section.report(Code::UNKNOWN_COMPONENT, location.place_of_key(key), message, help);
     }
 }
 

@@ -48,6 +48,8 @@ pub struct Model {
     zeros: Arc<[Option<Model>]>,
     /// Displacements that the zero offsets contain if they were touched, by their index, mm.
     touches_mm: Arc<[Vector]>,
+    /// The same machine with its other heads, by their index minus one.
+    heads: Arc<[Model]>,
 }
 
 /// Constants of a machine with linear axes only: the nominal tip is a sum, and the step that brings the tip to its position is constant.
@@ -117,6 +119,7 @@ impl Model {
             zero_mm: Vector::zeros(),
             zeros: Arc::new([]),
             touches_mm: Arc::new([]),
+            heads: Arc::new([]),
         }
     }
 
@@ -135,6 +138,30 @@ impl Model {
         };
         let zeros = touches_mm.iter().zip(relative).map(of).collect();
         Model { zeros, touches_mm: touches_mm.into(), ..self }
+    }
+
+    /// Returns the model with those of the other heads of the machine, from the second on, each with its zero offsets.
+    #[must_use]
+    pub fn with_heads(self, heads: Vec<Model>) -> Model {
+        Model { heads: heads.into(), ..self }
+    }
+
+    /// True if an error of any head can differ from zero.
+    #[must_use]
+    pub fn has_errors(&self) -> bool {
+        !self.is_empty || self.heads.iter().any(Model::has_errors)
+    }
+
+    /// Returns the model with a head by its index, without zero offsets in force.
+    #[must_use]
+    pub fn for_head(&self, head: u16) -> &Model {
+        usize::from(head).checked_sub(1).and_then(|place| self.heads.get(place)).unwrap_or(self)
+    }
+
+    /// Returns the model with a head, in which errors count from the given zero offset.
+    #[must_use]
+    pub fn for_setup(&self, head: u16, zero: Option<u16>) -> &Model {
+        self.for_head(head).for_zero(zero)
     }
 
     /// Returns the model with the zero offsets of another model of this machine.

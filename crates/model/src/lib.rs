@@ -93,6 +93,19 @@ pub struct ErrorModel {
     pub motion: Vec<MotionError>,
     /// Effects of other sources: workpiece weight, temperature, …
     pub effects: Vec<Box<dyn Effect>>,
+    /// All errors with each head, in the order of the heads of the machine; empty if it has none. The errors of this model are those of the first.
+    pub heads: Vec<ErrorModel>,
+    /// Where the file has the errors of the head alone, which come after the common ones; `None` if the machine has no heads.
+    pub head_entries: Option<HeadEntries>,
+}
+
+/// Place of the errors of a head in the machine file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HeadEntries {
+    /// Index of the `[[head]]` in the file.
+    pub index: usize,
+    /// Number of common location errors, motion errors and effects.
+    pub common: [usize; 3],
 }
 
 impl ErrorModel {
@@ -101,6 +114,29 @@ impl ErrorModel {
         let location = self.location.iter().map(|error| error as &dyn Effect);
         let motion = self.motion.iter().map(|error| error as &dyn Effect);
         location.chain(motion).chain(self.effects.iter().map(|effect| &**effect))
+    }
+
+    /// Returns the errors with a head by its index, as those of a machine with this spindle alone.
+    #[must_use]
+    pub fn of_head(&self, head: u16) -> ErrorModel {
+        match self.heads.get(usize::from(head)) {
+            Some(of_head) => of_head.clone(),
+            None => ErrorModel { heads: Vec::new(), ..self.clone() },
+        }
+    }
+
+    /// Makes a head the one that is active at the start. An index without a head changes nothing.
+    pub fn start_with_head(&mut self, index: usize) {
+        if let Some(head) = self.heads.get(index).cloned() {
+            let mut heads = std::mem::take(&mut self.heads);
+            heads[..=index].rotate_right(1);
+            *self = ErrorModel { heads, ..head };
+        }
+    }
+
+    /// Returns all contributions, including those of every head. Common ones occur more than once.
+    pub fn effects_with_heads(&self) -> impl Iterator<Item = &dyn Effect> {
+        self.effects().chain(self.heads.iter().flat_map(ErrorModel::effects))
     }
 
     /// Returns all contributions for modification.
@@ -128,10 +164,11 @@ impl ErrorModel {
         self.effects().filter(move |effect| effect.source().name == source)
     }
 
-    /// Returns the sensors that the model needs, sorted, each once.
+    /// Returns the sensors that the model needs, with every head, sorted, each once.
     #[must_use]
     pub fn sensors(&self) -> Vec<&str> {
-        let mut sensors: Vec<&str> = self.effects().flat_map(Effect::sensors).collect();
+        let of_heads = self.heads.iter().flat_map(ErrorModel::sensors);
+        let mut sensors: Vec<&str> = self.effects().flat_map(Effect::sensors).chain(of_heads).collect();
         sensors.sort_unstable();
         sensors.dedup();
         sensors

@@ -179,8 +179,8 @@ impl FromStr for ErrorName {
         let direction =
             DIRECTIONS.into_iter().find(|direction| direction.letter() == char::from(letter)).ok_or(NoSuchComponent)?;
         let carrier = match (body, kind) {
-            // A rotation about the axis of the spindle moves nothing, and a spindle has no position.
-            (b'S', ErrorKind::Location) if direction != Direction::C => Carrier::Spindle,
+            // A spindle has no position.
+            (b'S', ErrorKind::Location) => Carrier::Spindle,
             (b'A'..=b'Z', _) => Carrier::Axis(Axis::from_letter(body).ok_or(NoSuchComponent)?),
             _ => return Err(NoSuchComponent),
         };
@@ -219,12 +219,12 @@ mod tests {
 
     #[test]
     fn names_read_back_as_written() {
-        for text in ["EXX", "EAY", "EC0Y", "EX0C", "EX0S", "EB0S", "ECC", "EZW", "EY0U"] {
+        for text in ["EXX", "EAY", "EC0Y", "EX0C", "EX0S", "EB0S", "EC0S", "ECC", "EZW", "EY0U"] {
             assert_eq!(text.parse::<ErrorName>().unwrap().to_string(), text);
         }
         assert_eq!("EC0Y".parse(), Ok(ErrorName::location(Direction::C, Axis::Y)));
         assert_eq!("EXS".parse::<ErrorName>(), Err(NoSuchComponent), "the spindle has location errors only");
-        for text in ["", "E", "EX", "exx", "EDX", "EXQ", "EX1S", "EC0S", "EXXX", "C0Y", "EX0", "EX00", "E0XX", "EXx"] {
+        for text in ["", "E", "EX", "exx", "EDX", "EXQ", "EX1S", "ECS", "EXXX", "C0Y", "EX0", "EX00", "E0XX", "EXx"] {
             assert_eq!(text.parse::<ErrorName>(), Err(NoSuchComponent), "{text}");
         }
     }

@@ -19,8 +19,23 @@ pub struct NotWritable(pub String);
 /// [`NotWritable`] if the text does not contain what was read from it.
 pub fn write(text: &str, read: &ErrorModel, changed: &ErrorModel) -> Result<String, NotWritable> {
     let mut edit = Edit::parse(text).ok_or_else(|| NotWritable("the machine file is not TOML".into()))?;
+    // Index of the head of an error, and the index of the error in it; `None` for a common error.
+    let in_head = |kind: usize, index: usize| {
+        let entries = read.head_entries?;
+        Some((entries.index, index.checked_sub(entries.common[kind])?))
+    };
     for (index, error) in changed.location.iter().enumerate() {
-        if read.location.get(index) != Some(error) && !edit.set("location", &error.name.to_string(), &value_of(error)) {
+        let old = read.location.get(index);
+        if old == Some(error) {
+            continue;
+        }
+        let (key, given) = (error.name.to_string(), value_of(error));
+        // A new error of the spindle is that of its head.
+        let is_done = match in_head(0, index).filter(|_| old.is_some() || error.name.axis().is_none()) {
+            Some((head, _)) => edit.set_of("head", head, "location", &key, &given),
+            None => edit.set("location", &key, &given),
+        };
+        if !is_done {
             return Err(NotWritable("location of the machine file is not a section".into()));
         }
     }
@@ -31,7 +46,12 @@ pub fn write(text: &str, read: &ErrorModel, changed: &ErrorModel) -> Result<Stri
         }
         let keys = keys_of(error, old)?;
         let is_done = match old {
-            Some(_) => keys.iter().all(|(key, given)| edit.set_in("motion", index, key, given)),
+            Some(_) => match in_head(1, index) {
+                Some((head, own)) => {
+                    keys.iter().all(|(key, given)| edit.set_at("head", head, &format!("motion[{own}].{key}"), given))
+                }
+                None => keys.iter().all(|(key, given)| edit.set_in("motion", index, key, given)),
+            },
             None => {
                 let head = [("component".to_owned(), Given::Text(error.name.to_string()))];
                 edit.push("motion", &head.into_iter().chain(keys).collect::<Vec<_>>())
@@ -46,7 +66,14 @@ pub fn write(text: &str, read: &ErrorModel, changed: &ErrorModel) -> Result<Stri
             new.value.to_bits() == old.value.to_bits()
                 || new.key.as_ref().is_some_and(|(entry, key)| {
                     let list = changed.source().sections.first().copied().unwrap_or_default();
-                    edit.set_at(list, *entry, key, &Given::Number(new.value * new.factor))
+                    let given = Given::Number(new.value * new.factor);
+                    match in_head(2, number) {
+                        Some((head, _)) => {
+                            edit.set_at("head", head, &format!("{list}[{entry}].{key}"), &given)
+                                || *entry == 0 && edit.set_at("head", head, &format!("{list}.{key}"), &given)
+                        }
+                        None => edit.set_at(list, *entry, key, &given),
+                    }
                 })
         });
         if !is_done {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use ncfix_base::geometry::AXES;
+use ncfix_base::geometry::{AXES, Vector};
 use ncfix_machine::machine::{AxisData, Machine, MeasuredRanges};
 use ncfix_model::uncertainty::unknown_of;
 use ncfix_model::{Effect, ErrorModel};
@@ -37,6 +37,17 @@ pub fn table(machine: &Machine, errors: &ErrorModel) -> String {
     for axis in AXES.into_iter().filter_map(|axis| machine.axis(axis)) {
         let [x, y, z] = [0, 1, 2].map(|row| decimal(axis.direction[row]));
         line(&format!("{:<6}{:<23}{x} {y} {z}", char::from(axis.axis.letter()), travel(axis)));
+    }
+    if !machine.heads.is_empty() {
+        line("");
+        line("head              words         gauge point            axis");
+        let shown = machine.heads.len().min(if machine.has_fixed_head { 1 } else { usize::MAX });
+        for (index, head) in machine.heads.iter().take(shown).enumerate() {
+            let of = |vector: &Vector| [0, 1, 2].map(|row| decimal(vector[row])).join(" ");
+            let note = if index == 0 && !machine.has_fixed_head { "  at the start" } else { "" };
+            let (origin, axis) = (of(&head.spindle.origin_mm), of(&head.spindle.axis));
+            line(&format!("{:<18}{:<14}{origin:<23}{axis}{note}", head.name, head.words()));
+        }
     }
     if !machine.zero_offsets.is_empty() {
         line("");
@@ -73,17 +84,16 @@ pub fn table(machine: &Machine, errors: &ErrorModel) -> String {
             line(&format!("{:<6}{:<6}{length:<13}{radius:<9}{name}", tool.number, tool.edge));
         }
     }
-    line("");
-    line("error source                data");
-    for source in errors.sources() {
-        let mut labels: Vec<String> = errors.effects_of(source.name).map(Effect::label).collect();
-        let count = labels.len();
-        labels.sort_unstable();
-        labels.dedup();
-        line(&format!("{:<12}{:<34}{count:>3}: {}", source.name, source.title, labels.join(" ")));
+    let names = machine.heads.iter().map(|head| head.name.as_str());
+    for (name, errors) in names.zip(&errors.heads) {
+        line("");
+        line(&format!("error source                with the head {name}"));
+        source_rows(errors).iter().for_each(|row| line(row));
     }
-    if errors.effects().next().is_none() {
-        line("none");
+    if errors.heads.is_empty() {
+        line("");
+        line("error source                data");
+        source_rows(errors).iter().for_each(|row| line(row));
     }
     let sensors = errors.sensors();
     if !sensors.is_empty() {
@@ -109,6 +119,22 @@ pub fn table(machine: &Machine, errors: &ErrorModel) -> String {
         line(&format!("strain      a gauge along {}", strain.axis));
     }
     out
+}
+
+/// Formats the error sources, a row for each.
+fn source_rows(errors: &ErrorModel) -> Vec<String> {
+    let mut rows = Vec::new();
+    for source in errors.sources() {
+        let mut labels: Vec<String> = errors.effects_of(source.name).map(Effect::label).collect();
+        let count = labels.len();
+        labels.sort_unstable();
+        labels.dedup();
+        rows.push(format!("{:<12}{:<34}{count:>3}: {}", source.name, source.title, labels.join(" ")));
+    }
+    if rows.is_empty() {
+        rows.push("none".to_owned());
+    }
+    rows
 }
 
 /// Formats the measured ranges, a row for each.

@@ -40,6 +40,9 @@ pub(in crate::cli) struct CalibrateArguments {
     /// Initial machine file
     #[arg(long, value_name = "START.toml")]
     pub(in crate::cli) machine: PathBuf,
+    /// Head of the machine file whose errors the readings contain
+    #[arg(long, value_name = "NAME")]
+    pub(in crate::cli) head: Option<String>,
     /// Parameters to fit: a preset (see `ncfix machine presets`), a file with one per line, or presets, parameters and terms such as "EXX ~ Y^2", separated by commas; none with --select
     #[arg(long, value_name = "PRESET|FILE|TERMS")]
     pub(in crate::cli) model: String,

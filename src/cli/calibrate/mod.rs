@@ -68,7 +68,7 @@ fn calibrate(
 ) -> Result<(), Stop> {
     let target = Target::new(&arguments.output)?;
     let start = input::read_written(&arguments.machine, MACHINE, "machine file, --machine")?;
-    let chosen = machine_choice::read(&start, &[], findings)?;
+    let chosen = machine_choice::read_head(&start, &[], arguments.head.as_deref(), findings)?;
     let read = std::iter::once(&arguments.machine).chain(&arguments.state.state).cloned().collect();
     let tables = measurement::tables(&arguments.data, &arguments.hold_out)?;
     let targets = std::iter::once(&target).chain(page.and_then(Pages::target));

@@ -39,9 +39,10 @@ fn examine(arguments: &CheckArguments, findings: &mut Findings) -> Result<(Check
         return Ok((checked, None));
     }
     // Only the dialect can affect the syntax, so a machine is read only if one is named.
+    let search = machine_choice::MachineSearch::of_program(&arguments.input);
     let machine = match arguments.syntax_only && arguments.machine.machine.is_none() {
         true => None,
-        false => machine_choice::choose_in(&arguments.machine, &arguments.state, &arguments.input, findings)?,
+        false => machine_choice::choose_in(&arguments.machine, &arguments.state, search, findings)?,
     };
     let how = (arguments.syntax_only, &arguments.correction.options());
     let name = machine.as_ref().filter(|_| !arguments.syntax_only).map(|chosen| chosen.machine.name.clone());

@@ -96,9 +96,8 @@ fn compare(
     findings: &mut Findings,
 ) -> Result<Option<(ReviewTrace, Outcome)>, Stop> {
     let search = programs[1].search(&arguments.original);
-    let Some(machine) = machine_choice::choose_in(&arguments.machine, &arguments.state, search, findings)? else {
-        return Ok(None);
-    };
+    let found = machine_choice::choose_in(&arguments.machine, &arguments.state, search, findings)?;
+    let Some(machine) = found else { return Ok(None) };
     machine.check_axes("--axis", &arguments.axis)?;
     let (promised, watch) = (arguments.promised, Some(progress::watch as fn() -> _));
     let pair = Pair { programs, machine: &machine, promised, at_feed: false, requires_coverage: false, watch };

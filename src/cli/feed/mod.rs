@@ -162,13 +162,11 @@ fn transfer(arguments: &FeedArguments, findings: &mut Findings) -> Result<Option
         None => String::new(),
     };
     let part = program::of(&arguments.input, &arguments.program)?;
-    let Some(mut machine) = machine_choice::choose(&arguments.machine, &arguments.input, findings)? else {
-        return Ok(None);
-    };
+    let found = machine_choice::choose(&arguments.machine, &arguments.input, findings)?;
+    let Some(mut machine) = found else { return Ok(None) };
     if machine.is_demo && !arguments.dry_run {
-        return Err(Stop::Usage(
-            "the embedded demo machine is not a real machine: give --machine, or save the machine file as ncfix.toml in the folder of the program".into(),
-        ));
+        let sentence = "the embedded demo machine is not a real machine: give --machine, or save the machine file as ncfix.toml in the folder of the program";
+        return Err(Stop::Usage(sentence.into()));
     }
     let is_read = match arguments.sensors {
         // Sensors give what the state file lacks.

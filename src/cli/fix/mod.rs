@@ -12,7 +12,7 @@ use crate::cli::diff;
 use crate::cli::exit_code::ExitCode;
 use crate::cli::findings::Findings;
 use crate::cli::input::is_standard_stream;
-use crate::cli::machine_choice;
+use crate::cli::machine_choice::{self, MachineSearch};
 use crate::cli::output::{Old, Spool, Target, next_backup};
 use crate::cli::program;
 use crate::cli::stop::Stop;
@@ -94,10 +94,9 @@ impl<'a> Job<'a> {
     /// Reads the machine, corrects, and publishes the text if there is no error.
     fn correct(&self, findings: &mut Findings, report: &mut CorrectionReport) -> Result<(), Stop> {
         let arguments = self.arguments;
-        let Some(chosen) = machine_choice::choose_in(&arguments.machine, &arguments.state, &arguments.input, findings)?
-        else {
-            return Ok(());
-        };
+        let search = MachineSearch::of_program(&arguments.input);
+        let found = machine_choice::choose_in(&arguments.machine, &arguments.state, search, findings)?;
+        let Some(chosen) = found else { return Ok(()) };
         report.machine.clone_from(&chosen.machine.name);
         let correction = self.program.correct(&chosen, &arguments.options());
         if self.program.was_corrected_before(findings) {

@@ -17,12 +17,8 @@ pub(super) fn run(arguments: &FixArguments, output: &Path) -> Result<ExitCode, S
     let mut findings = Findings::default();
     let target = Target::new(output)?;
     let program = program::of(&arguments.input, &arguments.program)?;
-    let chosen = machine_choice::choose_in(
-        &arguments.machine,
-        &arguments.state,
-        program.search(&arguments.input),
-        &mut findings,
-    )?;
+    let search = program.search(&arguments.input).with_one_head();
+    let chosen = machine_choice::choose_in(&arguments.machine, &arguments.state, search, &mut findings)?;
     if let Some(chosen) = chosen.filter(|_| !findings.has_errors()) {
         program::protect(&target, chosen.files.iter().chain([&arguments.input]), &mut findings);
         let is_variables = |path: &&PathBuf| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("var"));

@@ -40,12 +40,13 @@ fn check(arguments: &MachineArguments) -> Result<ExitCode, Stop> {
 
 fn show(arguments: &ShowArguments) -> Result<ExitCode, Stop> {
     if arguments.json && !arguments.origin && arguments.at.is_none() {
-        return Err(Stop::Usage(
-            "--json shows the errors at a pose or the origin of values: give --at or --origin".into(),
-        ));
+        let sentence = "--json shows the errors at a pose or the origin of values: give --at or --origin";
+        return Err(Stop::Usage(sentence.into()));
     }
     let mut findings = Findings::default();
-    let mut chosen = read(&arguments.file, &mut findings)?;
+    let chosen = read(&arguments.file, &mut findings)?;
+    let of_head = |chosen: Chosen| chosen.with_shown_head(arguments.head.as_deref(), arguments.at.is_some());
+    let mut chosen = chosen.map(of_head).transpose()?;
     if arguments.origin {
         return show_origin(arguments, chosen.is_some(), &findings);
     }

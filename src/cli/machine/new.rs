@@ -23,9 +23,8 @@ pub(super) fn run(arguments: &NewMachineArguments) -> Result<ExitCode, Stop> {
         return Ok(ExitCode::Done);
     }
     let (Some(output), Some(like)) = (&arguments.output, &arguments.like) else {
-        return Err(Stop::Usage(
-            "give the machine file to write, and --like TEMPLATE; --list lists the templates".into(),
-        ));
+        let sentence = "give the machine file to write, and --like TEMPLATE; --list lists the templates";
+        return Err(Stop::Usage(sentence.into()));
     };
     if output.exists() {
         return Err(Stop::Usage(format!("{} exists already; choose another name", output.display())));

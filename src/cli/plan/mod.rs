@@ -41,9 +41,8 @@ fn plan(arguments: &PlanArguments, findings: &mut Findings) -> Result<Option<Str
     if arguments.program.as_ref().is_some_and(|program| *program == arguments.output || *program == description) {
         return Err(Stop::Usage("the program and the plan have the same name".into()));
     }
-    let Some(chosen) = machine_choice::choose(&arguments.machine, &arguments.output, findings)? else {
-        return Ok(None);
-    };
+    let found = machine_choice::choose(&arguments.machine, &arguments.output, findings)?;
+    let Some(chosen) = found else { return Ok(None) };
     for target in &targets {
         protect(target, chosen.files.iter(), findings);
     }

@@ -45,9 +45,8 @@ fn simulate(arguments: &SimulateArguments, findings: &mut Findings) -> Result<Op
     if targets.iter().any(|target| !target.is_file()) {
         return Err(Stop::Usage("a measurement is a pair of files, NAME.csv and NAME.toml; give -o NAME.csv".into()));
     }
-    let Some(mut chosen) = machine_choice::choose(&arguments.machine, &arguments.plan, findings)? else {
-        return Ok(None);
-    };
+    let found = machine_choice::choose(&arguments.machine, &arguments.plan, findings)?;
+    let Some(mut chosen) = found else { return Ok(None) };
     if !state::apply(&arguments.state, &mut chosen, findings)? {
         return Ok(None);
     }

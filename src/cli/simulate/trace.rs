@@ -48,10 +48,8 @@ fn record(arguments: &SimulateArguments, findings: &mut Findings) -> Result<Opti
     let paths = [arguments.output.clone(), description_of(&arguments.output)?];
     let [data, description] = [Target::new(&paths[0])?, Target::new(&paths[1])?];
     let part = program::of(&arguments.plan, &arguments.program)?;
-    let Some(machine) = machine_choice::choose_in(&arguments.machine, &arguments.state, &arguments.plan, findings)?
-    else {
-        return Ok(None);
-    };
+    let found = machine_choice::choose_in(&arguments.machine, &arguments.state, &arguments.plan, findings)?;
+    let Some(machine) = found else { return Ok(None) };
     for target in [&data, &description] {
         program::protect(target, machine.files.iter().chain([&arguments.plan]), findings);
     }

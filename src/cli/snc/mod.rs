@@ -26,9 +26,8 @@ pub(in crate::cli) fn run(arguments: &SncArguments) -> Result<ExitCode, Stop> {
 fn write(arguments: &SncArguments, findings: &mut Findings) -> Result<(), Stop> {
     let target = arguments.output.as_deref().map(Target::new).transpose()?.unwrap_or(Target::Standard);
     let part = program::of(&arguments.input, &arguments.program)?;
-    let Some(machine) = machine_choice::choose(&arguments.machine, part.search(&arguments.input), findings)? else {
-        return Ok(());
-    };
+    let found = machine_choice::choose(&arguments.machine, part.search(&arguments.input), findings)?;
+    let Some(machine) = found else { return Ok(()) };
     if moves::is_flat(&part) {
         let Some(text) = moves::written_again(&part, &machine, findings) else { return Ok(()) };
         if target == Target::Standard {

@@ -40,7 +40,8 @@ pub(in crate::cli) fn run(arguments: &SquareArguments) -> Result<ExitCode, Stop>
     let mut findings = Findings::default();
     let (path, found) = machine_choice::locate(arguments.machine.machine.as_deref(), Path::new("-"));
     let source = machine_choice::source_of(path.as_deref(), found, &mut findings)?;
-    let chosen = machine_choice::read(&source, &arguments.machine.setup, &mut findings)?;
+    let head = arguments.machine.head.as_deref();
+    let chosen = machine_choice::read_head(&source, &arguments.machine.setup, head, &mut findings)?;
     findings.draw();
     let Some(chosen) = chosen else { return Ok(findings.exit_code()) };
     let read_to = arguments.read_to.unwrap_or(usual);

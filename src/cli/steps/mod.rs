@@ -60,9 +60,8 @@ fn find(arguments: &StepsArguments, findings: &mut Findings) -> Result<StepRepor
     let folder = arguments.input.as_deref().unwrap_or(Path::new("."));
     let beside = folder.join("ncfix");
     let near = if arguments.input.is_some() { folder } else { &beside };
-    let Some(machine) = machine_choice::choose_in(&arguments.machine, &arguments.state, near, findings)? else {
-        return Ok(search.empty());
-    };
+    let found = machine_choice::choose_in(&arguments.machine, &arguments.state, near, findings)?;
+    let Some(machine) = found else { return Ok(search.empty()) };
     for target in target.iter().chain(&page) {
         program::protect(target, machine.files.iter().chain(&arguments.input), findings);
     }

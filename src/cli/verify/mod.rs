@@ -57,9 +57,8 @@ fn compare(
         return Ok(None);
     }
     let search = programs[1].search(&arguments.original);
-    let Some(machine) = machine_choice::choose_in(&arguments.machine, &arguments.state, search, findings)? else {
-        return Ok(None);
-    };
+    let found = machine_choice::choose_in(&arguments.machine, &arguments.state, search, findings)?;
+    let Some(machine) = found else { return Ok(None) };
     let pair = Pair {
         programs: programs.each_ref(),
         machine: &machine,

@@ -321,6 +321,14 @@ transition.
 cutting move, ACP(…) or ACN(…) at the current position (no motion, or a full turn), or an absolute position whose direction depends
 on a parameter of the control. The tool path differs between the two, so ncfix does not choose. Program the direction: ACP(…),
 ACN(…), IC(…).";
+    HEAD_CHANGE = "E0244" "head cannot be changed here"
+"An M word of the machine file ([[head]], select) changes the head, and ncfix is not sure of the tool or the position here. This is so
+while a tool length, a rotated or mirrored frame, a five-axis transformation or radius compensation is active, and in a block with
+motion. A tool length then acts along another axis, and the head may move before, with or after the axes. End the state
+before the word, write the word into a block of its own, then select the tool anew. After it, program X, Y and Z.
+
+  N100 D0                   Sinumerik; G49 on Fanuc and RS274/NGC, T0 M6 on Grundig
+  N110 M54";
 
     ALREADY_CORRECTED = "E0301" "program already corrected"
 "The first comment states that ncfix wrote this file. Correcting it again would add the corrections twice. Correct the original.";
@@ -452,6 +460,16 @@ file. Write the name with letters, digits and signs.";
     OUT_OF_RANGE = "E0410" "number out of its range"
 "A number is outside the range of any machine, or a list is longer than any table. Usually the unit is wrong.
 docs/reference/settings.md has the range of every key with its reason.";
+    BAD_HEAD = "E0411" "heads that do not fit together"
+"The sections [[head]] of a machine file describe several spindles, or positions of a swivel head. Each has a name and the M words
+that select it. A word selects one head, and has no other meaning at this control. Exactly one head has start = true. [spindle]
+is for a machine with one spindle, so it is not allowed beside [[head]]; neither is control.grundig_head.
+
+  [[head]]
+  name = \"vertical\"
+  select = [\"M54\"]
+  origin_mm = [0, 150, 0]
+  axis = [0, 1, 0]";
 
     DATA_NO_TABLE = "E0601" "measured data are not a table"
 "Measured data are CSV: a line of column names, then rows with a cell for each of them. Cells are separated by commas, by semicolons

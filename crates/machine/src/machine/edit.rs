@@ -49,6 +49,18 @@ impl Edit {
         item.as_table_like_mut().map(|table| put(table, key, given)).is_some()
     }
 
+    /// Changes or adds a key of a section inside the entry with this index in a list of sections; adds that section if it is missing. Returns false if
+    /// there is no such entry.
+    pub fn set_of(&mut self, list: &str, index: usize, section: &str, key: &str, given: &Given) -> bool {
+        let entry = self.0.get_mut(list).and_then(|item| item.get_mut(index)).and_then(Item::as_table_like_mut);
+        let Some(entry) = entry else { return false };
+        if entry.get(section).is_none() {
+            entry.insert(section, Item::Table(Table::new()));
+        }
+        let own = entry.get_mut(section).and_then(Item::as_table_like_mut);
+        own.map(|table| put(table, key, given)).is_some()
+    }
+
     /// Changes or adds a key of the entry with this index in a list of sections. Returns false if there is no such entry.
     pub fn set_in(&mut self, list: &str, index: usize, key: &str, given: &Given) -> bool {
         let Some(item) = self.0.get_mut(list) else { return false };

@@ -12,8 +12,8 @@ use ncfix_base::source::Source;
 use super::condition::file::PLAUSIBLE_C;
 use super::controller::{ControllerMeaning, controller};
 use super::zero_offset::{check_name, common_name, read_zero_offsets};
-use super::{ActiveTables, AxisData, Control, Lever, Machine, Spindle, ToolChange, Topology};
-use super::{active, measured, opaque, orientation, servo, setting, strain, tool, uncertainty};
+use super::{ActiveTables, AxisData, Control, Lever, Machine, ToolChange, Topology};
+use super::{active, head, measured, opaque, orientation, servo, setting, strain, tool, uncertainty};
 
 pub use super::document::Document as MachineFile;
 pub use super::section::{Section, nearest};
@@ -26,6 +26,7 @@ pub const SECTIONS: &[&str] = &[
     "machine",
     "axis",
     "spindle",
+    "head",
     "control",
     "opaque",
     "zero_offset",
@@ -51,16 +52,17 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     let mut findings = Vec::new();
     let mut root = file.root();
     let named = root.required("machine", "a section [machine] with name and topology", Section::section);
-    let head = named.map(|section| read_head(section, &mut findings)).unwrap_or_default();
-    let (axes, headers) = read_axes(root.section("axis"), &head.controller, &mut findings);
-    if let Some((topology, place)) = &head.topology {
+    let heading = named.map(|section| read_heading(section, &mut findings)).unwrap_or_default();
+    let (axes, headers) = read_axes(root.section("axis"), &heading.controller, &mut findings);
+    if let Some((topology, place)) = &heading.topology {
         check_chain(topology, *place, &headers, &mut findings);
     }
-    let spindle = read_spindle(root.section("spindle"), &mut findings);
-    let controller = head.controller.clone();
-    let known = head.topology.as_ref().map(|(topology, _)| topology.axis_set());
+    let spindle = head::read_spindle(root.section("spindle"), &mut findings);
+    let (heads, start) = head::read(&mut root, &mut findings);
+    let controller = heading.controller.clone();
+    let known = heading.topology.as_ref().map(|(topology, _)| topology.axis_set());
     let chain = known.unwrap_or(AxisSet::EMPTY);
-    let mut control = read_control(root.section("control"), (&controller, head.is_haas), chain, &mut findings);
+    let mut control = read_control(root.section("control"), (&controller, heading.is_haas), chain, &mut findings);
     opaque::read_sections(root.sections("opaque"), &mut control, &mut findings);
     let axis_set = known.unwrap_or_else(|| AXES.into_iter().collect());
     let (zero_offsets, datums) = read_zero_offsets(&mut root, axis_set, &controller, &mut findings);
@@ -72,12 +74,17 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     let servo = root.section("servo").and_then(|section| servo::read(section, &axes, axis_set, &mut findings));
     let measured = root.section("measured").map(|section| measured::read(section, axis_set, &mut findings));
     let uncertainty = root.section(uncertainty::SECTION).map(|section| uncertainty::read(section, &mut findings));
+    if let (false, Some(_), Some(section)) = (heads.is_empty(), control.grundig.head, root.section("control")) {
+        let message = "grundig_head beside [[head]]: the heads themselves have the words that select them";
+        let place = section.place_of_key("grundig_head");
+        findings.push(Diagnostic::at(Code::BAD_HEAD, place, message, "remove grundig_head"));
+    }
     // Other modules have their own sections; the last reader reports unknown ones.
     let keys: Vec<&str> = root.keys().collect();
     keys.into_iter().for_each(|key| root.accept(key));
     root.finish(&mut findings);
     let sound = !findings.iter().any(Diagnostic::is_error);
-    let Head {
+    let MachineHeading {
         name: Some(name),
         topology: Some((topology, _)),
         controller,
@@ -85,11 +92,11 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
         active_tables,
         axis_order,
         ..
-    } = head
+    } = heading
     else {
         return (None, findings);
     };
-    let machine = Machine {
+    let mut machine = Machine {
         name,
         topology,
         controller,
@@ -99,6 +106,8 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
         axis_order,
         axes,
         spindle,
+        heads,
+        has_fixed_head: false,
         control,
         zero_offsets,
         partial_offsets: BTreeMap::new(),
@@ -114,6 +123,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
         measured,
         uncertainty,
     };
+    machine.start_with_head(start);
     (sound.then_some(machine), findings)
 }
 
@@ -172,7 +182,7 @@ pub fn apply_setup(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
 
 /// Content of `[machine]`; invalid parts are missing.
 #[derive(Default)]
-struct Head {
+struct MachineHeading {
     name: Option<String>,
     topology: Option<(Topology, Place)>,
     controller: String,
@@ -183,7 +193,7 @@ struct Head {
     axis_order: Vec<Axis>,
 }
 
-fn read_head(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Head {
+fn read_heading(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> MachineHeading {
     let name = section.required("name", "\"my machine\"", Section::text).map(str::to_owned);
     let written = section.required("topology", "\"wXYFZSt\"", Section::text);
     let written_controller = section.text("controller").unwrap_or("sinumerik");
@@ -209,7 +219,7 @@ fn read_head(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Head {
         }
     });
     section.finish(findings);
-    Head { name, topology, controller, is_haas, reference_temperature_c, active_tables, axis_order }
+    MachineHeading { name, topology, controller, is_haas, reference_temperature_c, active_tables, axis_order }
 }
 
 /// The axes that could be read, and the header of every axis section.
@@ -339,25 +349,6 @@ fn check_chain(
             _ => {}
         }
     }
-}
-
-fn read_spindle(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) -> Spindle {
-    let mut spindle = Spindle { origin_mm: Vector::zeros(), axis: Vector::z() };
-    let Some(mut section) = section else { return spindle };
-    if let Some(origin_mm) = section.vector("origin_mm") {
-        spindle.origin_mm = origin_mm;
-    }
-    if let Some(axis) = section.vector("axis") {
-        match axis.try_normalize(1e-12) {
-            Some(unit) => spindle.axis = unit,
-            None => {
-                let help = "write the direction from the tip to the spindle, for example [0, 0, 1]";
-                section.report(Code::BAD_VALUE, section.place_of("axis"), "the spindle axis has no length", help);
-            }
-        }
-    }
-    section.finish(findings);
-    spindle
 }
 
 fn read_control(

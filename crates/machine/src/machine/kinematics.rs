@@ -73,6 +73,20 @@ impl Kinematics {
         }
     }
 
+    /// Creates the chain of a machine with one of its heads.
+    #[must_use]
+    pub fn of_head(machine: &Machine, head: u16) -> Kinematics {
+        let mut out = Kinematics::new(machine);
+        out.set_head(machine, head);
+        out
+    }
+
+    /// Replaces the spindle by that of a head of the machine.
+    pub fn set_head(&mut self, machine: &Machine, head: u16) {
+        let spindle = machine.spindle_of(head);
+        (self.origin_mm, self.tool_axis) = (spindle.origin_mm, spindle.axis);
+    }
+
     /// Returns the tool tip in the workpiece, mm, relative to the machine origin at the zero pose. `tool_mm` runs from the spindle gauge point to the tip, in
     /// F at the zero pose.
     #[must_use]

@@ -16,6 +16,7 @@ pub mod file;
 mod foreign_key;
 mod frame_control;
 mod grundig_control;
+mod head;
 mod iso_control;
 mod kinematics;
 mod macro_control;
@@ -45,6 +46,7 @@ pub use contour_control::{ArcCenter, CompensationCorner, CompensationStart};
 pub use datum::{Datum, TouchedAt, ZeroSetting};
 pub use frame_control::Rollover;
 pub use grundig_control::{GrundigControl, PlaneOrder, ScaledAxes};
+pub use head::{Head, MOST_HEADS, Spindle};
 pub use iso_control::{DecimalPoint, IncrementSystem, IsoControl, LengthAxis, OneAxis, WordMeaning};
 pub use kinematics::Kinematics;
 pub use macro_control::MacroControl;
@@ -77,8 +79,12 @@ pub struct Machine {
     pub sensor_references_c: BTreeMap<String, f64>,
     /// Axes by slot; `None` if the machine lacks the axis.
     pub axes: [Option<AxisData>; ncfix_base::geometry::AXIS_COUNT],
-    /// Spindle.
+    /// Spindle; of a machine with heads, that of the head that is active at the start.
     pub spindle: Spindle,
+    /// Heads that M words select, the one that is active at the start first; empty if the machine has one spindle.
+    pub heads: Vec<Head>,
+    /// True if only the first head is in use, and a word that selects another one is refused.
+    pub has_fixed_head: bool,
     /// Settings of the control.
     pub control: Control,
     /// Settable zero offsets by name: `G54` …
@@ -146,15 +152,6 @@ pub enum Lever {
     Carried,
     /// `L · D(e0) · D(e) · M(q) · L⁻¹`: the lever arm includes the motion of the axis itself (Spaan eq. 2.7–2.9).
     Fixed,
-}
-
-/// The spindle.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Spindle {
-    /// Gauge point in F at the zero pose, mm.
-    pub origin_mm: Vector,
-    /// Unit vector from the tip to the spindle.
-    pub axis: Vector,
 }
 
 /// Settings that differ between controls and affect positions or text.
@@ -400,6 +397,39 @@ impl Machine {
     /// Returns the reference temperature of a sensor, °C.
     fn reference_of(&self, sensor: &str) -> f64 {
         self.sensor_references_c.get(sensor).copied().unwrap_or(self.reference_temperature_c)
+    }
+
+    /// Returns the spindle of a head by its index; that of the machine if it has no heads.
+    #[must_use]
+    pub fn spindle_of(&self, head: u16) -> &Spindle {
+        self.heads.get(usize::from(head)).map_or(&self.spindle, |head| &head.spindle)
+    }
+
+    /// Returns the index of the head that an M word selects; `None` for another word.
+    #[must_use]
+    pub fn head_of_word(&self, number: u32) -> Option<u16> {
+        let place = self.heads.iter().position(|head| head.select.contains(&number))?;
+        u16::try_from(place).ok()
+    }
+
+    /// Returns the index of a head by its name.
+    #[must_use]
+    pub fn head_named(&self, name: &str) -> Option<usize> {
+        self.heads.iter().position(|head| head.name == name)
+    }
+
+    /// True if a program may change the head.
+    #[must_use]
+    pub fn changes_heads(&self) -> bool {
+        self.heads.len() > 1 && !self.has_fixed_head
+    }
+
+    /// Makes a head the one that is active at the start. An index without a head changes nothing.
+    pub fn start_with_head(&mut self, index: usize) {
+        if let Some(head) = self.heads.get(index) {
+            self.spindle = head.spindle.clone();
+            self.heads[..=index].rotate_right(1);
+        }
     }
 
     /// Returns the data of an axis; `None` if the machine lacks it.

@@ -75,6 +75,7 @@ const OF_CONTROL: &[(&str, &str)] = &[
 const OF_SECTIONS: &[(&str, &[(&str, &str)])] = &[
     ("machine", &[("controller", "\"sinumerik\""), ("reference_temperature_C", "20"), ("active_tables", "[]")]),
     ("spindle", &[("origin_mm", "[0, 0, 0]"), ("axis", "[0, 0, 1]")]),
+    ("head", &[("origin_mm", "[0, 0, 0]"), ("axis", "[0, 0, 1]"), ("start", "false")]),
     ("axis", &[("point_mm", "[0, 0, 0]"), ("lever", "\"carried\"")]),
     ("zero_offset", &[("rotation_deg", "[0, 0, 0]"), ("scale", "[1, 1, 1]"), ("mirror", "[]")]),
     ("tool", &[("edge", "1"), ("radius_mm", "0")]),

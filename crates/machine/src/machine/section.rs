@@ -304,7 +304,8 @@ impl<'a> Section<'a> {
 
     fn title_of(&self, key: &str) -> String {
         match self.title.strip_prefix('[').and_then(|title| title.strip_suffix(']')) {
-            Some(title) => format!("[{title}.{key}]"),
+            // The entry of a list has two brackets, its subsection one.
+            Some(title) => format!("[{}.{key}]", title.trim_start_matches('[').trim_end_matches(']')),
             None => format!("[{key}]"),
         }
     }

@@ -25,6 +25,9 @@ pub struct PathExtent {
     /// Index of the zero offset in force, and those in which axes moved.
     zero: Option<u16>,
     zeros: BTreeSet<u16>,
+    /// Index of the active head, and those with which axes moved, with the zero offset there.
+    head: u16,
+    heads: BTreeSet<(u16, Option<u16>)>,
     /// First feed move that ends at an unknown position, and its axes.
     unknown: Option<(Origin, AxisSet)>,
     /// First feed move at which the position of axes other than X, Y and Z is not known, and these axes, whether a machine has them or not.
@@ -123,6 +126,8 @@ impl Default for PathExtent {
             tool_mm: Vector::zeros(),
             zero: None,
             zeros: BTreeSet::new(),
+            head: 0,
+            heads: BTreeSet::new(),
             unknown: None,
             unstated: None,
         }
@@ -134,7 +139,9 @@ impl PathExtent {
     pub fn see(&mut self, element: &Element) {
         match &element.kind {
             Kind::Move(motion) => self.motion(motion, element.origin),
-            Kind::Setup(setup) => (self.tool_mm, self.zero) = (setup.tool_mm, setup.zero),
+            Kind::Setup(setup) => {
+                (self.tool_mm, self.zero, self.head) = (setup.tool_mm, setup.zero, setup.head);
+            }
             Kind::Lost(axes) => self.known = self.known.difference(*axes),
             _ => {}
         }
@@ -183,6 +190,7 @@ impl PathExtent {
             self.unstated = Some((origin, unstated));
         }
         self.zeros.extend(self.zero);
+        self.heads.insert((self.head, self.zero));
         self.last = motion.target;
         self.known = motion.known;
     }
@@ -200,6 +208,18 @@ impl PathExtent {
         let (origin, axes) = self.unstated?;
         let own = axes.intersection(among);
         (own != AxisSet::EMPTY).then_some((origin, own))
+    }
+
+    /// Returns the indices of the heads with which axes moved.
+    #[must_use]
+    pub fn heads(&self) -> BTreeSet<u16> {
+        self.heads.iter().map(|(head, _)| *head).collect()
+    }
+
+    /// Returns the indices of the zero offsets in which axes moved with a head.
+    #[must_use]
+    pub fn zeros_with(&self, head: u16) -> BTreeSet<u16> {
+        self.heads.iter().filter(|(own, _)| *own == head).filter_map(|(_, zero)| *zero).collect()
     }
 
     /// Returns the indices of the zero offsets in which axes moved.

@@ -284,6 +284,8 @@ pub struct Setup {
     pub zero: Option<u16>,
     /// The zero offset in force, if the program has set its value.
     pub written_zero: Option<sync::Arc<WrittenZero>>,
+    /// Index of the active head among those of the machine; 0 without heads.
+    pub head: u16,
 }
 
 impl Setup {
@@ -314,6 +316,7 @@ impl Default for Setup {
             assumed: false,
             zero: None,
             written_zero: None,
+            head: 0,
         }
     }
 }

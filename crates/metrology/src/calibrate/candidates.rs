@@ -111,6 +111,7 @@ mod tests {
             name: String::new(),
             kind: &crate::measure::kind::TRACE,
             date: None,
+            head: None,
             sigma: None,
             sigma_rad: None,
             free: Vec::new(),

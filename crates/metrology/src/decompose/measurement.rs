@@ -85,6 +85,7 @@ pub fn measurement(machine: &Machine, trace: &Trace, of: Of<'_>, place: Place) -
         name: trace.name.clone(),
         kind: &kind::TRACE,
         date: None,
+        head: None,
         sigma: None,
         sigma_rad: None,
         free: vec![Free::Offset],

@@ -36,6 +36,8 @@ pub struct DataSet {
     pub kind: &'static Instrument,
     /// Date of the measurement, `2026-11-27`, if the description states it.
     pub date: Option<String>,
+    /// Head of the machine with which it was made, if the description states it.
+    pub head: Option<String>,
     /// Standard uncertainty of a length reading, mm; `None` if it is to be estimated.
     pub sigma: Option<f64>,
     /// Standard uncertainty of an angle reading, rad; `None` if it is to be estimated.
@@ -230,6 +232,23 @@ pub fn load_plan(
     load_with(&Instruments::default(), [table, description], name, machine, ReadAs::Plan)
 }
 
+/// A statement that the readings were taken with another head than that of the machine in use.
+fn other_head(data: &DataSet, machine: &Machine) -> Option<Diagnostic> {
+    let stated = data.head.as_ref()?;
+    let own = machine.heads.first().map(|head| head.name.as_str());
+    if own == Some(stated) {
+        return None;
+    }
+    let message = match own {
+        Some(own) => format!("the readings were taken with the head {stated}, and this run is for the head {own}"),
+        None => {
+            format!("the readings were taken with the head {stated}, and the machine {} has no [[head]]", machine.name)
+        }
+    };
+    let help = format!("choose it with --head {stated}, or correct head in the description");
+    Some(Diagnostic::nowhere(Code::DATA_COLUMN, message, help))
+}
+
 /// Diagnostics of a table that differ in numbers alone, at most: a wrong unit is wrong in every row.
 const ALIKE: usize = 5;
 
@@ -261,6 +280,9 @@ pub fn load_with(
         let message = format!("the machine {} has no axis {axis}, but [position] gives its position", machine.name);
         let help = "check --machine, or remove it from the description";
         findings.push(Diagnostic::at(Code::DATA_COLUMN, rows.header_place(None), message, help));
+    }
+    if let Some(found) = other_head(&data, machine) {
+        findings.push(Diagnostic { place: Some(rows.header_place(None)), ..found });
     }
     data.is_plan = how == ReadAs::Plan;
     match Readings::with(&rows, machine, &data.fixed) {

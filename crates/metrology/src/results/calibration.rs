@@ -318,6 +318,9 @@ pub fn machine_text(
     let Some((_, written)) = file::load_with(&again, registers).0 else {
         return Err("the result is not a valid machine file".into());
     };
+    let is_own =
+        |head: &&ErrorModel| head.head_entries.map(|place| place.index) == before.head_entries.map(|place| place.index);
+    let written = written.heads.iter().find(is_own).cloned().unwrap_or(written);
     for parameter in fit.estimates.iter().filter_map(|one| one.column.parameter()) {
         let (found, read) = (parameter.get(errors), parameter.get(&written));
         if (found - read).abs() > 1e-9 * found.abs() + f64::MIN_POSITIVE {

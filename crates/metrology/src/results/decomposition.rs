@@ -549,6 +549,10 @@ fn write_link(edit: &mut Edit, link: &LinkError) -> bool {
     if component.kind != ErrorKind::Location {
         return true;
     }
+    // A tilt of the spindle belongs to one head.
+    if component.axis().is_none() && edit.count("head") > 0 {
+        return false;
+    }
     let key = component.to_string();
     let value = Unit::of(component.direction.is_rotation()).shown(link.value);
     let sum = edit.number("location", 0, &key).unwrap_or(0.0) + rounded(value);

@@ -122,6 +122,10 @@ impl ExtensionJob<'_> {
         grown: &Grown,
         findings: &mut Vec<Diagnostic>,
     ) -> Result<String, NotWritten> {
+        if !self.machine.heads.is_empty() {
+            let help = "run the diagnosis without -o, and fit the errors of a head with ncfix calibrate --head";
+            return Err(("it has several heads, and a finding may belong to one of them".into(), help));
+        }
         if grown.anchors.iter().all(Result::is_err) {
             let help = "run the diagnosis without -o; --json gives the reason for each finding (extends_why)";
             return Err(("nothing was found that a machine file can hold".into(), help));
@@ -386,5 +390,5 @@ fn estimates(changes: &[Change], fitted: Option<&Fit>) -> Vec<(String, f64, f64,
 /// The errors of a machine file.
 pub(super) fn load((old, registers): (&Source, &ModelRegisters), text: &str) -> Option<ErrorModel> {
     let source = Source::new(MACHINE, old.name(), text.as_bytes().to_vec()).ok()?;
-    file::load_with(&source, registers).0.map(|(_, errors)| errors)
+    file::load_with(&source, registers).0.map(|(_, errors)| errors).filter(|errors| errors.heads.is_empty())
 }

@@ -43,7 +43,7 @@ impl Upcoming {
 #[derive(Debug)]
 pub(super) struct Ahead<'a, I> {
     /// Divided if the output leaves the transformation: its moves are straight in the axes.
-    elements: DividedTips<I>,
+    elements: DividedTips<'a, I>,
     machine: &'a Machine,
     held: VecDeque<Result<Element, Diagnostic>>,
     held_bytes: usize,
@@ -74,7 +74,7 @@ where
     I: Iterator<Item = Result<Element, Diagnostic>>,
 {
     /// Creates a look-ahead for these rotary axes. With `tips`, paths of the tip are divided into chords that are straight in the axes.
-    pub(super) fn new(elements: I, machine: &'a Machine, rotary: AxisSet, tips: Option<TipDivider>) -> Self {
+    pub(super) fn new(elements: I, machine: &'a Machine, rotary: AxisSet, tips: Option<TipDivider<'a>>) -> Self {
         let operation = Operation {
             turned: AxisSet::EMPTY,
             last: AxisVector::ZERO,

@@ -116,7 +116,7 @@ where
             standing.written = standing.known;
             standing.is_doubtful = true;
         }
-        let is_looked_for = options.rotary == Rotary::Auto && !model.is_empty();
+        let is_looked_for = options.rotary == Rotary::Auto && model.has_errors();
         let rotary = if is_looked_for { rotary_axes(machine) } else { AxisSet::EMPTY };
         // Without the transformation, the control moves the axes straight: the path of the tip is then one of chords.
         let tips = (!options.keeps_transform()).then(|| TipDivider::new(machine, standing.nominal));
@@ -126,7 +126,7 @@ where
             machine,
             placer: CommandSolver::new(machine, model, &options),
             lead: Lead::new(model, machine),
-            sampler: Sampler::new(model).with_rounding(&Increments::new(&machine.control), options.tolerance_mm),
+            sampler: sampler_of(model, machine, &options),
             cut: dead_band::Cut::default(),
             placing: placing_axes(machine),
             standing,
@@ -381,8 +381,8 @@ where
             self.prediction.note_as_programmed(error_mm, active.treatment == MoveTreatment::Programmed);
         } else if active.is_counted {
             let tool_mm = self.placer.setup.tool_mm;
-            let (command, turning) = (trial.end.command, self.placer.turning());
-            self.poses.offer(|| PoseSample { nominal, command, state: trial.state(), tool_mm, turning });
+            let (command, turning, head) = (trial.end.command, self.placer.turning(), self.placer.setup.head);
+            self.poses.offer(|| PoseSample { nominal, command, state: trial.state(), tool_mm, turning, head });
         }
         let standing = &mut self.standing;
         standing.nominal = nominal;
@@ -393,6 +393,11 @@ where
         active.length = to - from;
         piece
     }
+}
+
+/// Selects the places at which pieces are checked with the errors of a head.
+fn sampler_of(model: &Model, machine: &Machine, options: &CorrectionOptions) -> Sampler {
+    Sampler::new(model).with_rounding(&Increments::new(&machine.control), options.tolerance_mm)
 }
 
 impl<I> Iterator for Corrector<'_, I>

@@ -44,6 +44,11 @@ impl<'a> DiagnosticCollector<'a> {
         }
     }
 
+    /// Changes the head.
+    pub(super) fn set_head(&mut self, head: u16) {
+        self.kinematics.set_head(self.machine, head);
+    }
+
     /// Takes the new diagnostics.
     pub(super) fn take(&mut self) -> impl Iterator<Item = Diagnostic> + '_ {
         self.new.drain(..)

@@ -77,7 +77,7 @@ pub fn predict(
     let error = |model: &Model, place: &ErrorPlace, is_after: bool| {
         let command = if is_after { &place.command } else { &place.nominal };
         let state = &place.states[usize::from(is_after)];
-        model.for_zero(place.zero).tip_error_mm(&place.nominal, command, &place.tool_mm, state)
+        model.for_setup(place.head, place.zero).tip_error_mm(&place.nominal, command, &place.tool_mm, state)
     };
     let of = |model: &Model, is_after: bool| -> Vec<Vector> {
         places.iter().map(|place| error(model, place, is_after)).collect()
@@ -217,7 +217,16 @@ mod tests {
             command[Axis::X] -= scale * nominal[Axis::X];
             let states = [State::default(); 2];
             let origin = Origin { line: k as u32, ..Origin::default() };
-            ErrorPlace { nominal, command, states, tool_mm: Vector::zeros(), origin, zero: None, is_even: true }
+            ErrorPlace {
+                nominal,
+                command,
+                states,
+                tool_mm: Vector::zeros(),
+                origin,
+                zero: None,
+                head: 0,
+                is_even: true,
+            }
         };
         (1..=40).map(of).collect()
     }

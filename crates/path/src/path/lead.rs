@@ -33,6 +33,12 @@ impl<'a> Lead<'a> {
         Lead { model, axes, room: Room::of(&machine.control) }
     }
 
+    /// For another head of the same machine.
+    pub(super) fn with(self, model: &'a Model) -> Lead<'a> {
+        let axes = AXES.into_iter().filter(|&axis| model.features(axis).backlash).collect();
+        Lead { model, axes, ..self }
+    }
+
     /// Follows a path between two parameters; axes reverse on it at the turning points of an arc. An axis without a dead band, or with one of about
     /// an increment, is immediately on the side of its next motion.
     pub(super) fn along(&self, band: &mut DeadBand, route: &Route<'_>, stated: AxisSet, [from, to]: [f64; 2]) {

@@ -42,7 +42,7 @@ pub(super) struct Placed {
 pub(super) struct CommandSolver<'a> {
     /// The model in the zero offset in force.
     pub(super) model: &'a Model,
-    /// The model with all zero offsets.
+    /// The model with all heads and zero offsets.
     pub(super) base: &'a Model,
     pub(super) setup: sync::Arc<Setup>,
     pub(super) increments: Increments,
@@ -87,7 +87,7 @@ impl<'a> CommandSolver<'a> {
             fixed: AxisSet::EMPTY,
             fixed_at: AxisVector::ZERO,
             is_empty: model.is_empty(),
-            slope: model.straight_axes().map(|axes| RefCell::new(Slope::new(axes))),
+            slope: slope_of(model),
         }
     }
 
@@ -100,7 +100,13 @@ impl<'a> CommandSolver<'a> {
         counts: &mut [i64; AXIS_COUNT],
         written: &mut AxisSet,
     ) {
-        self.model = self.base.for_zero(setup.zero);
+        let of_head = self.base.for_head(setup.head);
+        if setup.head != self.setup.head {
+            self.kinematics = of_head.kinematics();
+            self.is_empty = of_head.is_empty();
+            self.slope = slope_of(of_head);
+        }
+        self.model = of_head.for_zero(setup.zero);
         self.setup = setup;
         let programmed = self.programmed(command);
         for axis in written.iter() {
@@ -408,6 +414,11 @@ impl<'a> CommandSolver<'a> {
     pub(super) fn tip_error_mm(&self, nominal: &AxisVector, command: &AxisVector, state: &State) -> f64 {
         self.model.tip_error_mm(nominal, command, &self.setup.tool_mm, state).norm()
     }
+}
+
+/// Guesses of a machine without rotary axes.
+fn slope_of(model: &Model) -> Option<RefCell<Slope>> {
+    model.straight_axes().map(|axes| RefCell::new(Slope::new(axes)))
 }
 
 /// Unknown axes other than X Y Z.

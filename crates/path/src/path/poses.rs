@@ -17,6 +17,8 @@ pub struct PoseSample {
     pub tool_mm: Vector,
     /// The rotary axes that participated in the correction.
     pub turning: AxisSet,
+    /// The active head, by its index.
+    pub head: u16,
 }
 
 /// A place along a program at which its error is predicted.
@@ -34,6 +36,8 @@ pub struct ErrorPlace {
     pub origin: Origin,
     /// The zero offset in force, by its index.
     pub zero: Option<u16>,
+    /// The active head, by its index.
+    pub head: u16,
     /// `true` if it counts in means. A place that was chosen for its large error counts only in maxima.
     pub is_even: bool,
 }
@@ -96,6 +100,7 @@ mod tests {
                 state: State::default(),
                 tool_mm: Vector::zeros(),
                 turning: AxisSet::EMPTY,
+                head: 0,
             });
         }
         let kept = poses.kept();

@@ -38,6 +38,7 @@ impl<'a> ReachScan<'a> {
         self.known = self.known.difference(lost_axes(element, self.machine));
         if let Kind::Setup(setup) = &element.kind {
             self.tool_mm = setup.tool_mm;
+            self.kinematics.set_head(self.machine, setup.head);
         }
         if let Kind::Move(motion) = &element.kind {
             // The path to a reference point is chosen by the control.

@@ -77,9 +77,10 @@ impl LedPath<'_> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SampledPiece<'a> {
     pub(super) lead: &'a Lead<'a>,
-    /// The model with all zero offsets, and the zero offset of the move.
+    /// The model of the head with all zero offsets, and the zero offset and head of the move.
     pub(super) base: &'a Model,
     pub(super) zero: Option<u16>,
+    pub(super) head: u16,
     pub(super) programmed: LedPath<'a>,
     pub(super) emitted: LedPath<'a>,
     /// Origin of the move.
@@ -250,6 +251,7 @@ impl SampledPiece<'_> {
             tool_mm: *self.emitted.tool_mm,
             origin: self.origin,
             zero: self.zero,
+            head: self.head,
             is_even: true,
         }
     }

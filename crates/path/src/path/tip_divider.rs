@@ -8,12 +8,12 @@ use ncfix_machine::snc::{Element, Kind, Move, Turning};
 
 /// A stream whose paths of the tip are divided, if there is a divider.
 #[derive(Debug)]
-pub(super) struct DividedTips<I> {
+pub(super) struct DividedTips<'a, I> {
     pub(super) elements: I,
-    pub(super) tips: Option<TipDivider>,
+    pub(super) tips: Option<TipDivider<'a>>,
 }
 
-impl<I, E> Iterator for DividedTips<I>
+impl<I, E> Iterator for DividedTips<'_, I>
 where
     I: Iterator<Item = Result<Element, E>>,
 {
@@ -30,7 +30,8 @@ where
 
 /// Divides the moves of a stream whose tip follows a path in the workpiece.
 #[derive(Debug)]
-pub(super) struct TipDivider {
+pub(super) struct TipDivider<'a> {
+    machine: &'a Machine,
     kinematics: Kinematics,
     tolerance_mm: f64,
     tool_mm: Vector,
@@ -40,10 +41,11 @@ pub(super) struct TipDivider {
     chords: VecDeque<Element>,
 }
 
-impl TipDivider {
+impl<'a> TipDivider<'a> {
     /// Starts at a position, within the chord tolerance of the control.
-    pub(super) fn new(machine: &Machine, start: AxisVector) -> TipDivider {
+    pub(super) fn new(machine: &'a Machine, start: AxisVector) -> TipDivider<'a> {
         TipDivider {
+            machine,
             kinematics: Kinematics::new(machine),
             tolerance_mm: machine.control.chord_tolerance_mm,
             tool_mm: Vector::zeros(),
@@ -57,6 +59,7 @@ impl TipDivider {
         let motion = match &element.kind {
             Kind::Setup(setup) => {
                 self.tool_mm = setup.tool_mm;
+                self.kinematics.set_head(self.machine, setup.head);
                 return element;
             }
             Kind::Move(motion) => *motion,

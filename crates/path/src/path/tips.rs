@@ -57,6 +57,7 @@ impl<'a> Tips<'a> {
             Output::Element(element) => {
                 if let Kind::Setup(setup) = &element.kind {
                     self.setup = Arc::clone(setup);
+                    self.kinematics.set_head(self.machine, setup.head);
                 }
                 if !lost_axes(element, self.machine).is_empty() {
                     self.stands = None;

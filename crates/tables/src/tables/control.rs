@@ -124,5 +124,5 @@ fn error_model(errors: &ErrorTables) -> ErrorModel {
             }
         }
     }
-    ErrorModel { location, motion, effects: Vec::new() }
+    ErrorModel { location, motion, ..ErrorModel::default() }
 }

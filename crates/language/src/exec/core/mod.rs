@@ -7,6 +7,7 @@
 //! | files and sources of programs | [`program`], [`library`] |
 //! | types of a family | [`family`] |
 //! | modal groups: active codes, saved states | [`modal`] |
+//! | changes of the head | [`head`] |
 //! | tools: selected, in the spindle, active; data written by a run | [`tool`] |
 //! | axis positions, and axes with stated positions | [`position`] |
 //! | paths to reference points and back | [`mod@reference`] |
@@ -76,6 +77,7 @@ pub(in crate::exec) mod fault;
 pub(in crate::exec) mod five_axis;
 pub(in crate::exec) mod flags;
 pub(in crate::exec) mod grid;
+pub(in crate::exec) mod head;
 pub(in crate::exec) mod interpreter;
 pub(in crate::exec) mod level;
 pub(in crate::exec) mod library;

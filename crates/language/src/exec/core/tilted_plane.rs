@@ -70,7 +70,7 @@ pub(in crate::exec) fn unknown_places(span: Span, axes: AxisSet, words: &str) ->
 pub(in crate::exec) fn tilting_axis(kinematics: &Kinematics, machine: &Machine) -> Option<Axis> {
     let along = |axis: &Axis| {
         let direction = machine.axis(*axis).map_or_else(Vector::zeros, |data| data.direction);
-        direction.dot(&machine.spindle.axis).abs()
+        direction.dot(kinematics.tool_axis()).abs()
     };
     kinematics.rotary_axes().min_by(|one, other| along(one).total_cmp(&along(other)))
 }

@@ -21,11 +21,13 @@ pub(in crate::exec) struct ToolState<T, L> {
     pub(in crate::exec) radius_mm: f64,
     /// `true` if the active data have no value in the machine file.
     pub(in crate::exec) assumed: bool,
+    /// Index of the head in which it is.
+    pub(in crate::exec) head: u16,
 }
 
 impl<T, L: Default> Default for ToolState<T, L> {
     fn default() -> Self {
-        ToolState { selected: None, active: None, length_mm: L::default(), radius_mm: 0.0, assumed: false }
+        ToolState { selected: None, active: None, length_mm: L::default(), radius_mm: 0.0, assumed: false, head: 0 }
     }
 }
 

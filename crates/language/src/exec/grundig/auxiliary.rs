@@ -1,12 +1,15 @@
 //! F, S, M functions, dwells.
 
-use super::channel::GrundigAtHand;
+use super::channel::{Channel, GrundigAtHand};
 use super::gathered::Gathered;
 use super::modal::Modal;
+use super::setup;
 use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::head::{self, HeadBlock};
 use crate::exec::core::motion_sink::MotionSink;
 use crate::exec::core::settings::RunSettings;
 use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::Span;
 use ncfix_base::units::MM_PER_INCH;
 use ncfix_machine::machine::Machine;
@@ -61,7 +64,9 @@ pub(super) fn functions(
         match code.number {
             3 | 4 | 13 | 14 => *spindle = Some(if matches!(code.number, 3 | 13) { 3 } else { 4 }),
             5 | 30 | 2 => *spindle = None,
-            53 | 54 => head(settings.machine, code.number, code.span)?,
+            53 | 54 if settings.machine.head_of_word(code.number.into()).is_none() => {
+                check_head(settings.machine, code.number, code.span)?;
+            }
             _ => {}
         }
         if BEHIND.contains(&code.number) { behind.push(word) } else { block.before.push(word) }
@@ -73,14 +78,35 @@ pub(super) fn functions(
     Ok(behind)
 }
 
+/// Words whose letters belong to a motion.
+const OF_MOTION: &[u8] = b"XYZABCUVWIJKR";
+
+/// Changes the head, if an M word of the block selects another one. The swivelling head has moved, so the position is unknown afterwards.
+pub(super) fn select_head(channel: &mut Channel<'_>, words: &[(u32, Span)], gathered: &Gathered) -> Result<(), Fault> {
+    if words.is_empty() {
+        return Ok(());
+    }
+    let block = HeadBlock {
+        setup: &channel.standing.setup,
+        head: channel.modal.tool.head,
+        compensates: channel.modal.contour.compensates(),
+        moves: OF_MOTION.iter().any(|&letter| gathered.peek(letter, None).is_some()),
+    };
+    let Some(head) = head::selected(channel.settings.machine, words.iter().copied(), block)? else { return Ok(()) };
+    channel.modal.tool.head = head;
+    channel.outlet.kinematics = None;
+    channel.modal.position.known = AxisSet::EMPTY;
+    channel.outlet.push(Kind::Lost(AxisSet::ALL));
+    setup::refresh_setup(channel)
+}
+
 /// M53, M54: swivels the head. The machine file describes one of its positions.
-pub(super) fn head(machine: &Machine, number: u16, span: Span) -> Result<(), Fault> {
+fn check_head(machine: &Machine, number: u16, span: Span) -> Result<(), Fault> {
     if machine.control.grundig.head == Some(number) {
         return Ok(());
     }
     let message = format!("M{number} turns the head to a position that the machine file does not describe");
-    let help =
-        "set control.grundig_head to the position, M53 or M54, that the axes and errors of the machine file describe";
+    let help = "set control.grundig_head to the position, M53 or M54, that the axes and errors of the machine file describe; or describe each position with [[head]]";
     Err(fault(Code::NOT_SUPPORTED, span, message, help))
 }
 

@@ -14,6 +14,7 @@ use super::tip;
 use super::tool;
 use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
+use ncfix_base::source::Span;
 use ncfix_dialect::CodeTable;
 use ncfix_machine::snc::Kind;
 
@@ -50,6 +51,9 @@ pub(super) fn execute(
     tip::switch(channel, gathered, ends_tip)?;
     check_supported(channel.codes, gathered)?;
     auxiliary::feed_and_speed(&mut channel.modal, &mut channel.block, &mut channel.outlet, gathered)?;
+    let may_change_head = !channel.settings.machine.heads.is_empty();
+    let functions = gathered.functions.iter().filter(|_| may_change_head);
+    let words: Vec<(u32, Span)> = functions.map(|code| (u32::from(code.number), code.span)).collect();
     let behind = auxiliary::functions(
         &channel.settings,
         &mut channel.block,
@@ -57,6 +61,7 @@ pub(super) fn execute(
         &mut channel.outlet,
         gathered,
     )?;
+    auxiliary::select_head(channel, &words, gathered)?;
     channel.comment(comment);
     if let Some(span) = gathered.take_code(4) {
         auxiliary::dwell(&mut channel.outlet, gathered, span)?;

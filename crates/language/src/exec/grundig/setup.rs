@@ -8,7 +8,7 @@ use crate::exec::core::standing::InForce;
 use crate::exec::core::standing::{known_behind, lengthened};
 use ncfix_base::geometry::{AxisSet, Frame, Vector};
 use ncfix_dialect::CodeTable;
-use ncfix_machine::machine::Machine;
+use ncfix_machine::machine::{Kinematics, Machine};
 use ncfix_machine::snc::{Kind, Setup};
 use std::sync::Arc;
 
@@ -32,11 +32,15 @@ pub(super) fn refresh_setup(channel: &mut Channel<'_>) -> Result<(), Fault> {
     let zero = frames.settable.as_deref().and_then(|name| channel.settings.machine.zero_index(name));
     let frame = match &mut channel.modal.tilted {
         None => below,
-        Some(tilted) => tilted.frame(channel.settings.machine, &below, &tool_mm).ok_or_else(|| {
-            bad_value(span, "the linear axes cannot place the tool in the plane of G7", "check the topology")
-        })?,
+        Some(tilted) => {
+            let kinematics = Kinematics::of_head(channel.settings.machine, channel.modal.tool.head);
+            tilted.frame(&kinematics, &below, &tool_mm).ok_or_else(|| {
+                bad_value(span, "the linear axes cannot place the tool in the plane of G7", "check the topology")
+            })?
+        }
     };
-    let setup = Setup { frame, tool_mm, plane, transform, assumed, zero, written_zero: None };
+    let head = channel.modal.tool.head;
+    let setup = Setup { frame, tool_mm, plane, transform, assumed, zero, written_zero: None, head };
     let lost = lengthened(&channel.standing.setup, &setup);
     if !lost.is_empty() {
         // The length in the control may differ: no move may rely on the tip position for this length.

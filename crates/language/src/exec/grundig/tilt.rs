@@ -115,7 +115,7 @@ fn rotation(angles: [f64; 3], order: Option<PlaneOrder>, span: Span) -> Result<M
 /// The rotary axes that align the tool with the normal of the plane, on the grid of the control, and `true` if the plane is tilted.
 fn aligned(channel: &mut Channel<'_>, rotation: &Matrix, span: Span) -> Result<(AxisVector, bool), Fault> {
     let machine = channel.settings.machine;
-    let kinematics = Kinematics::new(machine);
+    let kinematics = Kinematics::of_head(machine, channel.modal.tool.head);
     let below = channel.standing.setup.frame;
     let mut near = channel.modal.position.command;
     if *rotation == Matrix::identity() {

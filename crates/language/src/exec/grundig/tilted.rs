@@ -23,9 +23,9 @@ pub(super) struct Tilted {
 
 impl Tilted {
     /// The frame of the plane above a zero offset and shift; `None` if the linear axes cannot place the tip.
-    pub(super) fn frame(&mut self, machine: &Machine, below: &Frame, tool_mm: &Vector) -> Option<Frame> {
+    pub(super) fn frame(&mut self, kinematics: &Kinematics, below: &Frame, tool_mm: &Vector) -> Option<Frame> {
         self.is_stale = *below != self.below;
-        turned_frame(&Kinematics::new(machine), below, &self.plane, &self.turned, tool_mm)
+        turned_frame(kinematics, below, &self.plane, &self.turned, tool_mm)
     }
 
     /// Rejects a motion of linear axes for which the plane has no meaning.

@@ -68,7 +68,8 @@ fn begin(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Resu
         let help = "use a zero offset and shift without rotation, mirror, scale and without values of rotary axes";
         return Err(unsupported(span, "G141 with a zero offset or shift that turns", help));
     }
-    let kinematics = channel.outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::new(machine)));
+    let head = channel.modal.tool.head;
+    let kinematics = channel.outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::of_head(machine, head)));
     let count = kinematics.rotary_axes().count();
     let tool_mm = channel.standing.setup.tool_mm;
     let can_place = kinematics.command_on_workpiece(&channel.modal.position.command, &tool_mm).is_some();

@@ -5,8 +5,10 @@ use super::channel::IsoAtHand;
 use super::forbidden;
 use super::modal::Modal;
 use super::modes;
+use super::setup;
 use super::state;
 use super::text;
+use crate::exec::core::head::{self, HeadBlock};
 use crate::exec::core::motion_sink::MotionSink;
 use ncfix_dialect::Language;
 use std::fmt::Write as _;
@@ -38,6 +40,9 @@ const RS274_WORDS: &[(u32, &[u8])] = &[
     (68, b"EQ"),
 ];
 
+/// The modal group of the M codes of the user.
+const USER_GROUP: u8 = 10;
+
 /// The modal group of an M code of LinuxCNC; a block may have one of each group.
 fn rs274_group(number: u32) -> Option<u8> {
     Some(match number {
@@ -47,7 +52,7 @@ fn rs274_group(number: u32) -> Option<u8> {
         3 | 4 | 5 | 19 | 70..=73 => 7,
         7..=9 => 8,
         48..=53 => 9,
-        100..=199 => 10,
+        100..=199 => USER_GROUP,
         _ => return None,
     })
 }
@@ -80,6 +85,27 @@ fn refused(number: u32, span: Span) -> Result<(), Fault> {
     }
 }
 
+/// Changes the head, if an M word of the block selects another one. The head has moved, so the position is unknown afterwards.
+pub(super) fn select_head(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    if channel.settings.machine.heads.is_empty() || gathered.m_codes.is_empty() {
+        return Ok(());
+    }
+    let block = HeadBlock {
+        setup: &channel.standing.setup,
+        head: channel.modal.tool.head,
+        compensates: channel.modal.contour.compensates(),
+        moves: !gathered.axes.is_empty() || gathered.has_any(b"IJKR"),
+    };
+    let words = gathered.m_codes.iter().copied();
+    let Some(head) = head::selected(channel.settings.machine, words, block)? else { return Ok(()) };
+    channel.modal.tool.head = head;
+    channel.outlet.kinematics = None;
+    let lost = channel.modal.forget(AxisSet::ALL);
+    channel.outlet.push(Kind::Lost(lost));
+    setup::refresh_setup(channel);
+    Ok(())
+}
+
 /// Executes the M codes of a block that act before the motion, and keeps the others for later.
 pub(super) fn m_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     if gathered.m_codes.is_empty() {
@@ -99,7 +125,8 @@ pub(super) fn m_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<
     }
     let mut groups = 0_u16;
     for &(number, span) in &gathered.m_codes {
-        let Some(group) = rs274_group(number) else {
+        let is_of_head = channel.settings.machine.head_of_word(number).is_some();
+        let Some(group) = rs274_group(number).or(is_of_head.then_some(USER_GROUP)) else {
             return Err(bad_value(span, format!("M{number} is unknown"), "check the number"));
         };
         // M7 and M8 are compatible.
@@ -110,8 +137,9 @@ pub(super) fn m_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<
             return Err(fault(Code::DOUBLE_WORD, span, message, "remove one of them"));
         }
     }
-    for group in [5, 6, 7, 8, 9, 10, 4] {
-        for &(number, span) in gathered.m_codes.iter().filter(|(number, _)| rs274_group(*number) == Some(group)) {
+    for group in [5, 6, 7, 8, 9, USER_GROUP, 4] {
+        let is_of = |(number, _): &&(u32, Span)| rs274_group(*number).unwrap_or(USER_GROUP) == group;
+        for &(number, span) in gathered.m_codes.iter().filter(is_of) {
             rs274_m(channel, gathered, number, span)?;
         }
     }
@@ -249,7 +277,7 @@ fn rs274_m(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, span: Sp
         73 => state::save_state(&channel.modal, &mut channel.saved, true),
         71 => state::drop_state(&mut channel.saved),
         72 => state::restore_state(channel, span)?,
-        100..=199 => {
+        100..=199 if channel.settings.machine.head_of_word(number).is_none() => {
             let message = format!("M{number} runs a user-defined program, whose effect is not known");
             let help = "check that it moves no axis and changes no offset";
             channel.outlet.warnings.push(fault(Code::LEFT_OUT, span, message, help));

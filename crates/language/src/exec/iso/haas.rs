@@ -75,7 +75,7 @@ pub(super) fn turned_zero(channel: &mut Channel<'_>, gathered: &Gathered, code: 
     if code == 2540 {
         let machine = channel.settings.machine;
         let is_free = channel.modal.turning.is_none() && channel.modal.transforms.is_empty();
-        let kinematics = Kinematics::new(machine);
+        let kinematics = Kinematics::of_head(machine, channel.modal.tool.head);
         let is_table = |axis: Axis| machine.topology.workpiece.contains(&axis);
         let offset = channel.modal.settable;
         let is_plain = offset.is_translation() && kinematics.rotary_axes().all(|axis| offset.shift(axis) == 0.0);

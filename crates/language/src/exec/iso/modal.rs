@@ -157,6 +157,7 @@ impl Modal {
             assumed: self.offset_assumed || self.tool.assumed,
             zero: self.zero,
             written_zero: self.written_zero.clone(),
+            head: self.tool.head,
         }
     }
 

@@ -67,6 +67,7 @@ pub(super) fn execute_rs274(channel: &mut Channel<'_>, gathered: &mut Gathered) 
     feed::tool_word(&mut channel.modal, &mut channel.outlet, gathered)?;
     auxiliary::m_codes(channel, gathered)?;
     channel.flush_before();
+    auxiliary::select_head(channel, gathered)?;
     feed::dwell(channel, gathered)?;
     modes::plane(channel, gathered)?;
     special::lathe(gathered)?;
@@ -110,6 +111,7 @@ pub(super) fn execute_fanuc(channel: &mut Channel<'_>, gathered: &mut Gathered) 
     feed::speed(channel.settings.machine, &mut channel.modal, &mut channel.block, gathered)?;
     auxiliary::m_codes(channel, gathered)?;
     channel.flush_before();
+    auxiliary::select_head(channel, gathered)?;
     feed::dwell(channel, gathered)?;
     takes_axes |= transform::transform_codes(channel, gathered)?;
     takes_axes |= action(channel, gathered)?;

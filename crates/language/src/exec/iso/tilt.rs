@@ -108,7 +108,7 @@ pub(super) fn tool_on_plane(channel: &mut Channel<'_>, gathered: &Gathered) -> R
     if channel.modal.contour.compensates() || channel.modal.turning.is_some() {
         return Err(refused(span, "G53.1 under radius compensation or tool center point control".to_owned()));
     }
-    let kinematics = Kinematics::new(channel.settings.machine);
+    let kinematics = Kinematics::of_head(channel.settings.machine, channel.modal.tool.head);
     if kinematics.rotary_axes().next().is_none() {
         return Ok(());
     }
@@ -250,7 +250,7 @@ pub(super) fn stand_anew(channel: &mut Channel<'_>, span: Span) -> Result<(), Fa
     let Some(tilt) = channel.modal.transforms.tilt().copied() else { return Ok(()) };
     let stand = channel.modal.transforms.stand().filter(|stand| stand.tool_mm != tool_mm);
     let Some(is_kept) = stand.map(|stand| stand.is_kept) else { return Ok(()) };
-    let kinematics = Kinematics::new(channel.settings.machine);
+    let kinematics = Kinematics::of_head(channel.settings.machine, channel.modal.tool.head);
     let below = channel.modal.below_transforms();
     let total = turned_frame(&kinematics, &below, &tilt, &channel.modal.position.command, &tool_mm)
         .ok_or_else(|| refused(span, "the linear axes of this machine cannot position the tool tip".to_owned()))?;

@@ -49,8 +49,8 @@ pub(super) fn switch_tip(channel: &mut Channel<'_>, code: u16, gathered: &Gather
         return Err(fault(Code::NOT_SUPPORTED, span, message, help));
     }
     if turning.is_some() {
-        let kinematics =
-            channel.outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::new(channel.settings.machine)));
+        let (machine, head) = (channel.settings.machine, channel.modal.tool.head);
+        let kinematics = channel.outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::of_head(machine, head)));
         let rotary = kinematics.rotary_axes().count();
         let can = (1..=2).contains(&rotary)
             && kinematics

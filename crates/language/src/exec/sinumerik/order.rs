@@ -13,12 +13,14 @@ use super::pass;
 use super::passed_axis;
 use super::polar;
 use super::save;
+use super::setup;
 use super::stream;
 use super::surface;
 use super::tool;
 use super::tool_frame;
 use super::transform;
 use crate::exec::core::fault::Fault;
+use crate::exec::core::head::{self, HeadBlock};
 use crate::exec::core::motion_sink::MotionSink;
 use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::Span;
@@ -71,16 +73,19 @@ pub(super) fn execute(
     if let Some(text) = gathered.message.take() {
         channel.push(Kind::Message(text));
     }
+    let moves = !gathered.named.is_empty()
+        || gathered.center.iter().any(Option::is_some)
+        || gathered.addresses.iter().any(|value| value.address.moves());
     let before = std::mem::take(&mut gathered.before);
+    if !channel.settings.machine.heads.is_empty() {
+        select_head(channel, gathered, &before, (moves, span))?;
+    }
     if before.iter().chain(&gathered.after).any(|word| is_moved_by(&channel.outlet, word)) {
         gathered.lost = AxisSet::ALL;
     }
     if !before.is_empty() {
         channel.push(Kind::Before(before));
     }
-    let moves = !gathered.named.is_empty()
-        || gathered.center.iter().any(Option::is_some)
-        || gathered.addresses.iter().any(|value| value.address.moves());
     passed_axis::pass_on(channel, gathered, moves)?;
     if moves {
         channel.comment(comment);
@@ -100,6 +105,34 @@ pub(super) fn execute(
         let lost = channel.modal.forget(gathered.lost);
         channel.push(Kind::Lost(lost));
     }
+    Ok(())
+}
+
+/// Changes the head, if an M word of the block selects another one. The head has moved, so the position is unknown afterwards.
+fn select_head(
+    channel: &mut Channel<'_>,
+    gathered: &mut Gathered,
+    words: &[Word],
+    (moves, span): (bool, Span),
+) -> Result<(), Fault> {
+    let numbers = words.iter().filter(|word| word.letter == b'M' && word.extension.is_none());
+    let numbers = numbers.filter_map(|word| match word.value {
+        // A whole number, as the gatherer has checked.
+        WordValue::Number(number) => Some((number as u32, span)),
+        WordValue::Name(_) => None,
+    });
+    let block = HeadBlock {
+        setup: &channel.standing.setup,
+        head: channel.modal.tool.head,
+        compensates: channel.modal.contour.compensates(),
+        moves,
+    };
+    let Some(head) = head::selected(channel.settings.machine, numbers, block)? else { return Ok(()) };
+    channel.modal.tool.head = head;
+    channel.outlet.kinematics = None;
+    channel.modal.forget_position();
+    gathered.lost = AxisSet::ALL;
+    setup::refresh_setup(&mut channel.modal, &mut channel.standing, &mut channel.outlet);
     Ok(())
 }
 

@@ -42,6 +42,16 @@ impl Gatherer<'_> {
             // Acknowledged later by the machine; functions that end something stay after the motion.
             Address::Letter(b'M') => match word.value {
                 Value::Dimension(DimensionFunction::Other, id)
+                    if self
+                        .scope
+                        .machine
+                        .head_of_word(u32::try_from(self.scope.whole(id)?).unwrap_or(u32::MAX))
+                        .is_some() =>
+                {
+                    let message = "a word that changes the head is acknowledged later, so the block at which it acts is not known";
+                    return Err(fault(Code::HEAD_CHANGE, word.span, message, "write the M word without a function"));
+                }
+                Value::Dimension(DimensionFunction::Other, id)
                     if !matches!(self.scope.whole(id)?, 0 | 1 | 2 | 5 | 6 | 9 | 17 | 30) =>
                 {
                     None

@@ -142,7 +142,7 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
         let message = "CYCLE800 while the frame of TOROT is in force: no manual states which of the two frames remains";
         return Err(fault(Code::BAD_SWIVEL, span, message, "end it with TOROTOF before the cycle"));
     }
-    let kinematics = Kinematics::new(channel.settings.machine);
+    let kinematics = Kinematics::of_head(channel.settings.machine, channel.modal.tool.head);
     check_stated_for(channel, request, &kinematics)?;
     retract(channel, request, &kinematics)?;
     let has_rotary = kinematics.rotary_axes().next().is_some();

@@ -58,6 +58,16 @@ pub(super) fn execute(
             return Err(refusal(format!("{word} depends on block boundaries, and moves are divided into pieces")));
         }
     }
+    let of_head = |token: Token<'_>| {
+        let digits = token.text.strip_prefix(b"M").or_else(|| token.text.strip_prefix(b"m"))?;
+        let number = std::str::from_utf8(digits).ok()?.parse().ok()?;
+        channel.settings.machine.head_of_word(number).map(|_| number)
+    };
+    if let Some(number) = tokens(source(actions)).find_map(of_head) {
+        let message = format!("a synchronized action that changes the head (M{number})");
+        let help = "program the word in a block of the part program";
+        return Err(fault(Code::HEAD_CHANGE, whole, message, help));
+    }
     let mut text = with_values(loaded, channel, whole)?;
     for index in written_parameters(source(actions)) {
         // Only the control knows the result of the action.

@@ -45,7 +45,7 @@ pub(super) fn tool_frame(channel: &mut Channel<'_>, gathered: &Gathered) -> Resu
         let help = "end it with TRANS before, and program it again after: then it counts in the turned coordinates";
         return Err(fault(Code::NOT_SUPPORTED, span, message, help));
     }
-    let kinematics = Kinematics::new(channel.settings.machine);
+    let kinematics = Kinematics::of_head(channel.settings.machine, channel.modal.tool.head);
     let has_origin = name == "TOFRAME";
     check_known(channel, &kinematics, has_origin, span);
     let below = channel.modal.base.compose(&channel.modal.settable);

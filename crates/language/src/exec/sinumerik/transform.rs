@@ -102,7 +102,8 @@ fn check_kinematics(
     outlet: &mut MotionSink<'_>,
     span: Span,
 ) -> Result<(), Fault> {
-    let kinematics = outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::new(settings.machine)));
+    let (machine, head) = (settings.machine, modal.tool.head);
+    let kinematics = outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::of_head(machine, head)));
     let rotary = kinematics.rotary_axes().count();
     let can = (1..=2).contains(&rotary)
         && kinematics.command_on_workpiece(&modal.position.command, &standing.setup.tool_mm).is_some();

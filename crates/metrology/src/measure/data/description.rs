@@ -131,6 +131,7 @@ fn read_measurement(name: &str, section: &mut Section<'_>, instruments: &Instrum
     let sigma_rad = section.number_where("sigma_urad", "a number above 0", |urad| urad > 0.0).map(rad_from_urad);
     let free = section.texts("free");
     let date = section.date("date").map(str::to_owned);
+    let head = section.text("head").map(str::to_owned);
     let kind = kind?;
     let mut unknowns = Vec::new();
     for (index, word) in free.unwrap_or_default().iter().enumerate() {
@@ -148,6 +149,7 @@ fn read_measurement(name: &str, section: &mut Section<'_>, instruments: &Instrum
         name: name.to_owned(),
         kind,
         date,
+        head,
         sigma,
         sigma_rad,
         free: unknowns,

@@ -263,6 +263,7 @@ fn empty(kind: &'static super::kind::Instrument, free: &[super::data::Free]) -> 
         name: kind.name.to_owned(),
         kind,
         date: None,
+        head: None,
         sigma: None,
         free: free.to_vec(),
         artefact: super::data::Setup::default(),

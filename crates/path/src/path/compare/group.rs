@@ -32,7 +32,7 @@ const LED_SHARE: f64 = 0.5;
 pub(super) struct MoveGroup<'a> {
     /// The model in the zero offset of the move.
     pub(super) model: &'a Model,
-    /// The model with all zero offsets.
+    /// The model of the head with all zero offsets.
     base: &'a Model,
     grouping: Grouping,
     pub(super) kinematics: &'a Kinematics,
@@ -58,10 +58,12 @@ impl<'a> MoveGroup<'a> {
         step: &'a ComparedMove<'a>,
         carried: Offset,
     ) -> MoveGroup<'a> {
-        let base = model;
+        let head = step.setup.head;
+        let base = model.for_head(head);
         let model = base.for_zero(step.setup.zero);
-        let mut lead = lead;
+        let mut lead = if head == 0 { lead } else { lead.with(base) };
         lead.model = model;
+        let kinematics = if head == 0 { kinematics } else { base.kinematics() };
         let (length_mm, has_begun, is_judged, parameter) = (0.0, false, false, 0.0);
         MoveGroup { model, base, grouping, kinematics, step, lead, carried, length_mm, has_begun, is_judged, parameter }
     }
@@ -159,6 +161,7 @@ impl MoveGroup<'_> {
             lead: &self.lead,
             base: self.base,
             zero: self.step.setup.zero,
+            head: self.step.setup.head,
             programmed: self.step.path(),
             emitted: piece.path(),
             origin: self.step.origin,

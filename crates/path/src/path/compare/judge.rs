@@ -59,8 +59,8 @@ pub(super) struct Judge<'d> {
     off: Option<(f64, f64, Origin)>,
     /// The largest tilt of the move so far: value, limit, and piece.
     tilt: Option<(f64, f64, Origin)>,
-    /// The spindle axis, if rotary axes turn it.
-    tool_axis: Option<Vector>,
+    /// True if the machine has rotary axes, which may tilt the tool.
+    turns: bool,
     /// Permitted deviation of a hole that is a drilling cycle in the output, mm.
     hole_limit_mm: f64,
     /// Permitted deviation on an arc, whose center is rounded too, mm.
@@ -98,7 +98,6 @@ impl<'d> Judge<'d> {
         let arc_limit_mm = limit_mm + center_mm;
         let last = [Origin::default(); 2];
         let turns = ROTARY_AXES.into_iter().any(|axis| machine.axis_set().contains(axis));
-        let tool_axis = turns.then_some(machine.spindle.axis);
         Judge {
             promise,
             limit_mm,
@@ -108,7 +107,7 @@ impl<'d> Judge<'d> {
             differ,
             off: None,
             tilt: None,
-            tool_axis,
+            turns,
             feed: None,
             passing: None,
             setups: None,
@@ -209,13 +208,16 @@ impl<'d> Judge<'d> {
 
     /// Compares the direction of the tool at the end of a piece: a correction improves it or leaves it unchanged.
     fn tilt(&mut self, group: &MoveGroup<'_>, course: &Course<'_>) {
-        let Some(tool_axis) = self.tool_axis else { return };
+        if !self.turns {
+            return;
+        }
+        let tool_axis = group.model.kinematics().tool_axis();
         let (step, piece) = (group.step, course.piece);
         let (nominal, tool_mm) = (step.route.at(course.to), &piece.tool_mm);
         let ideal = group.model.nominal(&nominal, tool_mm);
         let tilt = |command: &AxisVector| {
             let turn = ideal.turn_to(&group.model.actual(command, tool_mm, &piece.band.state()));
-            (turn - tool_axis * turn.dot(&tool_axis)).norm()
+            (turn - tool_axis * turn.dot(tool_axis)).norm()
         };
         let tilt_rad = tilt(&piece.route.end);
         let limit_rad = tilt(&nominal) + 2.0 * self.increments.rotary_deg.to_radians() + SAME_TILT_RAD;

@@ -16,7 +16,7 @@ use ncfix_machine::machine::{Kinematics, Machine, TipPath};
 use ncfix_machine::snc::{
     BlockNumber, Element, FeedUnit, HoleTrigger, Kind, MotionMode, Move, Origin, Setup, Turning, WordValue,
 };
-use ncfix_model::DeadBand;
+use ncfix_model::{DeadBand, Model};
 
 /// More than a plausible correction of a position, mm: the last rapid move before a hole may be as programmed.
 const MOST_CORRECTION_MM: f64 = 1.0;
@@ -128,6 +128,8 @@ pub(super) struct Walk<'a, I> {
     machine: &'a Machine,
     feeds: Feeds,
     counts_turns: bool,
+    /// The model with all heads.
+    base: &'a Model,
     lead: Lead<'a>,
     position: AxisVector,
     tool_mm: Vector,
@@ -165,6 +167,7 @@ impl<'a, I> Walk<'a, I> {
             machine,
             feeds,
             counts_turns: false,
+            base: lead.model,
             lead,
             position: AxisVector::ZERO,
             tool_mm: Vector::zeros(),
@@ -268,6 +271,9 @@ impl<'a, I: Iterator<Item = Element>> Iterator for Walk<'a, I> {
                 }
                 Kind::Setup(setup) => {
                     self.tool_mm = setup.tool_mm;
+                    if setup.head != self.setup.head {
+                        self.lead = self.lead.with(self.base.for_head(setup.head));
+                    }
                     self.setup = setup;
                     continue;
                 }

@@ -6,7 +6,8 @@ use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::AxisSet;
 use ncfix_machine::snc::{Element, Kind, Setup};
 
-use super::Corrector;
+use super::{Corrector, sampler_of};
+use crate::path::lead::Lead;
 use crate::path::{Output, lost_axes};
 
 impl<I> Corrector<'_, I>
@@ -56,7 +57,14 @@ where
             standing.known = new.known_across(old.known_across(standing.known, false), true);
             standing.written = standing.written.intersection(standing.known);
         }
+        let (before, head) = (self.placer.setup.head, setup.head);
         self.placer.set_up(setup, &standing.command, &mut standing.counts, &mut standing.written);
+        if head != before {
+            let model = self.placer.base.for_head(head);
+            self.lead = Lead::new(model, self.machine);
+            self.sampler = sampler_of(model, self.machine, &self.options);
+            self.findings.set_head(head);
+        }
         self.lead.model = self.placer.model;
     }
 }

@@ -129,8 +129,9 @@ where
         let from = active.sampled;
         let piece = SampledPiece {
             lead: &self.lead,
-            base: self.placer.base,
+            base: self.placer.base.for_head(self.placer.setup.head),
             zero: self.placer.setup.zero,
+            head: self.placer.setup.head,
             programmed: LedPath {
                 route: &active.route,
                 band: &self.standing.nominal_band,
