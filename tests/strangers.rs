@@ -158,6 +158,43 @@ fn the_slope_of_a_height_map_is_not_that_of_the_axis() {
 }
 
 #[test]
+fn a_scale_from_circles_of_unknown_length_is_relative() {
+    // X has 30 µm/m; on a circle about the middle, that is r cos² φ · 30e-6.
+    let mut noise = Noise(4);
+    let mut table = "setup,X,Y,Z,tool_x_mm,tool_y_mm,tool_z_mm,dr_um\n".to_owned();
+    for k in 0..90 {
+        let (sin, cos) = (f64::from(k) * 4.0).to_radians().sin_cos();
+        let dr = 30e-3 * 80.0 * cos * cos + noise.next(0.05);
+        let _ = writeln!(table, "A,{:.5},{:.5},10,0,0,0,{dr:.4}", 150.0 + 80.0 * cos, 150.0 + 80.0 * sin);
+    }
+    let description = |free: &str| {
+        format!(
+            "[measurement]\nkind = \"ballbar\"\nfree = [{free}]\n[setup.A]\ncentre_mm = [150, 150, 10]\nlength_mm = 80\n"
+        )
+    };
+    let known = "\n[[motion]]\ncomponent = \"EYY\"\nkind = \"polynomial\"\ncoefficients = [0, 5e-6]\n";
+    let shop = Shop::new()
+        .file("m.toml", printer())
+        .file("y.toml", printer() + known)
+        .file("free.csv", table.clone())
+        .file("free.toml", description("\"centre\", \"length\""))
+        .file("bar.csv", table)
+        .file("bar.toml", description("\"centre\""));
+    let fit = |data: &'static str, machine: &'static str, model: &'static str| {
+        ["calibrate", data, "--machine", machine, "--model", model, "-o", "fitted.toml"]
+    };
+    shop.run(fit("free.csv", "m.toml", "EXX1"))
+        .exits(0)
+        .says("warning[W0611]")
+        .says("EXX1 is relative to the scale of Y");
+    // A stated scale of Y, or a known length, makes it absolute.
+    for (data, machine) in [("free.csv", "y.toml"), ("bar.csv", "m.toml")] {
+        let run = shop.run(fit(data, machine, "EXX1")).exits(0);
+        assert!(!run.stderr.contains("W0611"), "{}", run.stderr);
+    }
+}
+
+#[test]
 fn positions_reached_are_not_taken_for_deviations() {
     let mut table = "Target position (mm);1+;1-;2+;2-\n".to_owned();
     for target in [15.0, 35.0, 55.0] {

@@ -823,6 +823,11 @@ Export the file again. If the places were not measured, the calibration is less 
 was set up. A curve without a slope at the zero of the axis would tilt the whole axis by an arbitrary angle. ncfix therefore adds the slope
 that makes the axis straight on average over the measured range. The real slope belongs to the squareness of the axis, which stays unknown:
 measure it with a square, two diagonals or ball-bar circles.";
+    RELATIVE_SCALE = "W0611" "scale that is only relative to that of another axis"
+"The circles of a bar of unknown length are the same if all axes are longer by the same share. ncfix calibrate fitted the scale of some
+of these axes and took the others as 0, so the fitted scales are differences. A program that is corrected with them can have the right
+shape and a wrong size, and the stated uncertainty does not include that. Give the calibrated length of the bar, measure one axis with
+a laser, or state the scale of the other axis in the machine file.";
     STARVING = "W0701" "the link is too slow in places"
 "In some places the control waits briefly for lines (see E0702), but not long enough to forbid the transfer.";
     SERIAL_SETTINGS = "W0702" "port with different settings or a name that may change"

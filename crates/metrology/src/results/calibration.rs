@@ -6,7 +6,7 @@ use super::held::{ComparedMeasurement, fitted};
 use super::measurement::{Measurement, check_copies, data_of};
 pub use super::not_identified::LeftOut;
 use super::selection;
-use super::{conditions, figures, has_errors, not_identified, repeated, slope};
+use super::{conditions, figures, has_errors, not_identified, relative, repeated, slope};
 use crate::calibrate::{ComparedReading, Fit, FitOptions, Parameter, Refusal, Rule, fit, quality, reversals, select};
 use crate::measure::data::{DataSet, Observation};
 use crate::measure::kind::Measurand;
@@ -181,6 +181,7 @@ impl PreparedFit<'_> {
             repeated::repeat(of, &self.used, fitted, how, progress, findings, report);
         }
         slope::level(self.begin.machine, &parameters, &self.used, &mut fit, findings);
+        relative::check(self.begin.machine, &parameters, &self.used, &fit, findings);
         Some(fit)
     }
 

@@ -22,6 +22,7 @@ mod not_identified;
 pub mod parameters;
 pub mod planned;
 pub mod readings;
+mod relative;
 mod repeated;
 pub mod selection;
 pub mod sensors;

@@ -67,7 +67,7 @@ pub(super) fn level(
 }
 
 /// Measured range of an axis, mm.
-fn range(used: &[Measurement], axis: Axis) -> Option<[f64; 2]> {
+pub(super) fn range(used: &[Measurement], axis: Axis) -> Option<[f64; 2]> {
     let all = used.iter().flat_map(|one| &one.data.observations).map(|row| row.reading.position[axis]);
     all.fold(None, |known: Option<[f64; 2]>, value| {
         Some(known.map_or([value; 2], |[low, high]| [low.min(value), high.max(value)]))

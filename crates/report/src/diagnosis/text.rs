@@ -187,7 +187,7 @@ impl DiagnosisReport {
         match self.found.explanations.first().filter(is_less) {
             Some(first) => format!(
                 " Another explanation of these readings is more probable: {} ({}).",
-                first.terms.join(" with "),
+                if first.terms.is_empty() { "noise alone".to_owned() } else { first.terms.join(" with ") },
                 probability(first.probability)
             ),
             None => String::new(),
@@ -250,7 +250,9 @@ impl DiagnosisReport {
         } else {
             ""
         };
-        let travel = written.travel.map_or(String::new(), |travel| {
+        // A file with drifts alone changes nothing at the reference temperature.
+        let travel = written.travel.filter(|travel| travel.before_rms_um > 0.0 || travel.after_rms_um > 0.0);
+        let travel = travel.map_or(String::new(), |travel| {
             format!(
                 " Predicted with the extended file, on lines through the whole travel: {} µm RMS uncorrected, {} µm corrected.",
                 significant(travel.before_rms_um),

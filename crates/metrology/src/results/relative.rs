@@ -1,0 +1,55 @@
+//! Scales that readings show only relative to those of other axes.
+//!
+//! Circles of a bar of unknown length are the same if all axes are longer by the same share. A model with the scales of some of these axes fits the
+//! differences, and takes the others as they are in the machine file: its uncertainty does not contain theirs.
+
+use super::measurement::{Measurement, data_of};
+use super::slope::range;
+use crate::calibrate::{Fit, Parameter, identify};
+use crate::diagnose::cause::own;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::{AXES, Axis};
+use ncfix_machine::machine::Machine;
+use ncfix_model::parameter::ParameterName;
+
+/// Names the fitted scales that are relative to scales which neither the model nor the machine file states.
+pub(super) fn check(
+    machine: &Machine,
+    parameters: &[Parameter],
+    used: &[Measurement],
+    fit: &Fit,
+    findings: &mut Vec<Diagnostic>,
+) {
+    let moves = |axis: &Axis| !axis.is_rotary() && range(used, *axis).is_some_and(|[low, high]| high > low);
+    let scales: Vec<(Axis, ParameterName)> =
+        AXES.into_iter().filter(moves).map(|axis| (axis, ParameterName::coefficient(own(axis), 1))).collect();
+    let is_fitted = |name: &ParameterName| {
+        parameters.iter().any(|one| matches!(one, Parameter::Geometry(fitted) if fitted == name))
+    };
+    let fitted: Vec<String> =
+        scales.iter().filter(|(_, name)| is_fitted(name)).map(|(_, name)| name.to_string()).collect();
+    let unknown: Vec<String> = scales
+        .iter()
+        .filter(|(_, name)| !is_fitted(name) && name.get(&fit.errors) == 0.0)
+        .map(|(axis, _)| axis.to_string())
+        .collect();
+    if fitted.is_empty() || unknown.is_empty() {
+        return;
+    }
+    let data = data_of(used);
+    let shows_all = |scales: &[(Axis, ParameterName)]| {
+        let all: Vec<Parameter> = scales.iter().map(|(_, name)| Parameter::from(*name)).collect();
+        identify(machine, &fit.errors, &all, &data).is_some_and(|found| found.lost.leave_out.is_empty())
+    };
+    let of_model: Vec<(Axis, ParameterName)> = scales.iter().filter(|(_, name)| is_fitted(name)).copied().collect();
+    if shows_all(&scales) || !shows_all(&of_model) {
+        return;
+    }
+    let [fitted, unknown] = [fitted, unknown].map(|names| names.join(" and "));
+    let message = format!(
+        "the readings show only differences of scales: {fitted} is relative to the scale of {unknown}, which counts as 0, \
+         and the uncertainty does not include that"
+    );
+    let help = "give a calibrated length (remove length from free), measure the positioning of one axis with a laser, or state the scale of the other axis";
+    findings.push(Diagnostic::nowhere(Code::RELATIVE_SCALE, message, help));
+}
