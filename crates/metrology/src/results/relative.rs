@@ -10,6 +10,7 @@ use crate::diagnose::cause::own;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{AXES, Axis};
 use ncfix_machine::machine::Machine;
+use ncfix_model::motion::EntryFunction;
 use ncfix_model::parameter::ParameterName;
 
 /// Names the fitted scales that are relative to scales which neither the model nor the machine file states.
@@ -28,9 +29,13 @@ pub(super) fn check(
     };
     let fitted: Vec<String> =
         scales.iter().filter(|(_, name)| is_fitted(name)).map(|(_, name)| name.to_string()).collect();
+    let is_stated = |name: &ParameterName| {
+        let mut own = fit.errors.motion.iter().filter(|error| error.name == name.component);
+        own.any(|error| !matches!(error.function, EntryFunction::Backlash(_)))
+    };
     let unknown: Vec<String> = scales
         .iter()
-        .filter(|(_, name)| !is_fitted(name) && name.get(&fit.errors) == 0.0)
+        .filter(|(_, name)| !is_fitted(name) && !is_stated(name))
         .map(|(axis, _)| axis.to_string())
         .collect();
     if fitted.is_empty() || unknown.is_empty() {
