@@ -254,6 +254,25 @@ fn what_makes_the_change_unsure_is_refused() {
             "a synchronized action",
         ),
         (sinumerik, &["G17 G90 G54", "M=QU(82)", "G0 X0 Y0 Z0 B0", "M30"], "acknowledged later"),
+        (
+            sinumerik,
+            &["G17 G90 G54", "ID=1 WHENEVER $A_IN[1]==1 DO M=82", "G0 X0 Y0", "M30"],
+            "may change the head (M=82)",
+        ),
+        (
+            sinumerik,
+            &["G17 G90 G54", "R5=82", "ID=1 WHENEVER $A_IN[1]==1 DO M0=R5", "M30"],
+            "may change the head (M0=82)",
+        ),
+        (sinumerik, &["G17 G90 G54", "M0=82", "G0 X0 Y0 Z0 B0", "M30"], "an address extension"),
+        (sinumerik, &["G17 G90 G54", "M2=QU(82)", "G0 X0 Y0 Z0 B0", "M30"], "an address extension"),
+        (sinumerik, &["G17 G90 G54", "G74 X1=0 M82", "M30"], "the block has words of a motion"),
+        (
+            grundig,
+            &["G17 G90 G54", "G0 X0 Y0 Z50 B0", "G78 P1 X10 Y10 Z50", "G1 P1 F100 M54", "M30"],
+            "the block has words of a motion",
+        ),
+        (&DIALECTS[3], &["G17 G90 G54", "G0 X0 Y0 Z0", "G28 M154", "M2"], "the block has words of a motion"),
     ] {
         let shop = shop(dialect, &program(dialect.controller, lines));
         let ran = shop.run(["fix", dialect.file, "-o", "out.txt", "--machine", "both.toml"]);
@@ -276,6 +295,39 @@ fn the_flat_stream_has_the_words_and_is_read_again() {
     assert!(words.len() == 2 && words[0].starts_with("M53 ") && words[1].starts_with("M54 "), "{flat}");
     let again = shop.file("p.snc", &flat);
     assert_eq!(again.run(["snc", "p.snc", "--machine", "both.toml"]).exits(0).stdout, flat);
+}
+
+/// A dwell has M functions too: a head word beside it changes the head, and back.
+#[test]
+fn a_word_beside_a_dwell_changes_the_head() {
+    let dialect = &DIALECTS[1];
+    let text = dialect.text(&[(false, dialect.moves(false, 1)), (true, dialect.moves(true, 2))]);
+    let shop = shop(dialect, &text);
+    let (expected, _) = corrected(&shop, dialect, "both.toml", &["--state", "state.toml"]);
+    let with_dwell = text.replace("M82", "G4 F1 M82");
+    assert_ne!(with_dwell, text);
+    let shop = shop.file(dialect.file, with_dwell);
+    let (found, _) = corrected(&shop, dialect, "both.toml", &["--state", "state.toml"]);
+    let found: Vec<String> = found.iter().map(|line| line.replace("G4 F1 M82", "M82")).collect();
+    assert_eq!(found, expected);
+    let refused = shop.run(["max-step", dialect.file, "--machine", "both.toml", "--head", "horizontal"]);
+    assert!(refused.stderr.contains("error[E0244]"), "{}", refused.stderr);
+}
+
+/// A plan belongs to its head.
+#[test]
+fn a_plan_names_its_head() {
+    let shop = Shop::new().file("both.toml", both("sinumerik", ["M81", "M82"]));
+    let plan = ["plan", "laser", "--axis", "X", "--machine", "both.toml", "--head", "vertical", "-o", "plan.csv"];
+    shop.run(plan).exits(0);
+    assert!(shop.text("plan.toml").contains("head = \"vertical\"\n"), "{}", shop.text("plan.toml"));
+    let simulate = |head: &'static str| {
+        shop.run(["simulate", "plan.csv", "--machine", "both.toml", "--head", head, "-o", "data.csv"])
+    };
+    simulate("horizontal").exits(4).says("with the head vertical");
+    simulate("vertical").exits(0);
+    let refused = shop.run(plan.iter().chain(&["--program", "plan.mpf"])).exits(2);
+    assert!(refused.stderr.contains("would not select the head vertical"), "{}", refused.stderr);
 }
 
 /// The gauge point of the vertical head: with the tool along Y, EC0S turns the tip by 80 mm · 30 µrad = 2.4 µm along X.
@@ -332,6 +384,14 @@ fn a_word_with_another_meaning_is_refused() {
     ] {
         let shop = Shop::new().file("m.toml", both(controller, words));
         let ran = shop.run(["machine", "check", "m.toml"]);
+        assert!(ran.stderr.contains("error[E0411]") && ran.stderr.contains(meaning), "{controller}\n{}", ran.stderr);
+    }
+    for (controller, words, more, meaning) in [
+        ("fanuc", ["M81", "M10"], "", "M10, which selects the head vertical, already means: a clamp of an axis"),
+        ("fanuc", ["M81", "M82"], "macro_codes = { M82 = 9010 }", "already means: the call of a program"),
+    ] {
+        let text = both(controller, words).replace("increment_mm = 0.001", &format!("increment_mm = 0.001\n{more}"));
+        let ran = Shop::new().file("m.toml", text).run(["machine", "check", "m.toml"]);
         assert!(ran.stderr.contains("error[E0411]") && ran.stderr.contains(meaning), "{controller}\n{}", ran.stderr);
     }
     let text = format!("{}\n[head.segmemt]\n", both("grundig", ["M53", "M54"]));

@@ -14,9 +14,9 @@ use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::{FileId, Source};
 use ncfix_dialect::{CodeEffect, Dialect};
 use ncfix_language::exec::apply_archive;
-use ncfix_machine::machine::Condition;
 use ncfix_machine::machine::controller::{ControllerMeaning, controller};
 use ncfix_machine::machine::file::{DEMO, MachineFile, apply_setup};
+use ncfix_machine::machine::{Clamp, Condition};
 use ncfix_machine::saved::{SavedFormat, apply_saved, recognized};
 use ncfix_model::file::load_with;
 
@@ -265,7 +265,15 @@ fn read_with(
 /// Words that select a head, and that have another meaning in the language of the control.
 fn of_other_meaning(machine: &ncfix_machine::machine::Machine, source: &Source) -> Vec<Diagnostic> {
     let codes = ncfix_dialect::find(&machine.controller).map(Dialect::codes);
+    let clamps = |number: u32| {
+        let of_axis = |clamp: &Clamp| clamp.close == number || clamp.open == number;
+        machine.axes.iter().flatten().any(|axis| axis.clamps.iter().any(of_axis))
+    };
     let meaning = |number: u32| match codes.and_then(|codes| codes.m(number as usize)) {
+        _ if machine.control.macros.codes.contains_key(&format!("M{number}")) => {
+            Some("the call of a program (macro_codes)")
+        }
+        _ if clamps(number) => Some("a clamp of an axis (clamp_codes, unclamp_codes)"),
         Some(row) if is_for_heads(&machine.controller, row.name) => None,
         Some(row) => Some(row.meaning),
         None => is_standard(number).then_some("a standard function"),

@@ -79,7 +79,7 @@ pub(super) fn functions(
 }
 
 /// Words whose letters belong to a motion.
-const OF_MOTION: &[u8] = b"XYZABCUVWIJKR";
+const OF_MOTION: &[u8] = b"XYZABCUVWIJKRLP";
 
 /// Changes the head, if an M word of the block selects another one. The swivelling head has moved, so the position is unknown afterwards.
 pub(super) fn select_head(channel: &mut Channel<'_>, words: &[(u32, Span)], gathered: &Gathered) -> Result<(), Fault> {
@@ -90,7 +90,7 @@ pub(super) fn select_head(channel: &mut Channel<'_>, words: &[(u32, Span)], gath
         setup: &channel.standing.setup,
         head: channel.modal.tool.head,
         compensates: channel.modal.contour.compensates(),
-        moves: OF_MOTION.iter().any(|&letter| gathered.peek(letter, None).is_some()),
+        moves: gathered.items.iter().any(|item| OF_MOTION.contains(&item.letter)),
     };
     let Some(head) = head::selected(channel.settings.machine, words.iter().copied(), block)? else { return Ok(()) };
     channel.modal.tool.head = head;

@@ -14,6 +14,7 @@ use ncfix_dialect::Language;
 use std::fmt::Write as _;
 
 use super::channel::Channel;
+use super::codes::Group;
 use super::gathered::Gathered;
 use super::measure::whole;
 use crate::exec::core::fault::{Fault, bad_value, fault};
@@ -90,11 +91,13 @@ pub(super) fn select_head(channel: &mut Channel<'_>, gathered: &Gathered) -> Res
     if channel.settings.machine.heads.is_empty() || gathered.m_codes.is_empty() {
         return Ok(());
     }
+    // G28 and G30 move even without axis words.
+    let is_reference = matches!(gathered.code(Group::Action), Some(280 | 300));
     let block = HeadBlock {
         setup: &channel.standing.setup,
         head: channel.modal.tool.head,
         compensates: channel.modal.contour.compensates(),
-        moves: !gathered.axes.is_empty() || gathered.has_any(b"IJKR"),
+        moves: !gathered.axes.is_empty() || gathered.has_any(b"IJKR@^") || is_reference,
     };
     let words = gathered.m_codes.iter().copied();
     let Some(head) = head::selected(channel.settings.machine, words, block)? else { return Ok(()) };

@@ -19,9 +19,10 @@ use super::surface;
 use super::tool;
 use super::tool_frame;
 use super::transform;
-use crate::exec::core::fault::Fault;
+use crate::exec::core::fault::{Fault, fault};
 use crate::exec::core::head::{self, HeadBlock};
 use crate::exec::core::motion_sink::MotionSink;
+use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{Kind, Word, WordValue};
@@ -65,8 +66,10 @@ pub(super) fn execute(
     tool::tool(channel, gathered)?;
     contour_words::check_edge(channel.settings.strict, &channel.modal, &mut channel.outlet, gathered, span);
     if let Some(at) = gathered.dwell {
+        functions(channel, gathered, (false, span))?;
         dwell::dwell(channel, gathered, at)?;
         channel.comment(comment);
+        lose(channel, gathered);
         return Ok(());
     }
     feed::feed_and_speed(&mut channel.modal, gathered);
@@ -76,13 +79,8 @@ pub(super) fn execute(
     let moves = !gathered.named.is_empty()
         || gathered.center.iter().any(Option::is_some)
         || gathered.addresses.iter().any(|value| value.address.moves());
+    functions(channel, gathered, (moves || gathered.is_reference, span))?;
     let before = std::mem::take(&mut gathered.before);
-    if !channel.settings.machine.heads.is_empty() {
-        select_head(channel, gathered, &before, (moves, span))?;
-    }
-    if before.iter().chain(&gathered.after).any(|word| is_moved_by(&channel.outlet, word)) {
-        gathered.lost = AxisSet::ALL;
-    }
     if !before.is_empty() {
         channel.push(Kind::Before(before));
     }
@@ -101,11 +99,28 @@ pub(super) fn execute(
     if !after.is_empty() {
         channel.push(Kind::After(after));
     }
+    lose(channel, gathered);
+    Ok(())
+}
+
+/// Acts on the M functions of a block that change the head or move axes.
+fn functions(channel: &mut Channel<'_>, gathered: &mut Gathered, (moves, span): (bool, Span)) -> Result<(), Fault> {
+    if !channel.settings.machine.heads.is_empty() {
+        let words: Vec<Word> = gathered.before.iter().chain(&gathered.after).cloned().collect();
+        select_head(channel, gathered, &words, (moves, span))?;
+    }
+    if gathered.before.iter().chain(&gathered.after).any(|word| is_moved_by(&channel.outlet, word)) {
+        gathered.lost = AxisSet::ALL;
+    }
+    Ok(())
+}
+
+/// Forgets the positions that the functions of a block have changed.
+fn lose(channel: &mut Channel<'_>, gathered: &Gathered) {
     if !gathered.lost.is_empty() {
         let lost = channel.modal.forget(gathered.lost);
         channel.push(Kind::Lost(lost));
     }
-    Ok(())
 }
 
 /// Changes the head, if an M word of the block selects another one. The head has moved, so the position is unknown afterwards.
@@ -115,7 +130,17 @@ fn select_head(
     words: &[Word],
     (moves, span): (bool, Span),
 ) -> Result<(), Fault> {
-    let numbers = words.iter().filter(|word| word.letter == b'M' && word.extension.is_none());
+    let machine = channel.settings.machine;
+    let extended = words.iter().filter(|word| word.letter == b'M' && word.extension.is_some());
+    let of_head = |word: &Word| match word.value {
+        WordValue::Number(number) => Some(number as u32).filter(|number| machine.head_of_word(*number).is_some()),
+        WordValue::Name(_) => None,
+    };
+    if let Some(number) = extended.filter_map(of_head).next() {
+        let message = format!("M{number} changes the head, and an address extension may give it another meaning");
+        return Err(fault(Code::HEAD_CHANGE, span, message, format!("write M{number}")));
+    }
+    let numbers = words.iter().filter(|word| word.letter == b'M');
     let numbers = numbers.filter_map(|word| match word.value {
         // A whole number, as the gatherer has checked.
         WordValue::Number(number) => Some((number as u32, span)),

@@ -14,6 +14,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet};
 use ncfix_base::source::Span;
 use ncfix_dialect::{Treatment, WordPlace, words};
+use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::Kind;
 
 /// Prefixes of variables whose values depend on the start and end of a block.
@@ -38,6 +39,25 @@ struct Token<'a> {
     depth: u32,
 }
 
+/// An M word that changes the head, or whose number is not known: `M82`, `M0=82`, `M=$AC_MARKER[1]`.
+fn head_word(machine: &Machine, text: &[u8], token: &Token<'_>) -> Option<String> {
+    let extension = token.text.strip_prefix(b"M").or_else(|| token.text.strip_prefix(b"m"))?;
+    if !extension.iter().all(u8::is_ascii_digit) {
+        return None;
+    }
+    let behind = text.get(token.start + token.text.len()..).unwrap_or_default().trim_ascii_start();
+    let shown = String::from_utf8_lossy(token.text).into_owned();
+    let assigned = behind.strip_prefix(b"=").filter(|value| !value.starts_with(b"="));
+    let digits: Vec<u8> = match assigned {
+        Some(value) => value.trim_ascii_start().iter().copied().take_while(u8::is_ascii_digit).collect(),
+        None => extension.to_vec(),
+    };
+    let Some(number) = std::str::from_utf8(&digits).ok().and_then(|digits| digits.parse().ok()) else {
+        return assigned.map(|_| format!("{shown}="));
+    };
+    machine.head_of_word(number).map(|_| if assigned.is_some() { format!("{shown}={number}") } else { shown })
+}
+
 /// Executes a synchronized action: passes it through, or reports the reason for rejection.
 pub(super) fn execute(
     loaded: &Loaded,
@@ -58,15 +78,13 @@ pub(super) fn execute(
             return Err(refusal(format!("{word} depends on block boundaries, and moves are divided into pieces")));
         }
     }
-    let of_head = |token: Token<'_>| {
-        let digits = token.text.strip_prefix(b"M").or_else(|| token.text.strip_prefix(b"m"))?;
-        let number = std::str::from_utf8(digits).ok()?.parse().ok()?;
-        channel.settings.machine.head_of_word(number).map(|_| number)
-    };
-    if let Some(number) = tokens(source(actions)).find_map(of_head) {
-        let message = format!("a synchronized action that changes the head (M{number})");
-        let help = "program the word in a block of the part program";
-        return Err(fault(Code::HEAD_CHANGE, whole, message, help));
+    if !channel.settings.machine.heads.is_empty() {
+        let actions = with_values(loaded, channel, actions)?;
+        if let Some(word) = tokens(&actions).find_map(|token| head_word(channel.settings.machine, &actions, &token)) {
+            let message = format!("a synchronized action that may change the head ({word})");
+            let help = "program the word in a block of the part program";
+            return Err(fault(Code::HEAD_CHANGE, whole, message, help));
+        }
     }
     let mut text = with_values(loaded, channel, whole)?;
     for index in written_parameters(source(actions)) {

@@ -122,9 +122,12 @@ pub fn toml(plan: &Builder) -> String {
     let data = &plan.data;
     let free: Vec<String> = data.free.iter().map(|&free| format!("\"{}\"", kind::word(free))).collect();
     let mut out = format!("[measurement]\nkind = \"{}\"\n", data.kind.name);
+    // Writing into a String cannot fail.
     if !free.is_empty() {
-        // Writing into a String cannot fail.
         let _ = writeln!(out, "free = [{}]", free.join(", "));
+    }
+    if let Some(head) = &data.head {
+        let _ = writeln!(out, "head = {head:?}");
     }
     if data.kind.measurand == Measurand::BallDistance {
         for setup in &data.setups {
