@@ -263,8 +263,9 @@ fn before_circle(rows: &[SceneRow], places: &[usize]) -> (AxisVector, AxisVector
     let (step, two) = (difference(rows, [first, second]), difference(rows, [first, third]));
     let length = linear_length(&step);
     for axis in AXES.into_iter().filter(|&axis| step[axis].abs() > STILL) {
-        // Velocity at the first row by the parabola through three rows, in steps, as a share of that of the tool: on a circle the number of steps since the reversal.
-        let steps = (2.0 * step[axis] - 0.5 * two[axis]) * step[axis].signum() / length;
+        // Velocity at the first row by the parabola through three rows, over its acceleration, in steps: the number of steps since it was zero.
+        let bend = (two[axis] - 2.0 * step[axis]).abs();
+        let steps = (2.0 * step[axis] - 0.5 * two[axis]) * step[axis].signum() / bend.max(STILL);
         if (-NEARLY_TURNING..1.0).contains(&steps) {
             let steps = steps.max(0.0);
             way[axis] = steps * length;

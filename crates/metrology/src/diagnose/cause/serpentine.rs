@@ -91,6 +91,6 @@ mod tests {
         // A report that is sorted by place.
         assert_eq!(of([0.0, 80.0, 0.0, 80.0, 0.0, 80.0]), Some(vec![1.0, 1.0, -1.0, -1.0, 1.0, 1.0]));
         // Two holes at one place are no row.
-        assert_eq!(of([0.0, 80.0, 40.0, 40.0, 0.0, 80.0]), None);
+        assert_eq!(of([0.0, 80.0, 40.0, 40.3, 0.0, 80.0]), None);
     }
 }
