@@ -154,8 +154,8 @@ impl Field<'_, '_> {
     /// unknown length reads the same if all axes of its circles are longer by the same share.
     pub(super) fn relative_scale(&self, weights: &Weights, number: usize) -> Option<ExtrapolationRisk> {
         let one = self.candidates.get(number).filter(|one| is_scale(one))?;
-        let others: Vec<&Candidate> =
-            self.candidates.iter().filter(|other| is_scale(other) && other.parameter != one.parameter).collect();
+        let others = self.candidates.iter().filter(|other| is_scale(other) && other.parameter != one.parameter);
+        let others: Vec<&Candidate> = others.take(MOST).collect();
         let mut series = self.series(weights, &[], 0.0);
         let mut left = |column: &[f64]| {
             series.set_values(column);
