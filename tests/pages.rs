@@ -53,6 +53,33 @@ fn a_program_is_corrected_and_shown_in_one_run() {
     assert!(people.stderr.contains("verdict      nothing found against running it"), "{}", people.stderr);
 }
 
+/// Warnings of the correction are reasons too, although the comparison of both programs does not give them again.
+#[test]
+fn every_warning_of_a_correction_is_a_reason_of_the_verdict() {
+    let without_y = MILL.replace("Y_mm = 0\n", "");
+    assert_ne!(without_y, MILL);
+    let shop = Shop::new().file("mill.toml", MILL).file("partial.toml", without_y).file("part.mpf", PROGRAM);
+    let reasons = |machine: &[&str]| {
+        let run =
+            shop.run(["part.mpf", "-o", "out.mpf", "--review", "page.html", "--json"].iter().chain(machine)).exits(0);
+        let verdict = run.json()["verdict"].clone();
+        let codes: Vec<String> = verdict["reasons"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter_map(|reason| Some(reason["code"].as_str()?.to_owned()))
+            .collect();
+        (verdict["grade"].as_str().unwrap().to_owned(), codes)
+    };
+    // The complete machine file has no warning at all.
+    assert_eq!(reasons(&WITH_MILL), ("ok".to_owned(), Vec::new()));
+    for (machine, code) in [(&["--machine", "partial.toml"][..], "W0404"), (&[][..], "W0304")] {
+        let (grade, codes) = reasons(machine);
+        assert!(grade == "warn" && codes.iter().any(|own| own == code), "{code}: {grade} {codes:?}");
+        assert!(shop.text("page.html").contains(code), "{code} is on the page");
+    }
+}
+
 #[test]
 fn a_review_in_place_shows_the_original_that_was_kept() {
     let shop = shop();
