@@ -177,6 +177,18 @@ fn grbl_that_is_not_idle_gets_no_line() {
 }
 
 #[test]
+fn answers_that_an_earlier_job_left_in_the_port_say_nothing_about_now() {
+    for name in ["grbl", "grblhal"] {
+        let faults = Faults { most_bytes: 64, ..Faults::default() };
+        let (mut notes, mut planned) = (Notes::default(), Planned::new(5, 0.01));
+        let mut cable = Cable::new(Grbl::new(&faults, 0.01).with_answers_that_nobody_read(), faults, 1);
+        let ended = controls::run(&mut sender(&profile(name), &mut notes), &mut cable, &mut planned);
+        assert_eq!(ended, Ended::Done, "{name}");
+        assert_eq!(cable.control.executed().len(), 5, "{name}");
+    }
+}
+
+#[test]
 fn what_a_control_states_of_its_planner_is_written_down_before_the_first_line() {
     let faults = Faults { most_bytes: 64, ..Faults::default() };
     let controls = [

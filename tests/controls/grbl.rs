@@ -116,6 +116,12 @@ impl Grbl {
         self.is_alarmed = true;
     }
 
+    /// Its answers to a job that was killed still wait in the port.
+    pub(crate) fn with_answers_that_nobody_read(mut self) -> Grbl {
+        self.out = b"ok\r\nok\r\n<Run|MPos:1.000,2.000,3.000|Bf:3,80|FS:500,0>\r\nok\r\n<Run|MPos:4.000,2.000,3.000|Bf:9,99|FS:500,0>\r\n".to_vec();
+        self
+    }
+
     pub(crate) fn that_is_old(mut self) -> Grbl {
         self.is_old = true;
         self

@@ -20,7 +20,7 @@ use ncfix_base::pattern::{RegexSet, patterns};
 
 use super::counts::CountVerdict;
 use super::status::{GrblReport, GrblState};
-use super::{Event, Grbl, HOLD, MARGIN, NO_LINE, STEPPED, State, Wire};
+use super::{ASK_EVERY, Event, Grbl, HOLD, MARGIN, NO_LINE, STEPPED, State, Wire};
 use crate::feed::dialogue::answers::{impossible, is_greeting, shown};
 use crate::feed::dialogue::depth::not_idle;
 
@@ -178,7 +178,14 @@ impl Grbl {
             // Before the first line the control must be idle.
             let state = text.trim_start_matches('<').split(['|', '>']).next().unwrap_or_default();
             match not_idle(state) {
-                Some(why) => return self.lost(&why, events),
+                // Answers to questions of an earlier job may still be in the port, so the same must be said to a later question.
+                Some(why) => {
+                    let since = *self.busy_since.get_or_insert(now);
+                    if now.saturating_sub(since) >= ASK_EVERY {
+                        self.lost(&why, events);
+                    }
+                    return;
+                }
                 None if self.state == State::Greeting => return self.ask_for_buffers(wire),
                 None if self.state == State::Looking => return self.begin(events),
                 None => {}

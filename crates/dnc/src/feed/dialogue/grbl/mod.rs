@@ -111,6 +111,8 @@ struct Grbl {
     surplus: u64,
     /// True if a person at the control holds the axes, or its door is open.
     is_held: bool,
+    /// Time of the first report before the first line that it is not idle.
+    busy_since: Option<Duration>,
 }
 
 impl Grbl {
@@ -146,6 +148,7 @@ impl Grbl {
             refused_at: Duration::ZERO,
             surplus: 0,
             is_held: false,
+            busy_since: None,
         }
     }
 
@@ -243,7 +246,8 @@ impl Dialogue for Grbl {
             }
             return;
         }
-        if self.state == State::Looking && self.asked == 0 {
+        let is_doubted = self.busy_since.is_some_and(|_| now.saturating_sub(self.last_asked) > ASK_EVERY);
+        if self.asked == 0 && (self.state == State::Looking || self.state == State::Greeting && is_doubted) {
             self.ask(now, wire);
         }
         let is_resting = self.state == State::Closed || self.state == State::Open && self.is_due;
