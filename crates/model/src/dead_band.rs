@@ -22,7 +22,7 @@ const SAME_SHARE: f64 = 1e-6;
 pub struct Off {
     /// Distance with every unknown body in the middle of its range; a correction aims at this position.
     pub middle: Vector,
-    /// Distance for the sides that bring the tip nearest to its nominal position.
+    /// Distance for the places of the unknown bodies that bring the tip nearest to its nominal position.
     pub nearest: Vector,
     /// Largest distance over all sides.
     pub most_mm: f64,
@@ -214,12 +214,15 @@ impl DeadBand {
         if within.is_empty() {
             return Off { middle, nearest: middle, most_mm: middle.norm() };
         }
+        let along = along();
         let mut corners = [Vector::zeros(); 1 << OPEN_AXES];
         corners[0] = middle;
         let mut count = 1;
-        for axis in within.iter().take(OPEN_AXES) {
+        let mut ranges = [(Vector::zeros(), [0.0; 2]); OPEN_AXES];
+        for (axis, range) in within.iter().zip(&mut ranges) {
             let half = half(model, axis, (nominal, command), tool_mm, &mut state);
             let [low, high] = self.shares(model, axis, command);
+            *range = (across(half, along), [low, high]);
             middle += half * (0.5 * (low + high));
             for k in 0..count {
                 corners[count + k] = corners[k] + half * high;
@@ -227,17 +230,10 @@ impl DeadBand {
             }
             count *= 2;
         }
-        let along = along();
         let corners = corners.iter().take(count).map(|corner| across(*corner, along));
         let middle = across(middle, along);
-        let mut off = Off { middle, nearest: middle, most_mm: 0.0 };
-        for corner in corners {
-            off.most_mm = off.most_mm.max(corner.norm());
-            if corner.norm() < off.nearest.norm() {
-                off.nearest = corner;
-            }
-        }
-        off
+        let most_mm = corners.map(|corner| corner.norm()).fold(0.0, f64::max);
+        Off { middle, nearest: nearest(middle, &ranges), most_mm }
     }
 
     /// Returns the largest distance of the tip from its nominal position that is due to the unknown side of one axis, mm.
@@ -283,6 +279,21 @@ fn half(
     (one - other) * 0.5
 }
 
+/// Returns the smallest of the vectors that bodies within these ranges give. Each range has the effect of half a reversal and its limits in shares of it;
+/// `middle` is the vector with all of them in the middle.
+fn nearest(middle: Vector, ranges: &[(Vector, [f64; 2]); OPEN_AXES]) -> Vector {
+    let mut shares = ranges.map(|(_, [low, high])| 0.5 * (low + high));
+    let mut best = middle;
+    for _ in 0..SWEEPS {
+        for ((half, [low, high]), share) in ranges.iter().zip(&mut shares).filter(|((half, _), _)| half.norm() > 0.0) {
+            let better = (*share - best.dot(half) / half.norm_squared()).clamp(*low, *high);
+            best += *half * (better - *share);
+            *share = better;
+        }
+    }
+    best
+}
+
 /// Returns the part of a vector that is perpendicular to a direction.
 fn across(vector: Vector, along: Option<Vector>) -> Vector {
     along.map_or(vector, |along| vector - along * along.dot(&vector))
@@ -290,3 +301,5 @@ fn across(vector: Vector, along: Option<Vector>) -> Vector {
 
 /// Maximum number of axes whose sides are considered together; a machine has three axes that position the tip, and two that rotate.
 const OPEN_AXES: usize = 5;
+/// Number of times that each axis is brought to its best place: effects of different axes are almost perpendicular, and two sweeps are exact then.
+const SWEEPS: usize = 4;

@@ -259,8 +259,9 @@ impl MoveGroup<'_> {
         for axis in self.lead.axes.iter() {
             let lost = self.model.lost_motion(axis, &command);
             let sides: &[i8] = match band.direction()[axis.slot()] {
+                // Nobody knows its side: the correction aims at the middle.
+                0 if piece.rapid || self.lead.is_quick(axis, &command) => &[1, 0, -1],
                 _ if self.lead.is_quick(axis, &command) => &[1, -1],
-                0 if piece.rapid => &[1, 0, -1],
                 _ => continue,
             };
             let before = std::mem::take(&mut bands);
