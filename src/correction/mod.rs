@@ -295,6 +295,7 @@ impl<'a> Prepared<'a> {
             radius,
             keeps_wear,
             hides_marks: true,
+            names_cycles: true,
             keeps_cycles: keeps_cycles && !keeps_wear && writing.options.may_keep_cycles(),
             keeps_tapping: is_as_programmed,
             keeps_tilt: is_as_programmed && options.rotary != path::Rotary::Correct,

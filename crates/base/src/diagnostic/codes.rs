@@ -674,6 +674,11 @@ the tool without this wear. See docs/reference/output.md.";
 "The program was executed, and no axis has moved: a correction of it would be refused (E0223). For a file of definitions or
 subprograms this is correct. Otherwise its blocks may be after the end of the program (M30), in a subprogram that is never called,
 in skip blocks, or the file is truncated.";
+    OWN_STROKES = "W0239" "milling cycle with moves of ncfix"
+"Controls do not publish the moves of their milling cycles (POCKET3, SLOT1, CYCLE72, G87 of a Grundig). ncfix mills the same shape, with the
+programmed depths, allowances, feeds and direction, but with strokes, plunges and an engagement of its own. A comment in the output
+is in front of them. Check them like those of a new program. To have the moves of the control, give ncfix its cycles as files
+(control.search_path). To let the control execute the cycle without a correction, name it in control.opaque.";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
 "The machine file has no value for this zero offset. snc uses zero; check, fix, diff and verify refuse the program.";
     TOOL_ASSUMED = "W0303" "tool assumed without length and radius"

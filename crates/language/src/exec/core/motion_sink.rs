@@ -51,6 +51,9 @@ pub(in crate::exec) struct MotionSink<'a> {
     pub(in crate::exec) keeps_wear: bool,
     tells_compensation: bool,
     hides_marks: bool,
+    names_cycles: bool,
+    /// Milling cycles with moves of this program, and their blocks.
+    milled: Vec<(&'static str, Origin)>,
 }
 
 impl<'a> MotionSink<'a> {
@@ -71,6 +74,8 @@ impl<'a> MotionSink<'a> {
             keeps_wear: options.keeps_wear,
             tells_compensation: options.tells_compensation,
             hides_marks: options.hides_marks,
+            names_cycles: options.names_cycles,
+            milled: Vec::new(),
         }
     }
 
@@ -127,6 +132,21 @@ impl<'a> MotionSink<'a> {
         if feed > 0.0 {
             let kind = Kind::Feed(feed);
             self.pass(Element { origin: self.origin, starts_block: true, number: None, kind });
+        }
+    }
+
+    /// Records a milling cycle: its strokes are this program's, as those of the control are not published. The output names it in a comment, `before` it
+    /// and `after` it.
+    pub(in crate::exec) fn mill(&mut self, name: &'static str, [before, after]: [&str; 2]) {
+        let origin = self.origin;
+        let is_known =
+            self.milled.iter().any(|(known, at)| *known == name && at.line == origin.line && at.file == origin.file);
+        if !is_known && self.milled.len() < MOST_NOTED {
+            self.milled.push((name, origin));
+        }
+        if self.names_cycles {
+            let text = format!("{before}{name} of line {}: strokes by ncfix{after}", origin.line);
+            self.pass(Element { origin, starts_block: true, number: None, kind: Kind::Comment(text.into_bytes()) });
         }
     }
 
@@ -189,15 +209,20 @@ impl<'a> MotionSink<'a> {
         self.compensates = compensates;
     }
 
-    /// Emits what is held back at the end of the program. A correction reports where it has converted radius compensation.
+    /// Emits what is held back at the end of the program. A correction reports what it has converted: radius compensation and milling cycles.
     pub(in crate::exec) fn end(&mut self, has_errors: bool) {
         self.finish();
         // Output that is not written needs no advice.
         let is_written = !has_errors && !self.warnings.iter().any(|found| found.code.severity() == Severity::Error);
-        let tells = self.tells_compensation && is_written;
-        let Some(first) = self.compensated.first().filter(|_| tells) else { return };
-        let lines: Vec<String> = self.compensated.iter().map(|origin| origin.line.to_string()).collect();
-        let lines = format!("line{} {}", if lines.len() == 1 { "" } else { "s" }, lines.join(", "));
+        if self.tells_compensation && is_written {
+            let found = [self.compensation_note(), self.milling_note()];
+            self.warnings.extend(found.into_iter().flatten());
+        }
+    }
+
+    fn compensation_note(&self) -> Option<Fault> {
+        let first = self.compensated.first()?;
+        let lines = lines_of(&self.compensated);
         let (code, message, help) = if self.keeps_wear {
             let message = format!(
                 "radius compensation at the control is for wear alone ({lines}): the radius of {} must be 0 there, plus wear",
@@ -212,7 +237,22 @@ impl<'a> MotionSink<'a> {
             let help = "after a change put radius and wear into [[tool]] of the machine file, or give --setup the tool table, and correct the program again; or correct it with ncfix fix --compensation wear";
             (Code::WEAR_WITHOUT_EFFECT, message, help)
         };
-        self.warnings.push(fault(code, first.span, message, help).of_file(first.file));
+        Some(fault(code, first.span, message, help).of_file(first.file))
+    }
+
+    fn milling_note(&self) -> Option<Fault> {
+        let (_, first) = self.milled.first()?;
+        let mut names: Vec<&str> = self.milled.iter().map(|(name, _)| *name).collect();
+        names.sort_unstable();
+        names.dedup();
+        let listed = names.iter().map(|name| {
+            let origins = self.milled.iter().filter(|(known, _)| known == name).map(|(_, origin)| *origin);
+            format!("{name} ({})", lines_of(&origins.collect::<Vec<_>>()))
+        });
+        let listed: Vec<String> = listed.collect();
+        let message = format!("strokes and plunges are those of ncfix, not of the control: {}", listed.join(", "));
+        let help = "check them like those of a new program; or give ncfix the cycles of the control as files (control.search_path), or leave the cycle uncorrected (control.opaque)";
+        Some(fault(Code::OWN_STROKES, first.span, message, help).of_file(first.file))
     }
 
     /// Records the control's radius register before a motion that begins radius compensation.
@@ -303,6 +343,12 @@ fn without_mark(mut text: Vec<u8>) -> Vec<u8> {
         text = plain;
     }
     text
+}
+
+/// `line 6` or `lines 6, 9`.
+fn lines_of(origins: &[Origin]) -> String {
+    let lines: Vec<String> = origins.iter().map(|origin| origin.line.to_string()).collect();
+    format!("line{} {}", if lines.len() == 1 { "" } else { "s" }, lines.join(", "))
 }
 
 /// The comment of lines that continue the motion of the previous line.

@@ -17,7 +17,8 @@ pub struct Options {
     pub strict: bool,
     /// Rejects zero offsets and tools without value, as a strict run does; the remainder of `strict` stays permitted.
     pub requires_values: bool,
-    /// Reports at the end the places where radius compensation was converted to the tool center path (`W0236`).
+    /// Reports at the end the places where radius compensation was converted to the tool center path (`W0236`), and milling cycles
+    /// with moves of this program (`W0239`).
     pub tells_compensation: bool,
     /// Radius for G41 and G42.
     pub radius: Radius,
@@ -32,6 +33,8 @@ pub struct Options {
     pub keeps_cycles: bool,
     /// Changes comments that a reader of the output would take for the marks of added lines: `;+` becomes `;+ .`.
     pub hides_marks: bool,
+    /// Writes a comment before the moves of a milling cycle.
+    pub names_cycles: bool,
     /// Splitting of rapid moves if the control orders its axes.
     pub rapid_order: RapidOrder,
 }

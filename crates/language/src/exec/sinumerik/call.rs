@@ -244,6 +244,10 @@ impl Interpreter<'_> {
         let Entry { program, section, arguments, repeats, is_modal, part, span, file } = entry;
         let cycle = self.cycle_of(program, is_modal, (file, span));
         let refused = self.under_compensation(cycle, span);
+        let is_inside = self.levels.last().is_some_and(|level| level.own.cycle.is_some());
+        if let Some(name) = cycle.map(|cycle| cycle.name).filter(|name| !is_inside && cycles::mills(name)) {
+            self.channel.outlet.mill(name, [";", ""]);
+        }
         let loaded = &self.programs[program];
         let blocks = loaded.program.sections.get(section).map_or(0..0, |section| section.blocks.clone());
         let own = CalledWith {

@@ -30,6 +30,17 @@ pub(super) fn source(name: &str) -> Option<(&'static str, &'static [u8])> {
     CYCLES.iter().find(|(known, _)| *known == name).copied()
 }
 
+/// Cycles whose strokes are not those of the control.
+const MILLING: [&str; 14] = [
+    "CYCLE61", "CYCLE70", "CYCLE71", "CYCLE72", "CYCLE76", "CYCLE77", "CYCLE90", "LONGHOLE", "POCKET1", "POCKET2",
+    "POCKET3", "POCKET4", "SLOT1", "SLOT2",
+];
+
+/// True if a built-in cycle mills with strokes that are not those of the control.
+pub(super) fn mills(name: &str) -> bool {
+    MILLING.contains(&name)
+}
+
 /// Why the control's other cycles are refused: names, reason and help. A name with `*` is that of all cycles that begin so.
 const REFUSED: &[(&[&str], &str, &str)] = &[
     (

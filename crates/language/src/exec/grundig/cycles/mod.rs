@@ -29,20 +29,34 @@ pub(super) struct Cycle {
     pub(super) title: &'static str,
     /// Required words, by letter.
     pub(super) needs: &'static [u8],
+    /// Its name if its strokes are not those of the control.
+    pub(super) own_strokes: Option<&'static str>,
     /// Its steps at a position.
     pub(super) steps: fn(&CycleWords, &At) -> Result<Vec<Step>, CycleFault>,
 }
 
 /// The registry of cycles.
 pub(super) const CYCLES: &[Cycle] = &[
-    Cycle { number: 81, title: "drilling", needs: b"YZ", steps: drill::steps },
-    Cycle { number: 83, title: "deep-hole drilling", needs: b"YZK", steps: peck::steps },
-    Cycle { number: 84, title: "tapping", needs: b"YZ", steps: tap::steps },
-    Cycle { number: 85, title: "reaming", needs: b"YZ", steps: ream::steps },
-    Cycle { number: 86, title: "boring", needs: b"YZ", steps: bore::steps },
-    Cycle { number: 87, title: "rectangular pocket", needs: b"XYZB", steps: rectangular_pocket::steps },
-    Cycle { number: 88, title: "slot", needs: b"XYZB", steps: slot::steps },
-    Cycle { number: 89, title: "circular pocket", needs: b"ZBR", steps: circular_pocket::steps },
+    Cycle { number: 81, title: "drilling", needs: b"YZ", own_strokes: None, steps: drill::steps },
+    Cycle { number: 83, title: "deep-hole drilling", needs: b"YZK", own_strokes: None, steps: peck::steps },
+    Cycle { number: 84, title: "tapping", needs: b"YZ", own_strokes: None, steps: tap::steps },
+    Cycle { number: 85, title: "reaming", needs: b"YZ", own_strokes: None, steps: ream::steps },
+    Cycle { number: 86, title: "boring", needs: b"YZ", own_strokes: None, steps: bore::steps },
+    Cycle {
+        number: 87,
+        title: "rectangular pocket",
+        needs: b"XYZB",
+        own_strokes: Some("G87"),
+        steps: rectangular_pocket::steps,
+    },
+    Cycle { number: 88, title: "slot", needs: b"XYZB", own_strokes: Some("G88"), steps: slot::steps },
+    Cycle {
+        number: 89,
+        title: "circular pocket",
+        needs: b"ZBR",
+        own_strokes: Some("G89"),
+        steps: circular_pocket::steps,
+    },
 ];
 
 /// The cycle of a G number.
