@@ -135,9 +135,9 @@ impl<'a> MotionSink<'a> {
         }
     }
 
-    /// Records a milling cycle: its strokes are this program's, as those of the control are not published. The output names it in a comment, `before` it
-    /// and `after` it.
-    pub(in crate::exec) fn mill(&mut self, name: &'static str, [before, after]: [&str; 2]) {
+    /// Records a milling cycle: its strokes are this program's, as those of the control are not published. The output has a comment in
+    /// front of its moves.
+    pub(in crate::exec) fn mill(&mut self, name: &'static str, comment: impl FnOnce(String) -> String) {
         let origin = self.origin;
         let is_known =
             self.milled.iter().any(|(known, at)| *known == name && at.line == origin.line && at.file == origin.file);
@@ -145,8 +145,8 @@ impl<'a> MotionSink<'a> {
             self.milled.push((name, origin));
         }
         if self.names_cycles {
-            let text = format!("{before}{name} of line {}: strokes by ncfix{after}", origin.line);
-            self.pass(Element { origin, starts_block: true, number: None, kind: Kind::Comment(text.into_bytes()) });
+            let text = comment(format!("{name} of line {}: strokes by ncfix", origin.line)).into_bytes();
+            self.push_line(Kind::Comment(text));
         }
     }
 

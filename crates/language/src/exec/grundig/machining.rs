@@ -239,7 +239,7 @@ fn run_cycle(channel: &mut Channel<'_>, defined: &Defined, place: &Target, rotat
     let plunging = defined.words.get(b'F', 2).unwrap_or(cutting);
     let words: Vec<_> = allowed(defined.cycle.number).into_iter().map(|(letter, index, _)| (letter, index)).collect();
     if let Some(name) = defined.cycle.own_strokes {
-        channel.outlet.mill(name, ["(", ")"]);
+        channel.outlet.mill(name, |text| format!("({})", text.to_ascii_uppercase()));
     }
     let is_marked = kept_cycle::begin(channel, defined, &words, cutting, at.surface);
     for step in steps {

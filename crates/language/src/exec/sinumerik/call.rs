@@ -246,7 +246,7 @@ impl Interpreter<'_> {
         let refused = self.under_compensation(cycle, span);
         let is_inside = self.levels.last().is_some_and(|level| level.own.cycle.is_some());
         if let Some(name) = cycle.map(|cycle| cycle.name).filter(|name| !is_inside && cycles::mills(name)) {
-            self.channel.outlet.mill(name, [";", ""]);
+            self.channel.outlet.mill(name, |text| format!(";{text}"));
         }
         let loaded = &self.programs[program];
         let blocks = loaded.program.sections.get(section).map_or(0..0, |section| section.blocks.clone());
