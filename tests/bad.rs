@@ -13,6 +13,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("E0313", "rotary_feeds: what_cannot_say_a_time_is_refused"),
     ("E0243", "cases: every_case_comes_out_as_its_source_says"),
     ("E0244", "heads: what_makes_the_change_unsure_is_refused"),
+    ("W0239", "milling: a_correction_says_that_the_strokes_of_a_milling_cycle_are_its_own"),
     ("W0238", "cli_check: a_program_that_moves_nothing_is_pointed_out"),
     ("W0235", "cases: every_case_comes_out_as_its_source_says"),
     ("E0112", "cases: every_case_comes_out_as_its_source_says"),

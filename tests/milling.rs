@@ -6,6 +6,7 @@ use ncfix_machine::machine::{Machine, Tool, ToolChange};
 use crate::exec::run_with;
 use crate::machines::xyz_machine;
 use crate::stock::{Stock, TOP};
+use crate::support::Shop;
 
 fn machine(radius_mm: f64) -> Machine {
     let mut machine = xyz_machine();
@@ -321,4 +322,42 @@ fn a_tool_that_does_not_fit_is_refused() {
     );
     assert_eq!(codes("POCKET3(20,0,2,-10,-60,40,8,60,40,20,4,0.5,0.2,500,200,0,11)", 5.0), ["E0201:3"]);
     assert_eq!(codes("POCKET3(20,0,2,-10,60,40,8,60,40,20,4,0.5,0.2,500,200,0,21)", 5.0), ["E0201:3"]);
+}
+
+#[test]
+fn a_correction_says_that_the_strokes_of_a_milling_cycle_are_its_own() {
+    let axes = "[machine]\nname = \"m\"\ntopology = \"wFXYZSt\"\ncontroller = \"CONTROL\"\n[axis.X]\ndirection = [1, 0, 0]\n[axis.Y]\n\
+        direction = [0, 1, 0]\n[axis.Z]\ndirection = [0, 0, 1]\n[[tool]]\nnumber = 1\nlength_mm = 50\nradius_mm = 5\n\
+        [[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0, 3e-5]\n";
+    let pocket = "POCKET3(50,0,2,-5,40,30,8,XX,15,0,2,0,0,300,100,0,11,2)";
+    let [first, second] = ["60", "160"].map(|x| pocket.replace("XX", x));
+    for (control, program, names, comments) in [
+        (
+            "sinumerik",
+            format!("G17 G90\nT1 M6\nD1\nS1000 M3 F500\nG0 X0 Y0 Z50\n{first}\nCYCLE81(50,0,2,-5)\n{second}\nG0 Z50\nM30\n"),
+            "POCKET3 (lines 6, 8)",
+            [";POCKET3 of line 6: strokes by ncfix", ";POCKET3 of line 8: strokes by ncfix"],
+        ),
+        (
+            "grundig",
+            "%PM9001\nN9001\nN1 G17 T1 M6\nN2 G51\nN3 S1000 F500 M3\nN4 G0 X0 Y0 Z50\nN5 G87 X40 Y30 Z-8 B2 K3 I60 R6 F300\n\
+             N6 G79 X50 Y50 Z0\nN7 G79 X150 Y50 Z0\nN8 G0 Z50\nN9 M30\n"
+                .to_owned(),
+            "G87 (lines 8, 9)",
+            ["(G87 OF LINE 8: STROKES BY NCFIX)", "(G87 OF LINE 9: STROKES BY NCFIX)"],
+        ),
+    ] {
+        let shop = Shop::new().file("m.toml", axes.replace("CONTROL", control)).file("p.nc", &program);
+        let run = shop.run(["p.nc", "-o", "o.nc", "--machine", "m.toml"]);
+        assert!(run.code == 0 && run.stderr.contains("W0239") && run.stderr.contains(names), "{run:?}");
+        assert!(!run.stderr.contains("CYCLE81"), "a drilling cycle is that of the control: {run:?}");
+        let text = shop.text("o.nc");
+        let places = comments.map(|comment| text.find(comment).unwrap_or_else(|| panic!("{comment}\n{text}")));
+        assert!(places[0] < places[1], "{text}");
+        // The comments are no difference.
+        let verified = shop.run(["verify", "p.nc", "o.nc", "--machine", "m.toml"]);
+        assert!(verified.code == 0 && !verified.stderr.contains("error"), "{verified:?}");
+        // `check` says what a correction would say.
+        assert!(shop.run(["check", "p.nc", "--machine", "m.toml"]).stderr.contains("W0239"));
+    }
 }
