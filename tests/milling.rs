@@ -356,7 +356,7 @@ fn a_correction_says_that_the_strokes_of_a_milling_cycle_are_its_own() {
         assert!(places[0] < places[1], "{text}");
         // The comments are no difference.
         let verified = shop.run(["verify", "p.nc", "o.nc", "--machine", "m.toml"]);
-        assert!(verified.code == 0 && !verified.stderr.contains("error"), "{verified:?}");
+        assert!(verified.code == 0 && !verified.stderr.contains("error["), "{verified:?}");
         // `check` says what a correction would say.
         assert!(shop.run(["check", "p.nc", "--machine", "m.toml"]).stderr.contains("W0239"));
     }
