@@ -9,6 +9,8 @@ use super::extended::{Extended, ExtensionJob};
 use super::hypotheses::{self, HypothesisReport, HypothesisSet};
 use super::measurement::{Measurement, check_copies, check_near_copies};
 use super::readings::{self, ShownReadings};
+use super::size_range;
+pub use super::size_range::SizeRange;
 use super::{data_faults, has_errors};
 use crate::diagnose::cause::Correctable;
 use crate::diagnose::extend::extension;
@@ -293,6 +295,8 @@ pub struct CauseReport {
     pub unit: String,
     /// Expanded uncertainty (95 %).
     pub u95: f64,
+    /// Measured ranges over which it has this size; empty if the size is the same everywhere.
+    pub over: Vec<SizeRange>,
     /// RMS of its effect on the readings.
     pub rms_um: f64,
     /// Range of its effect on the readings of a set-up: largest minus smallest.
@@ -581,6 +585,7 @@ fn cause(found: &diagnose::AcceptedCause, scene: &Scene<'_>, used: usize, (micro
         value: found.size.value,
         unit: found.size.unit.into(),
         u95: found.size.u95,
+        over: size_range::ranges(found, scene, used),
         rms_um: micro * found.rms,
         alone_um: micro * found.alone,
         alone_share: if alone > 0.0 { found.alone / alone } else { 0.0 },

@@ -27,6 +27,7 @@ mod repeated;
 pub mod selection;
 pub mod sensors;
 pub mod simulated;
+mod size_range;
 mod slope;
 pub mod stated;
 pub mod uncertain;

@@ -8,7 +8,7 @@ use crate::component::spelled_out;
 use crate::number::{grouped, percent, probability, significant};
 use ncfix_metrology::diagnose::cause::Correctable;
 use ncfix_metrology::diagnose::{ExplanationSummary, Gate};
-use ncfix_metrology::results::diagnosis::{CauseReport, InFile, NoiseFrom, ShapePlace};
+use ncfix_metrology::results::diagnosis::{CauseReport, InFile, NoiseFrom, ShapePlace, SizeRange};
 
 /// Maximum number of other explanations that are named.
 const RIVALS: usize = 8;
@@ -461,7 +461,8 @@ impl DiagnosisReport {
         let words = spelled_out(&one.parameter).filter(|_| one.is_component());
         let words = words.map_or(String::new(), |words| format!(" ({words})"));
         let form = self.form_among(one);
-        let _ = writeln!(out, "\n{rank}. {}{words}{form}{}: {} (95 %)", one.name(), by_sensor(one), one.size());
+        let over = one.over();
+        let _ = writeln!(out, "\n{rank}. {}{words}{form}{}: {} (95 %){over}", one.name(), by_sensor(one), one.size());
         let _ = writeln!(
             out,
             "   explains {} {} RMS, {:.0} % of the residual; {:.0} % smaller residual on readings not used; {}{}",
@@ -514,14 +515,16 @@ impl DiagnosisReport {
 pub(crate) trait CauseText {
     /// Returns true if its parameter is an error component, which is spelled out; other effects have words of their own.
     fn is_component(&self) -> bool;
-    /// Returns effect and parameter.
-    /// Form of the effect over its drivers: what tells it from another finding of the same name.
+    /// Returns the form of the effect over its drivers: what distinguishes it from another finding of the same name.
     fn form(&self) -> String;
+    /// Returns effect and parameter.
     fn name(&self) -> String;
     /// Returns effect and parameter, and the drivers if the cause is unnamed.
     fn full_name(&self) -> String;
     /// Returns value, uncertainty and unit.
     fn size(&self) -> String;
+    /// Returns the measured ranges that the size belongs to, with a space before them; empty if it is the same everywhere.
+    fn over(&self) -> String;
     /// Returns the drivers, with period and lag.
     fn depends(&self) -> String;
     /// Returns how ncfix can correct it.
@@ -564,6 +567,15 @@ impl CauseText for CauseReport {
 
     fn size(&self) -> String {
         format!("{} ± {} {}", significant(self.value), significant(self.u95), sign(&self.unit))
+    }
+
+    fn over(&self) -> String {
+        let of = |one: &SizeRange| {
+            let unit = if one.unit == "deg" { "°" } else { " mm" };
+            format!("{} {} … {}{unit}", one.axis, significant(one.low), significant(one.high))
+        };
+        let ranges: Vec<String> = self.over.iter().map(of).collect();
+        if ranges.is_empty() { String::new() } else { format!(" over {}", ranges.join(" and ")) }
     }
 
     fn depends(&self) -> String {

@@ -53,7 +53,7 @@ fn size_in_words(one: &CauseReport) -> String {
     let words = spelled_out(&one.parameter).map_or(String::new(), |words| format!(", {words}"));
     let is_angle = component_of(&one.parameter).is_some_and(|name| name.direction.is_rotation());
     let slope = if is_angle { format!(", {} mm/m", significant(one.value / 1e3)) } else { String::new() };
-    format!("{} (95 %){words}{slope}", one.size())
+    format!("{} (95 %){}{words}{slope}", one.size(), one.over())
 }
 
 fn words(out: &mut Markup, report: &DiagnosisReport, one: &CauseReport) {
