@@ -10,7 +10,7 @@ use super::hypotheses::{self, HypothesisReport, HypothesisSet};
 use super::measurement::{Measurement, check_copies, check_near_copies};
 use super::readings::{self, ShownReadings};
 use super::size_range;
-pub use super::size_range::SizeRange;
+pub use super::size_range::{PositionUnit, SizeRange};
 use super::{data_faults, has_errors};
 use crate::diagnose::cause::Correctable;
 use crate::diagnose::extend::extension;

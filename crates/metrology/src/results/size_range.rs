@@ -17,8 +17,20 @@ pub struct SizeRange {
     pub low: f64,
     /// Its highest measured position, mm or degrees.
     pub high: f64,
-    /// `mm` or `deg`.
-    pub unit: String,
+    /// Unit of both.
+    pub unit: PositionUnit,
+}
+
+/// Unit of a position.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum PositionUnit {
+    /// Of a linear axis.
+    #[default]
+    Mm,
+    /// Of a rotary axis.
+    Deg,
 }
 
 /// Returns the ranges of the axes that the size of a cause depends on; empty if it is the same everywhere, as a slope or a squareness is.
@@ -38,7 +50,10 @@ fn range(axis: Axis, scene: &Scene<'_>, used: usize) -> Option<SizeRange> {
     let [low, high] = rows
         .map(|row| row.position[axis])
         .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)]);
-    let shown = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
-    let unit = if axis.is_rotary() { "deg" } else { "mm" };
-    (low < high).then(|| SizeRange { axis: axis.to_string(), low: shown(low), high: shown(high), unit: unit.into() })
+    let unit = if axis.is_rotary() { PositionUnit::Deg } else { PositionUnit::Mm };
+    let shown = |value: f64| match unit {
+        PositionUnit::Mm => value,
+        PositionUnit::Deg => value.to_degrees(),
+    };
+    (low < high).then(|| SizeRange { axis: axis.to_string(), low: shown(low), high: shown(high), unit })
 }

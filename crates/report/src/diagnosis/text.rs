@@ -8,7 +8,7 @@ use crate::component::spelled_out;
 use crate::number::{grouped, percent, probability, significant};
 use ncfix_metrology::diagnose::cause::Correctable;
 use ncfix_metrology::diagnose::{ExplanationSummary, Gate};
-use ncfix_metrology::results::diagnosis::{CauseReport, InFile, NoiseFrom, ShapePlace, SizeRange};
+use ncfix_metrology::results::diagnosis::{CauseReport, InFile, NoiseFrom, PositionUnit, ShapePlace, SizeRange};
 
 /// Maximum number of other explanations that are named.
 const RIVALS: usize = 8;
@@ -571,7 +571,10 @@ impl CauseText for CauseReport {
 
     fn over(&self) -> String {
         let of = |one: &SizeRange| {
-            let unit = if one.unit == "deg" { "°" } else { " mm" };
+            let unit = match one.unit {
+                PositionUnit::Mm => " mm",
+                PositionUnit::Deg => "°",
+            };
             format!("{} {} … {}{unit}", one.axis, significant(one.low), significant(one.high))
         };
         let ranges: Vec<String> = self.over.iter().map(of).collect();

@@ -73,8 +73,8 @@ fn check(number: u32, span: Span, block: HeadBlock<'_>) -> Result<(), Fault> {
         let help = "cancel it before (Sinumerik D0, Fanuc and RS274/NGC G49, Grundig T0 M6), and select the tool after the word";
         (format!("a tool length of {length_mm:.3} mm is active, which belongs to the other head"), help)
     } else if block.moves {
-        let help = "write the word in a block of its own: it may act before, with or after the motion";
-        ("the block has words of a motion".to_owned(), help)
+        let help = "write the word in a block of its own: it may act before, with or after the rest of the block";
+        ("the block also has a motion, a dwell or axis words".to_owned(), help)
     } else {
         return Ok(());
     };
