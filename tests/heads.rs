@@ -237,7 +237,7 @@ fn what_makes_the_change_unsure_is_refused() {
             &["G17 G90 G54", "T1 M6", "M54", "G0 X0 Y0 Z0 B0", "M30"][..],
             "a tool length of 120.000 mm is active",
         ),
-        (grundig, &["G17 G90 G54", "M54 G0 X0 Y0 Z0 B0", "M30"], "the block has words of a motion"),
+        (grundig, &["G17 G90 G54", "M54 G0 X0 Y0 Z0 B0", "M30"], "the block also has a motion, a dwell or axis words"),
         (
             grundig,
             &["G17 G90 G54", "M53 M54", "G0 X0 Y0 Z0 B0", "M30"],
@@ -266,13 +266,17 @@ fn what_makes_the_change_unsure_is_refused() {
         ),
         (sinumerik, &["G17 G90 G54", "M0=82", "G0 X0 Y0 Z0 B0", "M30"], "an address extension"),
         (sinumerik, &["G17 G90 G54", "M2=QU(82)", "G0 X0 Y0 Z0 B0", "M30"], "an address extension"),
-        (sinumerik, &["G17 G90 G54", "G74 X1=0 M82", "M30"], "the block has words of a motion"),
+        (sinumerik, &["G17 G90 G54", "G74 X1=0 M82", "M30"], "the block also has a motion, a dwell or axis words"),
         (
             grundig,
             &["G17 G90 G54", "G0 X0 Y0 Z50 B0", "G78 P1 X10 Y10 Z50", "G1 P1 F100 M54", "M30"],
-            "the block has words of a motion",
+            "the block also has a motion, a dwell or axis words",
         ),
-        (&DIALECTS[3], &["G17 G90 G54", "G0 X0 Y0 Z0", "G28 M154", "M2"], "the block has words of a motion"),
+        (
+            &DIALECTS[3],
+            &["G17 G90 G54", "G0 X0 Y0 Z0", "G28 M154", "M2"],
+            "the block also has a motion, a dwell or axis words",
+        ),
     ] {
         let shop = shop(dialect, &program(dialect.controller, lines));
         let ran = shop.run(["fix", dialect.file, "-o", "out.txt", "--machine", "both.toml"]);
