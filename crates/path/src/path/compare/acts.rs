@@ -68,9 +68,26 @@ impl Act {
 
 /// The acts between two moves.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Acts(pub(super) Vec<Act>);
+pub(super) struct Acts(
+    pub(super) Vec<Act>,
+    /// Those that belong to the first feed move of a hole: the rapid moves to the hole may be in the cycle or in front of it.
+    Vec<Act>,
+);
 
 impl Acts {
+    /// Takes the acts before a move.
+    pub(super) fn before(&mut self, rapid: bool) -> Vec<Act> {
+        if !rapid {
+            self.0.append(&mut self.1);
+        }
+        std::mem::take(&mut self.0)
+    }
+
+    /// Takes all acts.
+    pub(super) fn rest(&mut self) -> Vec<Act> {
+        self.before(false)
+    }
+
     /// Updates the state with an element.
     pub(super) fn see(&mut self, element: &Element, machine: &Machine, passing: &Passing) {
         if self.0.len() >= MOST_ACTS {
@@ -119,7 +136,7 @@ impl Acts {
             Kind::Cycle(Some(cycle)) => {
                 // M29 S500 announces rigid tapping; the moves of the cycle do not show it.
                 let words = cycle.arguments.iter().filter_map(CycleArgument::function);
-                self.0.extend(words.map(|word| Act::new(origin, ActSubject::Statement, word.to_owned())));
+                self.1.extend(words.map(|word| Act::new(origin, ActSubject::Statement, word.to_owned())));
             }
             Kind::Frame(FrameWords::Settable(name)) => {
                 self.0.push(Act::new(origin, ActSubject::WorkOffset, name.clone()));

@@ -245,7 +245,7 @@ impl<'a, I: Iterator<Item = Element>> Iterator for Walk<'a, I> {
     fn next(&mut self) -> Option<ComparedMove<'a>> {
         loop {
             let Some(element) = self.held.take().or_else(|| self.elements.next()) else {
-                self.tail.borrow_mut().append(&mut self.acts.0);
+                self.tail.borrow_mut().append(&mut self.acts.rest());
                 return None;
             };
             self.acts.see(&element, self.machine, &self.passing);
@@ -330,7 +330,7 @@ impl<'a, I: Iterator<Item = Element>> Iterator for Walk<'a, I> {
                 in_cycle,
                 motion_mode: motion.motion_mode,
                 off_curve_mm: motion.off_curve_mm,
-                acts: std::mem::take(&mut self.acts.0),
+                acts: self.acts.before(motion.rapid),
                 passing: self.passing.clone(),
                 number: self.number.take(),
                 transformation: self.transformation,
