@@ -18,7 +18,7 @@ use ncfix_model::Model;
 
 use super::ahead::Ahead;
 use super::check::Sampler;
-use super::cut::{fit_arc, fit_line, next_step};
+use super::cut::{fit_arc, fit_line, line_for_short_arc, next_step};
 use super::extend::SearchBounds;
 use super::findings::{DiagnosticCollector, placing_axes};
 use super::lead::Lead;
@@ -299,6 +299,9 @@ where
             Subdivision::Step(step_mm) => step_mm / route.size_mm(),
         };
         if route.arc().is_some() && !active.as_chords {
+            if let Some(line) = line_for_short_arc(&bench, standing, [from, turning.min(from + step)], scratch) {
+                return line;
+            }
             if let Some(trial) = fit_arc(&bench, standing, [from, turning.min(from + step)], active.length, scratch) {
                 return trial;
             }

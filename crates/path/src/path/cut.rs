@@ -10,12 +10,29 @@ const MOST_SWEEP: f64 = 330.0 * std::f64::consts::PI / 180.0;
 const SAME_ANGLE: f64 = 1e-7;
 /// Minimum number of chords that an arc piece must save to be useful.
 const USEFUL_CHORDS: f64 = 3.0;
+/// Shortest piece of an arc, in increments. A control rounds both ends to its grid, and equal ends are a full circle: rounding and correction change the
+/// distance by less than three increments.
+const SHORTEST_ARC: f64 = 4.0;
+/// Grid of a control whose programs may have finer words, mm: a Sinumerik as delivered has 1000 increments per mm (MD10200).
+const USUAL_GRID_MM: f64 = 1e-3;
 /// Maximum halvings of a piece that turns rotary corrections too far.
 const MOST_HALVINGS: u32 = 8;
 /// Largest written feed, mm/min or 1/min: controls accept six digits before the point. No axis is as fast.
 pub(super) const MOST_FEED: f64 = 999_999.0;
 /// Parameters nearer to each other than this are one place.
 const SAME_PARAMETER: f64 = 1e-9;
+
+/// The straight line in place of an arc that is so short that a control might mill a full circle; `None` if the arc is longer, or the line does not fit.
+pub(super) fn line_for_short_arc<'m>(
+    bench: &SegmentFitter<'_, 'm>,
+    standing: &PathState,
+    between: [f64; 2],
+    scratch: &mut Vec<f64>,
+) -> Option<SegmentCandidate<'m>> {
+    let shortest_mm = SHORTEST_ARC * bench.placer.increments.linear_mm.max(USUAL_GRID_MM);
+    let length_mm = bench.route.sweep_rad().abs() * bench.route.radius_mm() * (between[1] - between[0]);
+    (length_mm < shortest_mm).then(|| bench.straight(standing, between, scratch)).filter(SegmentCandidate::fits)
+}
 
 /// The longest useful arc between two parameters of the move, beginning at the first; `None` if chords serve equally well. `guess` is the initial
 /// length of the search.
