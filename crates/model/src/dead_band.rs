@@ -198,8 +198,8 @@ impl DeadBand {
         (within, state)
     }
 
-    /// Returns the distance of the tip at `command` from the nominal tip at `nominal`. A tool that waits for a body only lags on its path: its distance along
-    /// the direction `along` does not count. Correction, prediction and comparison all use this function for axes with direction-dependent errors.
+    /// Returns the distance of the tip at `command` from the nominal tip at `nominal`. A tool that waits for a body only lags on its path, and one whose axis the
+    /// control moves too far at a reversal leads: its distance along the direction `along` does not count. Correction, prediction and comparison all use this function for axes with direction-dependent errors.
     #[must_use]
     pub fn error_mm(
         &self,
@@ -212,6 +212,9 @@ impl DeadBand {
         let (within, mut state) = self.within(model, axes, command);
         let mut middle = model.tip_error_mm(nominal, command, tool_mm, &state);
         if within.is_empty() {
+            // A tool whose axis is moved too far at a reversal leads on its path, as one that waits lags.
+            let leads = |axis: Axis| model.features(axis).is_over_compensated(command[axis]);
+            let middle = if axes.iter().any(leads) { across(middle, along()) } else { middle };
             return Off { middle, nearest: middle, most_mm: middle.norm() };
         }
         let along = along();

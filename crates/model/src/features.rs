@@ -38,6 +38,12 @@ impl Features {
         self.lost.iter().map(|(factor, reversal)| factor * reversal.value(command)).sum::<f64>().max(0.0)
     }
 
+    /// True if the control adds more at a reversal than the axis loses.
+    #[must_use]
+    pub fn is_over_compensated(&self, command: f64) -> bool {
+        self.lost.iter().map(|(factor, reversal)| factor * reversal.value(command)).sum::<f64>() < 0.0
+    }
+
     pub(super) fn note_length(&mut self, length: f64) {
         self.length = self.length.min(length);
     }

@@ -259,9 +259,8 @@ impl<'m> SegmentFitter<'_, 'm> {
                 && self.turning_mm(standing, &nominal_start, &sense) > enough_mm
             {
                 let start = place(&nominal_start, &sense, &standing.correction);
-                if distance_mm(&start.command, &standing.command) > SAME_PLACE_MM {
-                    take_up = Some(start);
-                }
+                let is_elsewhere = distance_mm(&start.command, &standing.command) > SAME_PLACE_MM;
+                take_up = Some(start).filter(|start| is_elsewhere && !self.leads_away(standing, start, &sense));
             }
             let ready = take_up.and_then(|start| self.ready(standing, &start, &sense));
             let start = take_up.map_or(standing.command, |placed| placed.command);

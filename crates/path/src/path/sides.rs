@@ -28,6 +28,16 @@ impl SegmentFitter<'_, '_> {
         most_mm
     }
 
+    /// `true` if a step to `start` would move the body of an axis away from its place, because the control adds more at a reversal than the axis loses: until
+    /// the axis reverses, the body goes on in the old direction.
+    pub(super) fn leads_away(&self, standing: &PathState, start: &Placed, sense: &State) -> bool {
+        self.lead.axes.iter().any(|axis| {
+            let wanted = sense.direction(axis);
+            let step = (start.command[axis] - standing.command[axis]) * f64::from(wanted);
+            wanted != standing.state.direction(axis) && step < 0.0 && self.lead.is_quick(axis, &standing.command)
+        })
+    }
+
     /// A position on the spot for bodies that a step to `start` would leave within their dead bands. From there they reach it in these directions.
     /// None is moved beyond its place.
     pub(super) fn ready(&self, standing: &PathState, start: &Placed, sense: &State) -> Option<Placed> {
