@@ -232,7 +232,7 @@ fn no_piece_of_an_arc_is_so_short_that_a_control_could_mill_a_full_circle() {
     for increment in ["0.0001", "0.001"] {
         let machine = MACHINE.replace("increment_mm = 0.0001", &format!("increment_mm = {increment}")) + errors;
         for number in 0..12_u32 {
-            // From a quadrant point to half a radian behind the next: the start is moved along the circle by 0 to 11 um.
+            // From a quadrant point to half a radian after the next: the start is moved along the circle by 0 to 11 um.
             let (radius, turn) = (5.0, f64::from(number % 4) * std::f64::consts::FRAC_PI_2);
             let angle = turn + f64::from(number) * 1e-3 / radius;
             let at = |angle: f64| [19.4 + radius * angle.cos(), 26.5 + radius * angle.sin()];

@@ -149,7 +149,7 @@ impl<'a> Lead<'a> {
     }
 
     /// The direction of the tip along a route; `None` if it does not move.
-    fn direction(&self, route: &Route<'_>, at: f64, tool_mm: &Vector) -> Option<Vector> {
+    pub(super) fn direction(&self, route: &Route<'_>, at: f64, tool_mm: &Vector) -> Option<Vector> {
         let places = [at - DIRECTION_STEP, at + DIRECTION_STEP].map(|share| route.at(share.clamp(0.0, 1.0)));
         let [from, to] = places.map(|command| self.model.nominal(&command, tool_mm).translation);
         (to - from).try_normalize(SHORTEST_MM)

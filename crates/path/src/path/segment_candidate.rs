@@ -260,7 +260,8 @@ impl<'m> SegmentFitter<'_, 'm> {
             {
                 let start = place(&nominal_start, &sense, &standing.correction);
                 let is_elsewhere = distance_mm(&start.command, &standing.command) > SAME_PLACE_MM;
-                take_up = Some(start).filter(|start| is_elsewhere && !self.leads_away(standing, start, &sense));
+                take_up = Some(start)
+                    .filter(|start| is_elsewhere && !self.leads_away(standing, (start, between[0]), &sense, enough_mm));
             }
             let ready = take_up.and_then(|start| self.ready(standing, &start, &sense));
             let start = take_up.map_or(standing.command, |placed| placed.command);

@@ -28,14 +28,27 @@ impl SegmentFitter<'_, '_> {
         most_mm
     }
 
-    /// `true` if a step to `start` would move the body of an axis away from its place, because the control adds more at a reversal than the axis loses: until
-    /// the axis reverses, the body goes on in the old direction.
-    pub(super) fn leads_away(&self, standing: &PathState, start: &Placed, sense: &State) -> bool {
-        self.lead.axes.iter().any(|axis| {
+    /// `true` if a step to `start` would only move the tool further in its old direction: the control adds more at a reversal than the axis loses, so the
+    /// body goes on until the axis reverses. Without the step, the tool is ahead on its path, and across it off by at most `enough_mm`.
+    pub(super) fn leads_away(
+        &self,
+        standing: &PathState,
+        (start, parameter): (&Placed, f64),
+        sense: &State,
+        enough_mm: f64,
+    ) -> bool {
+        let leads = self.lead.axes.iter().any(|axis| {
             let wanted = sense.direction(axis);
             let step = (start.command[axis] - standing.command[axis]) * f64::from(wanted);
             wanted != standing.state.direction(axis) && step < 0.0 && self.lead.is_quick(axis, &standing.command)
-        })
+        });
+        let tool_mm = &self.placer.setup.tool_mm;
+        leads
+            && self.lead.direction(self.route, parameter, tool_mm).is_some_and(|along| {
+                let nominal = self.route.at(parameter);
+                let off = self.lead.model.tip_error_mm(&nominal, &standing.command, tool_mm, sense);
+                (off - along * along.dot(&off)).norm() <= enough_mm
+            })
     }
 
     /// A position on the spot for bodies that a step to `start` would leave within their dead bands. From there they reach it in these directions.
