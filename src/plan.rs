@@ -7,9 +7,10 @@ use crate::disk::{measurements, parameters};
 use crate::error::Error;
 use crate::machine::Machine;
 use ncfix_metrology::measure::data::DataSet;
+use ncfix_metrology::measure::plan::builder::PlannedPart;
 use ncfix_metrology::measure::plan::{PlanKind, Wishes, table};
 use ncfix_metrology::results::planned::{PlanResult, has_reading, judge, told_by_tool};
-use ncfix_path::emit::flat;
+use ncfix_path::emit::{PartFrame, flat, flat_part};
 
 /// The request for a plan.
 #[derive(Clone, Debug)]
@@ -82,7 +83,15 @@ impl PlanRequest<'_> {
         result.rows = plan.data.observations.len();
         result.setups = plan.data.setups.len();
         let title = format!("plan {} for {}", self.kind.name, machine.name);
-        let program = self.has_program.then(|| flat(machine, &title, &plan.path)).transpose().map_err(refused)?;
+        let written = || match &plan.part {
+            Some(PlannedPart { zero_offset, origin_mm, tool, tool_mm }) => {
+                let (zero_offset, origin_mm) = (zero_offset.clone(), *origin_mm);
+                let frame = PartFrame { zero_offset, origin_mm, tool: *tool, tool_mm: *tool_mm };
+                flat_part(machine, &title, &plan.path, &frame)
+            }
+            None => flat(machine, &title, &plan.path),
+        };
+        let program = self.has_program.then(written).transpose().map_err(refused)?;
         let (table, description) = (table::csv(&plan), table::toml(&plan));
         Ok((!found.has_errors()).then_some(MadePlan { result, table, description, program }))
     }

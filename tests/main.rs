@@ -225,6 +225,7 @@ mod variables;
 mod wear;
 mod words;
 mod words_hostile;
+mod workpiece;
 mod worse_than_none;
 mod written_turns;
 mod zero_shift;

@@ -52,6 +52,7 @@ const CASES: &[(&[&str], &[&str])] = &[
     (&["plate", "--tool", "100"], &["all"]),
     (&["load", "--force", "1000"], &["all"]),
     (&["load", "--variant", "plate", "--force", "1000", "--tool", "100"], &["all"]),
+    (&["workpiece"], &["all"]),
 ];
 
 /// What each kind may tell; those are taken that a plan tells beside all others.
@@ -110,7 +111,9 @@ fn every_plan_runs_through_or_says_why_not() {
                 continue;
             }
             assert_eq!(run.code, 0, "{what}: {}", run.stderr);
-            with(&["check", "p.nc"]).exits(0);
+            // A part program has the zero offset and the tool that the plan names.
+            std::fs::write(shop.path("job.toml"), crate::workpiece::job(&run.stderr)).unwrap();
+            with(&["check", "p.nc", "--setup", "job.toml"]).exits(0);
             // Errors of the machine lead beyond no end of travel.
             let run = with(&["simulate", "p.csv", "-o", "s.csv", "--noise", "0.5um", "--seed", "3"]);
             assert_eq!(run.code, 0, "{what}: {}", run.stderr);
@@ -133,8 +136,8 @@ fn every_plan_runs_through_or_says_why_not() {
             calibrated += 1;
         }
     }
-    // Seven machines: eight plans on all of them with geometry; spheres, balls; R-tests and turning ball-bars.
-    assert_eq!(calibrated, 7 * 8 + 6 + 5 + 3 + 5 + 2);
+    // Seven machines: nine plans on all of them with geometry; spheres, balls; R-tests and turning ball-bars.
+    assert_eq!(calibrated, 7 * 9 + 6 + 5 + 3 + 5 + 2);
 }
 
 #[test]

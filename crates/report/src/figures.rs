@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::correction::push_row;
 use super::json::DiagnosticReport;
 use super::number::significant;
+use ncfix_metrology::results::features::FeatureDeviation;
 use ncfix_metrology::results::figures::MeasurementFigures;
 
 /// Output of `ncfix iso230`.
@@ -52,7 +53,18 @@ pub fn lines(measurements: &[MeasurementFigures]) -> String {
                 let _ = writeln!(out, "    {}", cells.collect::<Vec<_>>().join("   "));
             }
         }
+        out.extend(one.features.iter().map(feature));
         out.push('\n');
     }
     out
+}
+
+/// The line of a feature: its deviations, and what the errors of the machine file leave of them.
+fn feature(one: &FeatureDeviation) -> String {
+    let cells = |values: &[Option<f64>; 3]| {
+        let read = ["dx", "dy", "dz"].iter().zip(values).filter_map(|(name, value)| Some((name, (*value)?)));
+        read.map(|(name, value)| format!("{name} {}", significant(value))).collect::<Vec<_>>().join("   ")
+    };
+    let left = if one.left == one.deviation { String::new() } else { format!("   left {}", cells(&one.left)) };
+    format!("    {}   {}{left}\n", one.feature, cells(&one.deviation))
 }

@@ -35,7 +35,7 @@ fn read(arguments: &FiguresArguments, findings: &mut Findings, report: &mut Repo
     if findings.has_errors() {
         return Ok(());
     }
-    let (measurements, found) = figures::of_all(&all, &chosen.machine);
+    let (measurements, found) = figures::of_all(&all, &chosen.machine, &chosen.errors);
     report.measurements = measurements;
     findings.extend(found, &[]);
     Ok(())

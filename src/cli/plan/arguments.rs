@@ -59,7 +59,7 @@ pub(in crate::cli) struct PlanArguments {
     /// Center as a position of the tool tip (axis positions plus tool vector), mm (default: middle of the travel); repeatable for a plate
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     pub(in crate::cli) centre: Vec<Vector>,
-    /// Radius, mm (default: 100 for ballbar, 150 for sphere, 70 for a circle of balls)
+    /// Radius, mm (default: 100 for ballbar, 150 for sphere, 70 for a circle of balls, 6 for the end mill of workpiece)
     #[arg(long, value_name = "MM", value_parser = above_zero)]
     pub(in crate::cli) radius: Option<f64>,
     /// Feed, mm/min
@@ -68,7 +68,7 @@ pub(in crate::cli) struct PlanArguments {
     /// Plane: XY, YZ or ZX; repeatable
     #[arg(long, value_name = "PLANE", value_parser = plane)]
     pub(in crate::cli) plane: Vec<Plane>,
-    /// Spacing of rows, deg (default: 2 for ballbar, 5 for sphere, 10 with a turning table), or of holes, mm (default: 50)
+    /// Spacing of rows, deg (default: 2 for ballbar, 5 for sphere, 10 with a turning table), or of holes, mm (default: 50, 60 for workpiece)
     #[arg(long, value_name = "DEG|MM", value_parser = above_zero)]
     pub(in crate::cli) every: Option<f64>,
     /// Evaluated arc, deg (default: 360 in the plane perpendicular to the spindle, else 220)
@@ -99,15 +99,15 @@ pub(in crate::cli) struct PlanArguments {
     #[arg(long, value_name = "NAME", value_parser = component)]
     pub(in crate::cli) component: Vec<ErrorName>,
     /// First and last position of the axis, mm or deg (default: the travel)
-    #[arg(long, value_name = "FROM,TO", value_parser = range, allow_hyphen_values = true)]
+    #[arg(long, value_name = "FROM,TO", value_parser = numbers::<2>, allow_hyphen_values = true)]
     pub(in crate::cli) range: Option<[f64; 2]>,
-    /// Number of targets of an axis (default: 11 for laser, 8 for load, 5 for diagonal), angles of the rotary axes (42), holes per side (5)
+    /// Number of targets of an axis (default: 11 for laser, 8 for load, 5 for diagonal), angles of the rotary axes (42), holes per side (5, 3 for workpiece)
     #[arg(long, value_name = "N")]
     pub(in crate::cli) points: Option<usize>,
     /// Number of forward and backward runs (default: 5 for laser and diagonal, else 1)
     #[arg(long, value_name = "N")]
     pub(in crate::cli) runs: Option<usize>,
-    /// Dwell at a pose, s (default: 4 for laser and level, 3 for plate, 2 before a circle; probe stops with M0)
+    /// Dwell at a pose, s (default: 4 for laser and level, 3 for plate, 2 before a circle; probe stops with M0), or between the levels of workpiece (default: 0)
     #[arg(long, value_name = "S", value_parser = not_negative)]
     pub(in crate::cli) dwell: Option<f64>,
     /// Weight on the table, in newtons; repeatable
@@ -119,9 +119,15 @@ pub(in crate::cli) struct PlanArguments {
     /// Duration of the drift measurement, h (default: one pass for din, 24 for random)
     #[arg(long, value_name = "H", value_parser = above_zero)]
     pub(in crate::cli) hours: Option<f64>,
-    /// Highest spindle speed, 1/min (default: 6300)
+    /// Highest spindle speed, 1/min (default: 6300, 4000 for workpiece)
     #[arg(long, value_name = "RPM", value_parser = above_zero)]
     pub(in crate::cli) speed: Option<f64>,
+    /// Sides of the blank of a workpiece, mm (default: 200,200,50)
+    #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>)]
+    pub(in crate::cli) blank: Option<[f64; 3]>,
+    /// Number of levels of a workpiece (default: 12)
+    #[arg(long, value_name = "N")]
+    pub(in crate::cli) levels: Option<usize>,
     /// Seed of random values (default: 1)
     #[arg(long, value_name = "N")]
     pub(in crate::cli) seed: Option<u64>,
@@ -163,6 +169,8 @@ impl PlanArguments {
             dwell_s: self.dwell,
             hours: self.hours,
             speed: self.speed,
+            blank_mm: self.blank.map(Vector::from),
+            levels: self.levels,
             seed: self.seed.unwrap_or(1),
             line: self.line.clone(),
         }
@@ -200,10 +208,6 @@ fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
 
 fn vector(text: &str) -> Result<Vector, String> {
     numbers::<3>(text).map(Vector::from)
-}
-
-fn range(text: &str) -> Result<[f64; 2], String> {
-    numbers::<2>(text)
 }
 
 fn plane(text: &str) -> Result<Plane, String> {

@@ -2,8 +2,6 @@
 
 pub(in crate::cli) mod arguments;
 
-use std::path::Path;
-
 use crate::cli::arguments::PlanArguments;
 use crate::cli::atomic_writes::AtomicWrites;
 use crate::cli::exit_code::ExitCode;
@@ -30,11 +28,8 @@ pub(in crate::cli) fn run(arguments: &PlanArguments) -> Result<ExitCode, Stop> {
 
 fn plan(arguments: &PlanArguments, findings: &mut Findings) -> Result<Option<String>, Stop> {
     let description = arguments.output.with_extension("toml");
-    if description == arguments.output || arguments.output == Path::new("-") {
-        return Err(Stop::Usage("the plan is two files; give -o the name of the table, such as plan.csv".into()));
-    }
     let mut targets = vec![Target::new(&arguments.output)?, Target::new(&description)?];
-    if targets.iter().any(|target| !target.is_file()) {
+    if description == arguments.output || targets.iter().any(|target| !target.is_file()) {
         return Err(Stop::Usage("the plan is two files; give -o the name of the table, such as plan.csv".into()));
     }
     targets.extend(arguments.program.as_deref().map(Target::new).transpose()?);

@@ -10,7 +10,7 @@ mod drivers;
 mod repeats;
 mod rows;
 
-pub use drivers::{DataColumn, TIME};
+pub use drivers::{DataColumn, FEATURE_COLUMNS, TIME};
 
 use std::sync::LazyLock;
 

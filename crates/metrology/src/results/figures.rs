@@ -2,12 +2,15 @@
 
 use serde::Serialize;
 
+use super::features::{self, FeatureDeviation};
+pub use super::figure::{FigureGroup, FigureValue, Standard};
 use crate::measure::data::DataSet;
 use crate::measure::iso230::figures::{self as iso230, CirclePath, Figures, MeasuredFigures, RUNS};
 use crate::measure::iso230::positioning::OneWay;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::units::{Unit, um_from_mm, urad_from_rad};
 use ncfix_machine::machine::Machine;
+use ncfix_model::ErrorModel;
 
 /// The figures of a measurement.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -19,90 +22,39 @@ pub struct MeasurementFigures {
     pub kind: &'static str,
     /// Its figures.
     pub figures: Vec<FigureGroup>,
-}
-
-/// A group of figures: of a component, of circles in a plane, of a sphere.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct FigureGroup {
-    /// Label of the set-up.
-    pub setup: String,
-    /// Their subject: `EXX`, `XY`, `sphere`.
-    pub of: String,
-    /// Their definition.
-    pub standard: Standard,
-    /// The unit of all.
-    pub unit: Unit,
-    /// The figures in the order of the standard.
-    pub values: Vec<FigureValue>,
-    /// Their conditions: runs, radius, feed, start.
-    pub conditions: Vec<String>,
-    /// Reason why no figures exist; `null` otherwise.
-    pub reason: Option<String>,
-}
-
-/// Definition of figures.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub enum Standard {
-    /// None: there are no figures.
-    #[default]
-    #[serde(rename = "")]
-    None,
-    /// Positioning.
-    #[serde(rename = "ISO 230-2")]
-    Iso230Part2,
-    /// Circles.
-    #[serde(rename = "ISO 230-4")]
-    Iso230Part4,
-    /// A sphere through all points.
-    #[serde(rename = "least squares")]
-    LeastSquares,
-}
-
-impl Standard {
-    /// Its name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Standard::None => "",
-            Standard::Iso230Part2 => "ISO 230-2",
-            Standard::Iso230Part4 => "ISO 230-4",
-            Standard::LeastSquares => "least squares",
-        }
-    }
-}
-
-/// A figure.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct FigureValue {
-    /// `A`, `R+`, `G(ccw)` …
-    pub name: &'static str,
-    /// Its value.
-    pub value: f64,
+    /// Features of a workpiece, in the order of the table; empty for other measurements.
+    pub features: Vec<FeatureDeviation>,
 }
 
 /// The figures of a measurement.
 #[must_use]
 pub fn of(data: &DataSet, machine: &Machine) -> MeasurementFigures {
     let figures = iso230::figures(data, machine).iter().map(group).collect();
-    MeasurementFigures { name: data.name.clone(), kind: data.kind.name, figures }
+    MeasurementFigures { name: data.name.clone(), kind: data.kind.name, figures, features: Vec::new() }
 }
 
-/// The figures of measurements; a diagnostic for each that has none.
+/// The figures of measurements; a diagnostic for each that has none. Features of a workpiece are compared with these errors of the machine, and with
+/// those of the first workpiece.
 #[must_use]
 pub fn of_all(
     all: &[super::measurement::Measurement],
     machine: &Machine,
+    errors: &ErrorModel,
 ) -> (Vec<MeasurementFigures>, Vec<Diagnostic>) {
     let mut found = Vec::new();
-    let mut measurements = Vec::new();
+    let mut measurements: Vec<MeasurementFigures> = Vec::new();
     for one in all {
-        let of = of(&one.data, machine);
+        let mut of = of(&one.data, machine);
+        if let Some((figures, features)) = features::figures(one, machine, errors) {
+            of.figures.extend(figures);
+            let earlier = measurements.iter().find(|earlier| !earlier.features.is_empty());
+            of.figures
+                .extend(earlier.and_then(|earlier| features::against(&earlier.name, &earlier.features, &features)));
+            of.features = features;
+        }
         if of.figures.is_empty() {
             let message = format!("{}: a {} measurement has no figures of ISO 230", of.name, of.kind);
-            let help = "give readings of single components (direct) or of a ball-bar";
+            let help = "give readings of single components (direct), of a ball-bar, or of features (a column feature)";
             found.push(Diagnostic::nowhere(Code::DATA_COLUMN, message, help));
         }
         measurements.push(of);

@@ -14,6 +14,8 @@ mod data_faults;
 pub mod decomposition;
 pub mod diagnosis;
 pub mod extended;
+pub mod features;
+mod figure;
 pub mod figures;
 mod held;
 pub mod hypotheses;

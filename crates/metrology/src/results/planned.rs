@@ -159,7 +159,7 @@ pub fn judge(
         }
         let mut candidates = plan.candidates.clone();
         for candidate in &mut candidates {
-            candidate.values = values(plan);
+            candidate.values = values(plan.reads);
         }
         for chosen_one in improve(machine, errors, parameters, &all, &candidates, more) {
             if let Some(candidate) = plan.candidates.get(chosen_one).copied() {
@@ -235,13 +235,12 @@ pub fn has_reading(row: &Observation) -> bool {
 /// The measurement as if it had been carried out.
 fn as_read(plan: &Builder) -> DataSet {
     let mut read = plan.data.clone();
-    let values = values(plan);
-    for row in &mut read.observations {
-        row.values = values;
+    for (row, extra) in read.observations.iter_mut().zip(&plan.extras) {
+        row.values = values(plan.reads_of(extra));
     }
     read
 }
 
-fn values(plan: &Builder) -> [Option<f64>; 3] {
-    plan.reads.map(|is_read| is_read.then_some(READ))
+fn values(reads: [bool; 3]) -> [Option<f64>; 3] {
+    reads.map(|is_read| is_read.then_some(READ))
 }

@@ -4,13 +4,16 @@
 //! on rapid moves only, RS274/NGC on straight moves only. There these moves are `G90 G53`, and all others are increments of the last written
 //! position. No offset changes increments, and they add up exactly because they are counts. After a stop or a cycle, increments begin with a `G90 G53
 //! G0` to the last position of the axes. The first comments list what must be off.
+//!
+//! The program of a workpiece ([`flat_part`]) is in the coordinates of the workpiece instead, with its tool, as a part program is: a correction then
+//! knows the tool, and the operator sets the zero.
 
 use super::comment::in_parentheses;
 use super::number::{Decimals, push_pointed, push_value};
-use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, Plane};
+use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, Plane, Vector};
 use ncfix_base::units::push_integer;
 use ncfix_dialect::Language;
-use ncfix_machine::machine::Machine;
+use ncfix_machine::machine::{Machine, ToolChange};
 use ncfix_machine::snc::{Dwell, Kind, Move, Word, WordValue};
 
 /// The program number, for languages that number programs.
@@ -23,6 +26,31 @@ const LAST_BLOCK: u32 = 9_999_999;
 /// # Errors
 /// Returns a message if the control has no dialect or its increments are not decimals.
 pub fn flat(machine: &Machine, title: &str, elements: &[Kind]) -> Result<Vec<u8>, String> {
+    written(machine, title, elements, None)
+}
+
+/// Zero and tool of a program in the coordinates of a workpiece.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartFrame {
+    /// The zero offset: `G54`.
+    pub zero_offset: String,
+    /// Its position as that of the tool tip: axis positions plus tool vector, mm.
+    pub origin_mm: Vector,
+    /// The tool, by its number at the control.
+    pub tool: u32,
+    /// From the spindle gauge point to the tip, along Z, mm.
+    pub tool_mm: Vector,
+}
+
+/// Writes elements as [`flat`] does, but in the coordinates of a workpiece, with its tool and only in X, Y and Z. Motion must be straight.
+///
+/// # Errors
+/// As [`flat`].
+pub fn flat_part(machine: &Machine, title: &str, elements: &[Kind], part: &PartFrame) -> Result<Vec<u8>, String> {
+    written(machine, title, elements, Some(part))
+}
+
+fn written(machine: &Machine, title: &str, elements: &[Kind], part: Option<&PartFrame>) -> Result<Vec<u8>, String> {
     let language = ncfix_dialect::find(&machine.controller).map(|dialect| dialect.language);
     let language = language.ok_or_else(|| format!("the controller '{}' is not a dialect", machine.controller))?;
     let decimals = |increment: f64| {
@@ -43,6 +71,8 @@ pub fn flat(machine: &Machine, title: &str, elements: &[Kind]) -> Result<Vec<u8>
         is_incremental: false,
         is_stale: [false; AXIS_COUNT],
         number: 0,
+        part,
+        has_length: false,
         out: Vec::new(),
     };
     writer.head(title);
@@ -67,14 +97,22 @@ struct Flat<'a> {
     /// Axes that something other than this writer may have moved since.
     is_stale: [bool; AXIS_COUNT],
     number: u32,
+    /// Zero and tool of a program in the coordinates of a workpiece.
+    part: Option<&'a PartFrame>,
+    /// `true` after the word of the tool length was written, where the language needs one.
+    has_length: bool,
     out: Vec<u8>,
 }
 
 impl Flat<'_> {
     fn head(&mut self, title: &str) {
+        self.title(title);
+        self.plane = Some(Plane::XY);
+        if let Some(part) = self.part {
+            return self.part_head(part);
+        }
         match self.language {
             Language::Sinumerik => {
-                self.comment(title.as_bytes());
                 self.notes(&[
                     "positions of the axes in machine coordinates: SUPA and D0, zero offset and tool length are not active",
                     "feed in mm/min",
@@ -86,13 +124,6 @@ impl Flat<'_> {
                 }
             }
             Language::Grundig => {
-                self.out.extend_from_slice(b"%PM");
-                push_integer(&mut self.out, NUMBER);
-                self.out.extend_from_slice(b"\nN");
-                push_integer(&mut self.out, NUMBER);
-                self.out.push(b' ');
-                self.out.extend_from_slice(&in_parentheses(title.to_ascii_uppercase().as_bytes()));
-                self.out.push(b'\n');
                 self.notes(&[
                     "positions of the axes in machine coordinates: G53 suppresses zero offsets",
                     "the length of the tool in the spindle is active: load one of length 0 before the start",
@@ -101,11 +132,6 @@ impl Flat<'_> {
                 self.line(b"G53");
             }
             Language::Fanuc => {
-                self.out.extend_from_slice(b"%\nO");
-                push_integer(&mut self.out, NUMBER);
-                self.out.push(b' ');
-                self.out.extend_from_slice(&in_parentheses(title.to_ascii_uppercase().as_bytes()));
-                self.out.push(b'\n');
                 self.notes(&[
                     "positions of the axes in machine coordinates: G53, and increments from there",
                     "no rotation, scaling or mirror image may be active; G49 cancels the tool length",
@@ -114,7 +140,6 @@ impl Flat<'_> {
                 self.line(b"G21 G17 G90 G94 G40 G49 G80");
             }
             Language::Rs274 => {
-                self.comment(title.as_bytes());
                 self.notes(&[
                     "positions of the axes in machine coordinates: G53, arcs as increments from there",
                     "no rotation of coordinates may be active; G49 cancels the tool length",
@@ -122,7 +147,54 @@ impl Flat<'_> {
                 self.line(b"G21 G17 G90 G94 G40 G49 G80 G61");
             }
         }
-        self.plane = Some(Plane::XY);
+    }
+
+    /// The lines before all others.
+    fn title(&mut self, title: &str) {
+        match self.language {
+            Language::Sinumerik | Language::Rs274 => self.comment(title.as_bytes()),
+            Language::Grundig => {
+                self.out.extend_from_slice(b"%PM");
+                push_integer(&mut self.out, NUMBER);
+                self.out.extend_from_slice(b"\nN");
+                push_integer(&mut self.out, NUMBER);
+                self.out.push(b' ');
+                self.out.extend_from_slice(&in_parentheses(title.to_ascii_uppercase().as_bytes()));
+                self.out.push(b'\n');
+            }
+            Language::Fanuc => {
+                self.out.extend_from_slice(b"%\nO");
+                push_integer(&mut self.out, NUMBER);
+                self.out.push(b' ');
+                self.out.extend_from_slice(&in_parentheses(title.to_ascii_uppercase().as_bytes()));
+                self.out.push(b'\n');
+            }
+        }
+    }
+
+    /// The beginning of a program in the coordinates of a workpiece.
+    fn part_head(&mut self, part: &PartFrame) {
+        self.notes(&[
+            "positions of the tool tip in the coordinates of the workpiece, with its zero offset and tool length",
+        ]);
+        self.line(match self.language {
+            Language::Sinumerik => b"G17 G710 G90 G94 G40 G60",
+            Language::Grundig => b"G17 G71 G90 G94 G40",
+            Language::Fanuc => b"G21 G17 G90 G94 G40 G49 G80",
+            Language::Rs274 => b"G21 G17 G90 G94 G40 G49 G80 G61",
+        });
+        let change = if self.machine.control.tool_change == ToolChange::M6 { " M6" } else { "" };
+        // Sinumerik changes the tool in a block of its own, after which its edge is selected.
+        if self.language == Language::Sinumerik && !change.is_empty() {
+            self.line(format!("T{}", part.tool).as_bytes());
+            self.line(b"M6");
+        } else {
+            self.line(format!("T{}{change}", part.tool).as_bytes());
+        }
+        if self.language == Language::Sinumerik {
+            self.line(b"D1");
+        }
+        self.line(part.zero_offset.as_bytes());
     }
 
     /// Writes the notes that a user must read before the start.
@@ -186,7 +258,7 @@ impl Flat<'_> {
     }
 
     fn motion(&mut self, motion: &Move) {
-        let relative = matches!(self.language, Language::Fanuc | Language::Rs274);
+        let relative = self.part.is_none() && matches!(self.language, Language::Fanuc | Language::Rs274);
         // There is no position yet to which an increment could relate.
         let is_first = AXES.into_iter().any(|axis| self.machine.axis(axis).is_some() && self.last_of(axis).is_none());
         let is_straight = self.language == Language::Rs274 && motion.arc.is_none();
@@ -202,6 +274,7 @@ impl Flat<'_> {
             self.line(format!("G{}", arc.plane.number()).as_bytes());
         }
         match self.language {
+            _ if self.part.is_some() => self.length_word(&mut line),
             Language::Sinumerik => line.extend_from_slice(b"SUPA "),
             Language::Grundig => {}
             Language::Fanuc | Language::Rs274 if is_absolute => {
@@ -224,7 +297,7 @@ impl Flat<'_> {
         let start = self.last;
         let bare = line.len();
         for axis in AXES.into_iter().filter(|&axis| self.machine.axis(axis).is_some()) {
-            let count = self.count(axis, motion.target[axis]);
+            let count = self.count(axis, motion.target[axis] - self.zero_mm(axis));
             let before = self.last_of(axis);
             let is_known = before.is_some() && !self.is_stale[axis.slot()];
             if !is_known && !motion.named.contains(axis) {
@@ -261,6 +334,21 @@ impl Flat<'_> {
             self.value(&mut line, motion.feed);
         }
         self.line(&line);
+    }
+
+    /// The word that makes the tool length active, before the first position of a workpiece.
+    fn length_word(&mut self, line: &mut Vec<u8>) {
+        let needs = matches!(self.language, Language::Fanuc | Language::Rs274);
+        if let Some(part) = self.part.filter(|_| needs && !self.has_length) {
+            self.has_length = true;
+            line.extend_from_slice(format!("G43 H{} ", part.tool).as_bytes());
+        }
+    }
+
+    /// The axis position at zero of the program, mm; 0 for a rotary axis and in machine coordinates.
+    fn zero_mm(&self, axis: Axis) -> f64 {
+        let at = |part: &PartFrame| (part.origin_mm - part.tool_mm)[axis.dimension()];
+        self.part.filter(|_| !axis.is_rotary()).map_or(0.0, at)
     }
 
     /// Returns to the last position of the axes, so that increments count from there. No axis moves if none was moved.

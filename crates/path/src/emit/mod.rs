@@ -19,7 +19,7 @@ mod words;
 
 pub use block_number::NumberSet;
 pub use check_cut::check_cut;
-pub use flat::flat;
+pub use flat::{PartFrame, flat, flat_part};
 pub use growth::{growth, lines_with_words};
 pub use guard::{GuardLines, GuardWords, GuardedData, GuardedTool, GuardedZero};
 pub use number::Decimals;

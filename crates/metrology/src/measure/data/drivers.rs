@@ -16,6 +16,8 @@ pub struct DataColumn {
 
 /// The column with the time of a row, s.
 pub const TIME: &str = "t_s";
+/// Columns about the feature of a workpiece that was measured: its name, its level, its nominal position relative to the zero of the workpiece.
+pub const FEATURE_COLUMNS: [&str; 5] = ["feature", "level", "nominal_x_mm", "nominal_y_mm", "nominal_z_mm"];
 /// Columns with a meaning of their own.
 const OWN: [&str; 8] = ["setup", "run", TIME, "target", "component", "tool_x_mm", "tool_y_mm", "tool_z_mm"];
 
@@ -25,9 +27,13 @@ pub(super) fn read(table: &Table, machine: &Machine, sign: DecimalSign, data: &D
         let letter = name.strip_suffix("_dir").unwrap_or(name);
         machine.axes.iter().flatten().any(|data| data.axis.to_string() == letter)
     };
+    let has_features = table.column(FEATURE_COLUMNS[0]).is_some();
     let mut drivers = Vec::new();
     for (column, name) in table.names().iter().enumerate() {
-        if OWN.contains(&name.as_str()) || data.kind.columns.contains(&name.as_str()) || is_axis(name) {
+        // Without the name of a feature, such columns are quantities like any other.
+        let is_of_feature = has_features && FEATURE_COLUMNS.contains(&name.as_str());
+        if is_of_feature || OWN.contains(&name.as_str()) || data.kind.columns.contains(&name.as_str()) || is_axis(name)
+        {
             continue;
         }
         let number = |row: ncfix_base::csv::Row<'_>| {

@@ -15,6 +15,9 @@ use ncfix_base::units::mm_from_um;
 
 pub(super) const COLUMNS: [&str; 3] = ["dx_um", "dy_um", "dz_um"];
 
+/// Cell of a reading that the row does not give, in a plan and in its measurement: the center of a hole has no height.
+pub const NOT_READ: &str = "-";
+
 /// The kind.
 pub(super) const KIND: Instrument = Instrument {
     name: "displacement",
@@ -37,16 +40,17 @@ pub(super) fn read(
     sign: DecimalSign,
     observation: &mut Observation,
 ) -> Result<(), Diagnostic> {
+    let is_read = |column: usize| row.text(column).trim_ascii() != NOT_READ.as_bytes();
     if data.is_plan {
         // Existing columns determine the readings; without any, all three are read.
         let wants_all = COLUMNS.iter().all(|name| row.column(name).is_none());
         for (value, name) in observation.values.iter_mut().zip(COLUMNS) {
-            *value = (wants_all || row.column(name).is_some()).then_some(0.0);
+            *value = (wants_all || row.column(name).is_some_and(is_read)).then_some(0.0);
         }
         return Ok(());
     }
     for (value, name) in observation.values.iter_mut().zip(COLUMNS) {
-        *value = optional(row, row.column(name), sign)?.map(mm_from_um);
+        *value = optional(row, row.column(name).filter(|&column| is_read(column)), sign)?.map(mm_from_um);
     }
     Ok(())
 }

@@ -11,6 +11,8 @@ mod length;
 mod probe;
 mod trace;
 
+pub use displacement::NOT_READ;
+
 use ncfix_base::csv::{DecimalSign, Row, Table};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{Matrix, Vector};

@@ -28,6 +28,34 @@ pub struct Extra {
     pub feed: Option<f64>,
     /// Weight on the table, N, and its position, mm.
     pub load: Option<(f64, Vector)>,
+    /// The feature of a workpiece that the row is about.
+    pub feature: Option<PlannedFeature>,
+}
+
+/// A feature of a workpiece: a center or a face.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedFeature {
+    /// Its name.
+    pub name: String,
+    /// Its level, from 1 at the top.
+    pub level: u32,
+    /// Its nominal position relative to the zero of the workpiece, mm.
+    pub nominal_mm: Vector,
+    /// The readings that it gives, of three: a center none along its axis, a face none along itself.
+    pub reads: [bool; 3],
+}
+
+/// Zero and tool of a program in the coordinates of a workpiece.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedPart {
+    /// The zero offset of the program: `G54`.
+    pub zero_offset: String,
+    /// Its position as that of the tool tip: axis positions plus tool vector, mm.
+    pub origin_mm: Vector,
+    /// The tool, by its number at the control.
+    pub tool: u32,
+    /// From the spindle gauge point to the tip, along the axes of F, mm.
+    pub tool_mm: Vector,
 }
 
 /// Motion to further poses.
@@ -77,6 +105,8 @@ pub struct Builder {
     pub at_pose: Vec<Kind>,
     /// The readings of a displacement that are taken, of three.
     pub reads: [bool; 3],
+    /// Zero and tool of its program; `None` for a program in machine coordinates.
+    pub part: Option<PlannedPart>,
     /// The side from which poses are reached, in the workpiece; `None` for along the tool.
     pub(super) side: Option<Vector>,
     /// Current weight on the table, N, and its position, mm.
@@ -104,6 +134,7 @@ impl Builder {
             reach: PlanReach::Never,
             at_pose: Vec::new(),
             reads: [true; 3],
+            part: None,
             side: None,
             load: None,
             margin_mm: wishes.margin_mm(),
@@ -190,15 +221,20 @@ impl Builder {
         self.last
     }
 
+    /// The readings of a row, of three.
+    #[must_use]
+    pub fn reads_of(&self, extra: &Extra) -> [bool; 3] {
+        extra.feature.as_ref().map_or(self.reads, |feature| feature.reads)
+    }
+
     /// The measurement as if it had been carried out, with readings of 0, its runs and its feeds.
     #[must_use]
     pub fn as_measured(&self) -> DataSet {
         let mut data = self.data.clone();
         data.is_plan = false;
         data.runs = Vec::new();
-        let values = self.reads.map(|is_read| is_read.then_some(0.0));
         for (row, extra) in data.observations.iter_mut().zip(&self.extras) {
-            row.values = values;
+            row.values = self.reads_of(extra).map(|is_read| is_read.then_some(0.0));
             row.run = number_of(&mut data.runs, &extra.run);
         }
         if self.extras.iter().any(|extra| extra.feed.is_some()) {

@@ -19,6 +19,7 @@ mod sphere;
 pub mod table;
 mod turned_bar;
 mod way;
+mod workpiece;
 
 use std::fmt;
 
@@ -66,6 +67,7 @@ pub const PLANS: &[PlanKind] = &[
     drift::PLAN,
     plate::PLAN,
     load::PLAN,
+    workpiece::PLAN,
 ];
 
 /// The plan with a name.
@@ -135,6 +137,10 @@ pub struct Wishes {
     pub hours: Option<f64>,
     /// Highest spindle speed, 1/min.
     pub speed: Option<f64>,
+    /// Sides of the blank of a workpiece along X, Y and Z, mm.
+    pub blank_mm: Option<Vector>,
+    /// Number of levels of a workpiece.
+    pub levels: Option<usize>,
     /// Seed of random choices.
     pub seed: u64,
     /// A line of the control at every pose, such as a probing cycle call, instead of a stop.
@@ -194,7 +200,7 @@ impl PlanKind {
 
 impl Wishes {
     /// The options that not every kind supports, by their command line names except the seed, and `true` if given.
-    fn given(&self) -> [(&'static str, bool); 23] {
+    fn given(&self) -> [(&'static str, bool); 25] {
         [
             ("centre", !self.centres_mm.is_empty()),
             ("radius", self.radius_mm.is_some()),
@@ -218,6 +224,8 @@ impl Wishes {
             ("place", !self.places_mm.is_empty()),
             ("hours", self.hours.is_some()),
             ("speed", self.speed.is_some()),
+            ("blank", self.blank_mm.is_some()),
+            ("levels", self.levels.is_some()),
             ("line", self.line.is_some()),
         ]
     }

@@ -2,11 +2,12 @@
 
 use std::fmt::Write as _;
 
-use crate::measure::kind::{self, Measurand};
+use crate::measure::data::FEATURE_COLUMNS;
+use crate::measure::kind::{self, Measurand, NOT_READ};
 use ncfix_base::geometry::{AXES, Axis};
 use ncfix_model::name::Direction;
 
-use super::builder::{Builder, Extra};
+use super::builder::{Builder, Extra, PlannedFeature};
 
 /// Decimals of positions, mm and degrees.
 const DECIMALS: usize = 6;
@@ -17,7 +18,8 @@ pub fn csv(plan: &Builder) -> String {
     let data = &plan.data;
     let axes: Vec<Axis> = AXES.into_iter().filter(|&axis| plan.machine.axis(axis).is_some()).collect();
     let has = |of: fn(&Extra) -> bool| plan.extras.iter().any(of);
-    let [run, time, speed, feed, load] = [
+    let [feature, run, time, speed, feed, load] = [
+        has(|extra| extra.feature.is_some()),
         has(|extra| !extra.run.is_empty()),
         has(|extra| extra.time_s.is_some()),
         has(|extra| extra.speed.is_some()),
@@ -31,6 +33,9 @@ pub fn csv(plan: &Builder) -> String {
             header.push(column.to_owned());
         }
     };
+    for column in FEATURE_COLUMNS {
+        named(feature, column);
+    }
     named(run, "run");
     named(true, "setup");
     named(measurand == Measurand::BallPlace, "target");
@@ -58,6 +63,9 @@ pub fn csv(plan: &Builder) -> String {
     out.push('\n');
     for (row, extra) in data.observations.iter().zip(&plan.extras) {
         let mut cells: Vec<String> = Vec::new();
+        if feature {
+            cells.extend(extra.feature.as_ref().map_or_else(Default::default, feature_cells));
+        }
         if run {
             cells.push(extra.run.clone());
         }
@@ -89,11 +97,22 @@ pub fn csv(plan: &Builder) -> String {
             cells.push(number(force_n));
             cells.extend(place_mm.iter().copied().map(number));
         }
-        cells.extend(readings.iter().map(|_| String::new()));
+        let reads = plan.reads_of(extra);
+        let is_left_out = |column: &&str| {
+            let own = data.kind.columns.iter().position(|known| known == column);
+            measurand == Measurand::Displacement && own.and_then(|k| reads.get(k)) == Some(&false)
+        };
+        cells.extend(readings.iter().map(|column| if is_left_out(&column) { NOT_READ } else { "" }.to_owned()));
         out.push_str(&cells.join(","));
         out.push('\n');
     }
     out
+}
+
+/// The cells of [`FEATURE_COLUMNS`].
+fn feature_cells(feature: &PlannedFeature) -> [String; 5] {
+    let [x, y, z] = [feature.nominal_mm.x, feature.nominal_mm.y, feature.nominal_mm.z].map(number);
+    [feature.name.clone(), feature.level.to_string(), x, y, z]
 }
 
 /// The columns for readings.
