@@ -240,7 +240,7 @@ fn the_program_makes_the_planned_features() {
                 let wide = cut.iter().map(|at| at[0] - x).fold(0.0, f64::max);
                 near(wide, 2.0 + 0.7 * (12.0 - number(row, "level")), 1e-6);
             } else {
-                // The tread is behind the axis of the end mill, and 3 mm long.
+                // The tread begins at the edge of the end mill, and is 3 mm long.
                 near(cut[0][1] - 6.0 + 1.5, y, 1e-6);
                 assert!(cut.iter().all(|at| (at[0] - x).abs() < 1e-6), "{name}");
                 near(z, floor, 1e-9);

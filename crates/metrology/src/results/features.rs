@@ -186,7 +186,7 @@ fn levels(features: &[FeatureDeviation], places_mm: &[Option<Vector>]) -> Vec<Fi
     others.iter().map(of_level).collect()
 }
 
-/// A workpiece compared with an earlier one of this name: the features that both have; `None` if there are none.
+/// A workpiece compared with an earlier one of this name: the features that both have; `None` without such features.
 #[must_use]
 pub fn against(name: &str, before: &[FeatureDeviation], after: &[FeatureDeviation]) -> Option<FigureGroup> {
     let known: HashMap<&str, &FeatureDeviation> = before.iter().map(|one| (one.feature.as_str(), one)).collect();

@@ -102,7 +102,7 @@ pub fn csv(plan: &Builder) -> String {
             let own = data.kind.columns.iter().position(|known| known == column);
             measurand == Measurand::Displacement && own.and_then(|k| reads.get(k)) == Some(&false)
         };
-        cells.extend(readings.iter().map(|column| if is_left_out(&column) { NOT_READ } else { "" }.to_owned()));
+        cells.extend(readings.iter().map(|column| if is_left_out(column) { NOT_READ } else { "" }.to_owned()));
         out.push_str(&cells.join(","));
         out.push('\n');
     }

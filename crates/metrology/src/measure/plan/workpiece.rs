@@ -125,7 +125,7 @@ impl Shape {
             ));
         }
         let (blank, radius, half) = (&self.blank_mm, self.radius_mm, self.half_hole_mm());
-        // Behind the first loop the tool leaves a square core, of which the plunge at the center takes a circle.
+        // The first loop leaves a square core, of which the plunge at the center takes a circle.
         let core = (half - 2.0 * radius) * std::f64::consts::SQRT_2;
         if core > radius {
             return refused(format!(
@@ -203,8 +203,10 @@ fn zero_offset(machine: &Machine, origin_mm: &Vector) -> (String, bool) {
         let off = |axis: Axis| (parts.translation[axis] + parts.fine[axis] - wanted[axis]).abs();
         turns == FrameParts::default() && AXES.into_iter().all(|axis| off(axis) < SAME_MM)
     };
-    let (first, more) = if machine.controller == "sinumerik" { (54..=57, 505..=599) } else { (54..=59, 1..=0) };
-    let names: Vec<String> = first.chain(more).map(|number| format!("G{number}")).collect();
+    let is_sinumerik = machine.controller == "sinumerik";
+    // Sinumerik has G54 to G57 and G505 to G599, the others have G54 to G59.
+    let is_there = |number: &u32| if is_sinumerik { !(58..505).contains(number) } else { *number <= 59 };
+    let names: Vec<String> = (54..=599).filter(is_there).map(|number| format!("G{number}")).collect();
     let own = names.iter().find(|name| machine.zero_offsets.get(*name).is_some_and(is_same));
     let unused = || names.iter().find(|name| !machine.zero_offsets.contains_key(*name));
     let name = own.or_else(unused).map_or("G54", String::as_str);
@@ -268,7 +270,9 @@ impl Milling {
         let half = self.shape.blank_mm / 2.0;
         for [x, y] in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
             let corner = self.origin_mm + Vector::new(x * half.x, y * half.y, 0.0);
-            if let Some(axis) = self.plan.outside(&self.plan.at_tip(&corner, &self.tool_mm)) {
+            let outside = self.plan.outside(&self.plan.at_tip(&corner, &self.tool_mm));
+            // The path has its own check of Z.
+            if let Some(axis) = outside.filter(|axis| *axis != Axis::Z) {
                 let [low, high] = self.plan.travel(axis).unwrap_or_default();
                 let size = self.shape.blank_mm[axis.dimension()];
                 return Err(PlanRefused(format!(
@@ -388,7 +392,7 @@ impl Milling {
         let floor = self.shape.floor_mm(level);
         let [from, to] = self.shape.slot_mm(level).map(|along| middle + along);
         let name = format!("S{}L{level:02}", row * (self.shape.holes - 1) + column + 1);
-        // The tread is behind the tool axis: the next slot begins a tread later.
+        // The next slot begins a tread later, so the tread lies between the edge of the tool and its axis, on the side of the start.
         let behind = Vector::new(0.0, TREAD_MM / 2.0 - self.shape.radius_mm, 0.0);
         let nominal_mm = Vector::new(x, from, floor) + behind;
         self.plan.comment(&format!("{name}: tread Z{} about X{} Y{}", shown(floor), shown(x), shown(nominal_mm.y)));
