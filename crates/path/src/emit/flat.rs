@@ -42,7 +42,8 @@ pub struct PartFrame {
     pub tool_mm: Vector,
 }
 
-/// Writes elements as [`flat`] does, but in the coordinates of a workpiece, with its tool and only in X, Y and Z. Motion must be straight.
+/// Writes elements as [`flat`] does, but X, Y and Z in the coordinates of a workpiece, with its tool. Motion must be straight, and the zero offset must
+/// not shift rotary axes.
 ///
 /// # Errors
 /// As [`flat`].
@@ -195,6 +196,9 @@ impl Flat<'_> {
             self.line(b"D1");
         }
         self.line(part.zero_offset.as_bytes());
+        if self.language == Language::Sinumerik && self.has_rotary() {
+            self.line(b"TRAFOOF");
+        }
     }
 
     /// Writes the notes that a user must read before the start.
