@@ -274,3 +274,32 @@ fn no_piece_of_an_arc_is_so_short_that_a_control_could_mill_a_full_circle() {
     }
     assert!(arcs > 48, "{arcs}");
 }
+
+#[test]
+fn the_mark_of_a_step_stays_where_the_block_has_a_comment() {
+    // Lost motion of Z and X: the plunge and the reversals begin with a step. Without its mark, the comparison takes it for a cut.
+    let errors = "[[motion]]\ncomponent = \"EZZ\"\nkind = \"backlash\"\nvalue_um = -6\n[[motion]]\ncomponent = \"EYY\"\nkind = \"backlash\"\nvalue_um = -5\n";
+    for (control, open, close, head) in [
+        ("sinumerik", "; ", "", "T1 M6\nD1"),
+        ("fanuc", "(", ")", "T1 M6\nG43 H1"),
+        ("rs274", "(", ")", "T1 M6\nG43 H1"),
+    ] {
+        let machine = MACHINE.replace("controller = \"sinumerik\"", &format!("controller = \"{control}\""))
+            + errors
+            + "[zero_offset.G54]\nX_mm = 0\nY_mm = 0\nZ_mm = 0\nset = \"absolute\"\n";
+        let cuts = ["G1 Z-1. F500.", "X20. Y5.", "X10. Y2.", "X15. Y9.", "Z-2."];
+        let cuts: Vec<String> =
+            (1..).zip(cuts).map(|(number, cut)| format!("{cut} {open}CUT {number}{close}")).collect();
+        let program =
+            format!("G17 G90 G40 G54\n{head}\nS1000 M3\nG0 X30. Y10. Z5.\n{}\nG0 Z30.\nM30\n", cuts.join("\n"));
+        let shop = Shop::new().file("m.toml", machine).file("p.nc", &program);
+        shop.run(["p.nc", "-o", "out.nc", "--machine", "m.toml"]).exits(0);
+        let text = shop.text("out.nc");
+        for number in 1..=5 {
+            assert!(text.contains(&format!("{open}CUT {number}{close}")), "{control}\n{text}");
+        }
+        let marked = text.lines().filter(|line| line.ends_with(";~") || line.ends_with("(~)")).count();
+        assert!(marked > 0, "{control}\n{text}");
+        shop.run(["verify", "p.nc", "out.nc", "--machine", "m.toml"]).exits(0);
+    }
+}

@@ -18,6 +18,8 @@ pub(super) struct LineBuilder {
     /// S, M, H and D words of the block, which follow the words of its motion.
     held: Vec<u8>,
     comment: Vec<u8>,
+    /// Mark of a line with a comment, which then gets a line of its own: a reader takes only a comment that is the mark alone.
+    mark: Vec<u8>,
     has_words: bool,
     is_open: bool,
     /// Byte offset in the line at which its motion begins.
@@ -51,6 +53,7 @@ impl LineBuilder {
             has_motion: false,
             held: Vec::with_capacity(64),
             comment: Vec::with_capacity(64),
+            mark: Vec::with_capacity(8),
             has_words: false,
             is_open: false,
             motion_at: None,
@@ -181,6 +184,15 @@ impl LineBuilder {
         }
     }
 
+    /// Marks the line by a comment.
+    pub(super) fn mark(&mut self, mark: &[&[u8]]) {
+        if self.has_comment() {
+            mark.iter().for_each(|part| self.mark.extend_from_slice(part));
+        } else {
+            self.note(mark);
+        }
+    }
+
     /// Inserts a word before the motion words of the line.
     pub(super) fn insert(&mut self, word: &str) {
         match self.motion_at {
@@ -215,12 +227,15 @@ impl LineBuilder {
             return;
         }
         self.release();
-        if self.has_comment() && self.has_words && self.text.len() + 1 + self.comment.len() > self.longest {
+        let is_too_long = self.text.len() + 1 + self.comment.len() > self.longest;
+        if self.has_comment() && self.has_words && (is_too_long || !self.mark.is_empty()) {
             self.next_number(out);
             out.extend_from_slice(&self.comment);
             out.extend_from_slice(self.ending);
             self.comment.clear();
+            self.comment.extend_from_slice(&self.mark);
         }
+        self.mark.clear();
         if !self.text.is_empty() || self.has_comment() {
             let own_number = self.own_number.take();
             let has_new_number = self.number.is_some() && own_number.is_none();

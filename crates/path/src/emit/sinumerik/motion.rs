@@ -82,8 +82,8 @@ impl Sinumerik {
             self.feed_word(piece.feed);
         }
         self.line.release();
-        if let Some(mark) = mark_of(piece).filter(|_| !self.line.has_comment()) {
-            self.line.note(&[b";", mark.as_bytes()]);
+        if let Some(mark) = mark_of(piece) {
+            self.line.mark(&[b";", mark.as_bytes()]);
         }
     }
 

@@ -56,11 +56,11 @@ impl Words {
             _ => self.feed_of(piece),
         }
         self.line.release();
-        if let Some(mark) = mark_of(piece).filter(|_| !self.line.has_comment()) {
+        if let Some(mark) = mark_of(piece) {
             if self.flavour.is_plain {
-                self.line.note(&[&in_parentheses(mark.as_bytes())]);
+                self.line.mark(&[&in_parentheses(mark.as_bytes())]);
             } else {
-                self.line.note(&[b";", mark.as_bytes()]);
+                self.line.mark(&[b";", mark.as_bytes()]);
             }
         }
         Ok(())
