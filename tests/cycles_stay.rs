@@ -507,3 +507,28 @@ fn a_hole_where_the_tool_stands_is_written_as_moves_too() {
         shop.run(["verify", "row.mpf", "out.mpf", "--machine", "m.toml"]).exits(0);
     }
 }
+
+#[test]
+fn rigid_tapping_of_a_sinumerik_stays_where_the_sides_of_axes_are_unknown() {
+    // Lost motion of 10 and 7 um; the hole is at the place where the tool stands, with Y from nobody knows where. Moves of the thread would differ in X.
+    let play = |axis: char, um: i32| {
+        format!("[[motion]]\ncomponent = \"E{axis}{axis}\"\nkind = \"backlash\"\nvalue_um = {um}\n")
+    };
+    let machine = LEANING.machine("sinumerik") + &play('X', -10) + &play('Y', -7);
+    let program = "G17 G90 G71 G94 G40 G54\nT2 M6\nD1\nS1000 M3\nG0 X-10 Y0\nX20\nZ50\nF100\nCYCLE84(50,0,2,-10,,0,5,,1.25,0,300,300)\n\
+                   CYCLE840(50,0,2,-10,,0,0,3,0,,1.25)\nG0 Z50\nM30\n";
+    let shop = Shop::new().file("m.toml", machine).file("tap.mpf", program);
+    shop.run(["tap.mpf", "-o", "out.mpf", "--machine", "m.toml"]).exits(0);
+    let text = shop.text("out.mpf");
+    assert!(
+        text.contains("CYCLE84(") && text.contains("CYCLE840(") && !text.contains("G331") && !text.contains("G63"),
+        "{text}"
+    );
+    // The arguments other than heights stay.
+    assert!(text.contains(",2,-1") && text.contains(",,0,5,,1.25,0,300,300)"), "{text}");
+    // In a rotated plane no call can stay, and the moves of the thread replace it.
+    let rotated = program.replace("F100\n", "F100\nROT RPL=30\n");
+    let shop = shop.file("rotated.mpf", rotated);
+    shop.run(["rotated.mpf", "-o", "out2.mpf", "--machine", "m.toml"]).exits(0);
+    assert!(shop.text("out2.mpf").contains("G331"), "{}", shop.text("out2.mpf"));
+}

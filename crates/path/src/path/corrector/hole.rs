@@ -24,6 +24,8 @@ const MOST_HELD: usize = 10_000;
 
 /// Cycles in which the spindle turns with the motion along the hole: moves cannot replace them.
 const TAPPING: [&str; 4] = ["G74", "G84", "G84.2", "G84.3"];
+/// Such cycles that moves can replace (G331, G332), for example in a rotated plane. A correction of X or Y within the thread would pull the tap aside.
+const TAPPING_AS_MOVES: [&str; 2] = ["CYCLE84", "CYCLE840"];
 
 /// The initial level of the cycles, along the drilling axis: of the program and of the output, mm.
 #[derive(Clone, Copy, Debug)]
@@ -322,8 +324,8 @@ where
             self.prediction.kept_hole_mm = self.prediction.kept_hole_mm.max(deviation_mm);
             return Some(fit);
         }
-        if must_stay(cycle) {
-            // No moves can replace it; the error along it is reported.
+        if must_stay(cycle) || TAPPING_AS_MOVES.contains(&cycle.name.as_str()) {
+            // No moves are better; the error along it is reported.
             return Some((HoleShift { plane, along: best }, None));
         }
         if let Some((nearest_mm, _)) = nearest {
