@@ -514,7 +514,7 @@ fn rigid_tapping_of_a_sinumerik_stays_where_the_sides_of_axes_are_unknown() {
     let play = |axis: char, um: i32| {
         format!("[[motion]]\ncomponent = \"E{axis}{axis}\"\nkind = \"backlash\"\nvalue_um = {um}\n")
     };
-    let machine = LEANING.machine("sinumerik") + &play('X', -10) + &play('Y', -7);
+    let machine = UPRIGHT.machine("sinumerik") + &play('X', -10) + &play('Y', -7);
     let program = "G17 G90 G71 G94 G40 G54\nT2 M6\nD1\nS1000 M3\nG0 X-10 Y0\nX20\nZ50\nF100\nCYCLE84(50,0,2,-10,,0,5,,1.25,0,300,300)\n\
                    CYCLE840(50,0,2,-10,,0,0,3,0,,1.25)\nG0 Z50\nM30\n";
     let shop = Shop::new().file("m.toml", machine).file("tap.mpf", program);
@@ -526,6 +526,11 @@ fn rigid_tapping_of_a_sinumerik_stays_where_the_sides_of_axes_are_unknown() {
     );
     // The arguments other than heights stay.
     assert!(text.contains(",2,-1") && text.contains(",,0,5,,1.25,0,300,300)"), "{text}");
+    // Where Z leans, the tool stands beside the hole: it needs moves.
+    let leaning = shop.file("leaning.toml", LEANING.machine("sinumerik") + &play('X', -10) + &play('Y', -7));
+    leaning.run(["tap.mpf", "-o", "out3.mpf", "--machine", "leaning.toml"]).exits(0);
+    assert!(leaning.text("out3.mpf").contains("G331"), "{}", leaning.text("out3.mpf"));
+    let shop = leaning;
     // In a rotated plane no call can stay, and the moves of the thread replace it.
     let rotated = program.replace("F100\n", "F100\nROT RPL=30\n");
     let shop = shop.file("rotated.mpf", rotated);

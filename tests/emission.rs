@@ -133,7 +133,7 @@ fn pieces_are_marked_and_words_of_the_end_stand_at_the_end() {
                    N70 G53 X250\nN80 G3 X150 Y30 I0 J15\nN90 M30\n";
     let options = CorrectionOptions { tolerance_mm: 2e-3, arcs: Arcs::Chords, ..CorrectionOptions::default() };
     let out = corrected(program, &errors, &options, false);
-    let lines: Vec<&str> = out.lines().take(17).collect();
+    let lines: Vec<&str> = out.lines().take(18).collect();
     insta::assert_snapshot!(lines.join("\n"), @r#"
     ; ncfix …
     N10 T5
@@ -141,7 +141,8 @@ fn pieces_are_marked_and_words_of_the_end_stand_at_the_end() {
     N30 G54 D1
     G90
     N40 G0 X0 Y-0.01 Z0
-    N50 G1 X-0.002 F500 S100 ; LONG
+    ; LONG
+    N50 G1 X-0.002 F500 S100 ;~
     X0.002 ;+~
     X85.8724 Y-0.0345 ;+
     G9 X150.002 Y-0.0625 M5 ;+

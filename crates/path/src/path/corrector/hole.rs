@@ -324,7 +324,13 @@ where
             self.prediction.kept_hole_mm = self.prediction.kept_hole_mm.max(deviation_mm);
             return Some(fit);
         }
-        if must_stay(cycle) || TAPPING_AS_MOVES.contains(&cycle.name.as_str()) {
+        // A call without a position leaves the tool where it stands: within the dead bands, or the hole needs moves.
+        let is_near = [abscissa, ordinate].into_iter().all(|axis| {
+            let off_mm = middle(axis) - (standing.command[axis] - standing.nominal[axis]);
+            off_mm.abs() <= self.lead.model.lost_motion(axis, &standing.command) + hole_tolerance_mm
+        });
+        let is_better = TAPPING_AS_MOVES.contains(&cycle.name.as_str()) && (line.is_positioned || is_near);
+        if must_stay(cycle) || is_better {
             // No moves are better; the error along it is reported.
             return Some((HoleShift { plane, along: best }, None));
         }
