@@ -221,6 +221,11 @@ fn an_axis_that_the_control_moves_too_far_gets_no_step_in_its_old_direction() {
     let most = commands.fold(0.0, f64::max);
     assert!(most <= 19.994, "{text}");
     shop.run(["verify", "p.mpf", "out.mpf", "--machine", "m.toml"]).exits(0);
+    // On an arc whose start reverses X the step is the smaller evil. It takes the tip 12 um beyond its place, and the correction says so.
+    let arc = program.replace("X20\nX0\n", "X20\nG3 X10 Y10 CR=10\n");
+    let found =
+        shop.file("arc.mpf", arc).run(["arc.mpf", "-o", "arc_out.mpf", "--machine", "m.toml", "--json"]).exits(0);
+    assert!(found.codes().contains(&"W0305".to_owned()), "{}", found.stdout);
 }
 
 #[test]

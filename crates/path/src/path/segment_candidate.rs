@@ -353,6 +353,9 @@ impl<'m> SegmentFitter<'_, 'm> {
                 trial.middle_mm = Some(deviation);
             }
         }
+        let pushed_mm = self.pushed_mm(standing, trial);
+        trial.brought_mm = trial.brought_mm.max(pushed_mm);
+        trial.deviation_mm = trial.deviation_mm.max(pushed_mm);
         // Next to a singularity a correction that is held back tilts the tool, whatever the length.
         let turns = !self.placer.turning().is_empty() && self.route.turned_rad(to - from) > LEAST_TURN_RAD;
         if turns && !trial.end.is_held_back {

@@ -4,7 +4,7 @@ use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
 use ncfix_machine::machine::State;
 
 use super::place::Placed;
-use super::segment_candidate::SegmentFitter;
+use super::segment_candidate::{SegmentCandidate, SegmentFitter};
 use super::standing::PathState;
 
 impl SegmentFitter<'_, '_> {
@@ -37,11 +37,7 @@ impl SegmentFitter<'_, '_> {
         sense: &State,
         enough_mm: f64,
     ) -> bool {
-        let leads = self.lead.axes.iter().any(|axis| {
-            let wanted = sense.direction(axis);
-            let step = (start.command[axis] - standing.command[axis]) * f64::from(wanted);
-            wanted != standing.state.direction(axis) && step < 0.0 && self.lead.is_quick(axis, &standing.command)
-        });
+        let leads = self.is_pushed(standing, start, sense);
         let tool_mm = &self.placer.setup.tool_mm;
         leads
             && self.lead.direction(self.route, parameter, tool_mm).is_some_and(|along| {
@@ -49,6 +45,24 @@ impl SegmentFitter<'_, '_> {
                 let off = self.lead.model.tip_error_mm(&nominal, &standing.command, tool_mm, sense);
                 (off - along * along.dot(&off)).norm() <= enough_mm
             })
+    }
+
+    /// `true` if a step to `start` moves an axis in its old direction that the control moves too far at a reversal.
+    fn is_pushed(&self, standing: &PathState, start: &Placed, sense: &State) -> bool {
+        self.lead.axes.iter().any(|axis| {
+            let wanted = sense.direction(axis);
+            let step = (start.command[axis] - standing.command[axis]) * f64::from(wanted);
+            wanted != standing.state.direction(axis) && step < 0.0 && self.lead.is_quick(axis, &standing.command)
+        })
+    }
+
+    /// Distance of the tip from its place at the end of a step on the spot that moves an axis in its old direction, mm; 0 without such a step. Only the motion
+    /// after it brings the tool back.
+    pub(super) fn pushed_mm(&self, standing: &PathState, trial: &SegmentCandidate<'_>) -> f64 {
+        let step = trial.take_up.filter(|start| self.is_pushed(standing, start, &trial.state()));
+        step.map_or(0.0, |start| {
+            self.placer.tip_error_mm(&self.route.at(trial.between[0]), &start.command, &standing.state)
+        })
     }
 
     /// A position on the spot for bodies that a step to `start` would leave within their dead bands. From there they reach it in these directions.
