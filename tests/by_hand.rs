@@ -224,11 +224,11 @@ fn a_circle_whose_axes_have_other_backlash_at_each_end() {
     let machine = format!(
         "{XYZ}{}{}",
         entry("EXX", "positions_mm = [0, 120]\nvalues_um = [-14, -6]"),
-        entry("EYY", "positions_mm = [-60, 60]\nvalues_um = [-5, 9]")
+        entry("EYY", "positions_mm = [-60, 60]\nvalues_um = [-5, -9]")
     );
     let actual = |c: &Position, s: &Sense| {
         let x = between([0.0, 120.0], [-14e-3, -6e-3], c[0]) / 2.0 * s[0];
-        let y = between([-60.0, 60.0], [-5e-3, 9e-3], c[1]) / 2.0 * s[1];
+        let y = between([-60.0, 60.0], [-5e-3, -9e-3], c[1]) / 2.0 * s[1];
         [c[0] + x, c[1] + y, c[2], c[3]]
     };
     let hand = Hand { actual: &actual, tip: &linear_tip };

@@ -52,7 +52,8 @@ impl SegmentFitter<'_, '_> {
         self.lead.axes.iter().any(|axis| {
             let wanted = sense.direction(axis);
             let step = (start.command[axis] - standing.command[axis]) * f64::from(wanted);
-            wanted != standing.state.direction(axis) && step < 0.0 && self.lead.is_quick(axis, &standing.command)
+            let is_over_compensated = self.lead.model.features(axis).is_over_compensated(standing.command[axis]);
+            wanted != standing.state.direction(axis) && step < 0.0 && is_over_compensated
         })
     }
 
