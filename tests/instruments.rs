@@ -14,6 +14,7 @@ use crate::calibrate::{Bench, at, circles, lines, measurement, named, observatio
 use crate::calibrate_recover::check;
 use crate::model::{Random, machine};
 use crate::support::{Shop, repository};
+use serde_json::Value;
 
 /// Lines along each axis, each twice there and back, with a drift of its own in each cycle.
 fn drifting() -> Bench {
@@ -418,4 +419,47 @@ fn lengths_and_angles_of_a_file_have_figures_of_their_own() {
     let zero = report["unknowns"].as_array().unwrap().iter().find(|one| one["name"] == "zero of EBX").unwrap();
     assert_eq!(zero["unit"], "µrad");
     assert!(repository("docs/reference/figures.md").exists());
+}
+
+/// A bow of 4 um over 700 mm, read on a straightedge that is 50 urad off the axis.
+#[test]
+fn the_alignment_of_a_straightness_is_no_error_of_the_machine() {
+    let machine = "[machine]\nname = \"m\"\ntopology = \"wFXYZSt\"\ncontroller = \"sinumerik\"\n[axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [0, 700]\n\
+        [axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [0, 500]\n[axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [0, 400]\n";
+    let mut random = Random(3);
+    let mut rows = String::from("run,component,X,Y,Z,X_dir,tool_z_mm,value_um\n");
+    for run in 0..4 {
+        for place in 0..=20 {
+            let x = 35.0 * f64::from(place);
+            let bow = 4.0 * (1.0 - ((x - 350.0) / 350.0).powi(2));
+            let value = bow + 0.05 * x + 1.7 + 0.4 * random.symmetric();
+            rows += &format!("{run},EYX,{x},250,200,1,-60,{value:.3}\n");
+        }
+    }
+    let describe = |free: &str| format!("[measurement]\nkind = \"direct\"\nfree = {free}\nsigma_um = 0.3\n");
+    let shop = Shop::new().file("m.toml", machine).file("line.csv", rows);
+    let shop = shop
+        .file("line.toml", describe("[\"offset\", \"slope\"]"))
+        .file("slope.txt", "EYX1\nEYX2\n")
+        .file("bow.txt", "EYX2\n");
+    let run = shop.run(["calibrate", "line.csv", "--machine", "m.toml", "--model", "slope.txt", "-o", "no.toml"]);
+    assert!(run.code != 0 && run.stderr.contains("EYX1 is not separable from alignment of EYX"), "{run:?}");
+    let run = shop
+        .run(["calibrate", "line.csv", "--machine", "m.toml", "--model", "bow.txt", "-o", "bow.toml", "--json"])
+        .exits(0);
+    // 4 um at half of the travel, 0.35 m: -4 / 0.35^2 um/m^2.
+    let json = run.json();
+    let found = json["parameters"].as_array().unwrap().iter().find(|one| one["name"] == "EYX2").unwrap();
+    let expected = -4.0 / 0.35_f64.powi(2);
+    assert!((found["value"].as_f64().unwrap() / expected - 1.0).abs() < 0.1, "{found}");
+    let json = shop.run(["diagnose", "line.csv", "--machine", "m.toml", "--json"]).exits(0).json();
+    let size = |json: &Value| json["findings"][0]["value"].as_f64().unwrap();
+    assert!((size(&json) - 4.0).abs() < 0.5, "{}", json["findings"]);
+    // Without the unknown the slope of 35 um is in it.
+    let shop = shop.file("line.toml", describe("[\"offset\"]"));
+    let json = shop.run(["diagnose", "line.csv", "--machine", "m.toml", "--json"]).exits(0).json();
+    assert!(size(&json) > 20.0, "{}", json["findings"]);
+    let shop = shop.file("line.toml", describe("[\"slope\"]"));
+    let run = shop.run(["diagnose", "line.csv", "--machine", "m.toml"]);
+    assert!(run.code != 0 && run.stderr.contains("\"offset\", \"slope\""), "{run:?}");
 }

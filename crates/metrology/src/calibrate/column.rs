@@ -62,7 +62,7 @@ impl Column {
         };
         let Some(set) = data.get(number) else { return false };
         let target = match unknown {
-            Unknown::Rotation(..) => return true,
+            Unknown::Rotation(..) | Unknown::Slope(_) => return true,
             Unknown::Offset(which, _) if set.kind.measurand == Measurand::Component => which % set.targets.len().max(1),
             Unknown::Drift(which) | Unknown::Level(which) => set.cycles.get(which).map_or(0, |cycle| cycle.target),
             _ => return false,
@@ -122,6 +122,11 @@ impl fmt::Display for Named<'_> {
                 write!(f, "zero of {component}{}", setup(which / count))
             }
             Unknown::Offset(which, direction) => write!(f, "{} of the artifact{}", axis(direction), setup(which)),
+            Unknown::Slope(which) => {
+                let count = set.targets.len().max(1);
+                let component = set.targets.get(which % count).map_or("", String::as_str);
+                write!(f, "alignment of {component}{}", setup(which / count))
+            }
             Unknown::Rotation(which, direction) => {
                 write!(f, "rotation of the artifact about {}{}", axis(direction), setup(which))
             }

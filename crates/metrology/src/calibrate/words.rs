@@ -242,6 +242,7 @@ fn phrases(columns: &[&Column], data: &[DataSet]) -> Vec<String> {
             Unknown::Offset(..) if set.kind.measurand == Measurand::Component => "the zero of the instrument",
             Unknown::Offset(..) => "the position of the artifact",
             Unknown::Rotation(..) => "the rotation of the artifact",
+            Unknown::Slope(_) => "the alignment of the instrument",
             Unknown::Place(..) => "the positions of the balls",
             Unknown::Tool(..) => "the tool",
             Unknown::Own(what, _) => what,

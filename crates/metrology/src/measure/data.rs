@@ -124,6 +124,8 @@ pub enum Free {
     RodTemperature,
     /// A small rotation of an artifact.
     Rotation,
+    /// Alignment of the instrument with the axis whose straightness it measures.
+    Slope,
     /// The tool vector.
     Tool,
     /// An unknown of a custom instrument, by its word.

@@ -122,6 +122,9 @@ pub(super) fn contradiction(data: &DataSet) -> Option<(&'static str, &'static st
     if has(Free::Drift) && !has(Free::Offset) {
         return Some(("a drift moves the zero of the instrument", "write free = [\"offset\", \"drift\"]"));
     }
+    if has(Free::Slope) && !has(Free::Offset) {
+        return Some(("an alignment moves the zero of the instrument too", "write free = [\"offset\", \"slope\"]"));
+    }
     let lengths = |setup: &Setup| data.setups.iter().any(|other| other.rod == setup.rod && differs(other, setup));
     if data.kind.measurand == Measurand::BallDistance && data.setups.iter().any(lengths) {
         return Some((

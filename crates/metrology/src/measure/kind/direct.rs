@@ -2,7 +2,8 @@
 //!
 //! `component` names the measured component, `value_um` or `value_urad` its value: the deviation of the body that the axis moves, at the point of
 //! measurement given by the tool vector. A displacement thus contains the angular errors with their Abbe arms (Spaan 1995, ch. 3). `offset` frees the
-//! zero of the instrument for every set-up and component. `drift` adds a drift that is linear in time within every back-and-forth cycle, each with
+//! zero of the instrument for every set-up and component, and `slope` its alignment in a straightness: the angle between the optics or the straightedge and
+//! the axis is not an error of the machine. `drift` adds a drift that is linear in time within every back-and-forth cycle, each with
 //! its own zero, if there is no reversal error (see [`crate::measure::iso230::drift`]).
 
 use std::collections::HashMap;
@@ -13,6 +14,7 @@ use crate::measure::iso230::drift;
 use crate::measure::iso230::positioning::ApproachReading;
 use ncfix_base::csv::{DecimalSign, Row, Table};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::geometry::Axis;
 use ncfix_base::units::{mm_from_um, rad_from_urad, um_from_mm, urad_from_rad};
 use ncfix_machine::machine::Branch;
 use ncfix_model::ErrorName;
@@ -23,7 +25,7 @@ pub(super) const KIND: Instrument = Instrument {
     name: "direct",
     title: "one error component at a time",
     measurand: Measurand::Component,
-    free: &[Free::Offset, Free::Drift],
+    free: &[Free::Offset, Free::Drift, Free::Slope],
     read,
     check,
     unknowns,
@@ -69,7 +71,25 @@ fn unknowns(data: &DataSet) -> Vec<Unknown> {
     let zeros = (0..zeros_of_setups(data)).map(|which| Unknown::Offset(which, 0));
     let levels = data.cycles.iter().enumerate().filter(|(_, cycle)| cycle.level.is_some());
     let drifts = (0..data.cycles.len()).map(Unknown::Drift);
-    zeros.chain(drifts).chain(levels.map(|(number, _)| Unknown::Level(number))).collect()
+    let slopes = slopes(data).into_iter().map(Unknown::Slope);
+    zeros.chain(drifts).chain(levels.map(|(number, _)| Unknown::Level(number))).chain(slopes).collect()
+}
+
+/// Set-ups and components with a free alignment, counted as the zeros are: the straightnesses, because only a displacement across an axis increases along it
+/// by an angle.
+fn slopes(data: &DataSet) -> Vec<usize> {
+    if !data.free.contains(&Free::Slope) {
+        return Vec::new();
+    }
+    let count = data.targets.len();
+    let is_straightness =
+        |place: &usize| data.targets[place % count].parse::<ErrorName>().is_ok_and(|name| is_straightness(name));
+    (0..data.setups.len() * count).filter(is_straightness).collect()
+}
+
+fn is_straightness(name: ErrorName) -> bool {
+    let is_across = |axis: Axis| !axis.is_rotary() && axis.dimension() != name.direction.index() % 3;
+    !name.direction.is_rotation() && name.axis().is_some_and(is_across)
 }
 
 fn zeros_of_setups(data: &DataSet) -> usize {
@@ -146,6 +166,15 @@ fn equations(data: &DataSet, observation: &Observation, seen: &Seen<'_>, values:
             predicted += at(values, place);
             equation.by_unknown.push((place, 1.0));
         }
+    }
+    let own = observation.setup * data.targets.len() + observation.target.unwrap_or(0);
+    let slopes = slopes(data);
+    if let (Some(number), Some(axis)) = (slopes.iter().position(|place| *place == own), component.axis()) {
+        let levels = data.cycles.iter().filter(|cycle| cycle.level.is_some()).count();
+        let place = zeros_of_setups(data) + data.cycles.len() + levels + number;
+        let way = observation.reading.position[axis];
+        predicted += at(values, place) * way;
+        equation.by_unknown.push((place, way));
     }
     equation.residual = read - predicted;
     out.push(equation);

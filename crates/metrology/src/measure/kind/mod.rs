@@ -119,6 +119,8 @@ pub enum Unknown {
     Offset(usize, usize),
     /// Rotation of the artifact.
     Rotation(usize, usize),
+    /// Angle between the instrument and the axis whose straightness it measures, rad; counted as [`Unknown::Offset`].
+    Slope(usize),
     /// Position of a ball.
     Place(usize, usize),
     /// Correction of the tool vector of the rows, with the spindle at zero.
@@ -197,6 +199,7 @@ pub fn word(free: Free) -> &'static str {
         Free::Rod => "rod",
         Free::RodTemperature => "rod_temperature",
         Free::Rotation => "rotation",
+        Free::Slope => "slope",
         Free::Tool => "tool",
         Free::Own(word) => word,
     }
