@@ -82,8 +82,7 @@ fn slopes(data: &DataSet) -> Vec<usize> {
         return Vec::new();
     }
     let count = data.targets.len();
-    let is_straightness =
-        |place: &usize| data.targets[place % count].parse::<ErrorName>().is_ok_and(|name| is_straightness(name));
+    let is_straightness = |place: &usize| data.targets[place % count].parse::<ErrorName>().is_ok_and(is_straightness);
     (0..data.setups.len() * count).filter(is_straightness).collect()
 }
 
