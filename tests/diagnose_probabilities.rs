@@ -169,7 +169,6 @@ fn causes_stated_with_95_percent_are_there() {
 #[test]
 fn sizes_state_the_range_that_they_belong_to() {
     // Reversal values that grow along an axis (row 21) and interactions of two axes (row 48), alone and without noise from other effects.
-    let mut compared = 0;
     for (bench, row, seed) in [
         (Bench::Ballbar, 21, 1),
         (Bench::Ballbar, 21, 2),
@@ -184,12 +183,10 @@ fn sizes_state_the_range_that_they_belong_to() {
         let own = findings
             .iter()
             .find(|one| same((hidden.effect, &hidden.parameter), (text(&one["effect"]), text(&one["parameter"]))));
-        let Some(own) = own else { continue };
+        let own = own.unwrap_or_else(|| panic!("{bench:?} {row} {seed}: {findings:?}"));
         assert!(!own["over"].as_array().unwrap().is_empty(), "{own}");
         let size = size_over(hidden, own).unwrap();
         let [value, u95] = ["value", "u95"].map(|key| own[key].as_f64().unwrap());
-        assert!((value.abs() - size.abs()).abs() <= 2.0 * u95, "{size}: {own}");
-        compared += 1;
+        assert!((value.abs() - size.abs()).abs() <= u95, "{size}: {own}");
     }
-    assert!(compared >= 4, "{compared}");
 }

@@ -179,7 +179,9 @@ fn verify_sees_it_the_same_way() {
 fn verify_takes_the_own_output_where_the_sides_of_two_axes_are_unknown() {
     // The step that takes up the play of X leaves the tip at its place only if X, and not Y, is at one end of what is possible: one corner of both is not
     // enough to see that.
-    for [x_um, y_um] in [[9.0, 5.0], [5.0, 9.0], [9.0, -5.0], [-9.0, 5.0], [12.0, 12.0], [3.0, 20.0]] {
+    let ordinary = [[-9.0, -5.0], [-5.0, -9.0], [-3.0, -20.0]];
+    let over_compensated = [[9.0, 5.0], [5.0, 9.0], [9.0, -5.0], [-9.0, 5.0], [12.0, 12.0], [3.0, 20.0]];
+    for [x_um, y_um] in ordinary.into_iter().chain(over_compensated) {
         let machine = MACHINE.replace("value_um = -6", &format!("value_um = {x_um}"))
             + &format!("[[motion]]\ncomponent = \"EYY\"\nkind = \"backlash\"\nvalue_um = {y_um}\n");
         for moves in ["G1 X5 F300\nG1 Y40\nG1 X30 Y10", "G1 Y40 F300\nG1 X5\nG1 Y1", "G1 X95 F300\nG3 X85 Y10 CR=10"] {

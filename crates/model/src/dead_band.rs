@@ -199,7 +199,8 @@ impl DeadBand {
     }
 
     /// Returns the distance of the tip at `command` from the nominal tip at `nominal`. A tool that waits for a body only lags on its path, and one whose axis the
-    /// control moves too far at a reversal leads: its distance along the direction `along` does not count. Correction, prediction and comparison all use this function for axes with direction-dependent errors.
+    /// control moves too far at a reversal leads: its distance along the direction `along` does not count. Correction, prediction and comparison all use this
+    /// function for axes with direction-dependent errors.
     #[must_use]
     pub fn error_mm(
         &self,

@@ -35,13 +35,17 @@ impl Features {
     /// Returns the distance that the command must travel after a reversal until the body follows, mm or rad.
     #[must_use]
     pub fn lost_motion(&self, command: f64) -> f64 {
-        self.lost.iter().map(|(factor, reversal)| factor * reversal.value(command)).sum::<f64>().max(0.0)
+        self.loss(command).max(0.0)
     }
 
     /// True if the control adds more at a reversal than the axis loses.
     #[must_use]
     pub fn is_over_compensated(&self, command: f64) -> bool {
-        self.lost.iter().map(|(factor, reversal)| factor * reversal.value(command)).sum::<f64>() < 0.0
+        self.loss(command) < 0.0
+    }
+
+    fn loss(&self, command: f64) -> f64 {
+        self.lost.iter().map(|(factor, reversal)| factor * reversal.value(command)).sum()
     }
 
     pub(super) fn note_length(&mut self, length: f64) {
