@@ -394,3 +394,91 @@ fn the_largest_of_fifteen_good_readings_stays() {
         assert!(faults.iter().all(|one| one["kind"] != "outlier"), "seed {seed}: {report:#}");
     }
 }
+
+/// A line of X whose readings have a sign, µm: 40 µm/m.
+fn signed_line(seed: u64, name: &str, z: f64, sign: f64) -> String {
+    let mut random = Random::new(seed, name);
+    let mut table = "run,setup,component,X,Y,Z,X_dir,Y_dir,Z_dir,tool_z_mm,value_um\n".to_owned();
+    for run in 0..6 {
+        let way = if run % 2 == 0 { 1 } else { -1 };
+        for k in 0..13 {
+            let x = 50.0 * f64::from(if way > 0 { k } else { 12 - k }) + 30.0;
+            let value = sign * 0.04 * x + 0.3 * random.normal();
+            let _ = writeln!(table, "{run},A,EXX,{x},250,{z},{way},0,0,-60,{value:.4}");
+        }
+    }
+    table
+}
+
+/// Circles of a bar of unknown length in three planes: the distance grows with X by 40 µm/m, as the tool moves towards +X.
+fn signed_circles(seed: u64) -> String {
+    let mut random = Random::new(seed, "circles");
+    let mut table = "run,setup,X,Y,Z,X_dir,Y_dir,Z_dir,tool_z_mm,dr_um\n".to_owned();
+    for (setup, [u, v]) in [("XY", [0, 1]), ("YZ", [1, 2]), ("ZX", [2, 0])] {
+        for way in [1.0, -1.0] {
+            for k in 0..72 {
+                let angle = way * TAU * (f64::from(k) + 0.5) / 72.0;
+                let (mut at, mut turn) = ([350.0, 250.0, 220.0], [0.0; 3]);
+                (at[u], at[v]) = (at[u] + 150.0 * angle.cos(), at[v] + 150.0 * angle.sin());
+                (turn[u], turn[v]) = (-way * angle.sin().signum(), way * angle.cos().signum());
+                let along = if u == 0 {
+                    angle.cos()
+                } else if v == 0 {
+                    angle.sin()
+                } else {
+                    0.0
+                };
+                let value = 0.04 * 150.0 * along * along + 0.4 * random.normal();
+                let [[x, y, z], [a, b, c]] = [at, turn];
+                let _ = writeln!(table, "{setup}{way},{setup},{x:.6},{y:.6},{z:.6},{a},{b},{c},-120,{value:.4}");
+            }
+        }
+    }
+    table
+}
+
+/// A diagnosis of two files that may write, the name of the second, and whether it wrote.
+fn of_two([first, second]: [(&str, &str); 2]) -> (Value, bool) {
+    let shop = Shop::new().file("m.toml", bare("demo"));
+    let shop = shop.file("a.csv", first.0).file("a.toml", first.1).file("b.csv", second.0).file("b.toml", second.1);
+    let report = report(&run(&shop, &["a.csv".to_owned(), "b.csv".to_owned()], "m.toml", &["-o", "out.toml"]));
+    (report, shop.path("out.toml").exists())
+}
+
+/// Every finding has the sign of a file as a rival, and nothing is written.
+fn may_have_the_wrong_sign(report: &Value, is_written: bool) {
+    let all = findings(report);
+    assert!(!all.is_empty() && !is_written, "{report:#}");
+    for one in &all {
+        let rivals = one["rivals"].as_array().unwrap();
+        let is_of_sign =
+            |rival: &Value| rival["cause"].as_str().is_some_and(|cause| cause.starts_with("setup sign of"));
+        assert!(rivals.iter().any(is_of_sign) && one["certain"] == false, "{one:#}");
+    }
+}
+
+#[test]
+fn a_wrong_sign_of_one_file_is_a_rival_of_what_only_the_contradiction_shows() {
+    let bar: String = ["XY", "YZ", "ZX"]
+        .map(|setup| format!("[setup.{setup}]\ncentre_mm = [350, 250, 100]\nlength_mm = 150\n"))
+        .concat();
+    let bar = format!("[measurement]\nkind = \"ballbar\"\nfree = [\"centre\", \"length\"]\nsigma_um = 0.4\n{bar}");
+    for seed in 1..=3 {
+        // Two lines at two heights: with one sign an error along X, with two signs no cross-coupling that is certain.
+        let lines = |sign: f64| [signed_line(seed, "low", 160.0, 1.0), signed_line(seed, "high", 400.0, sign)];
+        let [low, high] = lines(1.0);
+        let (report, is_written) = of_two([(&low, LINE), (&high, LINE)]);
+        let all = findings(&report);
+        assert!(all.len() == 1 && name(&all[0]) == "motion EXX" && is_written, "{report:#}");
+        let [low, high] = lines(-1.0);
+        let (report, is_written) = of_two([(&low, LINE), (&high, LINE)]);
+        may_have_the_wrong_sign(&report, is_written);
+        // X of the demo machine moves the tool: the line has the sign of the bar.
+        let circles = signed_circles(seed);
+        let (report, is_written) = of_two([(&circles, &bar), (&signed_line(seed, "line", 200.0, 1.0), LINE)]);
+        let all = findings(&report);
+        assert!(all.len() == 1 && name(&all[0]) == "motion EXX" && is_written, "{report:#}");
+        let (report, is_written) = of_two([(&circles, &bar), (&signed_line(seed, "line", 200.0, -1.0), LINE)]);
+        may_have_the_wrong_sign(&report, is_written);
+    }
+}

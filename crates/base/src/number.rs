@@ -61,9 +61,12 @@ pub fn probability(value: f64) -> String {
     }
 }
 
-/// Formats a probability in percent, rounded down: a limit is never shown for a value below it.
+/// Formats a probability in percent, rounded down: a limit is never shown for a value below it. One below 1 % is printed as a limit too.
 #[must_use]
 pub fn percent(probability: f64) -> String {
+    if probability < 0.01 {
+        return "< 1 %".to_owned();
+    }
     // Sums of shares such as 0.29 are a rounding error below.
     format!("{:.0} %", (100.0 * probability + 1e-6).floor())
 }

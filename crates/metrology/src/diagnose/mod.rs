@@ -17,6 +17,7 @@
 //! twins                                  terms with the same effect on all readings, which share their probability
 //! class                                  candidates that explain the readings nearly as well
 //! nature, undecided                      causes with the same effect on the readings that depend on another quantity: time, direction, speed
+//! reversed                               readings of a file with the opposite sign, which would make causes unnecessary
 //! extend                                 the extended machine file
 //! ```
 
@@ -57,6 +58,7 @@ mod promising;
 mod readings;
 mod refine;
 mod rejected;
+mod reversed;
 pub mod row;
 mod sample;
 pub mod scene;

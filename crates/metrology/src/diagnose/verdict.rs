@@ -17,6 +17,7 @@ use super::noise::{self, is_angle};
 use super::parts::{FileShare, differing};
 use super::readings::{doing, even_out, left_of, projected, rms, weights};
 use super::rejected::{Gate, Rejected, Rejections, TriedCause, tried};
+use super::reversed::ReversedReadings;
 use super::sample::{self, Sample};
 use super::scene::Scene;
 use super::search::{Field, Taken, Weights};
@@ -172,7 +173,10 @@ impl<'f, 's, 'a> Settled<'f, 's, 'a> {
     pub(super) fn verdict_of(&self, kept: &[(Taken, f64)]) -> DiagnosedCauses {
         let rejections = Rejections::default();
         let of = (self.used, Vec::new(), &rejections);
-        verdict((self.field, self.causes), self.bare, [self.weights, self.held_out], (kept, self.chosen), of)
+        let taken: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
+        let reversed = self.field.reversed(self.bare, self.weights, &taken);
+        let terms = (kept, self.chosen, reversed.as_ref());
+        verdict((self.field, self.causes), self.bare, [self.weights, self.held_out], terms, of)
     }
 }
 
@@ -249,8 +253,10 @@ pub(super) fn diagnose_then(
     drop_far(scene, &mut held_out, (&far, unknowns));
     let not_confirmed = hold(&field, &weights, &held_out, &mut kept, &mut rejections);
     note("verdict", 1.0);
-    let mut found =
-        verdict((&field, causes), bare, [&weights, &held_out], (&kept, &chosen), (used, not_confirmed, &rejections));
+    let numbers: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
+    let reversed = field.reversed(bare, &weights, &numbers);
+    let terms = (kept.as_slice(), chosen.as_slice(), reversed.as_ref());
+    let mut found = verdict((&field, causes), bare, [&weights, &held_out], terms, (used, not_confirmed, &rejections));
     for one in &mut found.findings {
         let is_one = |chosen: &&Chosen| {
             field.candidates.get(chosen.candidate).is_some_and(|own| {
@@ -264,10 +270,17 @@ pub(super) fn diagnose_then(
     }
     (found.explanations, found.nothing, found.next) = (outcome.explanations, outcome.nothing, outcome.next);
     for one in &found.findings {
-        share_out(&mut found.explanations, &one.candidate.title(), one.nature_share, &one.rivals);
+        // The sign of a file belongs to all findings at once.
+        let (own, rivals) = match &reversed {
+            Some(reversed) => reversed.left_out_of(one),
+            None => (one.nature_share, one.rivals.clone()),
+        };
+        share_out(&mut found.explanations, &one.candidate.title(), own, &rivals);
     }
-    let numbers: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
     field.share_others(&weights, &numbers, &mut found.explanations);
+    if let Some(reversed) = &reversed {
+        reversed.share_out(&field, &found.findings, &mut found.explanations);
+    }
     let (weights, held_out, kept, chosen) = (&weights, &held_out, kept.as_slice(), chosen.as_slice());
     then(Settled { field: &mut field, weights, held_out, kept, used, causes, bare, chosen }, note);
     found
@@ -299,7 +312,7 @@ fn verdict(
     (field, causes): (&Field<'_, '_>, &Causes),
     bare: &Scene<'_>,
     [weights, held_out]: [&Weights; 2],
-    (kept, chosen): (&[(Taken, f64)], &[Chosen]),
+    (kept, chosen, reversed): (&[(Taken, f64)], &[Chosen], Option<&ReversedReadings>),
     (used, not_confirmed, rejections): (usize, Vec<Candidate>, &Rejections),
 ) -> DiagnosedCauses {
     let scene = field.scene;
@@ -396,11 +409,16 @@ fn verdict(
         let of_others = of_others
             .map(|cause| RivalCause { cause: cause.clone(), probability: (1.0 - of_scale) * undecided.own })
             .collect::<Vec<_>>();
-        let own_share = undecided.own * of_waves.min(1.0) * of_scale;
+        let of_both_signs = undecided.own * of_waves.min(1.0) * of_scale;
+        let reversed = reversed.filter(|reversed| reversed.changes(term.candidate, &amounts.values));
+        let of_sign = reversed.map(|reversed| reversed.rival(of_both_signs));
+        let own_share = of_both_signs - of_sign.as_ref().map_or(0.0, |of_sign| of_sign.probability);
         let of_natures = if undecided.is_certain() { Vec::new() } else { field.rivals(&undecided) };
-        let mut rivals: Vec<RivalCause> = of_natures.into_iter().chain(of_wave).chain(of_others).collect();
+        let mut rivals: Vec<RivalCause> =
+            of_natures.into_iter().chain(of_wave).chain(of_others).chain(of_sign).collect();
         rivals.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-        let doubt = field.nature_doubt(candidate, &undecided).or(relative);
+        let doubt = reversed.filter(|_| own_share < CERTAIN).map(ReversedReadings::doubt);
+        let doubt = doubt.or_else(|| field.nature_doubt(candidate, &undecided)).or(relative);
         let doubt = doubt.or_else(|| of_chosen.flatten().filter(|_| is_compared)).or_else(by_class);
         // Itself, its other periods, and the other explanations.
         let mut names: Vec<(&'static Cause, String)> = class

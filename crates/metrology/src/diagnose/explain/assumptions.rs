@@ -57,6 +57,8 @@ pub enum Family {
     Load,
     /// The set-up of the instrument.
     Setup,
+    /// Readings of a file with the wrong sign.
+    Sign,
     /// An error that differs in earlier files.
     Earlier,
     /// The probe, including its length.
@@ -224,6 +226,12 @@ pub const ASSUMPTIONS: &[Assumption] = &[
         source: "lengths that are stated come with a certificate; artifacts at another temperature",
     },
     Assumption {
+        family: Family::Sign,
+        size: Size::Um(20.0),
+        odds: 0.05,
+        source: "Spaan 1995, ch. 3: operators easily confuse the signs of direct measurements",
+    },
+    Assumption {
         family: Family::Earlier,
         size: Size::Urad(50.0),
         odds: 0.003,
@@ -280,7 +288,7 @@ mod tests {
         let mut families: Vec<Family> = ASSUMPTIONS.iter().map(|one| one.family).collect();
         families.sort_unstable();
         families.dedup();
-        assert_eq!((families.len(), ASSUMPTIONS.len(), families.last()), (29, 29, Some(&Family::Unnamed)));
+        assert_eq!((families.len(), ASSUMPTIONS.len(), families.last()), (30, 30, Some(&Family::Unnamed)));
         // 50 µm/m over half of 700 mm; 10 µm; 50 µrad.
         let sizes = [Family::Scale, Family::Backlash, Family::Squareness].map(|family| family.size(700.0));
         assert!(

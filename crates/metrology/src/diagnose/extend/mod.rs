@@ -211,10 +211,9 @@ fn doubtful(doubt: &ExtrapolationRisk) -> String {
     if doubt.rivals.is_empty() {
         return format!("over the whole travel its uncertainty exceeds its size; measure {}", doubt.separate_by);
     }
-    let (verb, does, differ) =
-        if doubt.rivals.len() > 1 { ("have", "together ", "differ") } else { ("has", "", "differs") };
+    let (verb, does) = if doubt.rivals.len() > 1 { ("have", "together ") } else { ("has", "") };
     format!(
-        "{} {does}{verb} the same effect on the readings, but {differ} elsewhere or at another time, so a correction could increase the error; to separate them: {}",
+        "{} {does}{verb} the same effect on the readings, but another one at other positions or times, so a correction could increase the error; to separate them: {}",
         doubt.rivals.join(" and "),
         doubt.separate_by
     )
