@@ -473,12 +473,12 @@ fn a_wrong_sign_of_one_file_is_a_rival_of_what_only_the_contradiction_shows() {
         let [low, high] = lines(-1.0);
         let (report, is_written) = of_two([(&low, LINE), (&high, LINE)]);
         may_have_the_wrong_sign(&report, is_written);
-        // X of the demo machine moves the tool: the line has the sign of the bar.
+        // X of the demo machine moves the workpiece: a bar that becomes longer with X sees an error of that table towards −X.
         let circles = signed_circles(seed);
-        let (report, is_written) = of_two([(&circles, &bar), (&signed_line(seed, "line", 200.0, 1.0), LINE)]);
+        let (report, is_written) = of_two([(&circles, &bar), (&signed_line(seed, "line", 200.0, -1.0), LINE)]);
         let all = findings(&report);
         assert!(all.len() == 1 && name(&all[0]) == "motion EXX" && is_written, "{report:#}");
-        let (report, is_written) = of_two([(&circles, &bar), (&signed_line(seed, "line", 200.0, -1.0), LINE)]);
+        let (report, is_written) = of_two([(&circles, &bar), (&signed_line(seed, "line", 200.0, 1.0), LINE)]);
         may_have_the_wrong_sign(&report, is_written);
     }
 }

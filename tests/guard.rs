@@ -70,7 +70,7 @@ fn another_zero_or_tool_stops_the_program_before_it_moves() {
         let read = match control {
             "fanuc" => "[#11002+#10002-",
             "haas" => "[#2002+#2202-",
-            "sinumerik" => "$TC_DP3[2,1]+$TC_DP12[2,1]",
+            "sinumerik" => "$TC_DP3[2,1]+$TC_DP12[2,1]+$TC_DP21[2,1]",
             _ => "ABS[#5221 - ",
         };
         assert!(shop.text(&out).contains(read), "{control}: {}", shop.text(&out));

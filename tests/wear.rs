@@ -541,3 +541,36 @@ fn what_the_control_could_not_follow_is_not_written() {
         assert_eq!(center.codes(), ["W0236"], "{language}");
     }
 }
+
+#[test]
+fn a_program_that_sets_the_radius_itself_would_have_it_twice() {
+    // The output keeps such a block, and the operator's 0 would be overwritten in front of G41.
+    let setting = |language: &str| -> &'static [&'static str] {
+        match language {
+            "fanuc" => &["G10 L12 P1 R5.02", "#13001=5.02"],
+            "rs274" => &["G10 L1 P1 R5.02"],
+            "sinumerik" => &["$TC_DP6[1,1]=5.02"],
+            _ => &[],
+        }
+    };
+    let of_wear = |language: &str| match language {
+        "fanuc" => "G10 L13 P1 R0.02",
+        "sinumerik" => "$TC_DP15[1,1]=0.02",
+        _ => "",
+    };
+    for language in LANGUAGES {
+        let machine = machine_text(language, false);
+        for before in setting(language) {
+            let text = program(&CONTOURS[0], language, before);
+            let (shop, refused) = fixed(language, &text, &machine, &["--compensation", "wear"]);
+            assert!(refused.codes().contains(&"E0234".to_owned()), "{before}: {}{}", refused.stdout, refused.stderr);
+            assert!(refused.stdout.contains("twice") && !shop.path("out").exists(), "{before}: {}", refused.stdout);
+            let (_, center) = fixed(language, &text, &machine, &[]);
+            assert_eq!((center.code, center.codes()), (0, vec!["W0236".to_owned()]), "{before}: {}", center.stdout);
+        }
+        // Wear that the program sets is for the control alone.
+        let text = program(&CONTOURS[0], language, of_wear(language));
+        let (_, kept) = written(language, &text, &machine);
+        assert!(kept.contains(of_wear(language).trim_end_matches("R0.02")), "{language}: {kept}");
+    }
+}

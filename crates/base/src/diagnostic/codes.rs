@@ -292,7 +292,8 @@ skipped. With CDON also: the tool would cut into another element than the one it
 "With --compensation wear the control compensates the tool center path by the wear alone. Programs for which this fails are refused:
 a change of side, radius or register while compensation is on; an end of the program with it on; G43 and G44 of Grundig; G41.1 and
 G42.1, whose diameter is in the program; --frame machine and --five-axis axes, where G41 is not allowed; --rapids all and a --step
-below 10 mm, which cut the motion to the contour into pieces; and an output that the control could not follow completely with a wear
+below 10 mm, which cut the motion to the contour into pieces; a program that sets the radius in a register, so that the control would
+apply it twice; and an output that the control could not follow completely with a wear
 of plus or minus --largest-wear: smaller inner arcs of the tool center path, or shorter elements, such as the few micrometers that a
 correction or backlash adds across the path. Change the program as the message states, give a smaller --largest-wear, or correct
 it without the option; then add the wear to radius_mm in the machine file.";

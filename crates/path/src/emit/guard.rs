@@ -84,7 +84,7 @@ fn whole(name: &str, prefix: &str) -> Option<u32> {
     name.strip_prefix(prefix)?.parse().ok()
 }
 
-/// The guard of a Sinumerik: `$P_UIFR`, `$TC_DP3` and its wear `$TC_DP12`; alarm 65000 of the user, then the end of the program (Siemens, System variables
+/// The guard of a Sinumerik: `$P_UIFR`, `$TC_DP3` with its wear `$TC_DP12` and its base length `$TC_DP21`; alarm 65000 of the user, then the end of the program (Siemens, System variables
 /// list manual; Programming manual, SETAL).
 pub(super) fn sinumerik(data: &GuardedData) -> GuardLines {
     let mut guard = GuardLines::default();
@@ -123,7 +123,7 @@ pub(super) fn sinumerik(data: &GuardedData) -> GuardLines {
     for GuardedTool { number: tool, edge, length_mm } in &data.tools {
         let read = |part: u32| format!("$TC_DP{part}[{tool},{edge}]");
         let value = number(*length_mm);
-        let differs = format!("ABS({}+{}-({}))>{SAME}", read(3), read(12), value.trim_end_matches('.'));
+        let differs = format!("ABS({}+{}+{}-({}))>{SAME}", read(3), read(12), read(21), value.trim_end_matches('.'));
         let name = format!("T{tool} D{edge}");
         guard.check(&name, stop(&name, differs));
     }

@@ -11,7 +11,7 @@ use super::options::Options;
 use super::path::{Path, Shape};
 use ncfix_base::diagnostic::{Code, Severity};
 use ncfix_base::geometry::{AxisSet, AxisVector};
-use ncfix_base::source::FileId;
+use ncfix_base::source::{FileId, Span};
 use ncfix_machine::machine::{Kinematics, Machine};
 use ncfix_machine::snc::{BlockNumber, Element, Kind, Origin};
 
@@ -198,6 +198,22 @@ impl<'a> MotionSink<'a> {
         let mut released = std::mem::take(&mut self.released);
         self.contour.close(end, axes, &mut released);
         self.release(released);
+    }
+
+    /// Refuses a block that gives a register of the control a radius: the output keeps the block, and the control would offset the tool center path by it.
+    pub(in crate::exec) fn check_radius(&self, register: &str, radius_mm: f64, span: Span) -> Result<(), Fault> {
+        if !self.keeps_wear || radius_mm == 0.0 {
+            return Ok(());
+        }
+        let message = format!(
+            "the program sets the radius of {register} to {radius_mm} mm: with --compensation wear the control would apply the radius twice"
+        );
+        Err(fault(
+            Code::NO_WEAR,
+            span,
+            message,
+            "remove this statement from the program, give the radius in the machine file or with --setup, and enter 0 at the control; or leave out --compensation wear",
+        ))
     }
 
     fn note_compensation(&mut self, element: &Element, wish: &ContourRequest) {

@@ -188,6 +188,7 @@ fn set_tool(channel: &mut Channel<'_>, gathered: &Gathered, l: i64, number: u32,
         text::append_length(channel.settings.machine, channel.language, &mut text, axis.letter(), length);
     }
     if let Some(radius) = measure::length(channel, gathered, b'R')? {
+        channel.outlet.check_radius(&format!("tool {number}"), radius, span)?;
         offset.radius_mm = radius;
         text::append_length(channel.settings.machine, channel.language, &mut text, b'R', radius);
     }
@@ -231,6 +232,9 @@ fn set_tool_value(
     };
     *place = value + if incremental { *place } else { 0.0 };
     let value = *place;
+    if l == 12 {
+        channel.outlet.check_radius(&format!("register {number}"), value, span)?;
+    }
     channel.written.tools.write(number, 1, ToolOffset { is_stated: true, ..offset });
     let mut text = format!("G10 L{l} P{number}");
     text::append_length(channel.settings.machine, channel.language, &mut text, b'R', value);

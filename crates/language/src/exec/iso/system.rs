@@ -328,6 +328,9 @@ fn write_tool(
     }
     let mut offset = known.unwrap_or_default();
     let inside = value * channel.modal.modes.scale();
+    if part == Part::Radius {
+        channel.outlet.check_radius(&format!("register {tool}"), inside, span)?;
+    }
     *part_of(&mut offset, part) = inside;
     channel.written.tools.write(tool, 1, ToolOffset { is_stated: true, ..offset });
     tell(&mut channel.outlet, number, inside / text::output_unit_mm(channel.settings.machine), "");

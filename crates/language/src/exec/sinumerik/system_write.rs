@@ -16,6 +16,9 @@ use ncfix_base::geometry::Axis;
 use ncfix_base::source::Span;
 use ncfix_machine::snc::Kind;
 
+/// `$TC_DP6`.
+const RADIUS: usize = 6;
+
 /// The machine's own compensation: with other values the error model would not match the machine.
 const COMPENSATION: &[&str] = &[
     "$AN_CEC",
@@ -91,6 +94,9 @@ fn assign_one(
     if let Some((parameter, tool, edge)) = tool_parameter(name, &indices) {
         let Some(number) = value.number() else { return Err(needs_number(&key, span)) };
         let machine = channel.settings.machine;
+        if parameter == RADIUS {
+            channel.outlet.check_radius(&format!("T{tool} D{edge}"), number, span)?;
+        }
         if !channel.system.tools.set_parameter(machine, parameter, tool, edge, number) {
             return Err(fault(
                 Code::BAD_INDEX,
