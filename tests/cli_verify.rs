@@ -34,6 +34,35 @@ fn a_program_compared_with_itself_is_the_same_and_not_corrected() {
 }
 
 #[test]
+fn a_program_that_begins_with_a_cut_is_judged_from_its_start() {
+    // From (150, 120, 300) of the machine, which is (0, 0, 0) of G54 with its tool: an arc, a line and a relative move.
+    let firsts = ["G2 X20 Y0 I10 J0 F300", "G1 X20 Y5 F300", "G91 G1 X20 F300"];
+    let start = ["--start", "X150,Y120,Z300"];
+    let demo = std::fs::read_to_string(repository("samples/machines/demo.toml")).unwrap();
+    for (file, head, end, control) in [
+        ("a.mpf", "G17 G90 G71 G94 G54", "M30", "sinumerik"),
+        ("a.ngc", "G17 G90 G21 G94 G54", "M2", "linuxcnc"),
+        ("a.nc", "G17 G90 G21 G94 G54", "M30", "fanuc"),
+    ] {
+        let machine = demo.replace("controller = \"sinumerik\"", &format!("controller = \"{control}\""));
+        for first in firsts {
+            let text = format!("N10 {head}\nN20 {first}\nN30 G90 G1 X30\nN40 {end}\n");
+            let shop = Shop::new().file("m.toml", &machine).file(file, text);
+            let fix = [file, "-o", "out", "--machine", "m.toml", "--review", "r.html", "--json"];
+            let fixed = shop.run(fix.iter().chain(&start)).exits(0).json();
+            assert!(["ok", "warn"].contains(&fixed["verdict"]["grade"].as_str().unwrap()), "{file} {first}: {fixed}");
+            let verify = ["verify", file, "out", "--machine", "m.toml", "--json"];
+            let run = shop.run(verify.iter().chain(&start)).exits(0);
+            // Predicted by the correction, and read again from the text.
+            let [before, after] = ["before", "after"].map(|side| run.json()[side]["max_um"].as_f64().unwrap());
+            assert!(before > 1.0 && after < 1.0, "{file} {first}: {}", run.stdout);
+            let predicted = fixed["after"]["max_um"].as_f64().unwrap();
+            assert!((after - predicted).abs() < 0.02, "{file} {first}: {after} {predicted}");
+        }
+    }
+}
+
+#[test]
 fn the_result_is_a_table_for_people() {
     let demo = machine("demo");
     let shop = Shop::new().copy("samples/programs/sinumerik/slots.mpf");

@@ -125,11 +125,12 @@ impl Pair<'_> {
             if let Some(watch) = self.watch {
                 original = original.watched(watch());
             }
+            let stated = self.programs[0].reading().start;
             let how = How {
-                of_path: path::How { grouping, feeds, promise },
+                of_path: path::How { grouping, feeds, promise, start: stated },
                 at_feed: self.at_feed,
                 requires_coverage: self.requires_coverage,
-                start: self.programs[0].reading().start,
+                start: stated,
                 assumed: if is_marked { assumed } else { "" },
             };
             walk((original, ahead), &how, chosen, findings, see, || {

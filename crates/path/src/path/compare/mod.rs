@@ -129,6 +129,8 @@ pub struct How {
     pub feeds: [Feeds; 2],
     /// The promise of the correction; `None` if only the motion is measured.
     pub promise: Option<Promise>,
+    /// Position of all axes in the control before both programs, mm and rad, if it is stated.
+    pub start: Option<AxisVector>,
 }
 
 /// Compares two programs; both must have been executed without errors.
@@ -142,7 +144,7 @@ pub fn compare(
     machine: &Machine,
     model: &Model,
 ) -> Result<Comparison, Diagnostic> {
-    let how = How { grouping, feeds: [Feeds::default(); 2], promise: None };
+    let how = How { grouping, feeds: [Feeds::default(); 2], promise: None, start: None };
     let found = compare_seeing(original, corrected, how, machine, model, (&mut |_| {}, &mut |_| {}));
     found.map_err(|partings| {
         let line = |origin: &Origin| format!("line {} of the corrected program", origin.line);
@@ -167,7 +169,7 @@ const MOST_PARTINGS: usize = 20;
 pub fn compare_seeing(
     original: impl Iterator<Item = Element>,
     corrected: impl Iterator<Item = Element>,
-    How { grouping, feeds, promise }: How,
+    How { grouping, feeds, promise, start }: How,
     machine: &Machine,
     model: &Model,
     (see, differ): (See<'_>, Differ<'_>),
@@ -175,10 +177,10 @@ pub fn compare_seeing(
     let lead = Lead::new(model, machine);
     // A correction without the transformation has divided the paths of the tip.
     let in_axes = promise.is_some_and(|promise| promise.in_axes);
-    let tips = in_axes.then(|| TipDivider::new(machine, AxisVector::ZERO));
+    let tips = in_axes.then(|| TipDivider::new(machine, start.unwrap_or(AxisVector::ZERO)));
     let divided = DividedTips { elements: original.map(Ok::<_, Infallible>), tips };
-    let original = Walk::new(divided.map(|Ok(element)| element), machine, feeds[0], lead);
-    let corrected = Walk::new(corrected, machine, feeds[1], lead);
+    let original = Walk::new(divided.map(|Ok(element)| element), machine, feeds[0], lead).from(start);
+    let corrected = Walk::new(corrected, machine, feeds[1], lead).from(start);
     let tails = [original.tail(), corrected.tail()];
     let (mut original, mut corrected) = (MovesAhead::new(original), MovesAhead::new(corrected));
     let kinematics = Kinematics::new(machine);

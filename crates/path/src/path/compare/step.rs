@@ -191,6 +191,15 @@ impl<'a, I> Walk<'a, I> {
         }
     }
 
+    /// Begins at a stated position of all axes.
+    pub(super) fn from(mut self, start: Option<AxisVector>) -> Self {
+        if let Some(start) = start {
+            self.position = start;
+            self.known = self.machine.axis_set();
+        }
+        self
+    }
+
     /// The path of a move from the current position.
     fn route(&self, motion: &Move) -> Route<'a> {
         let (start, end) = (self.position, motion.target);
