@@ -35,19 +35,25 @@ fn a_program_compared_with_itself_is_the_same_and_not_corrected() {
 
 #[test]
 fn a_program_that_begins_with_a_cut_is_judged_from_its_start() {
-    // From (150, 120, 300) of the machine, which is (0, 0, 0) of G54 with its tool: an arc, a line and a relative move.
-    let firsts = ["G2 X20 Y0 I10 J0 F300", "G1 X20 Y5 F300", "G91 G1 X20 F300"];
+    // From (150, 120, 300) of the machine, which is the zero of G54: an arc, a line and a relative move.
+    let firsts = ["G2 X20. Y0. I10. J0. F300.", "G1 X20. Y5. F300.", "G91 G1 X20. F300."];
     let start = ["--start", "X150,Y120,Z300"];
-    let demo = std::fs::read_to_string(repository("samples/machines/demo.toml")).unwrap();
+    let machine = |control: &str| {
+        format!(
+            "[machine]\nname = \"m\"\ntopology = \"wXYFZSt\"\ncontroller = \"{control}\"\n\
+             [axis.X]\ntravel_mm = [0, 400]\ndirection = [-1, 0, 0]\n[axis.Y]\ntravel_mm = [0, 300]\ndirection = [0, -1, 0]\n\
+             [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [0, 400]\n[location]\nEC0X = 40.0\nEA0Z = -30.0\n\
+             [zero_offset.G54]\nX_mm = 150\nY_mm = 120\nZ_mm = 300\nset = \"absolute\"\n"
+        )
+    };
     for (file, head, end, control) in [
         ("a.mpf", "G17 G90 G71 G94 G54", "M30", "sinumerik"),
         ("a.ngc", "G17 G90 G21 G94 G54", "M2", "linuxcnc"),
         ("a.nc", "G17 G90 G21 G94 G54", "M30", "fanuc"),
     ] {
-        let machine = demo.replace("controller = \"sinumerik\"", &format!("controller = \"{control}\""));
         for first in firsts {
-            let text = format!("N10 {head}\nN20 {first}\nN30 G90 G1 X30\nN40 {end}\n");
-            let shop = Shop::new().file("m.toml", &machine).file(file, text);
+            let text = format!("N10 {head}\nN20 {first}\nN30 G90 G1 X30.\nN40 {end}\n");
+            let shop = Shop::new().file("m.toml", machine(control)).file(file, text);
             let fix = [file, "-o", "out", "--machine", "m.toml", "--review", "r.html", "--json"];
             let fixed = shop.run(fix.iter().chain(&start)).exits(0).json();
             assert!(["ok", "warn"].contains(&fixed["verdict"]["grade"].as_str().unwrap()), "{file} {first}: {fixed}");
