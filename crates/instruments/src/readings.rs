@@ -238,6 +238,16 @@ impl ImportedReadings {
         out
     }
 
+    /// True if a row reads a displacement across its axis, which increases along the axis by the angle of the reference.
+    fn has_straightness(&self) -> bool {
+        let is_across = |row: &ImportedRow| match *row.label.as_bytes() {
+            [b'E', direction @ b'X'..=b'Z', letter] => Axis::from_letter(letter)
+                .is_some_and(|axis| !axis.is_rotary() && axis.dimension() != usize::from(direction - b'X')),
+            _ => false,
+        };
+        self.kind == ImportedKind::Direct && self.rows.iter().any(is_across)
+    }
+
     /// Returns the description as the text of `NAME.toml`; `file` is the name of the imported file.
     #[must_use]
     pub fn description(&self, file: &str) -> String {
@@ -250,7 +260,14 @@ impl ImportedReadings {
             out,
             "# - Compensation of the control: as it was during the measurement. Corrected programs need the same setting."
         );
-        let free: Vec<String> = self.free.iter().map(|name| format!("\"{name}\"")).collect();
+        let slope = self.has_straightness().then_some("slope");
+        if slope.is_some() {
+            let _ = writeln!(
+                out,
+                "# - Alignment of the straightness reference: unknown (slope). Without it, its angle would count as an error of the machine."
+            );
+        }
+        let free: Vec<String> = self.free.iter().copied().chain(slope).map(|name| format!("\"{name}\"")).collect();
         let _ = writeln!(out, "\n[measurement]\nkind = \"{}\"", self.kind.name());
         if !free.is_empty() {
             let _ = writeln!(out, "free = [{}]", free.join(", "));

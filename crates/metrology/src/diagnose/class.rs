@@ -5,6 +5,7 @@ use super::entrant::family;
 use super::explain::assumptions::Family;
 use super::mimic::RIVAL;
 use super::search::{Field, Weights};
+use super::size::is_angle;
 use ncfix_base::numeric::Gain;
 use ncfix_base::numeric::sums::dot;
 
@@ -16,7 +17,9 @@ const SAME: f64 = 1e-6;
 impl Field<'_, '_> {
     /// Returns the name of another squareness with the same effect on all readings, and the factor of its size; `None` if it is another error.
     pub(super) fn same_squareness(&self, weights: &Weights, number: usize, other: usize) -> Option<(String, f64)> {
-        let is_squareness = |one: &&Candidate| family(one) == Family::Squareness && one.columns.len() == 1;
+        // Both are angles, so the factor has no unit.
+        let is_squareness =
+            |one: &&Candidate| family(one) == Family::Squareness && is_angle(one) && one.columns.len() == 1;
         let own = self.candidates.get(number).filter(is_squareness)?;
         let same = self.candidates.get(other).filter(is_squareness).filter(|_| other != number)?;
         let mut series = self.series(weights, &[], 0.0);

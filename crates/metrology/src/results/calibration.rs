@@ -15,11 +15,14 @@ use ncfix_base::geometry::Vector;
 use ncfix_base::number::{micrometers, significant};
 use ncfix_base::source::Source;
 use ncfix_base::units::{Unit, um_from_mm};
+use ncfix_machine::describe;
 use ncfix_machine::machine::{Condition, Machine, MeasuredRanges, Uncertainty};
 use ncfix_model::{ErrorModel, Model, ModelRegisters, file, write};
 
 /// Residual in standard uncertainties of the instrument above which the model is poor.
 const POOR: f64 = 3.0;
+/// A fit is refused if its residuals exceed the measured values by this share.
+const WORSE: f64 = 0.05;
 /// Excess of a mean square over the described one, in its standard deviations, above which it is not scatter.
 const CLEAR: f64 = 3.0;
 /// Arm at which angles count as lengths, mm.
@@ -128,6 +131,7 @@ impl PreparedFit<'_> {
         report.figures = self.used.iter().map(|one| figures::of(&one.data, self.begin.machine)).collect();
         not_identified::distances(&fit, &self.used, findings);
         self.compare(&fit, findings, report);
+        findings.extend(worse(report));
         self.rows(&fit, findings, report);
         Some(fit)
     }
@@ -271,6 +275,19 @@ pub fn holdout_um(result: &CalibrationResult) -> Option<f64> {
     (count > 0.0).then(|| ((squares / count).sqrt() * 1e3).round() / 1e3)
 }
 
+/// Refuses a fit that leaves more of the readings used than it removes: where outliers have no weight, most readings may be such outliers.
+fn worse(report: &CalibrationResult) -> Option<Diagnostic> {
+    let of = |unit: Unit| report.efficiency(false, unit).filter(|efficiency| *efficiency < -WORSE);
+    let efficiency = of(Unit::Um).or_else(|| of(Unit::Urad))?;
+    let message = format!(
+        "the readings are {:.0} % farther from the fitted model than from the machine file: most of them were rejected as outliers",
+        -100.0 * efficiency
+    );
+    let help =
+        "state sigma_um, or check signs and set-ups in the description; --no-robust gives all rows the same weight";
+    Some(Diagnostic::nowhere(Code::NOT_SETTLED, message, help))
+}
+
 /// The part of the residual that the described uncertainty of the instruments does not explain, root mean square of the lengths, µm: of held-out readings if
 /// there are any, else of the `used` ones. `None` if no description states an uncertainty.
 #[must_use]
@@ -308,6 +325,8 @@ pub fn machine_text(
     let old = std::str::from_utf8(start.bytes()).map_err(|_| "it is not UTF-8")?;
     let errors = &fit.errors;
     let body = write::write(old, before, errors).map_err(|reason| reason.0)?;
+    let names = fit.estimates.iter().filter_map(|one| one.column.parameter()).map(|name| name.to_string());
+    let body = names.fold(body, |body, name| describe::measured(&body, &name));
     let body = measured.written_into(&body).ok_or("measured is not a section")?;
     let body = uncertainty.written_into(&body).ok_or("uncertainty is not a section")?;
     let head = head.iter().map(|line| format!("{HEAD} {line}"));

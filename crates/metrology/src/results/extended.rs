@@ -128,7 +128,12 @@ impl ExtensionJob<'_> {
         }
         if grown.anchors.iter().all(Result::is_err) {
             let help = "run the diagnosis without -o; --json gives the reason for each finding (extends_why)";
-            return Err(("nothing was found that a machine file can hold".into(), help));
+            let reason = grown.anchors.iter().find_map(|one| one.as_ref().err());
+            let message = reason.map_or_else(
+                || "nothing was found that a machine file can hold".to_owned(),
+                |reason| format!("none of the causes found is written. The first one: {reason}"),
+            );
+            return Err((message, help));
         }
         let fault = || (format!("{} cannot be read back", old.name()), SECTIONS);
         let from = (old, &self.registers);

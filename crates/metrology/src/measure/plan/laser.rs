@@ -7,6 +7,7 @@ use super::builder::{Builder, Extra};
 use super::random::Random;
 use super::{PlanKind, PlanRefused, RowSpacing, Wishes, empty, kind};
 use crate::measure::data::{Free, Setup, number_of};
+use crate::measure::kind::direct::is_straightness;
 use ncfix_base::geometry::Axis;
 use ncfix_machine::machine::Machine;
 use ncfix_model::ErrorName;
@@ -73,7 +74,10 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     let tool_mm = wishes.tool_mm();
     let feed = wishes.feed.unwrap_or(1000.0);
     let dwell_s = wishes.dwell_s.unwrap_or(4.0);
-    let mut set = empty(kind("direct")?, &[Free::Offset]);
+    // The reference of a straightness is never exactly along the axis.
+    let is_aligned = !components.iter().copied().any(is_straightness);
+    let free: &[Free] = if is_aligned { &[Free::Offset] } else { &[Free::Offset, Free::Slope] };
+    let mut set = empty(kind("direct")?, free);
     set.setups.push(Setup { label: "A".into(), ..Setup::default() });
     let numbers: Vec<usize> =
         components.iter().map(|component| number_of(&mut set.targets, &component.to_string())).collect();
