@@ -95,14 +95,17 @@ pub(crate) fn run(
     let profile = &job.link.profile;
     let sender = Sender::new(dialogue, profile.window.system_bytes, &mut journal).patient(profile.patience);
     let bound = profile.holds_at_most();
-    let (speed, meter) = (lane.characters_per_s, Meter::new());
-    let mut drive = Drive { sender, port: lane.port, view, before, speed, bound, started, meter, halted: None };
+    let (speed, meter, sends_file) = (lane.characters_per_s, Meter::new(), profile.protocol.sends_file);
+    let mut drive =
+        Drive { sender, port: lane.port, view, before, speed, bound, sends_file, started, meter, halted: None };
     let (ended, end) = drive.go(&mut supply, &thermal).map_err(|error| unwritten(&error))?;
     let status = drive.status(&supply, &thermal, Some(&ended));
+    let may_have_run = drive.sender.may_have_run();
     let now = started.elapsed();
-    journal.end(&ended, now).map_err(|error| unwritten(&error))?;
+    journal.end(&ended, may_have_run, now).map_err(|error| unwritten(&error))?;
     book.close().map_err(|error| unwritten(&error))?;
-    Ok(Sent { status, end })
+    let may_be_resumed = end != FeedEnd::Done && status.sent > 0 && !profile.protocol.sends_file;
+    Ok(Sent { status, end, may_be_resumed })
 }
 
 /// The place where a transfer begins.
@@ -179,6 +182,8 @@ struct Drive<'a> {
     speed: f64,
     /// Largest number of blocks that the control has received and not executed, from the profile.
     bound: Option<u64>,
+    /// True if the link sends the program as one file.
+    sends_file: bool,
     started: Instant,
     /// The time from an answer to the bytes of the next line.
     meter: Meter,
@@ -301,6 +306,10 @@ impl Drive<'_> {
         if progress.sent == 0 {
             return format!("{why}; no line was sent");
         }
+        if self.sends_file {
+            let what = if self.sender.may_have_run() { "the job is lost" } else { "the program was not started" };
+            return format!("{what}: {why}");
+        }
         let open = progress.sent.saturating_sub(taken);
         let held = taken.saturating_sub(progress.executed.unwrap_or(0));
         let mut what = format!("the job is lost: {why}; {open} lines were sent and not acknowledged");
@@ -343,6 +352,9 @@ impl Drive<'_> {
             Some(Ended::Refused(number, said)) => {
                 (Some(FeedOutcome::Refused), Some(format!("the control refused line {number}: {said}")))
             }
+            Some(Ended::Fault(why)) if !self.sender.may_have_run() => {
+                (Some(FeedOutcome::Fault), Some(format!("{why}; no file was sent")))
+            }
             Some(Ended::Fault(why)) => (
                 Some(FeedOutcome::Fault),
                 Some(format!(
@@ -377,7 +389,8 @@ impl Drive<'_> {
                 Standing::Waiting(why) | Standing::Frozen(why) | Standing::Stop(why) | Standing::Hold(why) => Some(why),
             },
             eta_s: ended.is_none().then_some(left_s * pace),
-            delay_us: self.meter.microseconds(),
+            delay_us: self.meter.microseconds().filter(|_| !self.sends_file),
+            control: progress.control.clone(),
             ended: word,
             message,
             source_line: progress.last.source_line,

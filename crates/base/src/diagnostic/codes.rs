@@ -837,6 +837,10 @@ a laser, or state the scale of the other axis in the machine file.";
 "In some places the control waits briefly for lines (see E0702), but not long enough to forbid the transfer.";
     SERIAL_SETTINGS = "W0702" "port with different settings or a name that may change"
 "The port did not accept all settings of the profile, or its name depends on the order in which adapters were plugged in.";
+    WHOLE_FILE = "W0703" "live temperatures and a link that sends a file"
+"The link sends the whole program as one file before a person starts it. So the correction is that for the temperatures at the time
+of sending. Lines that were sent cannot be corrected for later temperatures. Send the program shortly before the start, or use a link
+that sends lines during the run.";
     KERNEL_DIFFERS = "W0801" "kernel that differs from the model"
 "The kernel of ncfix realtime tabulates the errors of every axis on 200 intervals, evaluates strongly curved functions directly, and
 corrects in two Newton steps. At 1000 poses over the whole travel it was compared with the iterated solution of the model, and

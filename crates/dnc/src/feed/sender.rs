@@ -133,6 +133,8 @@ pub struct TransferProgress {
     pub repeats: u64,
     /// Number of times that the control did not answer in time.
     pub stalls: u64,
+    /// Last report of the control about its state and position.
+    pub control: Option<String>,
     /// Last line that was sent.
     pub last: Line,
 }
@@ -191,6 +193,12 @@ impl<'a> Sender<'a> {
     #[must_use]
     pub fn progress(&self) -> &TransferProgress {
         &self.progress
+    }
+
+    /// False if the control cannot have executed any line.
+    #[must_use]
+    pub fn may_have_run(&self) -> bool {
+        self.dialogue.may_have_run()
     }
 
     /// True if bytes wait for the port.
@@ -319,6 +327,7 @@ impl<'a> Sender<'a> {
                 Event::Stalled => self.progress.stalls += 1,
                 Event::Refused(number, said) => _ = self.ended.get_or_insert(Ended::Refused(number, said)),
                 Event::Lost(why) => _ = self.ended.get_or_insert(Ended::Lost(why)),
+                Event::Reported(text) => self.progress.control = Some(text),
                 Event::Checked(_) | Event::Paused(_) | Event::Said(_) => {}
             }
         }
@@ -329,6 +338,7 @@ impl<'a> Sender<'a> {
     fn stop_for(&mut self, why: String) {
         self.fault.get_or_insert(why);
         self.is_stopped = true;
+        self.dialogue.cut();
     }
 
     /// Freezes lines while the window has room.
