@@ -572,8 +572,8 @@ executed, so ncfix keeps this journal. Look at `ncfix resume JOURNAL`, remove th
 be distinguished from the rest, and the correction would jump. Nothing was sent.";
     IDLE_UNKNOWN = "E0705" "standstill of the machine not confirmed"
 "Lines sent to a machine that executes something else, is held or waits at an open door interfere with that job. Some controls are
-queried: Grbl and grblHAL for their state, Marlin for completed moves, LinuxCNC for its status; they get no line unless they are
-idle. RS-232 links without answers and the blockwise transfer of Heidenhain have no such query. Look at the machine, and confirm with
+queried: Grbl and grblHAL for their state, Marlin for completed moves, LinuxCNC and LSV/2 for their status; they get no line unless they
+are idle. RS-232 links without answers and the blockwise transfer of Heidenhain have no such query. Look at the machine, and confirm with
 --i-checked-the-machine-stands-still. Nothing was sent.";
     NOT_CLEAR = "E0706" "no safe place to resume"
 "An aborted job is resumed only at a height that the operator has stated to be clear of workpiece and clamps (--clearance 25mm, Z of

@@ -700,3 +700,36 @@ impl Dialogue for Lsv2 {
 fn shown_whole(what: &str) -> String {
     what.split(' ').map(shown).collect::<Vec<_>>().join(" ")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::feed::PROFILES;
+    use ncfix_base::source::{FileId, Source};
+
+    fn dialogue() -> Lsv2 {
+        let (name, text) = PROFILES.iter().find(|(name, _)| *name == "lsv2").unwrap();
+        let profile = Profile::read(&Source::new(FileId(0), name, text.as_bytes().to_vec()).unwrap()).unwrap();
+        Lsv2::new(&profile, Layer::Tcp(Tcp::default()))
+    }
+
+    #[test]
+    fn a_file_that_is_too_large_is_refused_at_the_line() {
+        let (mut dialogue, mut wire) = (dialogue(), Wire::default());
+        let line = Line { number: 1, text: b"G1 X1".to_vec(), ..Line::default() };
+        dialogue.file = vec![b' '; MOST_BYTES - 7];
+        assert_eq!(dialogue.send(&line, Duration::ZERO, &mut wire), Ok(()));
+        assert_eq!(dialogue.file.len(), MOST_BYTES);
+        assert!(dialogue.send(&line, Duration::ZERO, &mut wire).unwrap_err().contains("67108864"));
+    }
+
+    #[test]
+    fn the_path_and_the_mode_follow_the_name_of_a_command() {
+        // Published: the path, a zero, and 1 for a transfer of bytes.
+        let mut dialogue = dialogue();
+        assert_eq!(dialogue.named(true), b"TNC:\\NCFIX.PM\0\0");
+        dialogue.options.is_binary = true;
+        assert_eq!(dialogue.named(true), b"TNC:\\NCFIX.PM\0\x01");
+        assert_eq!(dialogue.named(false), b"TNC:\\NCFIX.PM\0");
+    }
+}
