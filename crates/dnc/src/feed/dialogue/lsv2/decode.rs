@@ -71,19 +71,19 @@ pub(super) fn mode(data: &[u8]) -> Option<(&'static str, Option<&'static str>)> 
 
 /// Program under way (`R_RI` 24).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct Selected {
+pub(super) struct SelectedProgram {
     pub(super) line: u32,
     pub(super) main: String,
     pub(super) current: String,
 }
 
-impl Selected {
-    pub(super) fn read(data: &[u8]) -> Option<Selected> {
+impl SelectedProgram {
+    pub(super) fn read(data: &[u8]) -> Option<SelectedProgram> {
         let (line, names) = data.split_at_checked(4)?;
         let line = u32::from_be_bytes(line.try_into().ok()?);
         let mut names = names.split(|byte| *byte == 0).map(latin);
         let (main, current) = (names.next()?, names.next()?);
-        Some(Selected { line, main, current })
+        Some(SelectedProgram { line, main, current })
     }
 
     /// True if the main program is the file at this path; `/` and `\`, capitals and small letters are the same.
@@ -124,9 +124,9 @@ pub(super) fn version(data: &[u8]) -> String {
     parts.join(", ")
 }
 
-/// Refusal of a control (`T_ER`, `T_BD`).
+/// TelegramRefusal of a control (`T_ER`, `T_BD`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Refusal {
+pub(super) struct TelegramRefusal {
     class: u8,
     pub(super) number: u8,
 }
@@ -134,15 +134,15 @@ pub(super) struct Refusal {
 /// Error of `R_FI` for a file that does not exist.
 pub(super) const NO_FILE: u8 = 32;
 
-impl Refusal {
+impl TelegramRefusal {
     /// Reads a refusal; `None` if the telegram is another one, or its data are neither two bytes nor empty.
-    pub(super) fn read(telegram: &Telegram) -> Option<Refusal> {
+    pub(super) fn read(telegram: &Telegram) -> Option<TelegramRefusal> {
         if ![b"T_ER", b"T_BD"].contains(&&telegram.name) {
             return None;
         }
         match telegram.data[..] {
-            [class, number] => Some(Refusal { class, number }),
-            [] => Some(Refusal { class: 0, number: 0 }),
+            [class, number] => Some(TelegramRefusal { class, number }),
+            [] => Some(TelegramRefusal { class: 0, number: 0 }),
             _ => None,
         }
     }
@@ -232,10 +232,10 @@ mod tests {
 
     #[test]
     fn a_selected_program_has_a_line_and_two_names() {
-        let found = Selected::read(b"\0\0\x01\x02TNC:\\A.PM\0TNC:\\B.PM\0").unwrap();
+        let found = SelectedProgram::read(b"\0\0\x01\x02TNC:\\A.PM\0TNC:\\B.PM\0").unwrap();
         assert_eq!((found.line, found.current.as_str()), (258, "TNC:\\B.PM"));
         assert!(found.is("tnc:/a.pm") && !found.is("TNC:\\B.PM"));
-        assert!(Selected::read(b"\0\0\0").is_none() && Selected::read(b"\0\0\0\0A").is_none());
+        assert!(SelectedProgram::read(b"\0\0\0").is_none() && SelectedProgram::read(b"\0\0\0\0A").is_none());
     }
 
     #[test]

@@ -25,11 +25,11 @@ mod telegram;
 
 use std::time::Duration;
 
-use self::decode::{NO_FILE, ProgramState, Refusal, Selected};
+use self::decode::{NO_FILE, ProgramState, SelectedProgram, TelegramRefusal};
 use self::read_back::ReadBack;
-use self::run::{Run, Seen, Verdict};
-use self::serial::Serial;
-use self::telegram::{Tcp, Telegram};
+use self::run::{ControlReports, FileRun, RunVerdict};
+use self::serial::SerialFrames;
+use self::telegram::{TcpTelegrams, Telegram};
 use super::answers::{impossible, shown};
 use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 use crate::feed::profile::FileOptions;
@@ -43,14 +43,14 @@ pub(super) const TCP: Protocol = Protocol {
     has_planner: false,
     beyond: 0,
     check: |profile, text| check_text(text, profile.longest_line, &profile.refused),
-    create: |profile| Ok(Box::new(Lsv2::new(profile, Layer::Tcp(Tcp::default())))),
+    create: |profile| Ok(Box::new(Lsv2::new(profile, Layer::Tcp(TcpTelegrams::default())))),
 };
 
 /// Entry of the dialogue over a serial line.
 pub(super) const SERIAL: Protocol = Protocol {
     name: "lsv2-serial",
     title: "LSV/2 over a serial line: the program as one file (HEIDENHAIN)",
-    create: |profile| Ok(Box::new(Lsv2::new(profile, Layer::Serial(Serial::new(profile.most_repeats))))),
+    create: |profile| Ok(Box::new(Lsv2::new(profile, Layer::Serial(SerialFrames::new(profile.most_repeats))))),
     ..TCP
 };
 
@@ -76,8 +76,8 @@ const SURPLUS: usize = 65_536;
 /// Layer below the telegrams.
 #[derive(Debug)]
 enum Layer {
-    Tcp(Tcp),
-    Serial(Serial),
+    Tcp(TcpTelegrams),
+    Serial(SerialFrames),
 }
 
 /// Question or command that waits for its answer, or a state without one.
@@ -142,8 +142,8 @@ struct Lsv2 {
     exists: bool,
     /// True if the control answers the question for positions.
     has_position: bool,
-    seen: Seen,
-    run: Run,
+    seen: ControlReports,
+    run: FileRun,
     /// True after all questions before the file.
     was_opened: bool,
     /// True after the whole file was compared: from then on a person may start it.
@@ -182,8 +182,8 @@ impl Lsv2 {
             read_back: ReadBack::new(profile.file.is_binary),
             exists: false,
             has_position: true,
-            seen: Seen::default(),
-            run: Run::new(profile.patience),
+            seen: ControlReports::default(),
+            run: FileRun::new(profile.patience),
             was_opened: false,
             is_ready: false,
             is_stopped: false,
@@ -195,7 +195,7 @@ impl Lsv2 {
     fn send_telegram(&mut self, name: [u8; 4], data: Vec<u8>, now: Duration, wire: &mut Wire) {
         let telegram = Telegram::new(name, data);
         match &mut self.layer {
-            Layer::Tcp(_) => Tcp::send(&telegram, wire),
+            Layer::Tcp(_) => TcpTelegrams::send(&telegram, wire),
             Layer::Serial(line) => line.send(telegram, now, wire),
         }
         self.asked = now;
@@ -252,10 +252,19 @@ impl Lsv2 {
             }
         };
         self.send_telegram(name, data, now, wire);
+        // The job is over, and a control may close the connection. Over a serial line the telegram needs its handshake.
+        if step == Step::Logout && matches!(self.layer, Layer::Tcp(_)) {
+            self.step = Step::Closed;
+        }
     }
 
     /// Ends the job. The reason says what the control may have of the file.
     fn lost(&mut self, why: &str, events: &mut Vec<Event>) {
+        if self.step == Step::Logout {
+            // The result does not depend on the logout.
+            self.step = Step::Closed;
+            return;
+        }
         let of_file = match self.step {
             Step::Begin | Step::Block | Step::End | Step::Read | Step::Discard if !self.is_ready => {
                 format!("; an incomplete file {} may be on the control: delete it there", self.path)
@@ -281,7 +290,7 @@ impl Lsv2 {
             self.messages += 1;
             return;
         }
-        if let Some(refusal) = Refusal::read(telegram) {
+        if let Some(refusal) = TelegramRefusal::read(telegram) {
             return self.refuse(refusal, now, wire, events);
         }
         let is_ok = telegram.name == *b"T_OK" && telegram.data.is_empty();
@@ -314,7 +323,7 @@ impl Lsv2 {
                     None => self.ask(Step::Selected, now, wire),
                 }
             }),
-            Step::Selected => data(b"S_RI").and_then(Selected::read).map(|selected| {
+            Step::Selected => data(b"S_RI").and_then(SelectedProgram::read).map(|selected| {
                 self.seen.selected = selected;
                 let next = if self.has_position { Step::Position } else { Step::File };
                 match self.is_ready {
@@ -348,7 +357,7 @@ impl Lsv2 {
     }
 
     /// Handles a refusal of the current step.
-    fn refuse(&mut self, refusal: Refusal, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+    fn refuse(&mut self, refusal: TelegramRefusal, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
         let why = refusal.words();
         match self.step {
             // Without them the transfer is slower, or the end of the file is not answered.
@@ -552,13 +561,13 @@ impl Lsv2 {
     fn judge(&mut self, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
         events.push(Event::Reported(self.seen.words()));
         match self.run.look(&self.seen, &self.path, now) {
-            Verdict::Continues(None) => self.ask(Step::Resting, now, wire),
-            Verdict::Continues(Some(said)) => {
+            RunVerdict::Continues(None) => self.ask(Step::Resting, now, wire),
+            RunVerdict::Continues(Some(said)) => {
                 events.push(Event::Said(said));
                 self.ask(Step::Resting, now, wire);
             }
-            Verdict::Ended => self.ask(Step::Read, now, wire),
-            Verdict::Lost(why) => self.lost(&why, events),
+            RunVerdict::Ended => self.ask(Step::Read, now, wire),
+            RunVerdict::Lost(why) => self.lost(&why, events),
         }
     }
 }
@@ -710,7 +719,7 @@ mod tests {
     fn dialogue() -> Lsv2 {
         let (name, text) = PROFILES.iter().find(|(name, _)| *name == "lsv2").unwrap();
         let profile = Profile::read(&Source::new(FileId(0), name, text.as_bytes().to_vec()).unwrap()).unwrap();
-        Lsv2::new(&profile, Layer::Tcp(Tcp::default()))
+        Lsv2::new(&profile, Layer::Tcp(TcpTelegrams::default()))
     }
 
     #[test]

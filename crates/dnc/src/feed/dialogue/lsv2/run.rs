@@ -5,7 +5,7 @@
 
 use std::time::Duration;
 
-use super::decode::{ProgramState, Selected};
+use super::decode::{ProgramState, SelectedProgram};
 use crate::feed::watch::Patience;
 
 /// A run that should take longer than this and ends in a quarter of its time was not complete.
@@ -15,15 +15,15 @@ const SLOWEST: u32 = 10;
 
 /// Last reports of the control.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Seen {
+pub(super) struct ControlReports {
     pub(super) state: Option<ProgramState>,
     pub(super) mode: &'static str,
-    pub(super) selected: Selected,
+    pub(super) selected: SelectedProgram,
     /// Positions by axis, as the control writes them.
     pub(super) position: Vec<(String, String)>,
 }
 
-impl Seen {
+impl ControlReports {
     /// Describes the reports for people.
     pub(super) fn words(&self) -> String {
         let state = self.state.map_or("", ProgramState::words);
@@ -37,7 +37,7 @@ impl Seen {
 
 /// Result of a report.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Verdict {
+pub(super) enum RunVerdict {
     /// The run continues, or has not begun; with a message for people.
     Continues(Option<String>),
     /// The control reports that the program has finished.
@@ -55,7 +55,7 @@ enum Stage {
 
 /// Run of one program.
 #[derive(Debug)]
-pub(super) struct Run {
+pub(super) struct FileRun {
     patience: Patience,
     /// Total duration of the moves.
     busy: Duration,
@@ -69,9 +69,9 @@ pub(super) struct Run {
     told: Option<ProgramState>,
 }
 
-impl Run {
-    pub(super) fn new(patience: Patience) -> Run {
-        Run {
+impl FileRun {
+    pub(super) fn new(patience: Patience) -> FileRun {
+        FileRun {
             patience,
             busy: Duration::ZERO,
             stage: Stage::Waiting,
@@ -94,63 +94,63 @@ impl Run {
     }
 
     /// Evaluates a report.
-    pub(super) fn look(&mut self, seen: &Seen, path: &str, now: Duration) -> Verdict {
+    pub(super) fn look(&mut self, seen: &ControlReports, path: &str, now: Duration) -> RunVerdict {
         let passed = now.saturating_sub(std::mem::replace(&mut self.last, now));
         match self.stage {
             Stage::Waiting => self.waited += passed,
             Stage::Running => self.ran += passed,
             Stage::Stopped => self.stood += passed,
         }
-        let Some(state) = seen.state else { return Verdict::Continues(None) };
+        let Some(state) = seen.state else { return RunVerdict::Continues(None) };
         let is_own = seen.selected.is(path);
         let line = seen.selected.line;
         let is_news = self.told.replace(state) != Some(state);
         let verdict = match (self.stage, state) {
             (Stage::Waiting, ProgramState::Started) if is_own => {
                 self.stage = Stage::Running;
-                Verdict::Continues(Some("the program runs".into()))
+                RunVerdict::Continues(Some("the program runs".into()))
             }
             (Stage::Waiting, ProgramState::Started) => {
                 let said = format!("the control runs another program ({})", seen.selected.main);
-                Verdict::Continues(is_news.then_some(said))
+                RunVerdict::Continues(is_news.then_some(said))
             }
-            (Stage::Waiting, _) => Verdict::Continues(None),
+            (Stage::Waiting, _) => RunVerdict::Continues(None),
             _ if !is_own => {
                 let other = if seen.selected.main.is_empty() { "none" } else { &seen.selected.main };
-                Verdict::Lost(format!("during the run another program was selected at the control ({other})"))
+                RunVerdict::Lost(format!("during the run another program was selected at the control ({other})"))
             }
             (_, ProgramState::Started) => {
                 let was_stopped = std::mem::replace(&mut self.stage, Stage::Running) == Stage::Stopped;
-                Verdict::Continues(was_stopped.then(|| "the program runs again".to_owned()))
+                RunVerdict::Continues(was_stopped.then(|| "the program runs again".to_owned()))
             }
             (_, ProgramState::Stopped | ProgramState::Interrupted) => {
                 self.stage = Stage::Stopped;
-                Verdict::Continues(is_news.then(|| format!("{} in line {line}", state.words())))
+                RunVerdict::Continues(is_news.then(|| format!("{} in line {line}", state.words())))
             }
             (_, ProgramState::Finished) => self.finish(),
             (_, ProgramState::Idle) => {
-                Verdict::Lost("the control is idle, and did not report that the program has finished".into())
+                RunVerdict::Lost("the control is idle, and did not report that the program has finished".into())
             }
-            _ => Verdict::Lost(format!("in line {line}, {}", state.words())),
+            _ => RunVerdict::Lost(format!("in line {line}, {}", state.words())),
         };
         match verdict {
-            Verdict::Continues(said) => self.limit(said),
+            RunVerdict::Continues(said) => self.limit(said),
             verdict => verdict,
         }
     }
 
-    fn finish(&self) -> Verdict {
+    fn finish(&self) -> RunVerdict {
         if self.busy > NOTICED && self.ran < self.busy / 4 {
             let [ran, busy] = [self.ran, self.busy].map(|time| time.as_secs_f64());
-            return Verdict::Lost(format!(
+            return RunVerdict::Lost(format!(
                 "the program has finished after {ran:.1} s, and its moves take {busy:.1} s: it was not executed completely"
             ));
         }
-        Verdict::Ended
+        RunVerdict::Ended
     }
 
     /// Applies the limits of time.
-    fn limit(&self, said: Option<String>) -> Verdict {
+    fn limit(&self, said: Option<String>) -> RunVerdict {
         let most = self.patience.stall.saturating_add(self.busy.saturating_mul(SLOWEST));
         for (time, most, what) in [
             (self.waited, self.patience.hold, "no person has started the program"),
@@ -158,10 +158,10 @@ impl Run {
             (self.ran, most, "the program runs"),
         ] {
             if time > most {
-                return Verdict::Lost(format!("{what} for {} s: ncfix asks no more", time.as_secs()));
+                return RunVerdict::Lost(format!("{what} for {} s: ncfix asks no more", time.as_secs()));
             }
         }
-        Verdict::Continues(said)
+        RunVerdict::Continues(said)
     }
 }
 
@@ -172,20 +172,20 @@ mod tests {
     const PATH: &str = "TNC:\\A.PM";
     const SECOND: Duration = Duration::from_secs(1);
 
-    fn seen(state: ProgramState, main: &str) -> Seen {
-        let selected = Selected { line: 7, main: main.to_owned(), current: main.to_owned() };
-        Seen { state: Some(state), selected, ..Seen::default() }
+    fn seen(state: ProgramState, main: &str) -> ControlReports {
+        let selected = SelectedProgram { line: 7, main: main.to_owned(), current: main.to_owned() };
+        ControlReports { state: Some(state), selected, ..ControlReports::default() }
     }
 
-    fn run() -> Run {
-        let mut run = Run::new(Patience { stall: 10 * SECOND, hold: 60 * SECOND });
+    fn run() -> FileRun {
+        let mut run = FileRun::new(Patience { stall: 10 * SECOND, hold: 60 * SECOND });
         run.plan(8 * SECOND);
         run
     }
 
-    fn looks(reports: &[(u32, ProgramState, &str)]) -> Verdict {
+    fn looks(reports: &[(u32, ProgramState, &str)]) -> RunVerdict {
         let mut run = run();
-        let mut last = Verdict::Continues(None);
+        let mut last = RunVerdict::Continues(None);
         for (second, state, main) in reports {
             last = run.look(&seen(*state, main), PATH, *second * SECOND);
         }
@@ -196,12 +196,12 @@ mod tests {
     fn finished_counts_only_after_a_run_of_this_file() {
         use ProgramState::{Cancelled, Finished, Idle, Started, Stopped};
         // The report of an earlier program.
-        assert_eq!(looks(&[(1, Finished, PATH)]), Verdict::Continues(None));
-        assert_eq!(looks(&[(1, Started, "TNC:\\B.PM"), (9, Finished, "TNC:\\B.PM")]), Verdict::Continues(None));
-        assert_eq!(looks(&[(1, Started, PATH), (9, Finished, PATH)]), Verdict::Ended);
+        assert_eq!(looks(&[(1, Finished, PATH)]), RunVerdict::Continues(None));
+        assert_eq!(looks(&[(1, Started, "TNC:\\B.PM"), (9, Finished, "TNC:\\B.PM")]), RunVerdict::Continues(None));
+        assert_eq!(looks(&[(1, Started, PATH), (9, Finished, PATH)]), RunVerdict::Ended);
         assert_eq!(
             looks(&[(1, Started, PATH), (2, Stopped, PATH), (9, Started, PATH), (10, Finished, PATH)]),
-            Verdict::Ended
+            RunVerdict::Ended
         );
         for (reports, says) in [
             (&[(1, Started, PATH), (2, Finished, PATH)][..], "not executed completely"),
@@ -214,7 +214,11 @@ mod tests {
             (&[(1, Started, PATH), (2, Stopped, PATH), (63, Stopped, PATH)], "stands"),
             (&[(1, Started, PATH), (92, Started, PATH)], "runs for 91 s"),
         ] {
-            assert!(matches!(looks(reports), Verdict::Lost(why) if why.contains(says)), "{says}: {:?}", looks(reports));
+            assert!(
+                matches!(looks(reports), RunVerdict::Lost(why) if why.contains(says)),
+                "{says}: {:?}",
+                looks(reports)
+            );
         }
     }
 }

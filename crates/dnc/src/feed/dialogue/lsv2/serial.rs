@@ -53,7 +53,7 @@ enum State {
 
 /// One end of the line.
 #[derive(Debug)]
-pub(super) struct Serial {
+pub(super) struct SerialFrames {
     state: State,
     /// Time when the state began.
     since: Duration,
@@ -67,9 +67,9 @@ pub(super) struct Serial {
     block: Vec<u8>,
 }
 
-impl Serial {
-    pub(super) fn new(most_repeats: u32) -> Serial {
-        Serial {
+impl SerialFrames {
+    pub(super) fn new(most_repeats: u32) -> SerialFrames {
+        SerialFrames {
             state: State::Idle,
             since: Duration::ZERO,
             waiting: Vec::new(),
@@ -257,7 +257,7 @@ mod tests {
 
     #[test]
     fn a_block_without_an_answer_is_not_sent_again() {
-        let (mut wire, mut line) = (Wire::default(), Serial::new(3));
+        let (mut wire, mut line) = (Wire::default(), SerialFrames::new(3));
         let at = Duration::from_secs;
         line.send(Telegram::new(*b"A_LO", Vec::new()), at(0), &mut wire);
         for byte in [DLE, READY] {

@@ -50,12 +50,12 @@ fn check_name(name: &[u8]) -> Result<(), String> {
 
 /// Telegrams over TCP.
 #[derive(Debug, Default)]
-pub(super) struct Tcp {
+pub(super) struct TcpTelegrams {
     head: Vec<u8>,
     data: Vec<u8>,
 }
 
-impl Tcp {
+impl TcpTelegrams {
     pub(super) fn send(telegram: &Telegram, wire: &mut Wire) {
         // No telegram of this program reaches the limit of 32 bits.
         wire.push(&u32::try_from(telegram.data.len()).unwrap_or(u32::MAX).to_be_bytes());
@@ -93,12 +93,12 @@ mod tests {
     #[test]
     fn a_login_has_the_bytes_of_a_published_trace() {
         let mut wire = Wire::default();
-        Tcp::send(&Telegram::new(*b"A_LG", b"INSPECT\0".to_vec()), &mut wire);
+        TcpTelegrams::send(&Telegram::new(*b"A_LG", b"INSPECT\0".to_vec()), &mut wire);
         assert_eq!(wire.next(99), b"\0\0\0\x08A_LGINSPECT\0");
     }
 
     fn hear(bytes: &[u8]) -> Result<Vec<Telegram>, String> {
-        let mut tcp = Tcp::default();
+        let mut tcp = TcpTelegrams::default();
         let mut found = Vec::new();
         for byte in bytes {
             found.extend(tcp.hear(*byte)?);
