@@ -446,7 +446,7 @@ impl Drop for Bench {
     }
 }
 
-const PART: &str = "%PM9013\nN9013 (PLATE)\nN1 G17 G71 G90\nN2 G54\nN3 S800 M3\nN4 G0 X10 Y10 Z50\nN5 G1 Z-1 F500\nN6 G1 X60\nN7 G0 Z50\nN8 M30\n";
+const PART: &str = "%PM9013\nN9013 (PLATE)\nN1 G17 G71 G90\nN2 G54\nN3 S800 M3\nN4 G0 X10 Y10 Z50\nN5 G1 Z-1 F1500\nN6 G1 X60\nN7 G0 Z50\nN8 M30\n";
 
 fn feed(shop: &Shop, port: &str, more: &[&str]) -> Run {
     let mill = machine("universal_mill");

@@ -279,11 +279,10 @@ impl Drive<'_> {
             Some(most) => format!("up to {most} blocks that the control already holds"),
             None => "the blocks that the control already holds, whose number it does not report".to_owned(),
         };
-        let what = said.unwrap_or_else(|| {
-            format!(
-                "this link has no command to hold the axes: use feed hold of the control; ncfix ends; the {open} lines sent may still be executed, and {held}"
-            )
-        });
+        let by_hand = "this link has no command to hold the axes: use feed hold of the control; ncfix ends";
+        let what = said
+            .or(self.sender.remains().map(|remains| format!("{by_hand}; {remains}")))
+            .unwrap_or_else(|| format!("{by_hand}; the {open} lines sent may still be executed, and {held}"));
         let message = format!("{why}: {what}");
         self.view.say(FeedEvent::Halt, now, None, message.clone());
         self.halted = Some((halt, code, why.to_owned(), message));
@@ -374,7 +373,7 @@ impl Drive<'_> {
             executed: progress.executed,
             window: progress.in_flight.0,
             window_bytes: progress.in_flight.1,
-            lowest: progress.lowest,
+            lowest: progress.lowest.filter(|_| !self.sends_file),
             link_percent: self
                 .speed
                 .is_finite()
@@ -388,7 +387,7 @@ impl Drive<'_> {
                 Standing::Good => None,
                 Standing::Waiting(why) | Standing::Frozen(why) | Standing::Stop(why) | Standing::Hold(why) => Some(why),
             },
-            eta_s: ended.is_none().then_some(left_s * pace),
+            eta_s: (ended.is_none() && !self.sends_file).then_some(left_s * pace),
             delay_us: self.meter.microseconds().filter(|_| !self.sends_file),
             control: progress.control.clone(),
             ended: word,

@@ -361,7 +361,7 @@ impl Lsv2 {
         match number {
             22 if !self.has_position => self.error(24),
             22 => {
-                self.x_um += i64::from(self.drifts);
+                self.x_um += 10 * i64::from(self.drifts);
                 let text = format!("{}.{:03}\0+20.000\0X\0Z\0", self.x_um / 1000, self.x_um % 1000);
                 self.say("S_RI", &[&[0, 2][..], text.as_bytes()].concat());
             }
@@ -475,7 +475,8 @@ impl Lsv2 {
             [5] => self.out.extend([16, b'0']),
             [16] => return,
             [16, 2] => line.is_in_block = true,
-            [16, b'0'] => {
+            // Ready for a block, or again.
+            [16, b'0'] | [21] => {
                 let mut block = line.out[0].clone();
                 if self.says_bad_check > 0 {
                     self.says_bad_check -= 1;
@@ -490,10 +491,6 @@ impl Lsv2 {
                 if line.has_asked {
                     self.out.push(5);
                 }
-            }
-            [21] => {
-                let block = line.out[0].clone();
-                self.out.extend(block);
             }
             [4] => {}
             _ => panic!("{:?}", line.seen),

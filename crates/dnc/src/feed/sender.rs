@@ -201,6 +201,12 @@ impl<'a> Sender<'a> {
         self.dialogue.may_have_run()
     }
 
+    /// Describes what the control has of a file, for a link that sends one.
+    #[must_use]
+    pub fn remains(&self) -> Option<String> {
+        self.dialogue.remains()
+    }
+
     /// True if bytes wait for the port.
     #[must_use]
     pub fn wants_to_write(&self) -> bool {
@@ -237,7 +243,7 @@ impl<'a> Sender<'a> {
             self.wire.queue(port.queued().unwrap_or(0));
         }
         if let Err(error) = self.hear(now, port) {
-            self.events.push(Event::Lost(gone(&error)));
+            self.events.push(Event::Lost(self.gone(&error)));
         }
         self.dialogue.tick(now, &mut self.wire, &mut self.events);
         self.take_events(now, note)?;
@@ -252,7 +258,7 @@ impl<'a> Sender<'a> {
         if let Err(error) = self.write(port)
             && self.ended.is_none()
         {
-            self.events.push(Event::Lost(gone(&error)));
+            self.events.push(Event::Lost(self.gone(&error)));
             self.take_events(now, note)?;
         }
         self.record.settle()?;
@@ -334,6 +340,12 @@ impl<'a> Sender<'a> {
         Ok(())
     }
 
+    /// Returns the reason of a link that has failed, with what the control has of a file.
+    fn gone(&self, error: &io::Error) -> String {
+        let remains = self.dialogue.remains().map_or(String::new(), |remains| format!("; {remains}"));
+        format!("{GONE}: {error}; check the cable, the adapter and interference from drives{remains}")
+    }
+
     /// Prevents further lines. Earlier ones run out: a line that has begun to leave is not cut in two.
     fn stop_for(&mut self, why: String) {
         self.fault.get_or_insert(why);
@@ -399,8 +411,4 @@ impl<'a> Sender<'a> {
             self.wire.queue(port.queued().unwrap_or(0));
         }
     }
-}
-
-fn gone(error: &io::Error) -> String {
-    format!("{GONE}: {error}; check the cable, the adapter and interference from drives")
 }

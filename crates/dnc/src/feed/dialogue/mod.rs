@@ -102,6 +102,11 @@ pub trait Dialogue: Send {
         true
     }
 
+    /// Describes what the control has of a file, for a link that sends one.
+    fn remains(&self) -> Option<String> {
+        None
+    }
+
     /// Carries out a stop command. Returns its effect on the lines in the control as a sentence; `None` if this dialogue has no such command.
     fn halt(&mut self, halt: Halt, now: Duration, wire: &mut Wire) -> Option<String>;
 }

@@ -112,6 +112,18 @@ pub(super) fn position(data: &[u8]) -> Option<Vec<(String, String)>> {
     Some(names.iter().zip(values).map(pair).collect())
 }
 
+/// Difference of two positions that counts as motion, mm or degrees: more than the noise of an axis at rest.
+const MOTION: f64 = 0.005;
+
+/// True if an axis has moved between two positions, or the axes are others.
+pub(super) fn has_moved(before: &[(String, String)], after: &[(String, String)]) -> bool {
+    let value = |text: &str| text.parse::<f64>().unwrap_or(f64::NAN);
+    let is_equal = |((axis, from), (other, to)): (&(String, String), &(String, String))| {
+        axis == other && (value(from) - value(to)).abs() <= MOTION
+    };
+    before.len() != after.len() || !before.iter().zip(after).all(is_equal)
+}
+
 /// Maximum length of a telegram, from the system parameters.
 pub(super) fn block_length(data: &[u8]) -> Option<usize> {
     let bytes = data.get(BLOCK_LENGTH_AT..BLOCK_LENGTH_AT + 2)?;
@@ -216,6 +228,9 @@ mod tests {
     fn a_position_has_as_many_names_as_values() {
         let found = position(b"\0\x02+1.5\0-20\0X\0Z\0").unwrap();
         assert_eq!(found, [("X".into(), "+1.5".into()), ("Z".into(), "-20".into())]);
+        let at = |x: &str| [("X".to_owned(), x.to_owned())];
+        assert!(!has_moved(&at("1.000"), &at("+1.004")) && has_moved(&at("1.000"), &at("1.006")));
+        assert!(has_moved(&at("1.000"), &[]));
         for data in [
             &b""[..],
             b"\0",

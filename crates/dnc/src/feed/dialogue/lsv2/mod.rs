@@ -146,6 +146,8 @@ struct Lsv2 {
     run: FileRun,
     /// True after all questions before the file.
     was_opened: bool,
+    /// True while a part of the file may be on the control.
+    has_begun: bool,
     /// True after the whole file was compared: from then on a person may start it.
     is_ready: bool,
     is_stopped: bool,
@@ -185,6 +187,7 @@ impl Lsv2 {
             seen: ControlReports::default(),
             run: FileRun::new(profile.patience),
             was_opened: false,
+            has_begun: false,
             is_ready: false,
             is_stopped: false,
             is_cut: false,
@@ -228,7 +231,10 @@ impl Lsv2 {
             Step::File => (*b"A_LG", zeroed("FILE")),
             Step::Exists => (*b"R_FI", self.named(false)),
             Step::Remove | Step::Discard => (*b"C_FD", self.named(false)),
-            Step::Begin => (*b"C_FL", self.named(true)),
+            Step::Begin => {
+                self.has_begun = true;
+                (*b"C_FL", self.named(true))
+            }
             Step::Block => {
                 let end = self.file.len().min(self.sent + self.telegram.saturating_sub(BESIDE).max(1));
                 let block = self.file.get(self.sent..end).unwrap_or_default().to_vec();
@@ -265,17 +271,21 @@ impl Lsv2 {
             self.step = Step::Closed;
             return;
         }
-        let of_file = match self.step {
-            Step::Begin | Step::Block | Step::End | Step::Read | Step::Discard if !self.is_ready => {
-                format!("; an incomplete file {} may be on the control: delete it there", self.path)
-            }
-            _ if self.is_ready => {
-                format!("; the control has the program {}: look there at which block it stands", self.path)
-            }
-            _ => "; the control has nothing of this program".to_owned(),
-        };
+        let before = self.why.take().filter(|why| !why.is_empty()).map_or(String::new(), |why| format!("{why}; "));
         self.step = Step::Over;
-        events.push(Event::Lost(format!("{}{of_file}", why.trim_end_matches([' ', '.']))));
+        let why = why.trim_end_matches([' ', '.']);
+        events.push(Event::Lost(format!("{before}{why}; {}", self.of_file())));
+    }
+
+    /// Describes what the control has of the file.
+    fn of_file(&self) -> String {
+        if self.is_ready {
+            format!("the control has the program {}: look there at which block it stands", self.path)
+        } else if self.has_begun {
+            format!("an incomplete file {} may be on the control: delete it there", self.path)
+        } else {
+            "the control has nothing of this program".to_owned()
+        }
     }
 
     /// Ends the job after the file was deleted, because it must not be started.
@@ -302,7 +312,10 @@ impl Lsv2 {
                 let next = if matches!(self.layer, Layer::Tcp(_)) { Step::Parameters } else { Step::AnswersEnd };
                 self.ask(next, now, wire);
             }),
-            Step::Parameters => data(b"S_PR").and_then(decode::block_length).map(|most| self.agree(most, now, wire)),
+            // Parameters of another length state no size: telegrams stay small.
+            Step::Parameters => {
+                data(b"S_PR").map(|data| self.agree(decode::block_length(data).unwrap_or_default(), now, wire))
+            }
             Step::Buffer(size) if is_ok => {
                 self.telegram = size;
                 Some(self.ask(Step::AnswersEnd, now, wire))
@@ -324,15 +337,11 @@ impl Lsv2 {
                 }
             }),
             Step::Selected => data(b"S_RI").and_then(SelectedProgram::read).map(|selected| {
-                self.seen.selected = selected;
-                let next = if self.has_position { Step::Position } else { Step::File };
-                match self.is_ready {
-                    true if !self.has_position => self.judge(now, wire, events),
-                    _ => self.ask(next, now, wire),
-                }
+                self.hear_selected(selected, now, wire, events);
             }),
             Step::Position | Step::SecondPosition => data(b"S_RI").and_then(decode::position).map(|position| {
-                let moved = std::mem::replace(&mut self.seen.position, position) != self.seen.position;
+                let before = std::mem::replace(&mut self.seen.position, position);
+                let moved = decode::has_moved(&before, &self.seen.position);
                 self.hear_position(moved, now, wire, events);
             }),
             Step::File if is_ok => Some(self.ask(Step::Exists, now, wire)),
@@ -374,6 +383,8 @@ impl Lsv2 {
                 events.push(Event::Said(format!("no positions: {why}")));
                 if self.is_ready { self.judge(now, wire, events) } else { self.ask(Step::File, now, wire) }
             }
+            // No program is selected.
+            Step::Selected => self.hear_selected(SelectedProgram::default(), now, wire, events),
             Step::Exists if refusal.number == NO_FILE => self.ask(Step::Taking, now, wire),
             Step::Dnc => {
                 let help = "its state cannot be asked. The control needs the option for DNC (18), and external access must be on. With watch = false in [file] of your own link file ncfix only transfers the file";
@@ -441,6 +452,15 @@ impl Lsv2 {
         } else {
             let help = "let it end, or cancel it there";
             self.lost(&format!("the control is not idle ({}): {help}", state.words()), events);
+        }
+    }
+
+    fn hear_selected(&mut self, selected: SelectedProgram, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+        self.seen.selected = selected;
+        match (self.has_position, self.is_ready) {
+            (true, _) => self.ask(Step::Position, now, wire),
+            (false, true) => self.judge(now, wire, events),
+            (false, false) => self.ask(Step::File, now, wire),
         }
     }
 
@@ -541,6 +561,7 @@ impl Lsv2 {
 
     /// Ends the job after the file was deleted, or could not be deleted.
     fn discarded(&mut self, refusal: Option<String>, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+        self.has_begun = refusal.is_some();
         let of_file = match refusal {
             None => format!("the incomplete or wrong file {} was deleted", self.path),
             Some(why) => {
@@ -684,6 +705,10 @@ impl Dialogue for Lsv2 {
 
     fn may_have_run(&self) -> bool {
         self.is_ready
+    }
+
+    fn remains(&self) -> Option<String> {
+        Some(self.of_file())
     }
 
     fn halt(&mut self, halt: Halt, _now: Duration, _wire: &mut Wire) -> Option<String> {
