@@ -503,7 +503,7 @@ fn a_refused_file_leaves_a_journal_that_a_new_job_replaces() {
     assert!(shop.text("part.pm.journal").contains(" E not started, lost: "));
     let resumed = shop.run(["resume", "part.pm.journal"]);
     assert!(resumed.code == 2 && resumed.stderr.contains("no line of the job"), "{resumed:?}");
-    // The control is cut off during the run: it has the program, and nobody knows how far it came.
+    // The control is cut off during the run: it has the program, and it is not known how far it came.
     let bench = Bench::at_network(with(Lsv2::over_network(1.0), |control| control.starts_after_s = Some(0.2)));
     let shared = Arc::clone(&bench.shared);
     let name = bench.name.clone();
@@ -562,7 +562,7 @@ fn paths_sensors_and_dialects_are_checked_before_the_port_is_opened() {
     assert!(run.code == 4 && run.stderr.contains("E0705"), "{run:?}");
 }
 
-/// Controls that are none: they close, or say anything for as long as they are heard.
+/// Peers that are not a control: they close, or say anything for as long as they are heard.
 #[test]
 fn a_port_that_is_no_control_ends_the_job_at_once() {
     for (says, code) in [

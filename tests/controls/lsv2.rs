@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::Control;
 
-/// What it does in place of the right answer.
+/// A wrong reaction in place of the right answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Odd {
     /// `T_ER` with class 1 and this number.
@@ -376,7 +376,7 @@ impl Lsv2 {
         }
     }
 
-    /// What a person does at the control, and the run.
+    /// The acts of a person at the control, and the run.
     fn work(&mut self) {
         if let (Some(since), Some(after)) = (self.complete_s, self.starts_after_s)
             && self.now_s >= since + after
