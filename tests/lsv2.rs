@@ -108,7 +108,7 @@ fn a_program_is_stored_read_back_started_by_a_person_and_counted_when_it_has_run
         let reports = |part: &str| {
             job.notes.events.iter().any(|event| matches!(event, Event::Reported(text) if text.contains(part)))
         };
-        assert!(reports("a program runs, line ") && reports("X0.000") && reports("Z+20.000"), "{name}");
+        assert!(reports("a program runs, mode automatic, line ") && reports("X0.000") && reports("Z+20.000"), "{name}");
         assert_eq!(job.control.pressed, 0, "{name}");
     }
 }

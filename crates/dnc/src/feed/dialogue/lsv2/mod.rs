@@ -18,6 +18,7 @@
 //! files, and a correction for later temperatures is not possible. No buffer question is published either.
 
 mod decode;
+mod hear;
 mod read_back;
 mod run;
 mod serial;
@@ -25,9 +26,8 @@ mod telegram;
 
 use std::time::Duration;
 
-use self::decode::{NO_FILE, ProgramState, SelectedProgram, TelegramRefusal};
 use self::read_back::ReadBack;
-use self::run::{ControlReports, FileRun, RunVerdict};
+use self::run::{ControlReports, FileRun};
 use self::serial::SerialFrames;
 use self::telegram::{TcpTelegrams, Telegram};
 use super::answers::{impossible, shown};
@@ -294,118 +294,6 @@ impl Lsv2 {
         self.ask(Step::Discard, now, wire);
     }
 
-    fn answer(&mut self, telegram: &Telegram, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
-        if telegram.name.starts_with(b"M_") && self.messages < MOST_MESSAGES {
-            // Messages need no answer, and are not answers.
-            self.messages += 1;
-            return;
-        }
-        if let Some(refusal) = TelegramRefusal::read(telegram) {
-            return self.refuse(refusal, now, wire, events);
-        }
-        let is_ok = telegram.name == *b"T_OK" && telegram.data.is_empty();
-        let data = |name: &[u8; 4]| (telegram.name == *name).then_some(&telegram.data[..]);
-        let is_known = match self.step {
-            Step::Inspect if is_ok => Some(self.ask(Step::Version, now, wire)),
-            Step::Version => data(b"S_VR").map(|data| {
-                events.push(Event::Said(format!("control {}", decode::version(data))));
-                let next = if matches!(self.layer, Layer::Tcp(_)) { Step::Parameters } else { Step::AnswersEnd };
-                self.ask(next, now, wire);
-            }),
-            // Parameters of another length state no size: telegrams stay small.
-            Step::Parameters => {
-                data(b"S_PR").map(|data| self.agree(decode::block_length(data).unwrap_or_default(), now, wire))
-            }
-            Step::Buffer(size) if is_ok => {
-                self.telegram = size;
-                Some(self.ask(Step::AnswersEnd, now, wire))
-            }
-            Step::AnswersEnd if is_ok => {
-                self.answers_end = true;
-                Some(self.ask_rights(now, wire))
-            }
-            Step::Dnc if is_ok => Some(self.ask(Step::Status, now, wire)),
-            Step::Status => data(b"S_RI").and_then(ProgramState::read).map(|state| {
-                self.seen.state = Some(state);
-                self.hear_state(state, now, wire, events);
-            }),
-            Step::Mode => data(b"S_RI").and_then(decode::mode).map(|(mode, why)| {
-                self.seen.mode = mode;
-                match why {
-                    Some(why) => self.lost(&format!("the control is in the mode {mode}: {why}"), events),
-                    None => self.ask(Step::Selected, now, wire),
-                }
-            }),
-            Step::Selected => data(b"S_RI").and_then(SelectedProgram::read).map(|selected| {
-                self.hear_selected(selected, now, wire, events);
-            }),
-            Step::Position | Step::SecondPosition => data(b"S_RI").and_then(decode::position).map(|position| {
-                let before = std::mem::replace(&mut self.seen.position, position);
-                let moved = decode::has_moved(&before, &self.seen.position);
-                self.hear_position(moved, now, wire, events);
-            }),
-            Step::File if is_ok => Some(self.ask(Step::Exists, now, wire)),
-            Step::Exists => data(b"S_FI").map(|_| self.hear_exists(now, wire, events)),
-            Step::Remove if is_ok => Some(self.ask(Step::Begin, now, wire)),
-            Step::Begin if is_ok => Some(self.ask(Step::Block, now, wire)),
-            Step::Block if is_ok => Some(self.hear_block(now, wire, events)),
-            Step::End if is_ok => Some(self.hear_end(now, wire)),
-            Step::Read => match data(b"S_FL") {
-                Some(bytes) => Some(self.hear_file(bytes, now, wire, events)),
-                None => data(b"T_FD").filter(|data| data.is_empty()).map(|_| self.compare(now, wire, events)),
-            },
-            Step::Discard if is_ok => Some(self.discarded(None, now, wire, events)),
-            Step::Logout if is_ok => Some(self.step = Step::Closed),
-            _ => None,
-        };
-        if is_known.is_none() {
-            let size = telegram.data.len();
-            let what = format!("{} with {size} bytes is not an answer to {}", telegram.shown(), self.doing());
-            self.lost(&impossible(&what), events);
-        }
-    }
-
-    /// Handles a refusal of the current step.
-    fn refuse(&mut self, refusal: TelegramRefusal, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
-        let why = refusal.words();
-        match self.step {
-            // Without them the transfer is slower, or the end of the file is not answered.
-            Step::Parameters => self.ask(Step::AnswersEnd, now, wire),
-            Step::Buffer(_) => self.ask(Step::AnswersEnd, now, wire),
-            Step::AnswersEnd => self.ask_rights(now, wire),
-            Step::Version => {
-                let next = if matches!(self.layer, Layer::Tcp(_)) { Step::Parameters } else { Step::AnswersEnd };
-                self.ask(next, now, wire);
-            }
-            Step::Position | Step::SecondPosition => {
-                self.has_position = false;
-                self.seen.position.clear();
-                events.push(Event::Said(format!("no positions: {why}")));
-                if self.is_ready { self.judge(now, wire, events) } else { self.ask(Step::File, now, wire) }
-            }
-            // No program is selected.
-            Step::Selected => self.hear_selected(SelectedProgram::default(), now, wire, events),
-            Step::Exists if refusal.number == NO_FILE => self.ask(Step::Taking, now, wire),
-            Step::Dnc => {
-                let help = "its state cannot be asked. The control needs the option for DNC (18), and external access must be on. With watch = false in [file] of your own link file ncfix only transfers the file";
-                self.lost(&format!("the control refuses the login DNC: {why}; {help}"), events);
-            }
-            Step::Block | Step::End => {
-                self.discard(format!("the control refuses {}: {why}", self.doing()), now, wire);
-            }
-            Step::Read if !self.is_ready => {
-                self.discard(format!("the file cannot be read back: {why}"), now, wire);
-            }
-            Step::Discard => self.discarded(Some(why), now, wire, events),
-            Step::Logout => self.step = Step::Closed,
-            Step::Taking | Step::Standing | Step::Resting | Step::Closed | Step::Over => {
-                let what = format!("the control refuses something that it was not asked ({why})");
-                self.lost(&impossible(&what), events);
-            }
-            _ => self.lost(&format!("the control refuses {}: {why}", self.doing()), events),
-        }
-    }
-
     /// Describes the current step for people.
     fn doing(&self) -> String {
         match self.step {
@@ -428,167 +316,6 @@ impl Lsv2 {
             Step::Read => format!("to read {}", self.path),
             Step::Logout => "the logout".into(),
             Step::Standing | Step::Taking | Step::Resting | Step::Closed | Step::Over => "no question".into(),
-        }
-    }
-
-    /// Agrees on the size of telegrams.
-    fn agree(&mut self, most: usize, now: Duration, wire: &mut Wire) {
-        let most = most.min(self.most_telegram);
-        match BUFFERS.iter().find(|(size, _)| *size <= most) {
-            Some((size, _)) => self.ask(Step::Buffer(*size), now, wire),
-            None => self.ask(Step::AnswersEnd, now, wire),
-        }
-    }
-
-    fn ask_rights(&mut self, now: Duration, wire: &mut Wire) {
-        self.ask(if self.options.watches { Step::Dnc } else { Step::File }, now, wire);
-    }
-
-    fn hear_state(&mut self, state: ProgramState, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
-        if self.is_ready {
-            self.ask(Step::Selected, now, wire);
-        } else if state.is_at_rest() {
-            self.ask(Step::Mode, now, wire);
-        } else {
-            let help = "let it end, or cancel it there";
-            self.lost(&format!("the control is not idle ({}): {help}", state.words()), events);
-        }
-    }
-
-    fn hear_selected(&mut self, selected: SelectedProgram, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
-        self.seen.selected = selected;
-        match (self.has_position, self.is_ready) {
-            (true, _) => self.ask(Step::Position, now, wire),
-            (false, true) => self.judge(now, wire, events),
-            (false, false) => self.ask(Step::File, now, wire),
-        }
-    }
-
-    fn hear_position(&mut self, moved: bool, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
-        if self.is_ready {
-            self.judge(now, wire, events);
-        } else if self.step == Step::Position {
-            self.ask(Step::Standing, now, wire);
-        } else if moved {
-            self.lost("the axes move although no program runs: wait until they stand still", events);
-        } else {
-            self.ask(Step::File, now, wire);
-        }
-    }
-
-    fn hear_exists(&mut self, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
-        self.exists = true;
-        if self.options.replaces {
-            self.ask(Step::Taking, now, wire);
-            return;
-        }
-        let why = format!(
-            "the file {} exists on the control: delete it there, give another path with --to, or set replace = true in [file] of your own link file",
-            self.path
-        );
-        self.lost(&why, events);
-    }
-
-    /// Handles the answer to a block.
-    fn hear_block(&mut self, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
-        self.answered = self.sent;
-        let count = self.ends.partition_point(|end| *end <= self.answered) as u64;
-        if count > self.acknowledged {
-            self.acknowledged = count;
-            events.push(Event::Acknowledged(count));
-        }
-        if self.sent < self.file.len() && !self.is_stopped {
-            self.ask(Step::Block, now, wire);
-            return;
-        }
-        self.ask(Step::End, now, wire);
-        if !self.answers_end {
-            self.hear_end(now, wire);
-        }
-    }
-
-    fn hear_end(&mut self, now: Duration, wire: &mut Wire) {
-        if self.sent < self.file.len() {
-            self.discard(String::new(), now, wire);
-        } else {
-            self.ask(Step::Read, now, wire);
-        }
-    }
-
-    /// Handles a block of the file that is read back.
-    fn hear_file(&mut self, bytes: &[u8], now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
-        self.read_back.take(bytes, &self.file);
-        if self.read_back.count() > self.file.len() + SURPLUS || bytes.is_empty() {
-            return self.lost("the file that is read back does not end", events);
-        }
-        self.send_telegram(*b"T_OK", Vec::new(), now, wire);
-    }
-
-    /// Compares the file that was read back.
-    fn compare(&mut self, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
-        let difference = self.read_back.finish(&self.file);
-        match (difference, self.is_ready) {
-            (Some(difference), false) => {
-                let why = format!("the file on the control differs from the program: {difference}");
-                self.discard(why, now, wire);
-            }
-            (Some(difference), true) => {
-                let why = format!(
-                    "the program has finished, but its file on the control was changed: {difference}. It is not certain that the corrected lines were executed"
-                );
-                self.lost(&why, events);
-            }
-            (None, false) => {
-                self.is_ready = true;
-                events.push(Event::Checked(self.acknowledged));
-                let what =
-                    format!("the control has the program as {}, and it was read back without a difference", self.path);
-                if !self.options.watches || self.is_stopped {
-                    events.push(Event::Said(what));
-                    self.ask(Step::Logout, now, wire);
-                    return;
-                }
-                events.push(Event::Said(format!("{what}: select it there and start it; ncfix starts nothing")));
-                self.run.wait(now);
-                self.ask(Step::Resting, now, wire);
-            }
-            (None, true) => {
-                events.push(Event::Executed(self.acknowledged));
-                self.ask(Step::Logout, now, wire);
-            }
-        }
-    }
-
-    /// Ends the job after the file was deleted, or could not be deleted.
-    fn discarded(&mut self, refusal: Option<String>, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
-        self.has_begun = refusal.is_some();
-        let of_file = match refusal {
-            None => format!("the incomplete or wrong file {} was deleted", self.path),
-            Some(why) => {
-                format!("the incomplete or wrong file {} could not be deleted ({why}): delete it there", self.path)
-            }
-        };
-        let why = self.why.take().unwrap_or_default();
-        if why.is_empty() {
-            events.push(Event::Said(of_file));
-            self.ask(Step::Logout, now, wire);
-        } else {
-            self.step = Step::Over;
-            events.push(Event::Lost(format!("{why}; {of_file}")));
-        }
-    }
-
-    /// Evaluates what the control reports of the run.
-    fn judge(&mut self, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
-        events.push(Event::Reported(self.seen.words()));
-        match self.run.look(&self.seen, &self.path, now) {
-            RunVerdict::Continues(None) => self.ask(Step::Resting, now, wire),
-            RunVerdict::Continues(Some(said)) => {
-                events.push(Event::Said(said));
-                self.ask(Step::Resting, now, wire);
-            }
-            RunVerdict::Ended => self.ask(Step::Read, now, wire),
-            RunVerdict::Lost(why) => self.lost(&why, events),
         }
     }
 }

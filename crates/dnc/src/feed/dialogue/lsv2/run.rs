@@ -17,6 +17,7 @@ const SLOWEST: u32 = 10;
 #[derive(Clone, Debug, Default)]
 pub(super) struct ControlReports {
     pub(super) state: Option<ProgramState>,
+    /// Operating mode.
     pub(super) mode: &'static str,
     pub(super) selected: SelectedProgram,
     /// Positions by axis, as the control writes them.
@@ -27,7 +28,7 @@ impl ControlReports {
     /// Describes the reports for people.
     pub(super) fn words(&self) -> String {
         let state = self.state.map_or("", ProgramState::words);
-        let mut text = format!("{state}, line {} of {}", self.selected.line, self.selected.current);
+        let mut text = format!("{state}, mode {}, line {} of {}", self.mode, self.selected.line, self.selected.current);
         for (axis, value) in &self.position {
             text += &format!(" {axis}{value}");
         }
