@@ -518,7 +518,7 @@ impl Control for Lsv2 {
         }
         let whole = std::mem::take(bytes);
         assert!(whole.len() < self.buffer, "{} of {}", whole.len(), self.buffer);
-        self.telegram(&String::from_utf8(whole[4..8].to_vec()).unwrap(), &whole[8..]);
+        self.telegram(std::str::from_utf8(&whole[4..8]).unwrap(), &whole[8..]);
     }
 
     fn tick(&mut self, now_s: f64) {

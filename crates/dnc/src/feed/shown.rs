@@ -145,7 +145,7 @@ mod tests {
         let [x, z] = &found.axes_um[..] else { panic!("{found:?}") };
         assert!(x.0 == "X" && near(&x.1[0], [0.0, 0.0, 1.0]) && near(&x.1[1], [0.0, 0.0, 1.0]));
         assert!(near(&z.1[0], [0.0, -5.1, 0.0]) && near(&z.1[1], [0.0, -4.0, 0.0]), "{z:?}");
-        assert_eq!(found.waiting, []);
+        assert_eq!(found.waiting, [("not answered".to_owned(), vec![1.0, 2.0, 3.0])]);
         assert_eq!(shown("G1 X0\n").unwrap_err().0, 1);
         assert_eq!(shown("ncfix journal 1\n0 T warm nose\n").unwrap_err().0, 2);
     }
