@@ -366,6 +366,31 @@ fn a_stop_leaves_no_part_of_a_file() {
 }
 
 #[test]
+fn a_cut_connection_says_what_the_control_has_of_the_file() {
+    let mut counts = [0; 3];
+    for hundredth in 1..200 {
+        let own = profile("lsv2");
+        let unplugged_s = Some(f64::from(hundredth) / 100.0);
+        let faults = Faults { most_bytes: 700, latency_s: 0.001, unplugged_s, ..Faults::default() };
+        let (mut notes, mut planned) = (Notes::default(), Planned::new(2000, 0.02));
+        let mut cable = Cable::new(Lsv2::over_network(0.02), faults, 1);
+        let mut sender = Sender::new((own.protocol.create)(&own).unwrap(), own.window.system_bytes, &mut notes);
+        let ended = controls::run(&mut sender, &mut cable, &mut planned);
+        let Ended::Lost(why) = &ended else { panic!("{hundredth}: {ended:?}") };
+        let says =
+            ["has nothing of this program", "an incomplete file TNC:\\NCFIX.PM may be", "the control has the program"];
+        let place = says.iter().position(|part| why.contains(part)).unwrap_or_else(|| panic!("{hundredth}: {why}"));
+        let stored = cable.control.files.get(PATH);
+        assert!(why.starts_with("the link is gone") && sender.may_have_run() == (place == 2), "{hundredth}: {why}");
+        // More than it says is never there; the last telegram may have been lost.
+        assert!(place != 0 || stored.is_none(), "{hundredth}: {why}");
+        assert!(place != 2 || stored.is_some_and(|lines| *lines == planned.lines), "{hundredth}: {why}");
+        counts[place] += 1;
+    }
+    assert!(counts.iter().all(|count| *count > 3), "{counts:?}");
+}
+
+#[test]
 fn a_program_that_cannot_be_made_to_its_end_is_not_sent() {
     let own = profile("lsv2");
     let (mut notes, mut planned) = (Notes::default(), Planned::new(50, 0.01));
