@@ -140,6 +140,7 @@ mod lei_hsu;
 mod limits;
 mod live_step;
 mod load;
+mod lsv2;
 mod machine_file;
 mod machine_new;
 mod machines;

@@ -116,10 +116,10 @@ fn take(path: &Path, expected: Option<&[u8]>) -> Result<(), Error> {
     std::fs::rename(path, kept(path)).and_then(|()| supersede(&file, &bytes, path)).map_err(|error| fault(&error))
 }
 
-/// True if a journal may be replaced by that of a new job: its job ended without an error, or none of its lines was sent. A journal of a job that
+/// True if a journal may be replaced by that of a new job: its job ended without an error, or none of its lines was sent or can have run. A journal of a job that
 /// itself resumed another one is kept even if none of its lines was sent.
 fn gives_way(told: &JournalContents) -> bool {
-    told.ended == Some(JournalEnd::Done)
+    matches!(told.ended, Some(JournalEnd::Done | JournalEnd::NotStarted(_)))
         || told.frozen == 0 && told.head.iter().all(|(key, _)| *key != HeadKey::Resumed)
 }
 

@@ -95,14 +95,17 @@ pub(crate) fn run(
     let profile = &job.link.profile;
     let sender = Sender::new(dialogue, profile.window.system_bytes, &mut journal).patient(profile.patience);
     let bound = profile.holds_at_most();
-    let (speed, meter) = (lane.characters_per_s, Meter::new());
-    let mut drive = Drive { sender, port: lane.port, view, before, speed, bound, started, meter, halted: None };
+    let (speed, meter, sends_file) = (lane.characters_per_s, Meter::new(), profile.protocol.sends_file);
+    let mut drive =
+        Drive { sender, port: lane.port, view, before, speed, bound, sends_file, started, meter, halted: None };
     let (ended, end) = drive.go(&mut supply, &thermal).map_err(|error| unwritten(&error))?;
     let status = drive.status(&supply, &thermal, Some(&ended));
+    let may_have_run = drive.sender.may_have_run();
     let now = started.elapsed();
-    journal.end(&ended, now).map_err(|error| unwritten(&error))?;
+    journal.end(&ended, may_have_run, now).map_err(|error| unwritten(&error))?;
     book.close().map_err(|error| unwritten(&error))?;
-    Ok(Sent { status, end })
+    let may_be_resumed = end != FeedEnd::Done && status.sent > 0 && !profile.protocol.sends_file;
+    Ok(Sent { status, end, may_be_resumed })
 }
 
 /// The place where a transfer begins.
@@ -179,6 +182,8 @@ struct Drive<'a> {
     speed: f64,
     /// Largest number of blocks that the control has received and not executed, from the profile.
     bound: Option<u64>,
+    /// True if the link sends the program as one file.
+    sends_file: bool,
     started: Instant,
     /// The time from an answer to the bytes of the next line.
     meter: Meter,
@@ -274,11 +279,10 @@ impl Drive<'_> {
             Some(most) => format!("up to {most} blocks that the control already holds"),
             None => "the blocks that the control already holds, whose number it does not report".to_owned(),
         };
-        let what = said.unwrap_or_else(|| {
-            format!(
-                "this link has no command to hold the axes: use feed hold of the control; ncfix ends; the {open} lines sent may still be executed, and {held}"
-            )
-        });
+        let by_hand = "this link has no command to hold the axes: use feed hold of the control; ncfix ends";
+        let what = said
+            .or(self.sender.remains().map(|remains| format!("{by_hand}; {remains}")))
+            .unwrap_or_else(|| format!("{by_hand}; the {open} lines sent may still be executed, and {held}"));
         let message = format!("{why}: {what}");
         self.view.say(FeedEvent::Halt, now, None, message.clone());
         self.halted = Some((halt, code, why.to_owned(), message));
@@ -300,6 +304,10 @@ impl Drive<'_> {
         let taken = progress.acknowledged.max(progress.left);
         if progress.sent == 0 {
             return format!("{why}; no line was sent");
+        }
+        if self.sends_file {
+            let what = if self.sender.may_have_run() { "the job is lost" } else { "the program was not started" };
+            return format!("{what}: {why}");
         }
         let open = progress.sent.saturating_sub(taken);
         let held = taken.saturating_sub(progress.executed.unwrap_or(0));
@@ -343,6 +351,9 @@ impl Drive<'_> {
             Some(Ended::Refused(number, said)) => {
                 (Some(FeedOutcome::Refused), Some(format!("the control refused line {number}: {said}")))
             }
+            Some(Ended::Fault(why)) if !self.sender.may_have_run() => {
+                (Some(FeedOutcome::Fault), Some(format!("{why}; no file was sent")))
+            }
             Some(Ended::Fault(why)) => (
                 Some(FeedOutcome::Fault),
                 Some(format!(
@@ -362,7 +373,7 @@ impl Drive<'_> {
             executed: progress.executed,
             window: progress.in_flight.0,
             window_bytes: progress.in_flight.1,
-            lowest: progress.lowest,
+            lowest: progress.lowest.filter(|_| !self.sends_file),
             link_percent: self
                 .speed
                 .is_finite()
@@ -376,8 +387,9 @@ impl Drive<'_> {
                 Standing::Good => None,
                 Standing::Waiting(why) | Standing::Frozen(why) | Standing::Stop(why) | Standing::Hold(why) => Some(why),
             },
-            eta_s: ended.is_none().then_some(left_s * pace),
-            delay_us: self.meter.microseconds(),
+            eta_s: (ended.is_none() && !self.sends_file).then_some(left_s * pace),
+            delay_us: self.meter.microseconds().filter(|_| !self.sends_file),
+            control: progress.control.clone(),
             ended: word,
             message,
             source_line: progress.last.source_line,

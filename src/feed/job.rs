@@ -18,7 +18,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::FileId;
 use ncfix_dialect::Dialect;
 use ncfix_dnc::drip::Settings;
-use ncfix_dnc::feed::{Dialogue, DosingLimits};
+use ncfix_dnc::feed::{Dialogue, DosingLimits, FileOptions};
 use ncfix_dnc::sense::{Config, Panel};
 
 /// A program that will be sent to a control line by line, corrected for the current temperatures.
@@ -52,11 +52,12 @@ impl Transfer {
     pub(crate) fn new(
         program: Program,
         machine: Machine,
-        (link, sensors_hash): (ControlLink, String),
+        (mut link, sensors_hash): (ControlLink, String),
         (correction, options): (&Options, FeedOptions),
         found: &mut Diagnostics,
     ) -> Result<Option<Transfer>, Error> {
         machine.check_one_head()?;
+        name_file(&mut link, &options)?;
         let mut machine = datum::with_written(&program, &machine);
         if let Some(increment_mm) = correction.increment_mm {
             machine.machine.control.increment_mm = increment_mm;
@@ -76,7 +77,12 @@ impl Transfer {
             per_mm: options.dose_per_mm,
             per_s: options.dose_per_s_mm,
         };
-        let settings = Settings { limits, rapids_only: options.rapids_only, is_upper_case: link.profile.is_upper_case };
+        let settings = Settings {
+            limits,
+            rapids_only: options.rapids_only,
+            is_upper_case: link.profile.is_upper_case,
+            keeps_headers: link.profile.protocol.sends_file,
+        };
         let dialect = opened.dialect;
         Ok(Some(Transfer { program, machine, link, sensors_hash, options, writing, dialect, settings }))
     }
@@ -102,7 +108,7 @@ impl Transfer {
     /// The reason why nothing may be sent before a person has checked the machine: the link cannot query whether it stands still.
     pub(crate) fn unasked(&self) -> Option<Diagnostic> {
         let profile = &self.link.profile;
-        if profile.protocol.asks_idle || self.options.machine_stands_still {
+        if profile.asks_idle() || self.options.machine_stands_still {
             return None;
         }
         let message = format!(
@@ -132,6 +138,14 @@ impl Transfer {
             found.add(missing, &[]);
             return Ok(None);
         }
+        if self.link.profile.protocol.sends_file {
+            let message = format!(
+                "the link {} sends the program as one file: the temperatures at the time of sending apply to the whole run, and later ones have no effect",
+                self.link.profile.name
+            );
+            let help = "send the program shortly before it is started, or use a link that sends lines";
+            found.add(Diagnostic::nowhere(Code::WHOLE_FILE, message, help), &[]);
+        }
         let opened = Panel::open(&config, path.parent().unwrap_or(Path::new(".")));
         Ok(opened.map_err(|faults| found.extend(faults, std::slice::from_ref(&source))).ok())
     }
@@ -143,6 +157,31 @@ impl Transfer {
         let lacking: Vec<&str> = needed.into_iter().filter(|name| !is_known(name)).collect();
         (!lacking.is_empty()).then(|| missing(&lacking))
     }
+}
+
+/// Gives a link that sends a file the path of the options.
+///
+/// # Errors
+/// If the path is not valid, or the link sends lines, or no path is given.
+fn name_file(link: &mut ControlLink, options: &FeedOptions) -> Result<(), Error> {
+    let sends_file = link.profile.protocol.sends_file;
+    match &options.control_file {
+        Some(_) if !sends_file => {
+            let name = &link.profile.name;
+            return Err(Error::usage(format!("the link {name} sends lines, not a file: omit --to")));
+        }
+        Some(path) => {
+            FileOptions::check_path(path).map_err(|why| Error::usage(format!("--to {path}: {why}")))?;
+            link.profile.file.path = Some(path.clone());
+        }
+        None if sends_file && link.profile.file.path.is_none() => {
+            return Err(Error::usage(
+                "give the path of the file on the control with --to, such as TNC:\\PART.PM".into(),
+            ));
+        }
+        None => {}
+    }
+    Ok(())
 }
 
 /// The diagnostic for missing sensors of the model.

@@ -84,6 +84,8 @@ pub struct Sent {
     pub status: Status,
     /// The reason why it has ended.
     pub end: FeedEnd,
+    /// True if `ncfix resume` can continue the job. It cannot if the link sends the program as one file.
+    pub may_be_resumed: bool,
 }
 
 /// The observer of a transfer. Times count from its start.

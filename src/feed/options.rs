@@ -18,6 +18,8 @@ pub struct FeedOptions {
     pub allow_starvation: bool,
     /// The user has checked that the machine stands still. Needed for links that cannot query it.
     pub machine_stands_still: bool,
+    /// Path of the file on the control, for links that send the program as one file; `None` for that of the profile.
+    pub control_file: Option<String>,
     /// Interval between two evaluations of the temperatures.
     pub every: Duration,
     /// The zero point of the workpiece was set in the condition at the start of the job: drift is relative to this condition.
@@ -41,6 +43,7 @@ impl Default for FeedOptions {
         FeedOptions {
             allow_starvation: false,
             machine_stands_still: false,
+            control_file: None,
             every: Duration::from_secs(60),
             zero_now: false,
             rapids_only: false,

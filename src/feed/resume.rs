@@ -47,6 +47,11 @@ pub(crate) fn read(path: &Path) -> Result<Broken, Error> {
     if told.ended == Some(JournalEnd::Done) {
         return Err(Error::usage(format!("the job of {shown} is complete: there is nothing to resume")));
     }
+    if let Some(JournalEnd::NotStarted(_)) = &told.ended {
+        return Err(Error::usage(format!(
+            "no line of the job of {shown} was executed: feed the program from its beginning with `ncfix feed`"
+        )));
+    }
     if let Some(JournalEnd::TakenUp(other)) = &told.ended
         && !is_empty(other)
     {
@@ -186,6 +191,10 @@ pub(crate) fn plan(
     watch: Option<fn() -> Box<dyn Watch>>,
     (journal, clearance_mm): (&[u8], Option<f64>),
 ) -> Result<Result<(Plan, Begin), Diagnostic>, Error> {
+    if job.link.profile.protocol.sends_file {
+        let why = "the control has the program as a file: continue it there with a block search; or remove the journal, and feed the program from its beginning";
+        return Err(Error::usage(why.into()));
+    }
     let mut ignored = Diagnostics::default();
     let (mut ends, mut heights) = (Ends::new(told), Heights::default());
     let from_start = || Tips::new(&job.machine.machine, &job.writing.options);

@@ -38,13 +38,17 @@ pub(crate) fn run(
     findings: &mut Diagnostics,
 ) -> Result<Option<Before>, Error> {
     let profile = &job.link.profile;
-    let link = LinkRate {
+    // A file waits in the control as a whole before it is started.
+    let sends_file = profile.protocol.sends_file;
+    let own = LinkRate { characters_per_s: f64::INFINITY, answer_s: 0.0, lines: 1, bytes: usize::MAX };
+    let lines = LinkRate {
         characters_per_s: port::characters_per_s(port, profile),
         answer_s: profile.answer_s,
         lines: profile.window.lines + profile.window.planned,
         // Answered lines use no bytes of the window.
         bytes: if profile.window.planned > 0 { usize::MAX } else { profile.window.bytes },
     };
+    let link = if sends_file { own } else { lines };
     let mut forecaster = Forecaster::new(link);
     let end_of_block = profile.frame.end_of_block.len();
     let mut refused = Vec::new();
@@ -84,9 +88,10 @@ pub(crate) fn run(
         motion_s: forecast.motion_s,
         total_s: forecast.total_s,
         starved_s: forecast.starved_s,
-        lowest: forecast.lowest,
-        line_by_line: link.lines <= 1,
-        frozen_s: per_line_s * frozen.min(forecast.lines as f64),
+        lowest: forecast.lowest.filter(|_| !sends_file),
+        line_by_line: !sends_file && link.lines <= 1,
+        file: profile.file.path.clone().filter(|_| sends_file),
+        frozen_s: if sends_file { forecast.motion_s } else { per_line_s * frozen.min(forecast.lines as f64) },
         late: forecast.stretches.iter().filter(|stretch| stretch.starved_s >= UNNOTICED_S).map(late).collect(),
         diagnostics: Vec::new(),
     };

@@ -412,16 +412,18 @@ test('schemes, widths and paper', async () => {
   }
 });
 
-test('temperatures and corrections of a transfer', async () => {
+test('temperatures, corrections and buffer of a transfer', async () => {
   const journal = ['ncfix journal 1', '0 T 20.000 <i>nose</i>', '0 T 19.500 bed'];
   for (let k = 1; k <= 50; k++) {
     journal.push(`${1000 * k} T ${(20 + 0.05 * k).toFixed(3)} <i>nose</i>`, `${1000 * k} F ${k} 00000000 ${k} ${k} X+${(0.001 * k).toFixed(4)}/+${(0.0009 * k).toFixed(4)}`);
+    // A buffer of five lines: the oldest one is answered before the next one is sent.
+    if (k >= 5) journal.push(`${1000 * k + 500} A ${k - 4}`);
   }
   fs.writeFileSync(inFolder('job.journal'), `${journal.join('\n')}\n`);
   const own = review('warm.mpf', 'mill.toml', field(), ['--journal', 'job.journal']);
   const { page, close } = await open(own.page);
-  assert.equal(await page.locator('#journal-plots .uplot').count(), 2);
-  assert.deepEqual(await page.locator('#journal-plots label').allTextContents(), ['<i>nose</i>', 'bed', 'X asked for', 'X applied']);
+  assert.equal(await page.locator('#journal-plots .uplot').count(), 3);
+  assert.deepEqual(await page.locator('#journal-plots label').allTextContents(), ['<i>nose</i>', 'bed', 'X asked for', 'X applied', 'lines not answered']);
   assert.equal(await page.locator('#journal-plots label i:not(.swatch)').count(), 0);
   await page.locator('#journal').scrollIntoViewIfNeeded();
   await picture(page, 'journal');

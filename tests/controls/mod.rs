@@ -5,6 +5,7 @@
 mod block;
 mod grbl;
 pub(crate) mod liar;
+mod lsv2;
 mod marlin;
 pub(crate) mod part;
 mod rsh;
@@ -12,6 +13,7 @@ mod tape;
 
 pub(crate) use block::Blockwise;
 pub(crate) use grbl::Grbl;
+pub(crate) use lsv2::{Lsv2, Odd};
 pub(crate) use marlin::Marlin;
 pub(crate) use rsh::Rsh;
 pub(crate) use tape::Reader;

@@ -97,6 +97,8 @@ pub struct Before {
     pub lowest: Option<usize>,
     /// True if the next line is sent only when the one before it is done: the axes stand still at the end of each line.
     pub line_by_line: bool,
+    /// Path of the file on the control, if the link sends the program as one file.
+    pub file: Option<String>,
     /// Delay of a temperature change due to the frozen lines.
     pub frozen_s: f64,
     /// Worst stretches.
@@ -119,7 +121,9 @@ impl Before {
         );
         let lowest =
             self.lowest.map_or(String::new(), |lowest| format!("; fewest lines waiting in the control: {lowest}"));
-        if !self.late.is_empty() {
+        if let Some(file) = &self.file {
+            let _ = writeln!(out, "link         sends the file {file}; a person starts it at the control");
+        } else if !self.late.is_empty() {
             let _ = writeln!(
                 out,
                 "link         late: the axes stand still for {} of {}{lowest}",
@@ -201,6 +205,8 @@ pub struct Status {
     pub eta_s: Option<f64>,
     /// Time from an answer to the bytes of the next line, µs: median, 99th percentile, maximum.
     pub delay_us: Option<[f64; 3]>,
+    /// Last report of the control about its state and position, if the link asks for it.
+    pub control: Option<String>,
     /// Outcome.
     pub ended: Option<FeedOutcome>,
     /// Message for people.
@@ -231,6 +237,9 @@ impl Status {
         if let Some(sensors) = &self.sensors {
             let _ = write!(out, " ({sensors})");
         }
+        if let Some(control) = &self.control {
+            let _ = write!(out, ", control: {control}");
+        }
         if let Some(eta) = self.eta_s {
             let _ = write!(out, ", {} left", duration(eta));
         }
@@ -252,6 +261,9 @@ impl Status {
         );
         if let Some(executed) = self.executed {
             let _ = writeln!(out, "executed     {}", grouped(executed));
+        }
+        if let Some(control) = &self.control {
+            let _ = writeln!(out, "control      {control}");
         }
         if let Some(lowest) = self.lowest {
             let _ = writeln!(out, "fewest       {lowest} lines waiting in the control");

@@ -58,7 +58,7 @@ pub(in crate::cli) struct DiffArguments {
     /// Write an HTML page with plots, the path and all lines side by side: one file that needs no network
     #[arg(long, value_name = "PAGE.html", conflicts_with = "text")]
     pub(in crate::cli) html: Option<PathBuf>,
-    /// Journal of a transfer (`ncfix feed --journal`) whose temperatures and corrections the page shows
+    /// Journal of a transfer (`ncfix feed --journal`) whose temperatures, corrections and buffer the page shows
     #[arg(long, value_name = "JOB.jsonl", requires = "html")]
     pub(in crate::cli) journal: Option<PathBuf>,
     /// Compare the words as written, without a machine; block numbers, comments and number formats are ignored

@@ -18,15 +18,16 @@ Then it corrects each line for the current temperatures, writes it to the journa
 ncfix sends nothing unless the control reports that it is idle. Links without such a report need --i-checked-the-machine-stands-still.
 
 Ctrl-C once stops sending and lets the control finish its lines; twice also holds the axes if the link has a command for it. `ncfix resume` shows how to \
-resume an interrupted job.
+resume an interrupted job. The link lsv2 sends one file, which a person starts at the control.
 
-Links: grbl, marlin, heidenhain-fe1, … (docs/reference/feed.md), or your own profile.
+Links: grbl, marlin, heidenhain-fe1, lsv2 … (docs/reference/feed.md), or your own profile.
 
 Examples:
   ncfix feed part.ngc --machine mill.toml --link grbl --dry-run
   ncfix feed part.ngc --machine mill.toml --link grbl --port /dev/ttyUSB0 --sensors sensors.toml
   ncfix feed part.pm --machine mill.toml --link heidenhain-fe1 --port /dev/ttyS0 --rapids-only
-  ncfix feed part.ngc --machine mill.toml --link linuxcnc --port tcp:192.168.1.20:5007 --json";
+  ncfix feed part.ngc --machine mill.toml --link linuxcnc --port tcp:192.168.1.20:5007 --json
+  ncfix feed part.pm --machine mill.toml --link lsv2 --port tcp:192.168.1.30:19000 --to 'TNC:\\PART.PM'";
 
 /// `ncfix feed`.
 #[derive(Clone, Debug, Args)]
@@ -40,6 +41,9 @@ pub(in crate::cli) struct FeedArguments {
     /// Protocol of the control: name of a profile, or profile file
     #[arg(long, value_name = "LINK|FILE.toml")]
     pub(in crate::cli) link: String,
+    /// Path of the file on the control, for links that send a file (lsv2), such as TNC:\PART.PM
+    #[arg(long, value_name = "PATH")]
+    pub(in crate::cli) to: Option<String>,
     /// Live temperature sensors to read during the transfer (default: no thermal correction)
     #[arg(long, value_name = "S.toml")]
     pub(in crate::cli) sensors: Option<PathBuf>,
@@ -109,6 +113,7 @@ impl From<&FeedArguments> for FeedOptions {
         let dosing = &arguments.dosing;
         FeedOptions {
             allow_starvation: arguments.allow_starvation,
+            control_file: arguments.to.clone(),
             machine_stands_still: arguments.i_checked_the_machine_stands_still,
             every: dosing.every,
             zero_now: dosing.zero_now,

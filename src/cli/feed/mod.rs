@@ -105,7 +105,7 @@ pub(super) fn send(arguments: &FeedArguments, job: Transfer, before: &Before, be
     {
         complain(message);
     }
-    if sent.end != FeedEnd::Done && sent.status.sent > 0 && !arguments.json {
+    if sent.may_be_resumed && !arguments.json {
         tell(&format!("help: `ncfix resume {} --clearance HEIGHT` shows how to resume the job\n", journal.display()));
     }
     Ok(code_of(sent.end))

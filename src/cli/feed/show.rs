@@ -146,14 +146,8 @@ impl FeedView for Show {
             Event::Repeated(number) => {
                 self.say(FeedEvent::Repeated, now, Some(*number), format!("sending line {number} again"))
             }
-            // Reported at the end.
-            Event::Acknowledged(_)
-            | Event::Checked(_)
-            | Event::Left(_)
-            | Event::Executed(_)
-            | Event::Holds(..)
-            | Event::Refused(..)
-            | Event::Lost(_) => {}
+            // Counts and reports are in the status, and ends are reported at the end.
+            _ => {}
         }
     }
 

@@ -573,8 +573,8 @@ executed, so ncfix keeps this journal. Look at `ncfix resume JOURNAL`, remove th
 be distinguished from the rest, and the correction would jump. Nothing was sent.";
     IDLE_UNKNOWN = "E0705" "standstill of the machine not confirmed"
 "Lines sent to a machine that executes something else, is held or waits at an open door interfere with that job. Some controls are
-queried: Grbl and grblHAL for their state, Marlin for completed moves, LinuxCNC for its status; they get no line unless they are
-idle. RS-232 links without answers and the blockwise transfer of Heidenhain have no such query. Look at the machine, and confirm with
+queried: Grbl and grblHAL for their state, Marlin for completed moves, LinuxCNC and LSV/2 for their status; they get no line unless they
+are idle. RS-232 links without answers and the blockwise transfer of Heidenhain have no such query. Look at the machine, and confirm with
 --i-checked-the-machine-stands-still. Nothing was sent.";
     NOT_CLEAR = "E0706" "no safe place to resume"
 "An aborted job is resumed only at a height that the operator has stated to be clear of workpiece and clamps (--clearance 25mm, Z of
@@ -838,6 +838,10 @@ a laser, or state the scale of the other axis in the machine file.";
 "In some places the control waits briefly for lines (see E0702), but not long enough to forbid the transfer.";
     SERIAL_SETTINGS = "W0702" "port with different settings or a name that may change"
 "The port did not accept all settings of the profile, or its name depends on the order in which adapters were plugged in.";
+    WHOLE_FILE = "W0703" "live temperatures and a link that sends a file"
+"The link sends the whole program as one file before a person starts it. So the correction is that for the temperatures at the time
+of sending. Lines that were sent cannot be corrected for later temperatures. Send the program shortly before the start, or use a link
+that sends lines during the run.";
     KERNEL_DIFFERS = "W0801" "kernel that differs from the model"
 "The kernel of ncfix realtime tabulates the errors of every axis on 200 intervals, evaluates strongly curved functions directly, and
 corrects in two Newton steps. At 1000 poses over the whole travel it was compared with the iterated solution of the model, and

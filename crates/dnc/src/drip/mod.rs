@@ -2,7 +2,7 @@
 //!
 //! [`Lines`] takes the outputs of the first step one by one, with the current model, and returns the lines that they complete. A writer ends a line when the
 //! next block begins, so a line becomes available one output later. Comments, messages and headers are not sent: they cost time on a slow link, and some
-//! controls reject them. The profile adds the frame that a link needs.
+//! controls reject them. A link that sends a file sends the header. The profile adds the frame that a link needs.
 
 mod block;
 mod heights;
@@ -39,6 +39,8 @@ pub struct Settings {
     pub rapids_only: bool,
     /// True if letters are converted to capitals.
     pub is_upper_case: bool,
+    /// True if the header of the program is sent: the link sends a file.
+    pub keeps_headers: bool,
 }
 
 /// Data of a line that is being written.
@@ -105,7 +107,9 @@ impl<'a> Lines<'a> {
             self.model = now.map(Arc::clone).or(self.model.take());
         }
         self.doser.is_frozen = is_frozen;
+        let keeps_headers = self.settings.keeps_headers;
         let output = match output {
+            Output::Element(Element { kind: Kind::Header(_), .. }) if keeps_headers => output,
             Output::Element(Element {
                 kind: Kind::Comment(_) | Kind::Label(_) | Kind::Header(_) | Kind::Message(_),
                 origin,

@@ -14,7 +14,7 @@
 //! 35 X 10                                   executed, with all before it
 //! 31 L 12                                   left, with all before it, over a link without answers
 //! 32 R 12                                   sent again
-//! 40 E the control was reset                end of the transfer
+//! 40 E the control was reset                end of the transfer; `not started, …` if the control cannot have executed any line
 //! ```
 //!
 //! A last line without its end was being written when the program died; it is not a record. Records reach the disk in groups. Records that the operating
@@ -39,6 +39,8 @@ const DECIMALS: usize = 4;
 
 /// End of a journal whose job was resumed in another one.
 const TAKEN_UP: &str = "taken up again in ";
+/// Beginning of the end of a job if the control cannot have executed any line.
+const NOT_STARTED: &str = "not started, ";
 
 /// Keys in the head of a journal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,6 +111,8 @@ pub enum JournalEnd {
     TakenUp(String),
     /// It was interrupted, for this reason.
     BrokenOff(String),
+    /// It was interrupted before the control could execute any line, for this reason.
+    NotStarted(String),
 }
 
 impl JournalEnd {
@@ -116,7 +120,10 @@ impl JournalEnd {
         match text.strip_prefix(TAKEN_UP) {
             _ if text == "done" => JournalEnd::Done,
             Some(path) => JournalEnd::TakenUp(path.to_owned()),
-            None => JournalEnd::BrokenOff(text.to_owned()),
+            None => match text.strip_prefix(NOT_STARTED) {
+                Some(why) => JournalEnd::NotStarted(why.to_owned()),
+                None => JournalEnd::BrokenOff(text.to_owned()),
+            },
         }
     }
 }
@@ -127,6 +134,7 @@ impl fmt::Display for JournalEnd {
             JournalEnd::Done => out.write_str("done"),
             JournalEnd::TakenUp(path) => write!(out, "{TAKEN_UP}{path}"),
             JournalEnd::BrokenOff(why) => out.write_str(why),
+            JournalEnd::NotStarted(why) => write!(out, "{NOT_STARTED}{why}"),
         }
     }
 }
@@ -184,11 +192,11 @@ impl<S: Store> Journal<S> {
         Ok(Journal { store, line: String::new(), synced: Duration::ZERO, is_synced: true })
     }
 
-    /// Records how the transfer ended.
+    /// Records how the transfer ended. `may_have_run` is false if the control cannot have executed any line.
     ///
     /// # Errors
     /// I/O errors of the file.
-    pub fn end(&mut self, ended: &Ended, now: Duration) -> io::Result<()> {
+    pub fn end(&mut self, ended: &Ended, may_have_run: bool, now: Duration) -> io::Result<()> {
         let text = match ended {
             Ended::Done => "done".to_owned(),
             Ended::Stopped => "stopped".to_owned(),
@@ -197,7 +205,8 @@ impl<S: Store> Journal<S> {
             Ended::Fault(why) => format!("fault: {why}"),
             Ended::Refused(number, said) => format!("refused {number}: {said}"),
         };
-        self.note(now, &format!("E {}", text.replace(['\n', '\r'], " ")));
+        let begin = if may_have_run || *ended == Ended::Done { "" } else { NOT_STARTED };
+        self.note(now, &format!("E {begin}{}", text.replace(['\n', '\r'], " ")));
         self.settle()?;
         self.store.sync()
     }
@@ -244,6 +253,7 @@ impl<S: Store> Record for Journal<S> {
             Event::Left(number) => self.note(now, &format!("L {number}")),
             Event::Repeated(number) => self.note(now, &format!("R {number}")),
             Event::Stalled => self.note(now, "W no answer in time"),
+            Event::Reported(text) => self.note(now, &format!("W at {}", text.replace(['\n', '\r'], " "))),
             Event::Said(text) => self.note(now, &format!("W {}", text.replace(['\n', '\r'], " "))),
             Event::Paused(is_paused) => self.note(now, if *is_paused { "W paused" } else { "W goes on" }),
             Event::Executed(number) => self.note(now, &format!("X {number}")),
@@ -445,6 +455,20 @@ mod tests {
             let told = read(&text[..end]).unwrap();
             assert!(told.frozen <= 5 && told.acknowledged <= told.frozen);
         }
+    }
+
+    #[test]
+    fn a_job_that_did_not_start_says_so() {
+        let ended = |ended: &Ended, may_have_run| {
+            let mut journal = Journal::new(Vec::new(), &[]).unwrap();
+            journal.frozen(&line(1), Duration::ZERO).unwrap();
+            journal.end(ended, may_have_run, Duration::ZERO).unwrap();
+            read(&String::from_utf8(journal.into_store().unwrap()).unwrap()).unwrap().ended
+        };
+        let lost = Ended::Lost("no free space".into());
+        assert_eq!(ended(&lost, false), Some(JournalEnd::NotStarted("lost: no free space".into())));
+        assert_eq!(ended(&lost, true), Some(JournalEnd::BrokenOff("lost: no free space".into())));
+        assert_eq!(ended(&Ended::Done, false), Some(JournalEnd::Done));
     }
 
     #[test]

@@ -30,7 +30,7 @@ pub use dosing::{Dose, DosingLimits, LineDosing};
 pub use forecast::{Forecast, Forecaster, LinkRate, Stretch};
 pub use journal::{Frozen, HeadKey, Journal, JournalContents, JournalEnd, Store, read as read_journal};
 pub use line::{Line, crc32};
-pub use profile::{Bound, Flow, Framing, LinkFile, Links, PROFILES, Parity, Profile, Serial, Window};
+pub use profile::{Bound, FileOptions, Flow, Framing, LinkFile, Links, PROFILES, Parity, Profile, Serial, Window};
 pub use sender::{Ended, GONE, Port, Record, Sender, Supplied, Supply, TransferProgress};
 pub use shown::{ThermalHistory, shown};
 pub use watch::Patience;

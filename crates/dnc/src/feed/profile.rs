@@ -23,6 +23,8 @@ pub const PROFILES: &[(&str, &str)] = &[
     ("haas", include_str!("../../links/haas.toml")),
     ("heidenhain-fe1", include_str!("../../links/heidenhain-fe1.toml")),
     ("linuxcnc", include_str!("../../links/linuxcnc.toml")),
+    ("lsv2", include_str!("../../links/lsv2.toml")),
+    ("lsv2-serial", include_str!("../../links/lsv2-serial.toml")),
     ("marlin", include_str!("../../links/marlin.toml")),
     ("siemens-v24", include_str!("../../links/siemens-v24.toml")),
 ];
@@ -144,6 +146,50 @@ pub struct Flow {
     pub wait_for_xon: bool,
 }
 
+/// File on the control, for a link that sends the program as one file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileOptions {
+    /// Its path.
+    pub path: Option<String>,
+    /// True if its bytes are stored as they are; false if the control keeps it as lines of text.
+    pub is_binary: bool,
+    /// True if an existing file may be replaced.
+    pub replaces: bool,
+    /// True if the control is asked for its state, before the transfer and until the program has run.
+    pub watches: bool,
+}
+
+impl Default for FileOptions {
+    fn default() -> FileOptions {
+        FileOptions { path: None, is_binary: false, replaces: false, watches: true }
+    }
+}
+
+/// Longest path of a file on a control, bytes.
+const LONGEST_PATH: usize = 250;
+
+impl FileOptions {
+    /// Checks a path of a file on a control.
+    ///
+    /// # Errors
+    /// It is not a valid path. The error is a sentence.
+    pub fn check_path(path: &str) -> Result<(), String> {
+        let is_plain = |byte: u8| (b' '..=b'~').contains(&byte) && !b"\"*?<>|".contains(&byte);
+        let name = path.rsplit(['\\', '/', ':']).next().unwrap_or_default();
+        if path.len() > LONGEST_PATH || !path.bytes().all(is_plain) {
+            return Err(format!(
+                "a path has at most {LONGEST_PATH} printable ASCII characters, without quotation marks, * ? < > |"
+            ));
+        }
+        if !path.to_ascii_uppercase().starts_with("TNC:") || name.trim().is_empty() {
+            return Err(
+                "a path begins with the drive of the programs and ends with a file name, such as TNC:\\PART.PM".into(),
+            );
+        }
+        Ok(())
+    }
+}
+
 /// Link and its settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
@@ -159,6 +205,8 @@ pub struct Profile {
     pub flow: Flow,
     /// Framing of lines and programs.
     pub frame: Framing,
+    /// File on the control.
+    pub file: FileOptions,
     /// Limits on the data under way.
     pub window: Window,
     /// Maximum number of blocks in its planner; `None` if it is not known.
@@ -205,6 +253,12 @@ impl Profile {
             self.name,
             self.dialects.join(" or ")
         ))
+    }
+
+    /// True if the control is asked before the first line whether it is idle.
+    #[must_use]
+    pub fn asks_idle(&self) -> bool {
+        self.protocol.asks_idle && (!self.protocol.sends_file || self.file.watches)
     }
 
     /// Returns the maximum number of blocks that the control has answered and not executed, as stated by the profile. It includes the planner, the blocks
@@ -279,6 +333,9 @@ impl Profile {
             read("planned", &mut window.planned);
             read("system_bytes", &mut window.system_bytes);
         });
+        let sends_file = protocol.is_some_and(|protocol| protocol.sends_file);
+        let mut file = FileOptions::default();
+        own("file", &mut |section| file = read_file(section, sends_file));
         let has_planner = protocol.is_some_and(|protocol| protocol.has_planner);
         let mut depth = None;
         own("depth", &mut |section| depth = bound(section, has_planner));
@@ -321,6 +378,7 @@ impl Profile {
             serial,
             flow,
             frame,
+            file,
             window,
             depth,
             longest_line,
@@ -351,6 +409,25 @@ fn bound(section: &mut Section<'_>, has_planner: bool) -> Option<Bound> {
     }
     let (at_most, source) = at_most.zip(source)?;
     Some(Bound { at_most: at_most.into(), source })
+}
+
+/// Reads the file on the control.
+fn read_file(section: &mut Section<'_>, sends_file: bool) -> FileOptions {
+    let path = section.text("path").map(str::to_owned);
+    let fault = match &path {
+        _ if !sends_file => Some(("this link sends lines, not a file".to_owned(), "omit [file]")),
+        Some(path) => FileOptions::check_path(path).err().map(|why| (why, "correct the path")),
+        None => None,
+    };
+    if let Some((message, help)) = fault {
+        section.report(Code::BAD_VALUE, section.place_of("path"), message, help);
+    }
+    FileOptions {
+        path,
+        is_binary: section.boolean("binary").unwrap_or(false),
+        replaces: section.boolean("replace").unwrap_or(false),
+        watches: section.boolean("watch").unwrap_or(true),
+    }
 }
 
 fn read_serial(section: &mut Section<'_>, serial: &mut Serial) {

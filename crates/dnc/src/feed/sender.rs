@@ -133,6 +133,8 @@ pub struct TransferProgress {
     pub repeats: u64,
     /// Number of times that the control did not answer in time.
     pub stalls: u64,
+    /// Last report of the control about its state and position.
+    pub control: Option<String>,
     /// Last line that was sent.
     pub last: Line,
 }
@@ -193,6 +195,18 @@ impl<'a> Sender<'a> {
         &self.progress
     }
 
+    /// False if the control cannot have executed any line.
+    #[must_use]
+    pub fn may_have_run(&self) -> bool {
+        self.dialogue.may_have_run()
+    }
+
+    /// Describes what the control has of a file, for a link that sends one.
+    #[must_use]
+    pub fn remains(&self) -> Option<String> {
+        self.dialogue.remains()
+    }
+
     /// True if bytes wait for the port.
     #[must_use]
     pub fn wants_to_write(&self) -> bool {
@@ -229,7 +243,7 @@ impl<'a> Sender<'a> {
             self.wire.queue(port.queued().unwrap_or(0));
         }
         if let Err(error) = self.hear(now, port) {
-            self.events.push(Event::Lost(gone(&error)));
+            self.events.push(Event::Lost(self.gone(&error)));
         }
         self.dialogue.tick(now, &mut self.wire, &mut self.events);
         self.take_events(now, note)?;
@@ -244,7 +258,7 @@ impl<'a> Sender<'a> {
         if let Err(error) = self.write(port)
             && self.ended.is_none()
         {
-            self.events.push(Event::Lost(gone(&error)));
+            self.events.push(Event::Lost(self.gone(&error)));
             self.take_events(now, note)?;
         }
         self.record.settle()?;
@@ -319,16 +333,24 @@ impl<'a> Sender<'a> {
                 Event::Stalled => self.progress.stalls += 1,
                 Event::Refused(number, said) => _ = self.ended.get_or_insert(Ended::Refused(number, said)),
                 Event::Lost(why) => _ = self.ended.get_or_insert(Ended::Lost(why)),
+                Event::Reported(text) => self.progress.control = Some(text),
                 Event::Checked(_) | Event::Paused(_) | Event::Said(_) => {}
             }
         }
         Ok(())
     }
 
+    /// Returns the reason of a link that has failed, with what the control has of a file.
+    fn gone(&self, error: &io::Error) -> String {
+        let remains = self.dialogue.remains().map_or(String::new(), |remains| format!("; {remains}"));
+        format!("{GONE}: {error}; check the cable, the adapter and interference from drives{remains}")
+    }
+
     /// Prevents further lines. Earlier ones run out: a line that has begun to leave is not cut in two.
     fn stop_for(&mut self, why: String) {
         self.fault.get_or_insert(why);
         self.is_stopped = true;
+        self.dialogue.cut();
     }
 
     /// Freezes lines while the window has room.
@@ -389,8 +411,4 @@ impl<'a> Sender<'a> {
             self.wire.queue(port.queued().unwrap_or(0));
         }
     }
-}
-
-fn gone(error: &io::Error) -> String {
-    format!("{GONE}: {error}; check the cable, the adapter and interference from drives")
 }

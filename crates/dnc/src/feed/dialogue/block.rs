@@ -27,6 +27,7 @@ pub(super) const PROTOCOL: Protocol = Protocol {
     name: "block",
     title: "blocks with a check character, ACK and NAK (Heidenhain FE1)",
     asks_idle: false,
+    sends_file: false,
     has_planner: false,
     beyond: 0,
     check: |profile, text| check_text(text, profile.longest_line, &[]),

@@ -10,6 +10,7 @@ mod depth;
 mod grbl;
 mod greeting;
 mod linuxcncrsh;
+mod lsv2;
 mod marlin;
 mod mdi;
 mod tape;
@@ -44,6 +45,8 @@ pub enum Event {
     Repeated(u64),
     /// The control has refused this line, with its answer. Later lines that it has may still run.
     Refused(u64, String),
+    /// The control reports its state and its position. This is information for people, and no evidence of executed lines.
+    Reported(String),
     /// The job is lost: the control was reset, is in alarm, or does not answer as it must. Nothing more may be sent.
     Lost(String),
 }
@@ -91,6 +94,19 @@ pub trait Dialogue: Send {
     /// Returns the lines and bytes that are not acknowledged yet. On a link without answers: those that are not transmitted yet.
     fn in_flight(&self) -> (usize, usize);
 
+    /// Handles the end of the lines before the end of the program. [`Dialogue::close`] follows. A link that sends a file must not send a part of it.
+    fn cut(&mut self) {}
+
+    /// False if the control cannot have executed any line yet, because it gets the program as a file and does not have it.
+    fn may_have_run(&self) -> bool {
+        true
+    }
+
+    /// Describes what the control has of a file, for a link that sends one.
+    fn remains(&self) -> Option<String> {
+        None
+    }
+
     /// Carries out a stop command. Returns its effect on the lines in the control as a sentence; `None` if this dialogue has no such command.
     fn halt(&mut self, halt: Halt, now: Duration, wire: &mut Wire) -> Option<String>;
 }
@@ -104,6 +120,8 @@ pub struct Protocol {
     pub title: &'static str,
     /// True if the control is asked before the first line whether it is idle. It gets no line unless it says so.
     pub asks_idle: bool,
+    /// True if it sends the program as one file, which a person starts at the control. No line is executed before the last one was sent.
+    pub sends_file: bool,
     /// True if its answer means that the line is in a planner. The planner depth then limits the lines that may not be executed.
     pub has_planner: bool,
     /// Blocks beyond the planner places that may not be executed either: those that still move, and those that wait before the planner.
@@ -137,8 +155,15 @@ impl Registered for &'static Protocol {
 }
 
 /// Built-in protocols.
-pub const PROTOCOLS: &[Protocol] =
-    &[block::PROTOCOL, grbl::PROTOCOL, linuxcncrsh::PROTOCOL, marlin::PROTOCOL, tape::PROTOCOL];
+pub const PROTOCOLS: &[Protocol] = &[
+    block::PROTOCOL,
+    grbl::PROTOCOL,
+    linuxcncrsh::PROTOCOL,
+    lsv2::TCP,
+    lsv2::SERIAL,
+    marlin::PROTOCOL,
+    tape::PROTOCOL,
+];
 
 /// Checks that a text can be sent over a link: not too long, only printable characters, and none with another meaning on the link.
 fn check_text(text: &[u8], longest: usize, refused: &[u8]) -> Result<(), String> {

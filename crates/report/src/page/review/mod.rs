@@ -61,7 +61,7 @@ pub struct Subject<'a> {
     pub journal: Option<&'a JournalTrace>,
 }
 
-/// Journal of a transfer: temperatures and corrections by time.
+/// Journal of a transfer: temperatures, corrections and the fill of the buffer by time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct JournalTrace {
     /// Time since the first entry, s.
@@ -70,6 +70,8 @@ pub struct JournalTrace {
     pub sensors_c: Vec<(String, Vec<f64>)>,
     /// Correction of the model and applied correction by axis, µm.
     pub axes_um: Vec<(String, [Vec<f64>; 2])>,
+    /// Lines that wait, by the evidence for their end.
+    pub waiting: Vec<(String, Vec<f64>)>,
 }
 
 /// Returns the page. `digest` is SHA-256, by which the policy identifies the script.
@@ -120,7 +122,7 @@ fn body(out: &mut Markup, subject: &Subject<'_>) {
     place(out, "deviation", "Deviation", &["deviation-controls", "deviation-plot"]);
     place(out, "path", "Path", &["path-controls", "path-views"]);
     if subject.journal.is_some() {
-        place(out, "journal", "Temperatures and corrections", &["journal-plots"]);
+        place(out, "journal", "Temperatures, corrections and buffer", &["journal-plots"]);
     }
     out.element("section", &[("id", &"list")], |out| {
         out.leaf("h2", &[], "Lines");
@@ -351,9 +353,13 @@ fn journal(journal: &JournalTrace, packed: &mut Packed) -> Value {
             packed.put(format!("journal.axis.{axis}.{name}"), &whole(values, 1.0 / ADDED_UNIT));
         }
     }
-    let [sensors, axes] = [
+    for (number, (_, values)) in journal.waiting.iter().enumerate() {
+        packed.put(format!("journal.waiting.{number}"), &whole(values, 1.0));
+    }
+    let [sensors, axes, waiting] = [
         journal.sensors_c.iter().map(|(name, _)| name.clone()).collect::<Vec<String>>(),
         journal.axes_um.iter().map(|(name, _)| name.clone()).collect(),
+        journal.waiting.iter().map(|(name, _)| name.clone()).collect(),
     ];
-    json!({ "sensors": sensors, "axes": axes })
+    json!({ "sensors": sensors, "axes": axes, "waiting": waiting })
 }

@@ -1993,6 +1993,9 @@ function journalPlots(header, streams) {
     { name: `${name} asked for`, color: number, scale: 0.01, dash: [4, 4], values: streams.get(`journal.axis.${name}.target`) },
     { name: `${name} applied`, color: number, scale: 0.01, values: streams.get(`journal.axis.${name}.applied`) },
   ]);
+  const waiting = journal.waiting.map((name, number) => (
+    { name: `lines ${name}`, color: number, scale: 1, values: streams.get(`journal.waiting.${number}`) }
+  ));
   const draw = (columns, yLabel, label) => {
     const known = columns.filter(({ values }) => values);
     if (known.length === 0) return [];
@@ -2007,6 +2010,7 @@ function journalPlots(header, streams) {
   return [
     ...draw(sensors, '°C', 'Temperatures over time'),
     ...draw(offsets, 'µm', 'Corrections over time, requested and applied'),
+    ...draw(waiting, 'lines', 'Fill of the buffer over time'),
   ];
 }
 

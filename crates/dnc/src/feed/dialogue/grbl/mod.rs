@@ -23,6 +23,7 @@ pub(super) const PROTOCOL: Protocol = Protocol {
     name: "grbl",
     title: "ok per line, bytes counted",
     asks_idle: true,
+    sends_file: false,
     has_planner: true,
     beyond: STEPPED,
     check: |profile, text| check_text(text, profile.longest_line, &profile.refused),

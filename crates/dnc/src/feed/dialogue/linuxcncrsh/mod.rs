@@ -22,6 +22,7 @@ pub(super) const PROTOCOL: Protocol = Protocol {
     name: "linuxcncrsh",
     title: "MDI, one line after the other (LinuxCNC)",
     asks_idle: true,
+    sends_file: false,
     has_planner: false,
     beyond: 0,
     check,

@@ -25,6 +25,7 @@ pub(super) const PROTOCOL: Protocol = Protocol {
     name: "marlin",
     title: "numbered lines with a checksum, sent again on demand",
     asks_idle: true,
+    sends_file: false,
     has_planner: true,
     beyond: BEYOND,
     check: |profile, text| check_text(text, profile.longest_line, &profile.refused),

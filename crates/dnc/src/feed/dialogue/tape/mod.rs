@@ -18,6 +18,7 @@ pub(super) const PROTOCOL: Protocol = Protocol {
     name: "tape",
     title: "flow control with XON and XOFF, no answers (RS-232 reader interface)",
     asks_idle: false,
+    sends_file: false,
     has_planner: false,
     beyond: 0,
     check: |profile, text| check_text(text, profile.longest_line, &profile.refused),
