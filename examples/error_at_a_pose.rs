@@ -23,7 +23,7 @@ travel_mm = [0, 450]
 origin_mm = [0, 0, 0]
 axis = [0, 0, 1]
 [location]
-EC0Y = 20.0
+EC0X = 20.0
 [[motion]]
 component = "EXX"
 kind = "polynomial"
@@ -31,7 +31,7 @@ coefficients = [0, 5e-5]
 [[motion]]
 component = "EXX"
 kind = "backlash"
-value_um = 6.0
+value_um = -6.0
 "#;
 
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -47,10 +47,11 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     // The error includes backlash only if the direction of the last motion is known.
     let forth = machine.deviation(&pose, tool, &"X+".parse()?);
     let back = machine.deviation(&pose, tool, &"X-".parse()?);
-    let lost_um = forth.position_um[0] - back.position_um[0];
+    // An axis on the tool side: lost motion is negative, so the tool lags in both directions.
+    let lost_um = back.position_um[0] - forth.position_um[0];
     println!("X loses {lost_um:.1} µm at a reversal");
     assert!((lost_um - 6.0).abs() < 0.01);
-    // X: 50 µm/m · 400 mm. Y: the squareness of 20 µrad turns 400 mm of X.
-    assert!((x_um - 20.0).abs() < 0.01 && (y_um.abs() - 8.0).abs() < 0.01);
+    // X: 50 µm/m · 400 mm. Y: the squareness of 20 µrad rotates 400 mm of X.
+    assert!((x_um - 20.0).abs() < 0.01 && (y_um - 8.0).abs() < 0.01);
     Ok(())
 }

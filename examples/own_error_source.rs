@@ -1,6 +1,6 @@
 //! A custom error source: the table sags when it moves out over its bed along Y.
 //!
-//! The table tilts in proportion to its overhang y, so the workpiece sinks by s (y/L)². The section `[overhang]` of the machine file has the sag s
+//! The guides of the table bend under its overhang y, so the workpiece sinks by s (y/L)². The small tilt of the table is left out. The section `[overhang]` of the machine file has the sag s
 //! (`sag_um`) at the overhang L (`reach_mm`). ncfix corrects this error together with all others. A calibration fits s under the name `overhang.sag`.
 #![allow(clippy::print_stdout, reason = "an example shows what it found")]
 

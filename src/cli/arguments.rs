@@ -69,7 +69,7 @@ Examples:
 const ABOUT: &str = "\
 Corrects part programs for the measured geometric errors of one machine tool.
 
-Reads a part program, shifts every programmed position so that the tool of this machine, despite its errors, reaches the \
+Reads a part program, shifts the programmed positions of cuts so that the tool of this machine, despite its errors, reaches the \
 programmed point, and writes the program in the same language.";
 
 /// Definition of the command line: the commands, and the arguments of `fix`, whose name may be omitted.

@@ -1,5 +1,5 @@
 //! Foundation of ncfix: bytes with their places, diagnostics as plain data, unit conversion, text tables, frames, least squares, and registries that a caller
-//! can extend. This crate knows nothing about machine tools.
+//! can extend. Only the texts of the diagnostic codes and the axis letters of `geometry` belong to machine tools.
 
 pub mod csv;
 pub mod diagnostic;

@@ -54,7 +54,7 @@ pub struct DiagnosisResult {
     pub before: ReadingSizes,
     /// Missing causes, in the order of their gain on unseen readings.
     pub findings: Vec<CauseReport>,
-    /// Excluded readings.
+    /// Faults of the data: excluded readings, and faults that are only reported.
     pub data_faults: Vec<DataFault>,
     /// Residuals after all findings.
     pub after: ReadingSizes,

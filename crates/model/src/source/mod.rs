@@ -134,7 +134,7 @@ pub trait Effect: BoxedEffect + Debug + Send + Sync {
     /// function whenever the condition changes, not for every position. If the condition lacks the required data, the function adds nothing.
     fn contribute(&self, condition: &Condition, sum: &mut Accumulator<'_>);
 
-    /// Visits every parameter, always in the same order, with a name of the form `section.key` and its value in mm, rad, s or K. These parameters are listed, varied, fitted
+    /// Visits every parameter, always in the same order, with a name that begins with its section (`overhang.sag`), and its value in mm, rad, s or K. These parameters are listed, varied, fitted
     /// (`ncfix calibrate` by the name) and written back to the machine file.
     fn visit_parameters(&mut self, visit: &mut dyn FnMut(&Parameter<'_>, &mut f64));
 
