@@ -199,7 +199,7 @@ fn a_researcher_with_a_probe() {
     assert!(before > 15.0 && after < 1.5, "{before} {after}");
 }
 
-/// A mill with LinuxCNC: its INI, variables and tools, and a straightedge read along Y: X leans by 0.1 mm over 400 mm.
+/// A mill with LinuxCNC: its INI, variables and tools, and a square read along Y: X leans by 0.1 mm over 400 mm.
 #[test]
 fn a_dnc_operator_with_linuxcnc() {
     let ini = "[EMC]\nMACHINE = mill\n[TRAJ]\nLINEAR_UNITS = mm\nCOORDINATES = X Y Z\n[KINS]\nKINEMATICS = trivkins\nJOINTS = 3\n\
@@ -220,7 +220,7 @@ fn a_dnc_operator_with_linuxcnc() {
         ("part.ngc", square("rs274")),
     ]);
     person.runs("machine new mill.toml --like vmc --from mill.ini");
-    person.runs("import edge.csv --machine mill.toml --axis Y --component EXY --sign + --unit mm --at X300,Z-100 --tool 0 -o edge_y");
+    person.runs("import edge.csv --machine mill.toml --axis Y --component EXY --reference square --sign + --unit mm --at X300,Z-100 --tool 0 -o edge_y");
     let found = person.calibrates("calibrate edge_y.csv --machine mill.toml --model EXY1 -o fitted.toml");
     // The instrument reads the tool relative to the workpiece; the body of Y carries the workpiece.
     near(&found, "EXY1", -250.0, 1.0);

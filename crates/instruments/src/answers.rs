@@ -39,6 +39,19 @@ pub const OPTIONS: &[ImportOption] = &[
         },
     },
     ImportOption {
+        name: "reference",
+        example: "square",
+        meaning: "Reference of a straightness: square if its direction is exact, else straightedge (default): its alignment is then an unknown",
+        set: |to, text| {
+            to.is_square = match text {
+                "square" => true,
+                "straightedge" => false,
+                _ => return Err("write square or straightedge".to_owned()),
+            };
+            Ok(())
+        },
+    },
+    ImportOption {
         name: "at",
         example: "Y200,Z100",
         meaning: "Positions of the other axes, or the zero or center of the positions in the file; machine coordinates, mm and degrees",
@@ -267,6 +280,8 @@ pub struct ImportAnswers {
     pub sigma: Option<f64>,
     /// True if a height map is that of a calibrated flat.
     pub is_flat_reference: bool,
+    /// True if a straightness was read along a square.
+    pub is_square: bool,
 }
 
 impl ImportAnswers {

@@ -77,6 +77,8 @@ pub struct ImportedReadings {
     pub tool_mm: [f64; 3],
     /// Unknowns of a set-up.
     pub free: Vec<&'static str>,
+    /// True if the direction of the reference of a straightness is exact.
+    pub is_square: bool,
     /// Standard uncertainty of a reading, µm or µrad.
     pub sigma: Option<f64>,
     /// Feed, mm/min.
@@ -103,6 +105,7 @@ impl ImportedReadings {
             fixed: Vec::new(),
             tool_mm: [0.0; 3],
             free: vec!["offset"],
+            is_square: false,
             sigma: None,
             feed: None,
             sections: String::new(),
@@ -260,11 +263,11 @@ impl ImportedReadings {
             out,
             "# - Compensation of the control: as it was during the measurement. Corrected programs need the same setting."
         );
-        let slope = self.has_straightness().then_some("slope");
+        let slope = (self.has_straightness() && !self.is_square).then_some("slope");
         if slope.is_some() {
             let _ = writeln!(
                 out,
-                "# - Alignment of the straightness reference: unknown (slope). Without it, its angle would count as an error of the machine."
+                "# - Alignment of the straightness reference: unknown (slope), because a straightedge was aligned by hand. A square has --reference square."
             );
         }
         let free: Vec<String> = self.free.iter().copied().chain(slope).map(|name| format!("\"{name}\"")).collect();

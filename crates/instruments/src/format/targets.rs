@@ -26,7 +26,7 @@ pub(super) use facts::{StatedFacts, TargetReading};
 pub(super) const FORMAT: InstrumentFormat = InstrumentFormat {
     name: "targets",
     title: "table of ISO 230-2: laser, rotary calibrator, level, autocollimator, straightedge; long or wide",
-    needs: "axis component at sign unit tool material",
+    needs: "axis component reference at sign unit tool material",
     recognize,
     read,
 };

@@ -236,6 +236,7 @@ pub(in crate::format) fn direct(
     out.fixed = inquiry.other_positions(&[axis]);
     out.tool_mm = [tool[0], tool[1], tool[2]];
     out.sigma = inquiry.answers.sigma;
+    out.is_square = inquiry.answers.is_square;
     if found.iter().all(|reading| reading.sense.is_none()) {
         let note = "direction of approach: from the order of the rows; an end target that is read twice is the turn";
         inquiry.note(note, 0);
