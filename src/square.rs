@@ -87,7 +87,7 @@ pub(crate) fn find(
     if half_urad >= gamma_urad.abs() {
         row(
             "note",
-            "the angle is not significant: it is not larger than its uncertainty. Measure a larger part, or read to a finer mark".to_owned(),
+            "the angle is not significant: it is not larger than its uncertainty. Measure a larger part, or use a finer scale".to_owned(),
         );
     }
     Ok(FoundSquareness { page, term, value_urad, uncertainty_urad: half_urad / COVERAGE })

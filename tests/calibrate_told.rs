@@ -147,7 +147,7 @@ fn what_cannot_be_told_is_said_in_few_sentences() {
         "EYX1 and EYX2 have no effect on the measurements",
         "measure where they would have an effect, or leave them out of the model",
     );
-    has("EXX0 is not separable from zero of EXX", "leave it out of the model: constant parts belong to the set-up");
+    has("EXX0 is not separable from zero of EXX", "leave it out of the model: the set-up absorbs constant parts");
     assert_eq!(found.leave_out.len(), 15 - 3, "EXX1, EXX2 and EXX3 can be told");
     // Truncated powers where the axis never was are named by the first and the last.
     let mut bench = circles(24, &[1.0, -1.0]);

@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 use std::io::Write as _;
 
-use crate::support::{Run, Shop, repository};
+use crate::support::{Run, Shop, machine, repository};
 
 /// A machine without errors whose axes all carry the tool, and one with a cross table.
 const TOOL_SIDE: &str = "[machine]\nname = \"mill\"\ntopology = \"wFXYZSt\"\ncontroller = \"sinumerik\"\n\
@@ -335,6 +335,28 @@ fn ball_bar_circles_by_time_give_the_same_errors() {
     import(&slow, "slow.csv", "tool.toml", &more).exits(4).says("E0618").says("sweep");
     let blind = slow.file("blind.csv", text.replace("run;dir;", "run;-;"));
     import(&blind, "blind.csv", "tool.toml", &more).exits(4).says("give --turn");
+}
+
+#[test]
+fn the_alignment_of_a_straightedge_is_unknown_and_that_of_a_square_is_not() {
+    let mut table = "X [mm];dev [um]\n".to_owned();
+    for k in 0..8 {
+        table += &format!("{};{}\n", 50 * k, k * (7 - k));
+    }
+    for (component, reference, free) in [
+        ("EYX", "straightedge", r#"free = ["offset", "slope"]"#),
+        ("EYX", "square", r#"free = ["offset"]"#),
+        ("EXX", "straightedge", r#"free = ["offset"]"#),
+    ] {
+        let shop = Shop::new().file("line.csv", &table);
+        let machine = machine("demo");
+        let all = format!(
+            "import line.csv --machine {machine} --axis X --component {component} --reference {reference} --sign + --unit um \
+             --at Y250,Z200 --tool 60 --material 20C -o line_m"
+        );
+        shop.run(all.split_whitespace()).exits(0);
+        assert!(shop.text("line_m.toml").contains(free), "{component} {reference}: {}", shop.text("line_m.toml"));
+    }
 }
 
 #[test]

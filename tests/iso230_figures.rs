@@ -57,7 +57,7 @@ fn positioning_of_a_file_by_hand() {
     ] {
         near(value(group, name), expected, 1e-9);
     }
-    assert_eq!(group["conditions"][1], "2 runs, the standard requires 5");
+    assert_eq!(group["conditions"][1], "2 runs, the standard requires 5 runs");
     // One run says why not.
     let once: String = csv.lines().filter(|line| !line.starts_with('2')).map(|line| format!("{line}\n")).collect();
     let found = figures(once, "[measurement]\nkind = \"direct\"\n");

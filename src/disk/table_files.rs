@@ -187,7 +187,7 @@ fn joined(
 /// The warning for products if it is not stated which ones the control forms.
 pub(crate) fn products_assumed(names: &str) -> Diagnostic {
     let message = format!(
-        "{names}: not stated whether the control adds the product of two tables, or product plus value; product only is assumed"
+        "{names}: it is not stated whether the control adds the product of two tables, or product plus value; ncfix assumes the product alone"
     );
     let help = "state what the control does: --multiplication, or table_multiplication in the machine file";
     Diagnostic::nowhere(Code::PRODUCTS_ASSUMED, message, help)

@@ -169,12 +169,12 @@ impl CorrectionReport {
             );
         }
         let growth = match self.growth {
-            growth if growth >= SHOWN_GROWTH => format!(", {growth:.1} times the lines of the source"),
+            growth if growth >= SHOWN_GROWTH => format!(", {growth:.1} times the lines of the original"),
             _ => String::new(),
         };
         let repeated =
             self.most_repeated.as_ref().filter(|_| !growth.is_empty()).map_or_else(String::new, |repeated| {
-                format!("; {}:{} gives {} of them", repeated.file, repeated.line, grouped(repeated.times))
+                format!("; {} of them from {}:{}", grouped(repeated.times), repeated.file, repeated.line)
             });
         if self.drilling_cycles + self.drilled_by_moves > 0 {
             let holes = counted(self.drilling_cycles, "hole");
@@ -259,10 +259,7 @@ pub fn form_row(before: SpreadReport, form: Option<SpreadReport>) -> String {
         push_row(
             &mut out,
             "form error",
-            &format!(
-                "{}   without the constant part of the error before, which a touched-off zero removes",
-                columns(form)
-            ),
+            &format!("{}   error before, minus the constant offset that touching off removes", columns(form)),
         );
     }
     out
@@ -405,8 +402,8 @@ mod tests {
         correction   up to X 41.3 µm, C 3.00 µrad
         rapids       12 as programmed; there the tool is up to 35.2 µm off
         cycles       38 holes kept, up to 1.40 µm off the exact path, 2 written as moves; with --hole-tolerance 3um they would stay
-        executed     1,234 blocks; part.mpf:7 gives 40 of them
-        output       2,345 blocks, 2.5 times the lines of the source
+        executed     1,234 blocks; 40 of them from part.mpf:7
+        output       2,345 blocks, 2.5 times the lines of the original
         computed     in 0.12 s
         machine      demo
         coverage     within the measured ranges

@@ -361,7 +361,7 @@ impl Plan {
             let _ = match (self.holds, &self.holds_source) {
                 (Some(most), source) => {
                     let source = source.as_deref().unwrap_or_default();
-                    writeln!(out, "              of these, {most} blocks may not be executed yet ({source})")
+                    writeln!(out, "              up to {most} of these blocks may still wait in the control ({source})")
                 }
                 _ => writeln!(
                     out,

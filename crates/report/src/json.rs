@@ -86,7 +86,7 @@ impl ZeroReport {
     pub fn contents(&self) -> String {
         match components_um(self.contains_um).as_slice() {
             [] => "a zero touched off here has no geometric error".to_owned(),
-            parts => format!("a zero touched off here is off by {}", parts.join(", ")),
+            parts => format!("a touched-off zero contains the machine error {}", parts.join(", ")),
         }
     }
 }

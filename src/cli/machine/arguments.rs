@@ -115,7 +115,7 @@ pub(in crate::cli) struct ShowArguments {
     #[command(flatten)]
     /// Machine file and set-up files.
     pub(in crate::cli) file: MachineArguments,
-    /// Head whose spindle and errors to show (default: start = true; with --at, a machine with several heads needs one)
+    /// Head whose spindle and errors to show (default: the head with start = true; with --at, a machine with several heads needs one)
     #[arg(long, value_name = "NAME")]
     pub(in crate::cli) head: Option<String>,
     /// Axis positions (machine coordinates, mm, deg; other axes: 0) at which to show the errors: X100,Y50,C30

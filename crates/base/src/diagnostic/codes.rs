@@ -351,7 +351,7 @@ G0 X0 Y0, before the block; --start X0,Y0,Z0 helps only before the first block."
 inch (G70, G700, G20) and metric (G71, G710, G21) later: state the unit in the first block. Or a number has no decimal point, so a
 parameter of the control decides between whole units and increments: state it with control.decimal_point in the machine file.";
     NO_OFFSET = "E0306" "zero offset has no value"
-"The program selects a zero offset that the machine file does not know, so the position in the machine, and with it the correction,
+"The program selects a zero offset that has no value in the machine file, so the position in the machine, and with it the correction,
 is unknown. Add it to the machine file or to a set-up file given with --setup:
 
   [zero_offset.G54]
@@ -359,7 +359,7 @@ is unknown. Add it to the machine file or to a set-up file given with --setup:
   Y_mm = 200.0
   Z_mm = 80.0";
     NO_TOOL = "E0307" "tool has no value"
-"The program activates a tool or cutting edge that the machine file does not know; the correction depends on its length. Add it to
+"The program activates a tool or cutting edge that has no value in the machine file; the correction depends on its length. Add it to
 the machine file or to a set-up file given with --setup:
 
   [[tool]]
@@ -830,7 +830,7 @@ was set up. A curve without a slope at the zero of the axis would tilt the whole
 that makes the axis straight on average over the measured range. The real slope belongs to the squareness of the axis, which stays unknown:
 measure it with a square, two diagonals or ball-bar circles.";
     RELATIVE_SCALE = "W0611" "scale that is only relative to that of another axis"
-"The circles of a bar of unknown length are the same if all axes are longer by the same share. ncfix calibrate fitted the scale of some
+"The circles of a bar of unknown length are the same if all axes are longer by the same proportion. ncfix calibrate fitted the scale of some
 of these axes and took the others as 0, so the fitted scales are differences. A program that is corrected with them can have the right
 shape and a wrong size, and the stated uncertainty does not include that. Give the calibrated length of the bar, measure one axis with
 a laser, or state the scale of the other axis in the machine file.";

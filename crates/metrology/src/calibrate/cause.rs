@@ -115,7 +115,7 @@ impl UndeterminedCause {
             ),
             UndeterminedCause::Constant => {
                 format!(
-                    "leave {them} out of the model: constant parts belong to the set-up unless the description gives its position"
+                    "leave {them} out of the model: the set-up absorbs constant parts, unless the description states its position"
                 )
             }
             UndeterminedCause::SetUp => format!(

@@ -8,7 +8,7 @@ pub use super::not_identified::LeftOut;
 use super::selection;
 use super::{conditions, figures, has_errors, not_identified, relative, repeated, slope};
 use crate::calibrate::{ComparedReading, Fit, FitOptions, Parameter, Refusal, Rule, fit, quality, reversals, select};
-use crate::measure::data::{DataSet, Observation};
+use crate::measure::data::{DataSet, Free, Observation};
 use crate::measure::kind::Measurand;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::Vector;
@@ -248,8 +248,10 @@ impl PreparedFit<'_> {
                     let times = significant(left / described);
                     let name = &quality.name;
                     let message = format!("{name}: the residual (RMS) is {times} times {key}");
+                    let can_drift = data.kind.free.contains(&Free::Drift) && !data.free.contains(&Free::Drift);
+                    let or_free = if can_drift { " or add \"drift\" to free" } else { "" };
                     let help = format!(
-                        "choose a model with more parameters, or correct {key}; if the readings drift, measure faster or add \"drift\" to free"
+                        "choose a model with more parameters, or correct {key}; if the readings drift, measure faster{or_free}"
                     );
                     findings.push(Diagnostic::nowhere(Code::POOR_FIT, message, help));
                 }
@@ -275,12 +277,13 @@ pub fn holdout_um(result: &CalibrationResult) -> Option<f64> {
     (count > 0.0).then(|| ((squares / count).sqrt() * 1e3).round() / 1e3)
 }
 
-/// Refuses a fit that leaves more of the readings used than it removes: where outliers have no weight, most readings may be such outliers.
+/// Refuses a fit that predicts the readings used worse than a machine without errors: most of them may be outliers without weight, or the errors that stay
+/// in the file contradict them.
 fn worse(report: &CalibrationResult) -> Option<Diagnostic> {
     let of = |unit: Unit| report.efficiency(false, unit).filter(|efficiency| *efficiency < -WORSE);
     let efficiency = of(Unit::Um).or_else(|| of(Unit::Urad))?;
     let message = format!(
-        "the readings are {:.0} % farther from the fitted model than from the machine file: most of them were rejected as outliers",
+        "the readings are {:.0} % farther from the fitted model than from a machine without errors",
         -100.0 * efficiency
     );
     let help =
@@ -444,5 +447,23 @@ fn check_balls(begin: &CalibrationStart<'_>, measurement: &Measurement, max_mm: 
                 findings.push(Diagnostic::at(Code::DATA_SIZE, row.place, message, help));
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::calibrated::Data;
+
+    #[test]
+    fn a_fit_that_is_worse_than_no_model_is_refused() {
+        let report = |left: f64, is_held_out: bool| {
+            let one = Data { sums: [10.0, left], is_held_out, unit: Unit::Um, ..Data::default() };
+            CalibrationResult { data: vec![one], ..CalibrationResult::default() }
+        };
+        // Sums of magnitudes: 23 left of 10 are 130 % more; 10.4 are within the scatter of a fit without effect.
+        let found = worse(&report(23.0, false)).unwrap();
+        assert!(found.code == Code::NOT_SETTLED && found.message.contains("130 %"), "{found:?}");
+        assert!([worse(&report(10.4, false)), worse(&report(23.0, true))].iter().all(Option::is_none));
     }
 }

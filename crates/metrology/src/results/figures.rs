@@ -96,7 +96,8 @@ fn fill(group: &mut FigureGroup, figures: &Figures) {
             put("M", both.map(|both| both.mean_systematic), factor);
             group.standard = Standard::Iso230Part2;
             group.unit = Unit::of(*is_angle);
-            let fewer = if figures.runs < RUNS { format!(", the standard requires {RUNS}") } else { String::new() };
+            let fewer =
+                if figures.runs < RUNS { format!(", the standard requires {RUNS} runs") } else { String::new() };
             group.conditions =
                 vec![format!("{} targets", figures.targets.len()), format!("{} runs{fewer}", figures.runs)];
             if *without_drift {

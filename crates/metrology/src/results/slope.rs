@@ -56,8 +56,8 @@ pub(super) fn level(
             let value = -mean_slope(&fitted, fit, axis, [low, high]);
             slope.set(&mut fit.errors, value);
             let message = format!(
-                "the readings show the curvature of {component}, but not its slope; {slope} is {} µrad, so that {axis} is straight on average \
-                 from {low} to {high} mm",
+                "the readings show the curvature of {component}, but not its slope; ncfix sets {slope} to {} µrad, so that the mean slope of \
+                 {axis} from {low} to {high} mm is zero",
                 significant(urad_from_rad(value)),
             );
             let help = "measure the squareness of this axis too; until then its slope is not corrected";

@@ -91,7 +91,7 @@ pub(super) fn sinumerik(data: &GuardedData) -> GuardLines {
     let stop = |name: &str, differs: String| {
         [
             format!("IF {differs}"),
-            format!("SETAL(65000,\"{name}: value of the control differs from the correction\")"),
+            format!("SETAL(65000,\"{name}: value at the control differs from that of the correction\")"),
             "M30".to_owned(),
             "ENDIF".to_owned(),
         ]
@@ -137,7 +137,7 @@ pub(super) fn fanuc(data: &GuardedData) -> GuardLines {
     let mut guard = GuardLines::default();
     let stop = |read: &str, (value, unit): (f64, f64), name: &str| {
         let same = (SAME / unit * 1e7).round() / 1e7;
-        format!("IF[ABS[{read}-[{}]]GT{same}]THEN #3000=1({name} IS NOT AS CORRECTED)", number(value / unit))
+        format!("IF[ABS[{read}-[{}]]GT{same}]THEN #3000=1({name} CHANGED SINCE CORRECTION)", number(value / unit))
     };
     let unit_of = |axis: Axis| if axis.is_rotary() { 1.0 } else { data.unit_mm };
     for zero in &data.zeros {

@@ -53,7 +53,10 @@ impl DiagnosisReport {
                 Some(evidence) => format!(", which {verb} {} in its place", rather(evidence)),
                 None => String::new(),
             };
-            out.push(format!("it has the effect of {}{instead}", one.stands_for.join(" and ")));
+            out.push(format!(
+                "tested in place of {}, which has the same effect on the readings{instead}",
+                one.stands_for.join(" and ")
+            ));
         }
         let unseen = if one.gain_is_held_out { "the data held out" } else { "parts left out in turn" };
         let gain = match one.gain_unseen {

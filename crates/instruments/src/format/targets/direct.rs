@@ -180,7 +180,7 @@ pub(in crate::format) fn direct(
     let letter = char::from(axis.letter());
     let question = if component.is_positioning() {
         format!(
-            "the file does not state the sign of its readings: is {letter} too far in the positive direction where a reading is positive?"
+            "the file does not state the sign of its readings: does a positive reading mean that {letter} is too far in the positive direction?"
         )
     } else if component.is_angle() {
         format!(

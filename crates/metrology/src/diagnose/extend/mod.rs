@@ -56,7 +56,7 @@ pub fn extension(found: &DiagnosedCauses, scene: &Scene<'_>, used: usize) -> Vec
     let mut out: Vec<Result<Vec<Change>, String>> = found.findings.iter().map(sound).collect();
     while let Some(number) = leaning(found, scene, &out) {
         if let Some(one) = out.get_mut(number) {
-            *one = Err("it is correct only together with findings that are not corrected: alone it may increase the error; measure what separates those from their other explanations".into());
+            *one = Err("this correction is right only together with causes that are not corrected; alone, it could increase the error; measure what separates those from their other explanations".into());
         }
     }
     out

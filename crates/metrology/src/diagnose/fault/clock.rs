@@ -331,7 +331,7 @@ fn offset(drift: &DriftSeries, own: &[&LogColumn], all: &[&LogColumn]) -> Option
     };
     if let Some(before) = before.filter(is_better) {
         let shown = format!(
-            "with the log shifted by {}, {} explains {:.0} % of the drift, and {:.1} times the noise remains; without a shift all its columns with any time constants leave {:.1} times",
+            "with the log shifted by {}, {} explains {:.0} % of the drift, and the residual is {:.1} times the noise; without a shift it is {:.1} times, with any column and time constant",
             minutes(found.by_s, found.by_95_s),
             found.course.name,
             100.0 * found.fitted.share(),
@@ -340,9 +340,8 @@ fn offset(drift: &DriftSeries, own: &[&LogColumn], all: &[&LogColumn]) -> Option
         );
         let with_all = unshifted(all)?;
         if own.len() == all.len() || found.fitted.gain_over(&with_all) > GAIN {
-            let side = if found.by_s > 0.0 { "ahead of" } else { "late relative to" };
-            let evidence =
-                format!("its clock is {side} that of the readings: {shown}; correct t_s of the log, or its clock");
+            let side = if found.by_s > 0.0 { "ahead of that of the readings" } else { "behind that of the readings" };
+            let evidence = format!("its clock is {side}: {shown}; correct t_s of the log, or its clock");
             return Some(("clock offset", evidence, Some(found.by_s)));
         }
         // Two logs that explain the drift equally: one of them may have another clock.
