@@ -482,3 +482,25 @@ fn a_wrong_sign_of_one_file_is_a_rival_of_what_only_the_contradiction_shows() {
         may_have_the_wrong_sign(&report, is_written);
     }
 }
+
+#[test]
+fn the_jumps_between_the_rows_of_a_plate_are_no_other_unit() {
+    // 60 µrad of squareness move X by 6 µm from point to point, ten times the noise; two runs are too few to repeat.
+    for (seed, runs) in [(1, 1), (2, 2), (3, 2)] {
+        let mut random = Random::new(seed, "plate");
+        let mut table = "run,setup,X,Y,Z,tool_z_mm,dx_um,dy_um\n".to_owned();
+        for run in 0..runs {
+            for x in 0..7 {
+                for y in 0..5 {
+                    let [x, y] = [50.0 + 100.0 * f64::from(x), 50.0 + 100.0 * f64::from(y)];
+                    let (dx, dy) = (0.08 * y + 0.6 * random.normal(), -0.02 * x + 0.6 * random.normal());
+                    let _ = writeln!(table, "{run},A,{x},{y},100,-120,{dx:.4},{dy:.4}");
+                }
+            }
+        }
+        let description = "[measurement]\nkind = \"displacement\"\nfree = [\"offset\", \"rotation\"]\nsigma_um = 0.6\n";
+        let (report, _) = diagnosed(&table, description);
+        assert!(report["data_faults"].as_array().is_some_and(Vec::is_empty), "{report:#}");
+        assert!(findings(&report).iter().any(|one| name(one).starts_with("location EC0")), "{report:#}");
+    }
+}

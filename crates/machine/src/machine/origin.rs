@@ -114,6 +114,8 @@ pub fn defaults(section: &str, own_kind: Option<&str>, machine: &Machine) -> Vec
         }
         "axis" if section.ends_with(['A', 'B', 'C']) => rows.push(("modulo".into(), "false".into())),
         "motion" if own_kind == Some("\"periodic\"") => rows.push(("phase_deg".into(), "0".into())),
+        // The place of setting has no default of its own: it is that of the zero.
+        "zero_offset" if section.ends_with(".set_at") => rows.clear(),
         "zero_offset" => {
             for axis in machine.topology.axis_set().iter() {
                 let unit = if axis.is_rotary() { "deg" } else { "mm" };

@@ -212,6 +212,12 @@ impl DiagnosisReport {
         if let Some(how) = unsure.and_then(separating) {
             return format!("measure what separates the explanations: {how}");
         }
+        // A file without the largest cause does not remove it.
+        let is_left_out = !largest.extends && largest.correctable == Correctable::No;
+        if let Some(how) = separating(largest).filter(|_| is_left_out && findings.iter().any(|one| one.extends)) {
+            let file = self.output.as_deref().unwrap_or("the extended machine file");
+            return format!("measure what separates the explanations: {how}; {file} holds only other causes");
+        }
         if let Some(path) = &self.output {
             return format!("correct programs with {path}");
         }
