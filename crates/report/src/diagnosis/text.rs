@@ -214,8 +214,9 @@ impl DiagnosisReport {
         }
         // A file without the largest cause does not remove it.
         let is_left_out = !largest.extends && largest.correctable == Correctable::No;
-        if let Some(how) = separating(largest).filter(|_| is_left_out && findings.iter().any(|one| one.extends)) {
+        if is_left_out && findings.iter().any(|one| one.extends) {
             let file = self.output.as_deref().unwrap_or("the extended machine file");
+            let how = separating(largest).unwrap_or_else(|| "see \"not corrected\" below".to_owned());
             return format!("measure what separates the explanations: {how}; {file} holds only other causes");
         }
         if let Some(path) = &self.output {
