@@ -80,6 +80,9 @@ impl IntervalReport {
     }
 }
 
+/// An interval whose width is a smaller share of its upper end is a point.
+const POINT: f64 = 1e-4;
+
 /// Formats an interval: `1.23 … 4.56`.
 fn range([low, high]: [f64; 2]) -> String {
     format!("{} … {}", significant(low), significant(high))
@@ -126,6 +129,12 @@ impl PredictionReport {
                 let parts: Vec<String> = moved
                     .filter_map(|(axis, ends)| {
                         let after = after.axes_um.get(axis)?;
+                        // An interval of width 0 is no certainty: no uncertainty of the errors along this axis is known.
+                        let is_point = |ends: &[f64; 2]| ends[1] - ends[0] <= POINT * ends[1];
+                        if is_point(ends) && is_point(after) {
+                            let [before, after] = [ends[1], after[1]].map(significant);
+                            return Some(format!("{axis} {before} → {after} (uncertainty not known)"));
+                        }
                         Some(format!("{axis} {} → {}", range(*ends), range(*after)))
                     })
                     .collect();
@@ -181,6 +190,15 @@ mod tests {
         assert!(!report.is_certain() && PredictionReport::of(Some(&found(1.0)), Vec::new()).is_certain());
         assert!(!PredictionReport::of(Some(&found(0.99)), Vec::new()).is_certain());
         assert!(PredictionReport::of(Some(&found(0.01)), Vec::new()).is_harmful());
+    }
+
+    #[test]
+    fn an_axis_without_any_known_uncertainty_has_no_interval() {
+        let mut found = found(1.0);
+        found.before.axes_mm[1] = [0.0138, 0.0138];
+        found.after.axes_mm[1] = [0.000_092, 0.000_092];
+        let report = PredictionReport::of(Some(&found), vec!["EYX".into()]);
+        assert!(report.rows().contains("Y 13.8 → 0.0920 (uncertainty not known)"), "{}", report.rows());
     }
 
     #[test]
