@@ -170,7 +170,7 @@ fn a_log_with_another_clock_is_named_with_its_offset_and_shifted() {
                     shifted += 1;
                     assert!((log.by_s - ahead_s).abs() < 120.0, "{seed} {ahead_s}: {:?}", said(&found));
                     assert_eq!((log.columns.len(), clock[0].name.as_str()), (4, "temperatures"));
-                    let side = if ahead_s > 0.0 { "ahead" } else { "late" };
+                    let side = if ahead_s > 0.0 { "ahead" } else { "behind" };
                     assert!(clock[0].evidence.contains(side), "{}", clock[0].evidence);
                 }
                 _ => assert!(ahead_s < 0.0, "{seed} {ahead_s}: {:?}", said(&found)),

@@ -82,7 +82,7 @@ fn another_zero_or_tool_stops_the_program_before_it_moves() {
             let (stream, errors) = executed(&shop, &out, other);
             assert_eq!(moves(&stream) == 0, stops, "{control} {other}: {stream}\n{errors}\n{}", shop.text(&out));
             if stops {
-                let said = if is_iso { "NOT AS CORRECTED" } else { "a guard (--guard) ends it" };
+                let said = if is_iso { "CHANGED SINCE CORRECTION" } else { "a guard (--guard) ends it" };
                 shop.run(["verify", name, &out, "--machine", other]).exits(4).says(said);
             }
         }
