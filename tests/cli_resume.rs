@@ -272,6 +272,40 @@ fn a_beginning_that_crosses_is_no_place_either() {
 }
 
 #[test]
+fn before_a_tool_that_was_not_sent_yet_nothing_is_lifted() {
+    // The first lines were only prepared: the control has neither the tool nor its length, and Z means something else there.
+    let text = "G21 G90 G54 G17\nS3000 M3\nT1 M6\nG43 H1\nG0 Z5\nG0 X0 Y0\nG1 Z-1 F300\nG1 X50\nG0 Z5\nM5\nM2\n";
+    for sent in 0..6 {
+        let shop = cut_off(text, 10);
+        let journal = shop.text("part.ngc.journal");
+        let is_kept = |line: &&str| {
+            let mut words = line.split(' ').skip(1);
+            match words.next() {
+                Some("F") => words.next().unwrap().parse::<usize>().unwrap() <= sent,
+                Some("A" | "C" | "X" | "E" | "W") => false,
+                _ => true,
+            }
+        };
+        let cut: Vec<&str> = journal.lines().filter(is_kept).collect();
+        std::fs::write(shop.path("part.ngc.journal"), cut.join("\n") + "\n").unwrap();
+        let run = shop.run(["resume", "part.ngc.journal", "--clearance", "30mm"]);
+        assert!(run.code == 4 && run.stderr.contains("E0706"), "{sent}: {run:?}");
+        // Without a tool the same height is certain, with its units in front of it.
+        let shop = cut_off(&text.replace("T1 M6\nG43 H1\n", ""), 10);
+        let journal = shop.text("part.ngc.journal");
+        let cut: Vec<&str> = journal.lines().filter(is_kept).collect();
+        std::fs::write(shop.path("part.ngc.journal"), cut.join("\n") + "\n").unwrap();
+        let plan = shop.run(["resume", "part.ngc.journal", "--clearance", "30mm", "--json"]).exits(0).json();
+        let lines = before(&plan);
+        assert!(
+            lines.iter().position(|line| line.contains("G21")) < lines.iter().position(|line| line.contains("Z30")),
+            "{plan}"
+        );
+        assert!(lines.iter().any(|line| line.contains("Z30")), "{sent}: {plan}");
+    }
+}
+
+#[test]
 fn nothing_begins_at_the_depth_of_a_cut_or_goes_down_to_it() {
     // One depth, all of it at Z-1, plunges and crossings beside the part at rapid: what begins there begins in what a broken tool has left.
     let mut text = "G21 G90 G17 G54\nS3000 M3\nG0 Z20\nG0 X0 Y0\nG0 Z-1\nG1 X1 F600\n".to_owned();

@@ -97,6 +97,8 @@ pub struct RestartSearch<'a> {
     /// Last element that may have been executed.
     sent: u64,
     told: SentState,
+    /// State that the lines before the first move state, sent or not: a lift before the beginning must be right for all of them.
+    stated: SentState,
     /// State of the control at the best place.
     at_best: Option<SentState>,
     element: u64,
@@ -131,6 +133,7 @@ impl<'a> RestartSearch<'a> {
             until,
             sent,
             told: SentState::new(grammar),
+            stated: SentState::new(grammar),
             at_best: None,
             element: 0,
             is_retracted: false,
@@ -267,7 +270,10 @@ impl<'a> RestartSearch<'a> {
             && let (Some(start), Some(clearance_mm)) = (self.start, self.clearance_mm)
             && line.element >= start.element
         {
-            self.beginning = Some(self.told.beginning(self.is_numbered, clearance_mm));
+            self.beginning = Some(self.stated.beginning(self.is_numbered, clearance_mm));
+        }
+        if self.beginning.is_none() {
+            self.stated.note(&text);
         }
         self.is_numbered |= text.starts_with('N');
         if line.element <= self.sent {
