@@ -336,7 +336,7 @@ fn a_correction_says_that_the_strokes_of_a_milling_cycle_are_its_own() {
             "sinumerik",
             format!("G17 G90\nT1 M6\nD1\nS1000 M3 F500\nG0 X0 Y0 Z50\n{first}\nCYCLE81(50,0,2,-5)\n{second}\nG0 Z50\nM30\n"),
             "POCKET3 (lines 6, 8)",
-            [";POCKET3 of line 6: strokes by ncfix", ";POCKET3 of line 8: strokes by ncfix"],
+            [";POCKET3 of line 6: passes by ncfix", ";POCKET3 of line 8: passes by ncfix"],
         ),
         (
             "grundig",

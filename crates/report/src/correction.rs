@@ -169,7 +169,7 @@ impl CorrectionReport {
             );
         }
         let growth = match self.growth {
-            growth if growth >= SHOWN_GROWTH => format!(", {growth:.1} times the lines of the original"),
+            growth if growth >= SHOWN_GROWTH => format!(", {growth:.1} times the blocks of the original"),
             _ => String::new(),
         };
         let repeated =
@@ -403,7 +403,7 @@ mod tests {
         rapids       12 as programmed; there the tool is up to 35.2 µm off
         cycles       38 holes kept, up to 1.40 µm off the exact path, 2 written as moves; with --hole-tolerance 3um they would stay
         executed     1,234 blocks; 40 of them from part.mpf:7
-        output       2,345 blocks, 2.5 times the lines of the original
+        output       2,345 blocks, 2.5 times the blocks of the original
         computed     in 0.12 s
         machine      demo
         coverage     within the measured ranges

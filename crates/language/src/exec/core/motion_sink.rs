@@ -145,7 +145,7 @@ impl<'a> MotionSink<'a> {
             self.milled.push((name, origin));
         }
         if self.names_cycles {
-            let text = comment(format!("{name} of line {}: strokes by ncfix", origin.line)).into_bytes();
+            let text = comment(format!("{name} of line {}: passes by ncfix", origin.line)).into_bytes();
             self.push_line(Kind::Comment(text));
         }
     }
@@ -266,7 +266,7 @@ impl<'a> MotionSink<'a> {
             format!("{name} ({})", lines_of(&origins.collect::<Vec<_>>()))
         });
         let listed: Vec<String> = listed.collect();
-        let message = format!("strokes and plunges are those of ncfix, not of the control: {}", listed.join(", "));
+        let message = format!("passes and plunges are those of ncfix, not of the control: {}", listed.join(", "));
         let help = "check them like those of a new program; or give ncfix the cycles of the control as files (control.search_path), or leave the cycle uncorrected (control.opaque)";
         Some(fault(Code::OWN_STROKES, first.span, message, help).of_file(first.file))
     }
