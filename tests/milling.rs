@@ -344,7 +344,7 @@ fn a_correction_says_that_the_strokes_of_a_milling_cycle_are_its_own() {
              N6 G79 X50 Y50 Z0\nN7 G79 X150 Y50 Z0\nN8 G0 Z50\nN9 M30\n"
                 .to_owned(),
             "G87 (lines 8, 9)",
-            ["(G87 OF LINE 8: STROKES BY NCFIX)", "(G87 OF LINE 9: STROKES BY NCFIX)"],
+            ["(G87 OF LINE 8: PASSES BY NCFIX)", "(G87 OF LINE 9: PASSES BY NCFIX)"],
         ),
     ] {
         let shop = Shop::new().file("m.toml", axes.replace("CONTROL", control)).file("p.nc", &program);
