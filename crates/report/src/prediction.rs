@@ -198,7 +198,7 @@ mod tests {
         found.before.axes_mm[1] = [0.0138, 0.0138];
         found.after.axes_mm[1] = [0.000_092, 0.000_092];
         let report = PredictionReport::of(Some(&found), vec!["EYX".into()]);
-        assert!(report.rows().contains("Y 13.8 → 0.0920 (uncertainty not known)"), "{}", report.rows());
+        assert!(report.rows().contains("Y 13.8 → 0.092 (uncertainty not known)"), "{}", report.rows());
     }
 
     #[test]
