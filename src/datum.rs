@@ -9,6 +9,7 @@ use crate::machine::Machine;
 use crate::program::Program;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Vector};
+use ncfix_base::number::significant;
 use ncfix_base::units::um_from_mm;
 use ncfix_language::exec;
 use ncfix_machine::machine::condition::Condition;
@@ -163,16 +164,17 @@ pub(crate) fn of_run(
     chosen: &Machine,
     model: &Model,
     used: &BTreeSet<u16>,
+    tools_mm: Option<[Vector; 2]>,
     tolerance_mm: f64,
     found: &mut Diagnostics,
 ) -> Vec<ZeroReport> {
     let machine = &chosen.machine;
-    let used = all(chosen).zip(0_u16..).filter(|(_, index)| used.contains(index));
-    let reports = used.map(|((name, _), index)| {
-        let datum = machine.datums.get(name).copied().unwrap_or_default();
-        let contains_mm = model.touch_mm(index);
+    let used: Vec<_> = all(chosen).zip(0_u16..).filter(|(_, index)| used.contains(index)).collect();
+    let reports = used.iter().map(|((name, _), index)| {
+        let datum = machine.datums.get(*name).copied().unwrap_or_default();
+        let contains_mm = model.touch_mm(*index);
         ZeroReport {
-            name: name.clone(),
+            name: (*name).clone(),
             set: datum.method().name(),
             is_stated: datum.setting.is_some(),
             contains_um: [0, 1, 2].map(|axis| um_from_mm(contains_mm[axis])),
@@ -207,7 +209,50 @@ pub(crate) fn of_run(
         );
         found.add(Diagnostic::nowhere(Code::ZERO_NOT_STATED, message, help), &[]);
     }
+    let tools_mm = tools_mm.filter(|_| !chosen.is_demo);
+    for ((name, shift), _) in &used {
+        let datum = machine.datums.get(*name).copied().unwrap_or_default();
+        let finding =
+            tools_mm.and_then(|tools_mm| length_unstated(chosen, model, (name, &datum, shift), tools_mm, tolerance_mm));
+        finding.into_iter().for_each(|finding| found.add(finding, &[]));
+    }
     reports
+}
+
+/// A warning if a zero that contains the error of the machine depends on the length of the tool at the touch by more than `tolerance_mm`, and no length
+/// is stated. `tools_mm` are the shortest and the longest tool of the program: a zero is touched with one of them, or with a probe of like length.
+fn length_unstated(
+    chosen: &Machine,
+    model: &Model,
+    (name, datum, shift): (&String, &Datum, &AxisVector),
+    tools_mm: [Vector; 2],
+    tolerance_mm: f64,
+) -> Option<Diagnostic> {
+    if !datum.method().is_relative() {
+        return None;
+    }
+    let contained_mm = |length_mm: f64| {
+        let mut stated = *datum;
+        stated.at.iter_mut().for_each(|at| at.tool_length_mm = at.tool_length_mm.or(Some(length_mm)));
+        model.displacement_at(&[0, 1, 2].map(|side| stated.pose(side, shift, &chosen.machine)))
+    };
+    let without_mm = contained_mm(0.0);
+    let changes = tools_mm.map(|tool_mm| (tool_mm.norm(), contained_mm(tool_mm.norm()) - without_mm));
+    let (length_mm, change_mm) = changes.into_iter().max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()))?;
+    let parts = components_um([0, 1, 2].map(|axis| um_from_mm(change_mm[axis])));
+    if !(change_mm.norm() > tolerance_mm && change_mm.norm().is_finite()) || parts.is_empty() {
+        return None;
+    }
+    let length = significant(length_mm);
+    let message = format!(
+        "{name} counts as touched with a tool of length 0, because no length is stated; with the tool of {length} mm of this program, its error would differ by {}",
+        parts.join(", ")
+    );
+    let help = format!(
+        "state the length of the tool or probe at the touch: --zero {name}={}@L{length}, or tool_length_mm in [zero_offset.{name}.set_at]; L0 for a touch without a tool",
+        datum.method().name()
+    );
+    Some(Diagnostic::nowhere(Code::ZERO_LENGTH_NOT_STATED, message, help))
 }
 
 /// Returns the displacement by temperature and weight at the touch of a zero offset, relative to the reference condition, in the directions of the workpiece,

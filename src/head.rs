@@ -154,7 +154,7 @@ pub(crate) fn zeros(
     let mut all = Vec::new();
     for one in heads {
         let used = extent.zeros_with(one.head);
-        let mut own = datum::of_run(&one.chosen, one.model, &used, tolerance_mm, found);
+        let mut own = datum::of_run(&one.chosen, one.model, &used, extent.tools_mm(), tolerance_mm, found);
         if let Some(head) = one.chosen.machine.heads.first().filter(|_| heads.len() > 1) {
             own.iter_mut().for_each(|zero| zero.name += &format!(" ({})", head.name));
         }

@@ -294,3 +294,29 @@ fn the_length_of_the_touch_counts() {
     near(last(&shop, 'X', &["--zero", "G54=touched@X100,Y0,Z100,L100"]), 399.990);
     shop.run(["in.mpf", "-o", "x.mpf", "--machine", "m.toml", "--zero", "G54=touched@Lx"]).exits(2).says("L100");
 }
+
+/// Z is 0.1 mm per meter too long and 2 µm too high at 0. With 110 mm below the spindle, Z stands at 110 when the tip touches 0: the zero contains 11 µm more.
+#[test]
+fn the_length_of_the_tool_at_the_touch_is_asked_for_where_it_matters() {
+    let long = "[[motion]]\ncomponent = \"EZZ\"\nkind = \"polynomial\"\ncoefficients = [0.002, 1e-4]\n";
+    let tool = "[[tool]]\nnumber = 1\nlength_mm = 110.0\nradius_mm = 4.0\n";
+    let program = "N10 G17 G90 G71 G94 G54\nN15 T1 M6\nN18 D1\nN20 G0 X10 Y10 Z50\nN30 G1 Z5 F500\nN40 X40\nN50 M30\n";
+    let shop = shop(&format!("{LINEAR}{long}{G54}{tool}"), program);
+    for command in [["fix", "-o"], ["check", ""]] {
+        let words = |zero: &'static str| {
+            let out = ["-o", "out.mpf"].into_iter().filter(|_| command[1] == "-o");
+            [command[0], "in.mpf", "--machine", "m.toml", "--zero", zero].into_iter().chain(out).collect::<Vec<_>>()
+        };
+        let run = shop.run(words("G54=touched")).exits(0);
+        run.says("warning[W0326]: G54 counts as touched with a tool of length 0").says("110 mm").says("by Z 11.0 µm");
+        run.says("--zero G54=touched@L110");
+        for zero in ["G54=touched@L110", "G54=probed@L0", "G54=absolute"] {
+            let run = shop.run(words(zero)).exits(0);
+            assert!(!run.stderr.contains("W0326"), "{zero}: {}", run.stderr);
+        }
+    }
+    // With the length, the surface that was touched is cut where the touch was.
+    let shop = shop.file("in.mpf", program.replace("Z5 F", "Z0 F"));
+    near(last(&shop, 'Z', &["--zero", "G54=touched@L110"]), 0.0);
+    near(last(&shop, 'Z', &["--zero", "G54=touched"]), -0.011);
+}

@@ -45,7 +45,16 @@ pub(crate) fn read(path: &Path) -> Result<Broken, Error> {
     let text = String::from_utf8_lossy(source.bytes()).into_owned();
     let told = read_journal(&text).map_err(|(line, why)| Error::usage(format!("{shown}:{line}: {why}")))?;
     if told.ended == Some(JournalEnd::Done) {
-        return Err(Error::usage(format!("the job of {shown} is complete: there is nothing to resume")));
+        // A link without reports ends with its last byte: the control may have lost the blocks in its buffer.
+        let lost = match told.executed {
+            0 => {
+                "; if the control lost power or was reset before it executed them, delete the journal, and feed the program from its beginning (docs/how-to/restart.md)"
+            }
+            _ => "",
+        };
+        return Err(Error::usage(format!(
+            "all lines of the job of {shown} were sent: there is nothing to resume{lost}"
+        )));
     }
     if let Some(JournalEnd::NotStarted(_)) = &told.ended {
         return Err(Error::usage(format!(

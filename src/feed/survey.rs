@@ -158,8 +158,9 @@ pub(crate) fn walk(
     }
     findings.extend(found, sources);
     if is_good {
-        let zeros = corrector.elements().extent().zeros();
-        datum::of_run(&job.machine, &model, zeros, job.writing.options.tolerance_mm, findings);
+        let extent = corrector.elements().extent();
+        let tolerance_mm = job.writing.options.tolerance_mm;
+        datum::of_run(&job.machine, &model, extent.zeros(), extent.tools_mm(), tolerance_mm, findings);
     }
     for stamped in sources.iter().skip(1).filter(|source| emit::is_stamped(source.bytes())) {
         findings.add(corrected_before(stamped), sources);

@@ -1,10 +1,12 @@
 //! Verdict on running a corrected program, with reasons: one line for each.
 
+use std::collections::BTreeSet;
+
 use serde::Serialize;
 
 use super::correction::{MOST_FORM, push_row};
 use super::json::DiagnosticReport;
-use super::number::{counted, grouped, micrometers};
+use super::number::{counted, grouped, micrometers, probability};
 use super::prediction::{NOT_KNOWN, PredictionReport};
 use super::review::Review;
 use ncfix_base::diagnostic::{Code, Severity};
@@ -188,6 +190,12 @@ impl Verdict {
         for text in self.doubts() {
             push_row(&mut out, "", text);
         }
+        // A diagnostic is printed with its place; here its code is enough.
+        let is_against = |reason: &&Reason| reason.grade > Grade::Ok && !reason.is_gap();
+        let codes: BTreeSet<&str> = self.reasons.iter().filter(is_against).filter_map(|reason| reason.code).collect();
+        if !codes.is_empty() {
+            push_row(&mut out, "", &format!("see {}", Vec::from_iter(codes).join(", ")));
+        }
         out
     }
 
@@ -224,11 +232,12 @@ fn of_prediction(prediction: &PredictionReport) -> (Grade, String) {
     if prediction.is_harmful() {
         return (Grade::Bad, format!("the correction makes the error larger, with 95 % confidence: {largest}"));
     }
-    if prediction.improves.is_some_and(|share| share < 1.0) {
-        return (
-            Grade::Warn,
-            format!("the correction is no larger than its uncertainty: the largest error is {largest} (95 %)"),
+    if let Some(share) = prediction.improves.filter(|share| *share < 1.0) {
+        let text = format!(
+            "{} within the uncertainty of the machine file, that the correction makes the largest or the RMS error larger; the largest error is {largest} (95 %)",
+            probability(1.0 - share)
         );
+        return (Grade::Warn, text);
     }
     match prediction.names() {
         Some(names) => (

@@ -752,6 +752,11 @@ program begins there, or with --start, which holds until the first tool change."
 "[control] block_cycle_ms states the time that the control needs to prepare a block. To stay within the tolerance, ncfix has divided a
 move into blocks that take less time at their feed. The tolerance has priority; the control slows down along these blocks, and
 surfaces may show it. A larger --tolerance gives longer blocks, and a lower feed more time for each.";
+    ZERO_LENGTH_NOT_STATED = "W0326" "length of the tool at the touch not stated"
+"A touched zero contains the error of the machine where the tool touched, and this depends on the length of the tool or probe: a longer one
+touches at a higher position of the axes. Without a stated length the correction is right for the length 0. All cuts are then displaced by
+the size in the message. State the length: --zero G54=touched@L110, or tool_length_mm in [zero_offset.NAME.set_at]. See
+docs/how-to/set-the-zero.md.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be detected.";
     TWO_DRIFTS = "W0402" "two models of the drift"

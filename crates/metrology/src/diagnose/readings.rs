@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::far::drop_far;
 use super::fold::counts;
+use super::noise::is_angle;
 use super::scene::{NO_ROW, Scene};
 use super::search::{Field, Weights};
 
@@ -147,8 +148,8 @@ pub fn freedom_of(scene: &Scene<'_>, used: usize) -> [usize; 2] {
     [of_rows, field.series(&weights, &[], 0.0).rank()]
 }
 
-/// Residuals of two models, RMS, mm or rad, for the measurements used and for those held out; `None` without readings. Both models are compared on the same
-/// readings: outliers of the `explained` residuals (mm or rad) are excluded.
+/// Residuals of two models, RMS, for the measurements used and for those held out; `None` without readings. They are those of the lengths, mm; without
+/// lengths those of the angles, rad. Both models are compared on the same readings: outliers of the `explained` residuals (mm or rad) are excluded.
 #[must_use]
 pub fn residuals(models: [&Scene<'_>; 2], used: usize, explained: &[f64]) -> [Option<[f64; 2]>; 2] {
     let [scene, _] = models;
@@ -158,7 +159,10 @@ pub fn residuals(models: [&Scene<'_>; 2], used: usize, explained: &[f64]) -> [Op
         let left = projected(&field, &weights, explained);
         let unknowns = field.series(&weights, &[], 0.0).rank();
         drop_far(scene, &mut weights, (&left, unknowns));
-        let places = counts(scene, &weights);
+        // Angles among lengths have another unit.
+        let of_angles = is_angle(scene);
+        let is_shown = |place: &usize| scene.items.get(*place).is_some_and(|item| item.is_angle == of_angles);
+        let places: Vec<usize> = counts(scene, &weights).into_iter().filter(is_shown).collect();
         let of = |model: &Scene<'_>| {
             let values: Vec<f64> = model.items.iter().map(|item| item.left).collect();
             let left = projected(&field, &weights, &values);
