@@ -122,10 +122,18 @@ impl Question<'_> {
         };
         let (train, test) = (of(false), of(true));
         let [mut of_train, mut of_test] = [&train, &test].map(|part| field.series(part, &[], 0.0));
+        // The readings before a change say nothing about an error that has changed: only what a change leaves is evidence for another term.
+        let changes: Vec<usize> = self.judged.iter().copied().filter(|&term| field.is_a_change(term)).collect();
+        let [mut train_beside, mut test_beside] = [&train, &test].map(|part| field.series(part, &changes, 0.0));
         let says: Vec<Option<f64>> = self
             .places
             .iter()
-            .map(|&place| self.does.get(place).and_then(|does| does.said(&mut of_train, &mut of_test)))
+            .map(|&place| {
+                let (does, term) = (self.does.get(place)?, *self.judged.get(place)?);
+                let own = does.said(&mut of_train, &mut of_test)?;
+                let is_said = changes.contains(&term) || does.said(&mut train_beside, &mut test_beside).is_some();
+                is_said.then_some(own)
+            })
             .collect();
         if says.iter().all(Option::is_none) {
             return Answer { gains: Vec::new(), selection: None, found: Vec::new() };
@@ -147,9 +155,16 @@ impl Question<'_> {
         let mut all: Vec<usize> = of_each.iter().flatten().copied().collect();
         all.sort_unstable();
         all.dedup();
-        // An effect of a set-up that only this part contains is unknown to the other readings, as its offset is: it is fitted to the part.
+        // An effect of a set-up that only this part contains is unknown to the other readings, as its offset is: it is fitted to the part. The same is
+        // true of a change, and of the error that has changed.
         let is_local = |(&term, does): (&usize, &Does)| {
-            (field.is_of_a_setup(term) && does.is_absent(&mut of_train)).then_some(term)
+            let is_own = field.is_of_a_setup(term) || changes.contains(&term);
+            let is_absent = if is_own {
+                does.is_absent(&mut of_train)
+            } else {
+                !changes.is_empty() && does.is_absent(&mut train_beside) && !does.is_absent(&mut of_train)
+            };
+            is_absent.then_some(term)
         };
         let local: Vec<usize> = self.judged.iter().zip(&self.does).filter_map(is_local).collect();
         let with = unseen_beside(field, [&train, &test], &all, &local);
@@ -197,6 +212,11 @@ impl<'s, 'a> Field<'s, 'a> {
     /// True for an effect of one set-up of an instrument.
     fn is_of_a_setup(&self, number: usize) -> bool {
         self.candidates.get(number).is_some_and(|one| one.cause.effect == EffectKind::Setup)
+    }
+
+    /// True for a change of the machine between measurements.
+    fn is_a_change(&self, number: usize) -> bool {
+        self.candidates.get(number).is_some_and(|one| one.cause.effect == EffectKind::Earlier)
     }
 
     /// Copies the candidates for a separate search, with the first ones only.
