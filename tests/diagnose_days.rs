@@ -78,6 +78,31 @@ fn what_acts_on_one_day_only_is_told_file_by_file() {
     }
 }
 
+/// The machine was right on the first day, and has an error since. The readings of the first day must not speak against it.
+#[test]
+fn what_acts_since_the_second_day_has_its_whole_size() {
+    let mut count = 0;
+    for (bench, row, seed) in [(Bench::Ballbar, 3), (Bench::Ballbar, 20)]
+        .into_iter()
+        .flat_map(|(bench, row)| [1, 2, 3, 4].map(|seed| (bench, row, seed)))
+    {
+        let (case, [now, before]) = days(bench, row, seed, false);
+        let truth = &case.truth.effects[0];
+        let names = format!("{}.csv {}.csv", before.stem, now.stem);
+        let report = diagnosed(&case.machine_toml, &[&before, &now], &names, 0);
+        let own = report["findings"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|one| text(&one["effect"]) == truth.effect && text(&one["parameter"]) == truth.parameter);
+        let own = own.unwrap_or_else(|| panic!("{}{:#}", case.words(), report["findings"]));
+        let [value, u95] = ["value", "u95"].map(|name| own[name].as_f64().unwrap());
+        assert!((value - truth.size).abs() < 1.5 * u95 && u95 < 0.5 * truth.size.abs(), "{}{own}", case.words());
+        count += u32::from(own["correctable"] == "program" && own["probability"].as_f64().unwrap() > 0.95);
+    }
+    assert!(count >= 6, "{count} of 8 are certain");
+}
+
 #[test]
 fn what_acts_on_both_days_differs_in_none() {
     for (bench, row, seed) in DAYS {
