@@ -197,7 +197,10 @@ fn scale(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         .collect();
     all.sort_unstable();
     all.dedup();
-    if (2..=MOST).contains(&all.len()) {
+    // Only another set-up shows that a scale is wrong: one of this instrument or of another.
+    let plates = plates(scene);
+    let has_others = (2..=MOST).contains(&(all.len() + plates.len()));
+    if has_others {
         for own in all {
             let of =
                 move |row: &SceneRow| if (row.set, row.setup) == own { own_length(row).unwrap_or(0.0) } else { 0.0 };
@@ -205,7 +208,9 @@ fn scale(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
             push(out, &SCALE, name.trim_end(), vec![vec![part(Through::Reading(false), of)]], &["setup"]);
         }
     }
-    artefacts(scene, out);
+    if has_others {
+        artefacts(scene, plates, out);
+    }
     for name in OWN {
         let Some(values) = column(scene.sets, name) else { continue };
         let warm = move |values: &Values, row: &SceneRow| {
@@ -241,16 +246,18 @@ fn scale(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     }
 }
 
-/// Scale of one artifact or of one mounting: its length differs from the certificate, about its middle and in all directions.
-fn artefacts(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
+/// Set-ups of artifacts.
+fn plates(scene: &Scene<'_>) -> Vec<(usize, usize)> {
     let is_plate = |set: usize| scene.sets.get(set).is_some_and(|set| set.kind.measurand == Measurand::Displacement);
     let mut all: Vec<(usize, usize)> =
         scene.rows.iter().filter(|row| is_plate(row.set)).map(|row| (row.set, row.setup)).collect();
     all.sort_unstable();
     all.dedup();
-    if !(2..=MOST).contains(&all.len()) {
-        return;
-    }
+    all
+}
+
+/// Scale of one artifact or of one mounting: its length differs from the certificate, about its middle and in all directions.
+fn artefacts(scene: &Scene<'_>, all: Vec<(usize, usize)>, out: &mut Vec<Candidate>) {
     for own in all {
         let points: Vec<[f64; 3]> =
             scene.rows.iter().filter(|row| (row.set, row.setup) == own).map(|row| point(row, scene)).collect();
