@@ -3,6 +3,7 @@
 use crate::machine::Machine;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::{Axis, AxisSet};
+use ncfix_base::number::significant;
 use ncfix_machine::snc::Origin;
 use ncfix_machine::snc::extent::PathExtent;
 use ncfix_model::coverage::{Coverage, UsedRanges};
@@ -13,12 +14,30 @@ pub(crate) fn of_run(machine: &Machine, extent: &PathExtent, is_required: bool) 
     let used = UsedRanges { axes: extent.axes().collect(), tools_mm: extent.tools_mm() };
     let coverage = of_ranges(machine, &used);
     let mut found = coverage.diagnostics(is_required);
+    found.extend(backward_tool(machine, &used, is_required));
     found.extend(extent.unknown().map(|(origin, axes)| unknown_cut(origin, axes, is_required)));
     // A tool change leaves an axis where start_deg has it.
     let is_open = |axis: &Axis| machine.machine.axis(*axis).is_some_and(|data| data.start_rad.is_none());
     let rotary = machine.machine.axis_set().iter().filter(|axis| axis.is_rotary() && is_open(axis)).collect();
     found.extend(extent.unstated(rotary).map(|(origin, axes)| unstated_axes(origin, axes, is_required)));
     (CoverageReport::from(&coverage), found)
+}
+
+/// A tool with a negative length: its tip would be inside the spindle, and the arm of the angular errors has the wrong sign.
+fn backward_tool(machine: &Machine, used: &UsedRanges, is_required: bool) -> Option<Diagnostic> {
+    let lengths_mm = used.tools_mm.iter().flatten().map(|tool_mm| -tool_mm.dot(&machine.machine.spindle.axis));
+    let shortest_mm = lengths_mm.fold(f64::INFINITY, f64::min);
+    if shortest_mm >= 0.0 || !shortest_mm.is_finite() || machine.model().is_empty() {
+        return None;
+    }
+    let code = if is_required { Code::NOT_COVERED } else { Code::BACKWARD_TOOL };
+    let message = format!(
+        "a tool of this program has the length {} mm; with a negative length, angular errors are corrected at a wrong place",
+        significant(shortest_mm)
+    );
+    let help =
+        "state lengths from the gauge line of the spindle to the tip, and Z of the zero offset for these lengths";
+    Some(Diagnostic::nowhere(code, message, help))
 }
 
 /// A cut at an unknown position: the error of the machine there is unknown as well.

@@ -40,8 +40,11 @@ impl FromStr for StatedZero {
                 "'{text}' states no zero: the methods are touched, probed and absolute; write for example G54=touched or G54=touched@X330,Y240,Z120,L100"
             )
         };
-        let no_method = || {
-            format!("'{text}' does not state how the zero was set; write for example {text}=touched or {text}=absolute")
+        let no_method = || match ZeroSetting::of_name(text.trim()) {
+            Some(setting) => format!("'{text}' names no zero offset; write for example G54={}", setting.name()),
+            None => format!(
+                "'{text}' does not state how the zero was set; write for example {text}=touched or {text}=absolute"
+            ),
         };
         let (name, rest) = text.split_once('=').ok_or_else(no_method)?;
         let (setting, place) = rest.split_once('@').map_or((rest, None), |(setting, place)| (setting, Some(place)));

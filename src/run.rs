@@ -185,6 +185,11 @@ pub(crate) fn keep_unit(
     control.output_inch = last_unit(source.bytes()).or_else(|| last_unit(control.iso.startup_code.as_bytes()));
 }
 
+/// True if the numbers of a program are inches.
+pub(crate) fn is_inch(source: &Source, dialect: &Dialect) -> bool {
+    matches!(dialect.language, Language::Fanuc | Language::Rs274) && last_unit(source.bytes()) == Some(true)
+}
+
 /// True if the last G20 or G21 outside of comments is G20.
 fn last_unit(bytes: &[u8]) -> Option<bool> {
     let (mut found, mut at) = (None, 0);

@@ -274,3 +274,33 @@ fn pictures_of_the_page_are_files_too() {
     shop.run(LASER[..LASER.len() - 1].iter().chain(&["--svg", "pictures"])).exits(0);
     assert!(!shop.names().contains(&"page.html".to_owned()) && shop.path("pictures").is_dir());
 }
+
+/// A bow of 40 µm/m² at an angle of 60 µrad to the reference: y = 4e-5 x² + 0.06 x, µm over mm.
+#[test]
+fn a_slope_outside_the_model_is_named() {
+    let rows: Vec<String> = (0..13)
+        .map(|k| {
+            let x = 50.0 * f64::from(k);
+            format!("EYX,{x},0,100,{:.3},1", 4e-5 * x * x + 0.06 * x + [0.1, -0.1][k as usize % 2])
+        })
+        .collect();
+    let table = format!("component,X,Y,Z,value_um,X_dir\n{}\n", rows.join("\n"));
+    let curvature = |free: &str, model: &str| {
+        let shop = Shop::new()
+            .file("m.toml", "[machine]\nname = \"m\"\ntopology = \"wFXYZt\"\n[axis.X]\ndirection = [1, 0, 0]\n[axis.Y]\ndirection = [0, 1, 0]\n[axis.Z]\ndirection = [0, 0, 1]\n")
+            .file("bow.csv", table.clone())
+            .file("bow.toml", format!("[measurement]\nkind = \"direct\"\nfree = [{free}]\nsigma_um = 0.1\n"));
+        let run = shop
+            .run(["calibrate", "bow.csv", "--machine", "m.toml", "--model", model, "-o", "fitted.toml", "--json"])
+            .exits(0);
+        let json = run.json();
+        let own = json["parameters"].as_array().unwrap().iter().find(|one| one["name"] == "EYX2").unwrap();
+        (run.codes().contains(&"W0612".to_owned()), own["value"].as_f64().unwrap())
+    };
+    let (is_named, value) = curvature("\"offset\"", "EYX2");
+    assert!(is_named && (value - 40.0).abs() > 20.0, "{value}");
+    for (free, model) in [("\"offset\", \"slope\"", "EYX2"), ("\"offset\"", "EYX1,EYX2")] {
+        let (is_named, value) = curvature(free, model);
+        assert!(!is_named && (value - 40.0).abs() < 2.0, "{free} {model}: {value}");
+    }
+}

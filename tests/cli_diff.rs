@@ -153,3 +153,30 @@ fn programs_that_do_not_run_here_are_compared_as_they_are_written() {
     // A program that is no program for this machine says how it can be compared.
     shop.run(["diff", "old.nc", "new.nc", "--machine", &machine("demo")]).exits(3).says("--text");
 }
+
+/// In inches, the correction of 40 µm/m · 101.6 mm = 4.064 µm is 0.00016 inch.
+#[test]
+fn words_in_inches_are_compared_in_inches() {
+    let mill = MILL.replace("EC0Y = 100", "EC0Y = 0").replace("coefficients = [0, 4e-5]", "coefficients = [0, 4e-4]");
+    for (controller, name, text) in [
+        ("fanuc", "part.nc", "%\nO1\nG20 G90 G17 G94 G54\nG0 X0. Y0. Z2.\nG1 X4. F20.\nX-1.\nM30\n%\n"),
+        ("rs274", "part.ngc", "G20 G90 G17 G94 G54\nG0 X0 Y0 Z2\nG1 X4 F20\nX-1\nM2\n"),
+    ] {
+        let shop =
+            Shop::new().file("mill.toml", mill.replace("\"sinumerik\"", &format!("\"{controller}\""))).file(name, text);
+        shop.run([name, "-o", "out.nc", "--machine", "mill.toml"]).exits(0);
+        let json = shop.run(["diff", name, "out.nc", "--machine", "mill.toml", "--json"]).exits(1).json();
+        let words: Vec<[f64; 2]> = json["rows"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .flat_map(|row| row["words"].as_array().unwrap())
+            .map(|word| ["before", "after"].map(|key| word[key].as_str().unwrap().parse().unwrap()))
+            .collect();
+        let of = |before: f64| {
+            words.iter().find(|word| (word[0] - before).abs() < 1e-9).unwrap_or_else(|| panic!("{json:#}"))[1]
+        };
+        // 4 inch too long by 40.6 µm = 0.0016 inch.
+        assert!((of(4.0) - 3.9984).abs() < 1.1e-4 && (of(-1.0) + 0.9996).abs() < 1.1e-4, "{json:#}");
+    }
+}

@@ -427,3 +427,37 @@ fn a_position_at_the_beginning_counts_as_programmed() {
     let far = Shop::new().file("five.toml", begin(500.0, 0.0)).file("part.mpf", text(""));
     fix(&far, "").exits(4).says("error[E0404]: start_deg of axis A is outside its travel");
 }
+
+/// A control whose lengths count from the machine zero has negative ones. Their sum with Z of the zero offset is right, but not the arm of an angle.
+#[test]
+fn a_tool_of_negative_length_is_named() {
+    let tool = |length: f64, z: f64| {
+        format!(
+            "[[tool]]\nnumber = 1\nlength_mm = {length}\nradius_mm = 4.0\n[zero_offset.G54]\nX_mm = 0\nY_mm = 0\nZ_mm = {z}\n"
+        )
+    };
+    let text = "G90 G71 G54\nT1 M6\nD1\nG0 X100 Y50 Z100 A0 C0\nG1 X120 F500\nG0 Z200\nM30\n";
+    for (length, z, is_named) in [(-330.0, 450.0, true), (120.0, 0.0, false)] {
+        let shop = shop(&tool(length, z), text);
+        for arguments in [&["part.mpf", "-o", "out.mpf"][..], &["check", "part.mpf"]] {
+            let run = shop.run(arguments.iter().chain(&["--machine", "five.toml", "--max-correction", "2mm"])).exits(0);
+            assert_eq!(run.stderr.contains("W0327"), is_named, "{}", run.stderr);
+            if is_named {
+                run.says("a tool of this program has the length -330 mm");
+            }
+        }
+        assert_eq!(fix(&shop, "--require-coverage").stderr.contains("has the length -330 mm"), is_named);
+    }
+}
+
+/// After a program that the control itself runs, no position is known until the next programmed one: nothing is known of the error, and it is not 0.
+#[test]
+fn an_error_that_is_not_known_is_not_zero() {
+    let opaque = format!("{MEASURED}[[opaque]]\nname = \"L6\"\n");
+    let shop = shop(&opaque, "G90 G71\nL6\nG1 Z100 F500\nZ90\nM30\n");
+    let run = fix(&shop, "--json").exits(0);
+    let json = run.json();
+    assert!(json["before"].is_null() && json["after"].is_null(), "{json}");
+    let run = fix(&shop, "").exits(0);
+    assert!(run.stderr.contains("error        not known") && !run.stderr.contains("0.000 µm"), "{}", run.stderr);
+}

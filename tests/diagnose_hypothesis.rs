@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use crate::plant::random::Random;
 use crate::support::Shop;
 
 /// Three axes that move the tool, without errors.
@@ -92,4 +93,44 @@ fn wrong_text_is_refused_at_its_column() {
         .exits(4)
         .says("'T_nose_C' is neither an axis nor a column of the data")
         .says("the machine has no axis C");
+}
+
+/// Two runs over a grid of 100 mm with a product of X and Y, and noise.
+fn product(is_shuffled: bool) -> Shop {
+    let mut random = Random::new(7, "product");
+    let mut text = "run,X,Y,dx_um,dy_um\n".to_owned();
+    for run in 1..=2 {
+        let mut rows: Vec<String> = Vec::new();
+        for (x, y) in (0..5).flat_map(|y| (0..5).map(move |x| (100.0 * f64::from(x), 100.0 * f64::from(y)))) {
+            let dx_um = 1e-4 * (x - 200.0) * (y - 200.0) + 0.35 * random.normal();
+            rows.push(format!("{run},{x},{y},{dx_um:.3},{:.3}\n", 0.35 * random.normal()));
+        }
+        if is_shuffled {
+            (1..rows.len()).rev().for_each(|k| rows.swap(k, random.below(k + 1)));
+        }
+        text += &rows.concat();
+    }
+    let description = "[measurement]\nkind = \"displacement\"\nfree = [\"offset\", \"rotation\"]\nsigma_um = 0.4\n[position]\nZ_mm = 100\n";
+    Shop::new().file("bench.toml", MACHINE).file("grid.csv", text).file("grid.toml", description)
+}
+
+/// Every 100 mm, a wave of 200 mm is read at the same two phases: half of it is not there.
+#[test]
+fn a_wave_of_two_positions_cannot_be_shown() {
+    let stated = arguments(&["EXX ~ sin(X/200mm)"]);
+    let report = product(false).run(stated.into_iter().chain(["--json"])).exits(0).json();
+    let one = &report["hypotheses"][0];
+    assert_eq!(one["answer"], "not-shown", "{one}");
+    assert!(one["why_not_shown"].as_str().unwrap().contains("half a period apart"), "{one}");
+}
+
+/// A line over Y has no part in a product of X and Y, in whichever order the rows are.
+#[test]
+fn what_another_cause_leaves_is_no_evidence() {
+    for is_shuffled in [false, true] {
+        let report = product(is_shuffled).run(arguments(&["EXX ~ Y"]).into_iter().chain(["--json"])).exits(0).json();
+        let one = &report["hypotheses"][0];
+        assert!(["refuted", "undecided"].contains(&one["answer"].as_str().unwrap()), "{one:#}");
+        assert!(number(one, "log_evidence_beside") < 3.0, "{one:#}");
+    }
 }

@@ -1,9 +1,10 @@
 //! The rows of a comparison: their selection, their order, and their words.
 
 use super::CompareOptions;
+use super::walk::Outcome;
 use ncfix_base::geometry::Axis;
 use ncfix_base::source::Source;
-use ncfix_base::units::{UnitKey, um_from_mm};
+use ncfix_base::units::{MM_PER_INCH, UnitKey, um_from_mm};
 use ncfix_path::review::words::{LineWord, block_number, decimals, words};
 use ncfix_path::review::{ReviewRow, moves};
 use ncfix_report::review::{Changed, ChangedMove, Look};
@@ -40,6 +41,8 @@ impl<'a> Text<'a> {
 pub(crate) struct Listing<'a> {
     wanted: &'a CompareOptions,
     rows: &'a [ReviewRow],
+    /// Unit of linear axes in the corrected program, mm.
+    unit_mm: f64,
     axes: Vec<Axis>,
     original: Vec<Text<'a>>,
     corrected: Text<'a>,
@@ -48,12 +51,12 @@ pub(crate) struct Listing<'a> {
 impl<'a> Listing<'a> {
     pub(crate) fn new(
         wanted: &'a CompareOptions,
-        rows: &'a [ReviewRow],
-        sources: &'a [Source],
+        (rows, outcome): (&'a [ReviewRow], &'a Outcome),
         corrected: &'a Source,
     ) -> Listing<'a> {
-        let original = sources.iter().map(Text::new).collect();
-        Listing { wanted, rows, axes: wanted.all_axes(), original, corrected: Text::new(corrected) }
+        let original = outcome.sources[0].iter().map(Text::new).collect();
+        let unit_mm = if outcome.is_inch { MM_PER_INCH } else { 1.0 };
+        Listing { wanted, rows, unit_mm, axes: wanted.all_axes(), original, corrected: Text::new(corrected) }
     }
 
     /// The largest change of a move, µm.
@@ -144,7 +147,7 @@ impl<'a> Listing<'a> {
         axes.map(|axis| {
             let written = word_of(&of_before, axis);
             match word_of(&of_after, axis) {
-                Some(word) => changed(row, axis, Some(word), written),
+                Some(word) => changed((row, axis, self.unit_mm), Some(word), written),
                 None => self.above(row, axis, written),
             }
         })
@@ -157,21 +160,25 @@ impl<'a> Listing<'a> {
         for line in (highest..row.corrected_line).rev() {
             let text = self.corrected.line(line);
             if let Some(word) = word_of(&words(&text), axis) {
-                return changed(row, axis, Some(word), written);
+                return changed((row, axis, self.unit_mm), Some(word), written);
             }
         }
-        changed(row, axis, None, written)
+        changed((row, axis, self.unit_mm), None, written)
     }
 }
 
-/// A changed word, from that of the corrected program and that of the original.
-fn changed(row: &ReviewRow, axis: Axis, word: Option<&LineWord<'_>>, written: Option<&LineWord<'_>>) -> Changed {
+/// A changed word, from that of the corrected program and that of the original. `unit_mm` is the unit of linear axes in the corrected program.
+fn changed(
+    (row, axis, unit_mm): (&ReviewRow, Axis, f64),
+    word: Option<&LineWord<'_>>,
+    written: Option<&LineWord<'_>>,
+) -> Changed {
     let added = row.added(axis);
     let unit = UnitKey::of(axis.is_rotary());
     let mut out = Changed { axis: axis.to_string(), added: unit.unit().shown(added), unit, ..Changed::default() };
     let Some(word) = word else { return out };
     let digits = decimals(word.value);
-    let was = word.number.unwrap_or_default() - if axis.is_rotary() { added.to_degrees() } else { added };
+    let was = word.number.unwrap_or_default() - if axis.is_rotary() { added.to_degrees() } else { added / unit_mm };
     // The written text if it has this value; otherwise the executed value.
     let near = 0.6 * 10_f64.powi(-(digits as i32));
     let written = written.filter(|written| written.number.is_some_and(|number| (number - was).abs() < near));

@@ -120,7 +120,7 @@ impl Program {
         found.extend(outcome.differences.iter().cloned(), &outcome.sources[1]);
         let mut review = ComparedPrograms { wanted: &wanted, names, trace: &trace, outcome: &outcome, corrected: text }
             .review(&found);
-        let listing = Listing::new(&wanted, &trace.rows, &outcome.sources[0], text);
+        let listing = Listing::new(&wanted, (&trace.rows, &outcome), text);
         (review.rows, review.more_rows) = listing.some(ROWS);
         Ok(review)
     }
@@ -198,7 +198,7 @@ impl Pair<'_> {
         let name = "the largest correction of a linear axis".to_owned();
         review.limits.push(Limit { name, value_um, limit_um: allowed_um, is_kept: value_um <= allowed_um });
         review.verdict = Verdict::of(&review);
-        let listing = Listing::new(&wanted, &trace.rows, &outcome.sources[0], corrected);
+        let listing = Listing::new(&wanted, (&trace.rows, &outcome), corrected);
         (review.rows, review.more_rows) = listing.some(ROWS);
         Ok(Some(Reviewed { review, trace, outcome }))
     }

@@ -47,10 +47,18 @@ pub(crate) fn promise(
             "{name} was corrected for the machine file with the checksum {model}, but is compared on {}",
             chosen.hash
         );
-        warn(Code::OTHER_STAMP, message, "give with --machine the machine file used for the correction");
+        warn(
+            Code::OTHER_STAMP,
+            message,
+            "give the --machine and --setup files of the correction; if a tool, an offset or the machine has changed since, correct the original again",
+        );
     } else if emit::is_stamped_for(bytes, &chosen.machine.name) == Some(false) {
         let message = format!("the stamp of {name} names another machine than {}", chosen.machine.name);
-        warn(Code::OTHER_STAMP, message, "give with --machine the machine file used for the correction");
+        warn(
+            Code::OTHER_STAMP,
+            message,
+            "give the --machine and --setup files of the correction; if a tool, an offset or the machine has changed since, correct the original again",
+        );
     }
     let stamped_state = emit::stamped_state(bytes);
     if stamped_state != chosen.state {
@@ -60,7 +68,7 @@ pub(crate) fn promise(
             said(&stamped_state),
             said(&chosen.state)
         );
-        let help = "give the same --state, --time, --zero-time, --zero-at and --load as for the correction";
+        let help = "give the same --zero, --state, --time, --zero-time, --zero-at and --load as for the correction";
         warn(Code::OTHER_STAMP, message, help);
     }
     let hash = short_hash([original.bytes()]);

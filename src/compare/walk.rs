@@ -113,6 +113,7 @@ impl Pair<'_> {
         let grouping = if is_marked { Grouping::ByMarks } else { Grouping::ByPlace };
         let feeds = [&original, &corrected]
             .map(|opened| emit::entry(opened.dialect.name).map_or(Feeds::default(), |entry| entry.feeds));
+        let is_inch = run::is_inch(&sources[1], corrected.dialect);
         let assumed = emit::entry(corrected.dialect.name).map_or("", |entry| entry.assumed);
         let (filler, ahead) = channel();
         std::thread::scope(|scope| {
@@ -132,6 +133,7 @@ impl Pair<'_> {
                 requires_coverage: self.requires_coverage,
                 start: stated,
                 assumed: if is_marked { assumed } else { "" },
+                is_inch,
             };
             walk((original, ahead), &how, chosen, findings, see, || {
                 thread.join().unwrap_or_else(|fault| resume_unwind(fault))
@@ -161,6 +163,8 @@ struct How {
     start: Option<AxisVector>,
     /// Settings of the corrected program before its first move.
     assumed: &'static str,
+    /// True if the corrected program is in inches.
+    is_inch: bool,
 }
 
 /// Compares two running programs; `files` ends the corrected one and returns its files.
@@ -264,6 +268,7 @@ fn walk(
                 max_at,
                 sources,
                 increments,
+                is_inch: how.is_inch,
                 beyond,
                 machine,
                 at_feed: fed,
@@ -316,6 +321,8 @@ pub(crate) struct Outcome {
     pub(crate) sources: [Vec<Source>; 2],
     /// Increments of the control, mm and rad.
     pub(crate) increments: [f64; 2],
+    /// True if the corrected program is in inches.
+    pub(crate) is_inch: bool,
     /// Pieces of the corrected program that end outside the travel of an axis: their number, and the line of the
     /// first one.
     pub(crate) beyond: BTreeMap<Axis, (u64, u32)>,

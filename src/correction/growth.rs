@@ -12,7 +12,7 @@ pub(super) fn check(source: &Source, largest: Option<f64>, report: &mut Correcti
     report.growth = emit::growth(lines, report.blocks_out);
     let largest = largest.filter(|largest| report.growth > *largest)?;
     let message = format!(
-        "the output would have {} blocks, {:.1} times the {} blocks of the original; --max-growth allows {largest} times",
+        "the output would have {} blocks, {:.1} times the {} blocks of the original; --max-growth allows {largest}x",
         grouped(report.blocks_out),
         report.growth,
         grouped(lines),

@@ -55,9 +55,12 @@ pub(super) fn note(
     tolerance_mm: f64,
     report: &mut CorrectionReport,
 ) {
-    report.before = Some(spread(prediction.before()));
-    report.before_form = Some(spread(prediction.form()));
-    report.after = Some(spread(prediction.after()));
+    // Without a move from a known position, nothing is known of its error.
+    let is_known = prediction.before().samples > 0 || prediction.moves == 0;
+    let known = |own: &path::Spread| is_known.then(|| spread(own));
+    report.before = known(prediction.before());
+    report.before_form = known(prediction.form());
+    report.after = known(prediction.after());
     report.rapids_as_programmed = prediction.as_programmed;
     report.off_at_rapids_um = um_from_mm(prediction.off_cut_mm);
     report.short_blocks = machine.control.block_cycle_s.map(|cycle_s| ncfix_report::correction::ShortBlocksReport {

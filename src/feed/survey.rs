@@ -168,17 +168,24 @@ pub(crate) fn walk(
     Ok(short_hash(sources.iter().map(Source::bytes)))
 }
 
+/// Rates of lines are stated from this ratio on.
+const TOLD_RATIO: f64 = 1.05;
+
 /// Checks whether the link is fast enough.
 fn judge(allows_starvation: bool, before: &Before, findings: &mut Diagnostics) {
     let Some(worst) = before.late.first() else { return };
     let [first, last] = worst.source_lines;
     let lines = if first == last { format!("line {first}") } else { format!("lines {first} to {last}") };
+    // Over a section that mostly waits for the motion, both means are equal and say nothing.
+    let rates = if worst.needed_per_s > TOLD_RATIO * worst.given_per_s {
+        format!(": {} lines/s needed, {} available", rate(worst.needed_per_s), rate(worst.given_per_s))
+    } else {
+        String::new()
+    };
     let message = format!(
-        "the axes will stand still for {:.1} s of {:.1} s; {lines} of the original: {} lines/s needed, {} available{}",
+        "the axes will stand still for {:.1} s of {:.1} s, mostly at {lines} of the original{rates}{}",
         before.starved_s,
         before.total_s,
-        rate(worst.needed_per_s),
-        rate(worst.given_per_s),
         if before.line_by_line { ", because this link sends line by line" } else { "" }
     );
     let is_much = before.starved_s > LEAST_STARVED_S.max(MOST_STARVED * before.motion_s);

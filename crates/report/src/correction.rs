@@ -23,7 +23,7 @@ pub(super) const MOST_FORM: f64 = 0.5;
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CorrectionReport {
-    /// Errors as programmed; `null` if the program was refused.
+    /// Errors as programmed; `null` if the program was refused, or if no move starts at a known position.
     pub before: Option<SpreadReport>,
     /// Errors as programmed, beyond the constant displacement that a touched zero offset takes up; `null` if the program was refused.
     pub before_form: Option<SpreadReport>,
@@ -126,6 +126,8 @@ impl CorrectionReport {
             let place = self.max_at_line.zip(self.max_at_file.as_deref());
             out.push_str(&error_rows(before, after, place));
             out.push_str(&form_row(before, self.before_form));
+        } else {
+            push_row(&mut out, "error", "not known: no move starts at a known position");
         }
         out.push_str(&self.prediction.as_ref().map_or_else(String::new, PredictionReport::rows));
         out.push_str(&zero_rows(&self.zeros));
@@ -330,7 +332,7 @@ fn improvement(before: SpreadReport, after: SpreadReport) -> String {
             format!("{:.2} % of the mean", percent.min(99.99))
         }
     } else {
-        "none: no error on this path, or no move with a known start".into()
+        "none: no error on this path".into()
     }
 }
 

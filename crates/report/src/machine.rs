@@ -162,7 +162,7 @@ fn measured_rows(measured: &MeasuredRanges) -> Vec<String> {
         row("instruments", &measured.instruments.join(", "));
     }
     if let Some(residual_um) = measured.residual_um {
-        row("residual", &format!("{} µm of the holdout data", decimal(residual_um)));
+        row("residual", &format!("{} µm of the held-out data", decimal(residual_um)));
     }
     rows
 }

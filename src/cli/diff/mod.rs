@@ -54,7 +54,7 @@ pub(in crate::cli) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
         let help = "list the largest changes with --top 20; correct again if they are not intended";
         findings.add(Diagnostic::nowhere(Code::CORRECTION_TOO_LARGE, message, help), &[]);
     }
-    let listing = Listing::new(&wanted, &trace.rows, &outcome.sources[0], corrected);
+    let listing = Listing::new(&wanted, (&trace.rows, &outcome), corrected);
     if target.is_some() || arguments.json {
         (review.rows, review.more_rows) = listing.some(arguments.top.unwrap_or(ROWS));
         review.diagnostics = findings.json();

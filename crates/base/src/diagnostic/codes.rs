@@ -757,6 +757,11 @@ surfaces may show it. A larger --tolerance gives longer blocks, and a lower feed
 touches at a higher position of the axes. Without a stated length the correction is right for the length 0. All cuts are then displaced by
 the size in the message. State the length: --zero G54=touched@L110, or tool_length_mm in [zero_offset.NAME.set_at]. See
 docs/how-to/set-the-zero.md.";
+    BACKWARD_TOOL = "W0327" "negative tool length"
+"A tool of the program has a negative length, as on a control whose lengths count from the machine zero or from a reference tool. The axis
+positions are then still right, but ncfix needs the distance from the gauge line of the spindle to the tip: it is the arm of angular errors
+and of rotary axes. With a wrong arm, their correction is wrong. State the real lengths, and Z of the zero offset for these lengths. See
+docs/how-to/fanuc-from-start-to-finish.md.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be detected.";
     TWO_DRIFTS = "W0402" "two models of the drift"
@@ -768,7 +773,7 @@ of the other.";
 name is misspelled, the intended sensor keeps the reference temperature of the machine.";
     PARTIAL_OFFSET = "W0404" "zero offset without an axis"
 "[zero_offset.NAME], or a file of the control given with --setup, states some linear axes of the machine, but not all of them; the others
-count as 0, unless a later file states them. If the control has another value for these axes, the correction is for a wrong position. Write every axis as the control shows it, including 0. The external
+count as 0, unless a later file states them. In a G10 file of a Fanuc they keep the values of an earlier file. If the control has another value for these axes, the correction is for a wrong position. Write every axis as the control shows it, including 0. The external
 offset EXT of a Fanuc may have single axes.";
     NO_EFFECT = "W0405" "location error without effect"
 "A location error in [location] moves neither the tip nor the tool axis on this machine. On the workpiece side, the error of the axis next
@@ -839,6 +844,10 @@ measure it with a square, two diagonals or ball-bar circles.";
 of these axes and took the others as 0, so the fitted scales are differences. A program that is corrected with them can have the right
 shape and a wrong size, and the stated uncertainty does not include that. Give the calibrated length of the bar, measure one axis with
 a laser, or state the scale of the other axis in the machine file.";
+    SLOPE_LEFT_OUT = "W0612" "slope of a straightness outside the model"
+"The readings of a straightness contain the angle between its reference and the axis, unless the description frees it. The model has only the
+curvature. A parabola about the zero of the axis then takes up a part of the angle, so the curvature is wrong, possibly also in sign. Free
+the alignment with free = [\"offset\", \"slope\"] in the description, or add the slope to the model: EYX1 beside EYX2.";
     STARVING = "W0701" "the link is too slow in places"
 "In some places the control waits briefly for lines (see E0702), but not long enough to forbid the transfer.";
     SERIAL_SETTINGS = "W0702" "port with different settings or a name that may change"

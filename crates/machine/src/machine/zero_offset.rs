@@ -112,21 +112,27 @@ pub(super) fn common_name(name: &str) -> String {
 }
 
 /// Returns the linear axes that an offset lacks beside others, with a message: an offset is set for the axes together, so they may be forgotten. `None` if it
-/// has all of them or none, or if it is the external one.
+/// has all of them or none, or if it is the external one. With `is_kept`, they keep the values of an earlier file, otherwise they are 0.
 #[must_use]
-pub fn lacking_axes(name: &str, axes: AxisSet, has: impl Fn(Axis) -> bool) -> Option<(Vec<Axis>, String)> {
+pub fn lacking_axes(
+    name: &str,
+    axes: AxisSet,
+    is_kept: bool,
+    has: impl Fn(Axis) -> bool,
+) -> Option<(Vec<Axis>, String)> {
     let (there, lacking): (Vec<Axis>, Vec<Axis>) =
         axes.iter().filter(|axis| axis.slot() < 3).partition(|axis| has(*axis));
     if there.is_empty() || lacking.is_empty() || name == EXTERNAL {
         return None;
     }
     let listed = |axes: &[Axis]| axes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ");
-    let counts = if lacking.len() == 1 { "counts" } else { "count" };
-    let message = format!(
-        "{name} gives {} but not {}, which {counts} as 0 unless a later --setup states it",
-        listed(&there),
-        listed(&lacking)
-    );
+    let rest = match (is_kept, lacking.len()) {
+        (true, 1) => "which keeps its value of an earlier file",
+        (true, _) => "which keep their values of an earlier file",
+        (false, 1) => "which counts as 0 unless a later --setup states it",
+        (false, _) => "which count as 0 unless a later --setup states them",
+    };
+    let message = format!("{name} gives {} but not {}, {rest}", listed(&there), listed(&lacking));
     Some((lacking, message))
 }
 
@@ -148,7 +154,7 @@ pub fn foreign_axis(name: &str, parts: &FrameParts, machine: &Machine) -> Option
 /// Warns of linear axes that an offset lacks beside others.
 fn check_whole(section: &mut Section<'_>, name: &str, axes: AxisSet) {
     let key = |axis: Axis| format!("{axis}_mm");
-    let Some((lacking, message)) = lacking_axes(name, axes, |axis| section.has(&key(axis))) else { return };
+    let Some((lacking, message)) = lacking_axes(name, axes, false, |axis| section.has(&key(axis))) else { return };
     let keys = lacking.iter().map(|axis| key(*axis)).collect::<Vec<_>>().join(" and ");
     let help = format!("write {keys} as shown on the control, even if it is 0");
     section.report(Code::PARTIAL_OFFSET, section.place(), message, help);

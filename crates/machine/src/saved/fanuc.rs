@@ -58,7 +58,10 @@ fn is(lines: &[SavedLine<'_>]) -> bool {
 /// An offset with the axes that the file or the machine file states.
 struct Offset<'l> {
     parts: FrameParts,
+    /// Axes that the file states.
     stated: AxisSet,
+    /// True if an earlier file has the offset.
+    is_known: bool,
     /// The first line with it.
     line: &'l SavedLine<'l>,
 }
@@ -140,7 +143,8 @@ fn read(lines: &[SavedLine<'_>], machine: &Machine) -> Result<SavedValues, Diagn
                 let begun = machine.partial_offsets.get(&name);
                 let offset = offsets.entry(name).or_insert_with(|| Offset {
                     parts: known.or(begun).copied().unwrap_or_default(),
-                    stated: if known.is_some() { AxisSet::ALL } else { AxisSet::EMPTY },
+                    stated: AxisSet::EMPTY,
+                    is_known: known.is_some(),
                     line,
                 });
                 for (letter, text) in &words {
@@ -168,13 +172,15 @@ fn read(lines: &[SavedLine<'_>], machine: &Machine) -> Result<SavedValues, Diagn
             }
         }
     }
-    for (name, Offset { parts, stated, line }) in offsets {
+    for (name, Offset { parts, stated, is_known, line }) in offsets {
         // Without a linear axis, the offset is still not known: a program that uses it is refused.
-        if name != EXTERNAL && stated.intersection(AxisSet::XYZ).is_empty() {
+        if name != EXTERNAL && !is_known && stated.intersection(AxisSet::XYZ).is_empty() {
             out.partial_offsets.push((name, parts));
             continue;
         }
-        if let Some((lacking, message)) = lacking_axes(&name, machine.axis_set(), |axis| stated.contains(axis)) {
+        if let Some((lacking, message)) =
+            lacking_axes(&name, machine.axis_set(), is_known, |axis| stated.contains(axis))
+        {
             let letters: Vec<String> = lacking.iter().map(ToString::to_string).collect();
             let help = format!("add {} with the value on the control, even if it is 0", letters.join(" and "));
             out.warnings.push(line.report(Code::PARTIAL_OFFSET, message, help));

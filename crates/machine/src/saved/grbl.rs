@@ -2,8 +2,9 @@
 
 use super::lines::number;
 use super::{SavedFormat, SavedLine, SavedUnit, SavedValues};
+use crate::machine::zero_offset::lacking_axes;
 use crate::machine::{Machine, Tool};
-use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{Axis, FrameParts};
 
 /// Offsets of Grbl.
@@ -47,6 +48,11 @@ fn read(lines: &[SavedLine<'_>], machine: &Machine) -> Result<SavedValues, Diagn
             let values = list(text).filter(|values| !values.is_empty()).ok_or_else(unreadable)?;
             if is_system {
                 let mut parts = FrameParts::default();
+                let count = values.len();
+                if let Some((_, message)) = lacking_axes(key, machine.axis_set(), false, |axis| axis.slot() < count) {
+                    let help = "the line seems to be cut off: save the answer to $# again";
+                    out.warnings.push(line.report(Code::PARTIAL_OFFSET, message, help));
+                }
                 for (axis, value) in AXES.into_iter().zip(values) {
                     parts.translation[axis] = if axis.is_rotary() { value.to_radians() } else { unit.mm(value) };
                 }
@@ -56,7 +62,7 @@ fn read(lines: &[SavedLine<'_>], machine: &Machine) -> Result<SavedValues, Diagn
                 out.offsets.push((key.to_owned(), parts));
             } else if values.iter().any(|value| *value != 0.0) {
                 let help = "cancel it with G92.1 or G49, or set the zero offset instead, and ask for $# again";
-                return Err(line.fault(format!("an offset {key} is active, which ncfix cannot state"), help));
+                return Err(line.fault(format!("an offset {key} is active, which ncfix does not take over"), help));
             }
         } else if key == "T" {
             // grblHAL: number, offsets, radius.

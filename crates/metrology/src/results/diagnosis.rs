@@ -548,8 +548,12 @@ fn tell_all(
                 name: set.name.clone(),
                 what: "far from all others".to_owned(),
                 evidence: format!(
-                    "readings of {} rows differ from all causes by more than {times} times the spread of the residual of this file",
-                    rows.len()
+                    "{} away from every explanation by more than {times} times the usual scatter of this file",
+                    if rows.len() == 1 {
+                        "the readings of 1 row are".to_owned()
+                    } else {
+                        format!("the readings of {} rows are", rows.len())
+                    }
                 ),
                 excluded: "these readings".into(),
                 is_range: false,

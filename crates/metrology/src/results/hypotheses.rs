@@ -10,7 +10,7 @@ use ncfix_base::units::UnitKey;
 
 /// Evidence from which a hypothesis is called supported or refuted, as a natural logarithm: 20 times as probable with it, or without it ("strong", Kass and Raftery 1995,
 /// Bayes factors, Journal of the American Statistical Association 90).
-const STRONG: f64 = 3.0;
+pub const STRONG: f64 = 3.0;
 
 /// The number of the text of hypotheses among the files of a run; files count from zero.
 const STATED: FileId = FileId(u16::MAX);
@@ -84,7 +84,7 @@ pub enum HypothesisAnswer {
     Supported,
     /// At least 20 times as probable with it, but the findings with its effect are 20 times as probable in its place.
     Outdone,
-    /// Neither.
+    /// Neither; or its amount is smaller than its uncertainty, and unseen readings do not confirm it.
     Undecided,
     /// At least 20 times as probable without it.
     Refuted,
@@ -142,12 +142,15 @@ pub(super) fn reports(trials: &StatedTrials, scene: &Scene<'_>) -> (Vec<Hypothes
 
 fn report(one: &HypothesisTrial, micro: f64) -> HypothesisReport {
     let is_shown = one.why_not_shown.is_none();
+    // The likelihood of a wrong noise may favor a term that the readings do not show otherwise.
+    let is_seen =
+        one.amounts.iter().any(|amount| amount.value.abs() > amount.u95) || one.gain.is_some_and(|gain| gain > 0.0);
     let answer = match one.evidence_beside {
         _ if !is_shown => HypothesisAnswer::NotShown,
         evidence if evidence >= STRONG && one.evidence_of_findings.is_some_and(|better| better >= STRONG) => {
             HypothesisAnswer::Outdone
         }
-        evidence if evidence >= STRONG => HypothesisAnswer::Supported,
+        evidence if evidence >= STRONG && is_seen => HypothesisAnswer::Supported,
         evidence if evidence <= -STRONG => HypothesisAnswer::Refuted,
         _ => HypothesisAnswer::Undecided,
     };

@@ -11,7 +11,7 @@ use ncfix_base::geometry::{AXES, Axis, AxisVector};
 use ncfix_base::number::significant;
 use ncfix_base::units::urad_from_rad;
 use ncfix_machine::machine::{Machine, State};
-use ncfix_model::name::{DIRECTIONS, ErrorName};
+use ncfix_model::name::{DIRECTIONS, ErrorKind, ErrorName};
 use ncfix_model::parameter::{ComponentTerm, ParameterName};
 
 /// Number of points of the line, enough for curves of degree 9.
@@ -51,6 +51,13 @@ pub(super) fn level(
             let is_shown = identify(machine, &fit.errors, &[Parameter::from(slope)], &data)
                 .is_some_and(|told| told.lost.leave_out.is_empty());
             if is_shown {
+                let has_squareness = parameters.iter().any(|one| {
+                    matches!(one, Parameter::Geometry(name)
+                        if name.component.kind == ErrorKind::Location && name.component.direction.is_rotation())
+                });
+                if !has_squareness && is_direct(used, component) {
+                    findings.push(left_out(component));
+                }
                 continue;
             }
             let value = -mean_slope(&fitted, fit, axis, [low, high]);
@@ -64,6 +71,22 @@ pub(super) fn level(
             findings.push(Diagnostic::nowhere(Code::SLOPE_NOT_SHOWN, message, help));
         }
     }
+}
+
+/// True if an instrument read the component itself.
+fn is_direct(used: &[Measurement], component: ErrorName) -> bool {
+    used.iter().flat_map(|one| &one.data.observations).any(|row| row.component == Some(component))
+}
+
+/// A warning that a slope of the readings is fitted as curvature.
+fn left_out(component: ErrorName) -> Diagnostic {
+    let message = format!(
+        "the readings of {component} may have a slope, but the model has neither {component}1 nor a squareness, so the fitted curvature contains a part of it"
+    );
+    let help = format!(
+        "if the reference was aligned by hand, free its alignment: free = [\"offset\", \"slope\"] in [measurement]; otherwise add {component}1 to --model"
+    );
+    Diagnostic::nowhere(Code::SLOPE_LEFT_OUT, message, help)
 }
 
 /// Measured range of an axis, mm.

@@ -6,7 +6,9 @@ use super::DiagnosisReport;
 use super::text::sign;
 use crate::number::significant;
 use ncfix_metrology::diagnose::cause::Correctable;
-use ncfix_metrology::results::hypotheses::{HypothesisAmount, HypothesisAnswer, HypothesisReport, HypothesisSet};
+use ncfix_metrology::results::hypotheses::{
+    HypothesisAmount, HypothesisAnswer, HypothesisReport, HypothesisSet, STRONG,
+};
 
 /// Factors from this on are shown as a power of ten.
 const MOST_TIMES: f64 = 1e4;
@@ -48,15 +50,11 @@ impl DiagnosisReport {
         };
         out.push(format!("alone: {}{of_findings}", times_in_words(alone)));
         if !one.stands_for.is_empty() {
-            let verb = if one.stands_for.len() > 1 { "are" } else { "is" };
-            let instead = match one.log_evidence_of_findings {
-                Some(evidence) => format!(", which {verb} {} in its place", rather(evidence)),
-                None => String::new(),
-            };
-            out.push(format!(
-                "tested in place of {}, which has the same effect on the readings{instead}",
-                one.stands_for.join(" and ")
-            ));
+            let names = one.stands_for.join(" and ");
+            let instead = one.log_evidence_of_findings.map_or_else(String::new, |evidence| {
+                format!("; with {names} in its place, the explanation is {}", rather(evidence))
+            });
+            out.push(format!("left out for this test: {names}, because both explain the same readings{instead}"));
         }
         let unseen = if one.gain_is_held_out { "the data held out" } else { "parts left out in turn" };
         let gain = match one.gain_unseen {
@@ -102,8 +100,13 @@ pub(crate) fn answer_in_words(one: &HypothesisReport) -> String {
         }
         HypothesisAnswer::Supported => format!("supported, the readings are {times}"),
         HypothesisAnswer::Outdone => {
-            format!("outdone, the readings are {times}, but it is less probable than {}", one.stands_for.join(" and "))
+            let others = one.stands_for.join(" and ");
+            let better = one.log_evidence_of_findings.unwrap_or_default();
+            format!("outdone: with {others} in its place, the readings are {} times as probable", factor(better))
         }
+        HypothesisAnswer::Undecided if one.log_evidence_beside.is_some_and(|evidence| evidence >= STRONG) => format!(
+            "undecided: the readings are {times}, but its amount is smaller than its uncertainty, and unseen readings do not confirm it"
+        ),
         HypothesisAnswer::Undecided => format!("undecided, the readings are {times}"),
         HypothesisAnswer::Refuted => format!("refuted, the readings are {times}"),
     }

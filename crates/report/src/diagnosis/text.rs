@@ -167,7 +167,7 @@ impl DiagnosisReport {
     /// Returns the beginning of the main result without a certain cause: whether noise alone explains the readings as well.
     fn not_certain(&self, largest: &CauseReport) -> String {
         let nothing = self.found.no_cause_probability.unwrap_or(0.0);
-        if nothing >= largest.probability.unwrap_or(1.0) {
+        if nothing >= LEAST_SHOWN && nothing >= largest.probability.unwrap_or(1.0) {
             return format!(
                 "Nothing is certain: noise alone explains the readings as well ({}); the largest possible cause",
                 probability(nothing)

@@ -111,7 +111,7 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
     let Reader { channel, data, by_axis, .. } = reader;
     let lacking = |(&number, &(axes, span)): (&i64, &(AxisSet, Span))| {
         let name = settable_code(number);
-        let (lacking, message) = lacking_axes(&name, before.axis_set(), |axis| axes.contains(axis))?;
+        let (lacking, message) = lacking_axes(&name, before.axis_set(), false, |axis| axes.contains(axis))?;
         let keys: Vec<String> = lacking.iter().map(|axis| format!("$P_UIFR[{number},{axis},TR]")).collect();
         let help = format!("add {} with the value on the control, even if it is 0", keys.join(" and "));
         Some(at(span, Code::PARTIAL_OFFSET, message, &help).in_file(source.id()))

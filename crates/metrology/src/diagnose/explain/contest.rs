@@ -235,6 +235,7 @@ pub fn evidences(scene: &Scene<'_>, weights: &[f64], groups: &[ColumnGroup], set
     let readings = (weights.iter().filter(|weight| **weight > 0.0).count() as f64).max(2.0);
     let mut best = vec![f64::NEG_INFINITY; sets.len()];
     for memory in noise.memories() {
+        let mut own = vec![f64::NEG_INFINITY; sets.len()];
         // Two parameters more than white noise, by the information criterion of Schwarz (1978).
         let price = if memory.ratio > 0.0 { readings.ln() } else { 0.0 };
         let mut likelihood = Likelihood::new(scene, weights, groups, (&noise, memory));
@@ -255,7 +256,11 @@ pub fn evidences(scene: &Scene<'_>, weights: &[f64], groups: &[ColumnGroup], set
             likelihood.factor = factor;
             let rarity = 0.5 * (factor.ln() / FACTOR_SPREAD).powi(2);
             let values = in_parts(&inner, &|set: &Vec<usize>| likelihood.evidence(set).1 - price - rarity);
-            best.iter_mut().zip(values).for_each(|(best, value)| *best = best.max(value));
+            own.iter_mut().zip(values).for_each(|(best, value)| *best = best.max(value));
+        }
+        let most = |values: &[f64]| values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if most(&own) > most(&best) {
+            best = own;
         }
     }
     best

@@ -451,7 +451,11 @@ impl<'t> Reader<'t, '_> {
             _ => None,
         };
         if power.is_none() {
-            self.fault(span, "a power is a whole number", format!("write a power from 1 to {MOST_POWER}"));
+            self.fault(
+                span,
+                format!("a power is a whole number from 1 to {MOST_POWER}"),
+                format!("write a power from 1 to {MOST_POWER}"),
+            );
         }
         self.at += 1;
         power

@@ -15,6 +15,8 @@ use super::form::{StatedContent, StatedHypothesis, TermAmount};
 const STANDS: f64 = 0.9;
 /// A column is invisible if less than this share of it remains after set-ups and other terms.
 const OWN: f64 = 1e-9;
+/// A term whose squares are less than this share of those of its component is zero but for rounding.
+const ROUNDING: f64 = 1e-18;
 /// An effect of typical size that changes all readings together by less than this, in standard deviations, is not visible, as in the likelihood.
 const FAINT: f64 = 0.3;
 /// Maximum number of variants of a named cause that are compared.
@@ -136,6 +138,18 @@ fn visible(outcome: &Settled<'_, '_, '_>, number: usize, has_terms: bool, units:
         return Err(format!("the unknowns of the set-ups absorb it completely{because}"));
     }
     if has_terms {
+        let responses = one.columns.iter().flatten().filter_map(|(through, _)| field.factors.get(through));
+        let response = responses.map(|factors| squares(factors)).fold(0.0, f64::max);
+        let nothing = columns.iter().position(|column| squares(column) <= ROUNDING * response);
+        if let Some(place) = nothing {
+            let own = units.iter().rev().find(|unit| unit.column <= place);
+            return Err(match own {
+                Some(unit) if unit.is_wave => {
+                    format!("the positions are half a period apart, so half of the wave {} is not measured", unit.term)
+                }
+                _ => format!("{} is zero at all readings", own.map_or("a term", |unit| unit.term.as_str())),
+            });
+        }
         let mut beside = field.series(weights, &[], 0.0);
         for (place, column) in columns.iter().enumerate() {
             if !beside.take(column) {

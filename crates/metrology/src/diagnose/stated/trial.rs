@@ -2,8 +2,8 @@
 //! correction.
 //!
 //! The evidence is the ratio of the marginal likelihoods with and without the hypothesis ([`crate::diagnose::explain::likelihood`]), as a natural
-//! logarithm. Each side uses its best autocorrelation of the noise, so that slow noise is no evidence. It contains no odds: those are for the user
-//! who states the hypothesis.
+//! logarithm. Both sides use the autocorrelation of the noise of the best set of terms that is compared. So slow noise is no evidence, nor is a
+//! cause that is left out on both sides. The evidence contains no odds: those are for the user who states the hypothesis.
 
 use super::super::cause::{Candidate, Causes, Correctable};
 use super::super::class::class;
