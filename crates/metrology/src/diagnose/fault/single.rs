@@ -16,6 +16,9 @@ pub(super) const MOST: f64 = 5.0;
 pub(super) struct SingleResiduals {
     pub(super) values: Vec<f64>,
     pub(super) squares: f64,
+    /// The same values without the limit, and the limit.
+    raw: Vec<f64>,
+    most: f64,
 }
 
 /// A smaller number of rows, evenly selected.
@@ -35,18 +38,18 @@ pub(super) fn thinned(data: &DataSet) -> DataSet {
 /// Residuals of measurements for a machine with the known errors, each limited to `most`, in σ.
 pub(super) fn left(machine: &Machine, scene: &Scene<'_>, sets: &[DataSet], most: f64) -> Option<SingleResiduals> {
     let own = Scene::new(machine, &scene.errors, sets).ok()?;
-    let values: Vec<f64> =
+    let raw: Vec<f64> =
         (0..sets.len()).filter_map(|set| WeighedReadings::new(&own, set)).flat_map(|one| one.left()).collect();
-    let values: Vec<f64> = values.into_iter().map(|left| left.clamp(-most, most)).collect();
+    let values: Vec<f64> = raw.iter().map(|left| left.clamp(-most, most)).collect();
     let squares = values.iter().map(|left| left * left).sum();
-    Some(SingleResiduals { values, squares })
+    Some(SingleResiduals { values, squares, raw, most })
 }
 
 /// Sum of squared residuals with the best single cause: an error of one axis that is constant, linear, quadratic or reverses with the direction.
 pub(super) fn by_one_cause(machine: &Machine, sets: &[DataSet], as_is: &SingleResiduals) -> f64 {
     let Ok(scene) = Scene::new(machine, &ncfix_model::ErrorModel::default(), sets) else { return 0.0 };
     let readings: Vec<WeighedReadings> = (0..sets.len()).filter_map(|set| WeighedReadings::new(&scene, set)).collect();
-    let mut most = 0.0_f64;
+    let mut least = as_is.squares;
     for axis in machine.axes.iter().flatten().map(|data| data.axis) {
         let at = |row: usize| scene.rows.get(row).map_or(0.0, |row| row.position[axis]);
         let ends =
@@ -73,10 +76,18 @@ pub(super) fn by_one_cause(machine: &Machine, sets: &[DataSet], as_is: &SingleRe
                 let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
                 let squares = sum(&does, &does);
                 if squares > 0.0 {
-                    most = most.max(sum(&does, &as_is.values).powi(2) / squares);
+                    least = least.min(as_is.squares - sum(&does, &as_is.values).powi(2) / squares);
+                    // A large error exceeds the limit at its ends, so its own residual is limited.
+                    let amount = sum(&does, &as_is.raw) / squares;
+                    let left = as_is
+                        .raw
+                        .iter()
+                        .zip(&does)
+                        .map(|(raw, does)| (raw - amount * does).clamp(-as_is.most, as_is.most));
+                    least = least.min(left.map(|left| left * left).sum());
                 }
             }
         }
     }
-    as_is.squares - most
+    least
 }
