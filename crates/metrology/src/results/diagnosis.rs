@@ -21,6 +21,7 @@ use crate::diagnose::{
 };
 use crate::measure::data::DataSet;
 use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::number::counted;
 use ncfix_base::source;
 use ncfix_base::units::UnitKey;
 use ncfix_machine::machine::Machine;
@@ -435,6 +436,7 @@ pub fn run(
     let causes = settings.causes.unwrap_or(&built_in);
     let (found, trials) = stated::diagnose_stated(&stated, causes, &of_model, (&bare, used), progress);
     tell_all(&found, &of_model, (&sets, used), report);
+    findings.extend(outliers(&found, &sets, used));
     (report.hypotheses, report.hypotheses_together) = hypotheses::reports(&trials, &of_model);
     let extension = extension(&found, &of_model, used);
     let refused: Vec<Option<String>> = extension.iter().map(|changes| changes.as_ref().err().cloned()).collect();
@@ -562,6 +564,27 @@ fn tell_all(
             });
         }
     }
+}
+
+/// A warning for each file with readings that the search excluded, at the first of them.
+fn outliers(found: &DiagnosedCauses, sets: &[DataSet], used: usize) -> Vec<Diagnostic> {
+    let of = |(number, set): (usize, &DataSet)| {
+        let mut rows: Vec<usize> =
+            found.outliers.iter().filter(|(set, _)| *set == number).map(|(_, row)| *row).collect();
+        rows.sort_unstable();
+        rows.dedup();
+        let first = set.observations.get(*rows.first()?)?;
+        let others = match rows.len() - 1 {
+            0 => String::new(),
+            more => format!(", and {} of this file", counted(more as u64, "other row")),
+        };
+        let message = format!(
+            "this row{others}: a reading is away from every explanation by more than {FAR_OUT} times the usual scatter, and is not used"
+        );
+        let help = "look for its cause; the file does not change";
+        Some(Diagnostic::at(Code::FAULTY_DATA, first.place, message, help))
+    };
+    sets.iter().take(used).enumerate().filter_map(of).collect()
 }
 
 fn cause(found: &diagnose::AcceptedCause, scene: &Scene<'_>, used: usize, (micro, alone): (f64, f64)) -> CauseReport {
