@@ -308,8 +308,10 @@ fn the_length_of_the_tool_at_the_touch_is_asked_for_where_it_matters() {
             [command[0], "in.mpf", "--machine", "m.toml", "--zero", zero].into_iter().chain(out).collect::<Vec<_>>()
         };
         let run = shop.run(words("G54=touched")).exits(0);
-        run.says("warning[W0326]: G54 counts as touched with a tool of length 0").says("110 mm").says("by Z 11.0 µm");
-        run.says("--zero G54=touched@L110");
+        run.says("warning[W0326]: G54 counts as touched with a tool of length 0")
+            .says("110 mm")
+            .says("by Z 11.0 µm")
+            .says("--zero G54=touched@L110");
         for zero in ["G54=touched@L110", "G54=probed@L0", "G54=absolute"] {
             let run = shop.run(words(zero)).exits(0);
             assert!(!run.stderr.contains("W0326"), "{zero}: {}", run.stderr);
