@@ -204,7 +204,7 @@ pub(crate) fn of_run(
         }
         let name = &one.name;
         let message = format!(
-            "no method is stated for {name}, so effects of temperature and weight count from the reference condition; a zero touched off in this state already contains {} of them",
+            "no method is stated for {name}, so effects of temperature and weight count from the reference condition; if you touched off in this state, {} are corrected twice",
             parts.join(", ")
         );
         let help = format!(

@@ -159,7 +159,7 @@ fn a_program_goes_to_the_control_as_it_would_go_into_a_file() {
     let again = shop.run(["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &bench.name]);
     assert_eq!(again.code, 0, "{again:?}");
     assert!(shop.path("part.ngc.journal.old").exists());
-    assert!(again.stderr.contains("acknowledged") && again.stderr.contains("fewest       "), "{}", again.stderr);
+    assert!(again.stderr.contains("acknowledged") && again.stderr.contains("lowest fill  "), "{}", again.stderr);
 }
 
 #[test]

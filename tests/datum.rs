@@ -157,7 +157,8 @@ fn drift_at_an_unstated_zero_is_pointed_out_with_its_size() {
         shop(&format!("{LINEAR}{drift}{G54}"), &program("X400")).file("warm.toml", "[temperature_C]\nT_head = 25\n");
     let fix = ["fix", "in.mpf", "-o", "out.mpf", "--machine", "m.toml", "--state", "warm.toml"];
     let run = shop.run(fix).exits(0);
-    run.says("warning[W0321]: no method is stated for G54").says("already contains Z 15.0 µm of them");
+    run.says("warning[W0321]: no method is stated for G54")
+        .says("if you touched off in this state, Z 15.0 µm are corrected twice");
     near(*words(&shop, 'Z').last().unwrap(), 4.985);
     // Nothing is open once the method or the time is stated, or without a state.
     let cold = &fix[..6];
@@ -180,7 +181,7 @@ fn a_weight_at_an_unstated_zero_is_pointed_out_with_its_size() {
     shop.run(fix)
         .exits(0)
         .says("warning[W0321]: no method is stated for G54")
-        .says("already contains X 10.0 µm of them");
+        .says("if you touched off in this state, X 10.0 µm are corrected twice");
     let stated = shop.run(fix.iter().chain(&["--zero", "G54=touched"])).exits(0);
     assert!(!stated.stderr.contains("W0321"), "{}", stated.stderr);
 }

@@ -240,8 +240,8 @@ fn a_set_up_replaces_and_adds_and_an_unsound_one_changes_nothing() {
     let found: Vec<String> =
         apply_setup(&source(text.as_bytes()), &mut machine).into_iter().map(|one| one.message).collect();
     let expected = [
-        "G54 gives X but not Y and Z, which count as 0 unless a later --setup states it",
-        "G599 gives Y but not X and Z, which count as 0 unless a later --setup states it",
+        "G54 gives X but not Y and Z, which count as 0 unless a later --setup states them",
+        "G599 gives Y but not X and Z, which count as 0 unless a later --setup states them",
     ];
     assert_eq!(found, expected);
     assert_eq!(machine.zero_offsets["G54"].translation.xyz(), Vector::new(1.0, 0.0, 0.0));

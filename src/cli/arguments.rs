@@ -210,7 +210,7 @@ pub(super) struct MachineChoice {
     /// folder)
     #[arg(long, value_name = "M.toml")]
     pub(super) machine: Option<PathBuf>,
-    /// Zero offsets and tools that override the machine file: TOML, or data of the control (TOA, UFR, RPA, GUD, INI); repeatable, the last one wins
+    /// Zero offsets and tools that override the machine file: TOML, or data of the control (archive, TOA, UFR, RPA, GUD, INI, .var, tool.tbl, G10, $#, TOOL.T); repeatable, the last one wins
     #[arg(long, value_name = "FILE")]
     pub(super) setup: Vec<PathBuf>,
     /// Head of the machine file: for a program the one that is active at its start, otherwise the one in use (default: the head with start = true)
@@ -227,7 +227,7 @@ pub(super) struct ProgramChoice {
     /// Largest number of executed blocks (default: 2 million, or 20 times the number in the program, if that is more)
     #[arg(long, value_name = "N")]
     pub(super) max_blocks: Option<u64>,
-    /// Levels of / blocks to skip, as set at the control: 0 or 0,3 or all
+    /// Blocks to skip, as set at the control: 0 skips blocks with /, 0,3 also those with /3, all skips every level (default: none is skipped)
     #[arg(long, value_name = "LEVELS", value_parser = value::skip_levels)]
     pub(super) skip: Option<value::SkipLevels>,
     /// Axis positions before the first block, for programs that begin with an incremental move or an arc (machine coordinates, mm, deg; other axes:

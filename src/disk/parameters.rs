@@ -69,7 +69,7 @@ pub(crate) fn choose_model(
                 let known: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
                 let known = known.join(", ");
                 return Err(Error::usage(format!(
-                    "--model {part} is neither a file, nor a preset, a parameter such as EXX1 or a term such as \"EXX ~ Y^2\"; the presets are {known}; separate several by commas; none is for --select only"
+                    "--model {part} is neither a file, nor a preset, a parameter such as EXX1 or a term such as \"EXX ~ Y^2\"; the presets are {known}; separate several by commas; `none` needs --select"
                 )));
             }
         }

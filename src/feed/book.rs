@@ -49,7 +49,9 @@ pub(crate) fn check(path: &Path, findings: &mut Diagnostics) -> Result<(), Error
                 "{shown} is the journal of an aborted job: {} lines sent, {} acknowledged",
                 told.frozen, told.acknowledged
             ),
-            format!("run `ncfix resume {shown}`, or remove it, or give another file with --journal"),
+            format!(
+                "run `ncfix resume {shown} --clearance HEIGHT`, delete this journal, or give another file with --journal"
+            ),
         ),
         Err(_) => (format!("{shown} exists and is not a journal"), "give another file with --journal".to_owned()),
     };

@@ -343,8 +343,12 @@ impl Drive<'_> {
             Some(Ended::Done) => (Some(FeedOutcome::Done), None),
             Some(Ended::Stopped) => {
                 let why = self.halted.as_ref().map_or("stopped", |(_, _, why, _)| why.as_str());
-                let what = if progress.left > 0 { "was sent" } else { "was answered" };
-                (Some(FeedOutcome::Stopped), Some(format!("{why}; all that was sent {what}; nothing else was sent")))
+                let what = if progress.left > 0 {
+                    "every line sent was transmitted"
+                } else {
+                    "the control has answered every line"
+                };
+                (Some(FeedOutcome::Stopped), Some(format!("{why}; {what}; nothing else was sent")))
             }
             Some(Ended::Held(why)) => (Some(FeedOutcome::Held), Some(why.clone())),
             Some(Ended::Lost(why)) => (Some(FeedOutcome::Lost), Some(self.lost(why, progress))),

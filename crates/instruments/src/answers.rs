@@ -63,7 +63,7 @@ pub const OPTIONS: &[ImportOption] = &[
     ImportOption {
         name: "sign",
         example: "+",
-        meaning: "+ if a positive reading means too far in the positive direction, else -",
+        meaning: "+ if, for a positive reading, the tool is too far in the positive direction as seen from the workpiece (angles: turned by the right-hand rule), else -; a level on a moving table: the opposite",
         set: |to, text| {
             to.sign = Some(sign(text)?);
             Ok(())

@@ -266,7 +266,7 @@ impl Status {
             let _ = writeln!(out, "control      {control}");
         }
         if let Some(lowest) = self.lowest {
-            let _ = writeln!(out, "fewest       {lowest} lines waiting in the control");
+            let _ = writeln!(out, "lowest fill  {lowest} lines waiting in the control");
         }
         if let Some([median, most, longest]) = self.delay_us {
             let _ = writeln!(out, "delay        {median:.0} µs median, {most:.0} µs for 99 %, {longest:.0} µs at most");
@@ -393,7 +393,7 @@ impl Plan {
         }
         let _ = writeln!(
             out,
-            "\nReset the control, so that its codes are those at the start of the job. Home the machine, check the zero point, and check that\nthe first moves are free. No line is sent unless the control reports that it is idle; a link without\nsuch a report also needs --i-checked-the-machine-stands-still. Then:\n  ncfix resume {journal} --confirm {}{}",
+            "\nReset the control, so that no code of the job is left in force. If the position may be lost, home the machine. Check the zero point,\nand check that the first moves are free. No line is sent unless the control reports that it is idle; a link without\nsuch a report also needs --i-checked-the-machine-stands-still. Then:\n  ncfix resume {journal} --confirm {}{}",
             self.plan,
             self.clearance.as_ref().map_or(String::new(), |given| format!(" --clearance {given}"))
         );

@@ -84,9 +84,11 @@ impl ZeroReport {
     /// Returns the error that the zero offset contains if it was touched, in words.
     #[must_use]
     pub fn contents(&self) -> String {
-        match components_um(self.contains_um).as_slice() {
-            [] => "a zero touched off here has no geometric error".to_owned(),
-            parts => format!("a touched-off zero contains the machine error {}", parts.join(", ")),
+        let parts = components_um(self.contains_um);
+        match (parts.is_empty(), self.set == "absolute") {
+            (true, _) => "a zero touched off here has no geometric error".to_owned(),
+            (false, false) => format!("a touched-off zero contains the machine error {}", parts.join(", ")),
+            (false, true) => format!("touched off, it would contain the machine error {}", parts.join(", ")),
         }
     }
 }

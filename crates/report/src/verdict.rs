@@ -234,7 +234,7 @@ fn of_prediction(prediction: &PredictionReport) -> (Grade, String) {
     }
     if let Some(share) = prediction.improves.filter(|share| *share < 1.0) {
         let text = format!(
-            "{} within the uncertainty of the machine file, that the correction makes the largest or the RMS error larger; the largest error is {largest} (95 %)",
+            "by the uncertainty of the machine file, the correction may make the largest or the RMS error larger ({}); the largest error is {largest} (95 %)",
             probability(1.0 - share)
         );
         return (Grade::Warn, text);

@@ -15,7 +15,7 @@ pub(super) fn add(command: Command) -> Command {
         let short = name.chars().next().unwrap_or_default();
         Arg::new(name).short(short).long(name).action(ArgAction::SetTrue).global(true).help(help)
     };
-    command.arg(switch(QUIET, "Print only errors").conflicts_with(VERBOSE)).arg(switch(
+    command.arg(switch(QUIET, "On standard error, print only errors").conflicts_with(VERBOSE)).arg(switch(
         VERBOSE,
         "Also print the version, the files read and how each was found, and the dialect of a program with the reason",
     ))

@@ -43,7 +43,7 @@ pub(in crate::cli) struct CalibrateArguments {
     /// Head of the machine file whose errors the readings contain
     #[arg(long, value_name = "NAME")]
     pub(in crate::cli) head: Option<String>,
-    /// Parameters to fit: a preset (see `ncfix machine presets`), a file with one per line, or presets, parameters and terms such as "EXX ~ Y^2", separated by commas; none with --select
+    /// Parameters to fit: a preset (see `ncfix machine presets`), a file with one per line, or presets, parameters and terms such as "EXX ~ Y^2", separated by commas; `none` only together with --select
     #[arg(long, value_name = "PRESET|FILE|TERMS")]
     pub(in crate::cli) model: String,
     /// Candidates from which the data selects further parameters: presets, motion, EXX, EXX2@150 or files, separated by commas

@@ -91,7 +91,7 @@ pub(in crate::cli) struct DosingChoice {
     /// Change the thermal correction only on rapid moves
     #[arg(long)]
     pub(in crate::cli) rapids_only: bool,
-    /// Largest change of the thermal correction per feed block, with unit; rapid moves apply all of it at once
+    /// Largest change of the thermal correction per feed block, with unit; a rapid move applies the whole remaining change
     #[arg(long, value_name = "LENGTH", default_value = "1um", value_parser = value::positive_length_mm)]
     pub(in crate::cli) dose_per_block: f64,
     /// Largest change of the thermal correction per mm of path, with unit
@@ -149,7 +149,7 @@ pub(in crate::cli) struct ResumeArguments {
     /// Number of the plan to run, as shown before
     #[arg(long, value_name = "PLAN")]
     pub(in crate::cli) confirm: Option<String>,
-    /// Height to move up to first, Z of the program, with unit: clear of workpiece and clamps, at least 1 mm above everything machined; required to
+    /// Z of the program to which the tool moves first, with unit: clear of workpiece and clamps, at least 1 mm above everything machined; required to
     /// resume
     #[arg(long, value_name = "Z", value_parser = parse_length_mm, allow_hyphen_values = true)]
     pub(in crate::cli) clearance: Option<f64>,

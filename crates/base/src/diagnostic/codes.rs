@@ -505,12 +505,13 @@ it. A negative weight means a wrong sign in [strain] or in the readings.";
 in exactly the same way, or not at all, so their sizes cannot be determined: a least-squares solution would be one of infinitely
 many. The message names them. Measure in poses in which they differ (other angles of the rotary axes, another tool length, a second
 set-up, a known length), state what is known of the set-up (remove it from free), or choose a model with fewer parameters (ncfix
-machine presets). ncfix diagnose reports this if there are fewer than three readings more than unknowns of the set-ups, and if the
+machine presets). ncfix diagnose reports this if the readings outnumber the unknowns of the set-ups by less than three, and if the
 file of -o was not written; its causes remain valid.";
     NOT_SETTLED = "E0607" "calibration does not converge"
 "The parameters still change after the last iteration: the model and the readings contradict each other, for instance in a sign, a
-set-up or an axis, or single parameters hardly affect the readings. Check the description of the measurement, --machine, and rows
-with large deviations.";
+set-up or an axis, or single parameters hardly affect the readings. Or the fit ended, but the readings are farther from the fitted machine
+than from a machine without errors. Then the sign is usually wrong, or a table of the control was active: name it in active_tables of
+the machine file. Check the description of the measurement, --machine, and rows with large deviations.";
     DATA_SIZE = "E0608" "readings of an implausible size"
 "Readings are in µm or µrad, as their column names state. This one is above --max (an angle is judged by its effect at an arm of 1 m),
 or the RMS of all readings is less than the uncertainty of the instrument. Probably values in mm or nm are in a column of µm, or
@@ -553,7 +554,7 @@ with --as targets and --columns. If commas separate the cells, numbers need a de
 E0601 if the rows then differ in their cells.";
     IMPORT_CONTRADICTION = "E0618" "file contradicts what it seems to be"
 "The content of the file does not agree with the options of `ncfix import`, or with itself. Examples are a position outside of the travel
-of the machine, a deviation that is not actual minus nominal, an axis that the machine lacks, a unit that the heading contradicts. Correct
+of the machine, a deviation that is not actual minus nominal, a measured axis that the machine lacks, a unit that the heading contradicts. Correct
 the option, or export the file again.";
     NOT_FOR_LINK = "E0701" "line that the link cannot send"
 "A line of the corrected program is too long for the control at the other end of the link, or has a character that means something

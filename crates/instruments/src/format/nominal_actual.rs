@@ -400,7 +400,7 @@ fn displacement(
         out.rows.push(ImportedRow { position, values, line: feature.line, ..ImportedRow::default() });
     }
     inquiry.note("the rows count as in the order of machining, which gives the directions of the axes for backlash: if the report is sorted by name, put the rows in that order", 0);
-    inquiry.note("offset and rotation of the report are unknowns: the alignment has no influence, but a fit of the scale would lose the scales of the machine", 0);
+    inquiry.note("offset and rotation of the report are unknowns: a small misalignment has no influence, but a fit of the scale would lose the scales of the machine", 0);
     if let Some((value, k, place)) = worst {
         let mark = if value < 0.0 { '-' } else { '+' };
         let letter = ['X', 'Y', 'Z'][k];

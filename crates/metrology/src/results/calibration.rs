@@ -249,7 +249,7 @@ impl PreparedFit<'_> {
                     let name = &quality.name;
                     let message = format!("{name}: the residual (RMS) is {times} times {key}");
                     let can_drift = data.kind.free.contains(&Free::Drift) && !data.free.contains(&Free::Drift);
-                    let or_free = if can_drift { " or add \"drift\" to free" } else { "" };
+                    let or_free = if can_drift { ", or add \"drift\" to free if the axis has no backlash" } else { "" };
                     let help = format!(
                         "choose a model with more parameters, or correct {key}; if the readings drift, measure faster{or_free}"
                     );

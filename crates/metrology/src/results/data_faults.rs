@@ -182,7 +182,7 @@ fn finding(fault: &DataDefect, set: &DataSet, is_held_out: bool, place: Option<P
                 .into()
         }
         DefectKind::Compensated if is_refused => {
-            "measure with the table of the control switched off, or state it in active_tables of the machine file; or give with --machine only the errors that the control does not compensate"
+            "if a table of the control was active, name it in active_tables of the machine file, or measure with the table switched off; if the error was repaired, remove it from the machine file"
                 .into()
         }
         DefectKind::Sensor if matches!(fault.then, Then::InFahrenheit(_)) => {

@@ -139,7 +139,7 @@ impl<'a> DiagnosticCollector<'a> {
         } else {
             "no correction was found here: the errors of the machine file have no finite value".into()
         };
-        let help = "check the error model, and that the machine can move the tool in all directions";
+        let help = "check the error model: a coefficient in a wrong unit is the usual reason; then check that the machine can move the tool in all directions";
         self.report(origin, Code::NOT_CONVERGED, message, help.into());
     }
 
@@ -154,7 +154,7 @@ impl<'a> DiagnosticCollector<'a> {
             let help = "program it in several blocks where the control allows it, or allow a larger --tolerance";
             self.report(origin, Code::ONE_PIECE, message, help.into());
         } else if !std::mem::replace(&mut self.tolerance_was_missed, true) {
-            let message = format!("here the emitted path cannot stay within {}", micrometers(tolerance_mm));
+            let message = format!("here the output cannot stay within {} of the exact path", micrometers(tolerance_mm));
             let help = "allow a larger --tolerance, or a finer control.increment_mm";
             self.report(origin, Code::TOLERANCE_NOT_REACHED, message, help.into());
         }

@@ -102,7 +102,7 @@ pub(crate) fn answer_in_words(one: &HypothesisReport) -> String {
         HypothesisAnswer::Outdone => {
             let others = one.stands_for.join(" and ");
             let better = one.log_evidence_of_findings.unwrap_or_default();
-            format!("outdone: with {others} in its place, the readings are {} times as probable", factor(better))
+            format!("supported, but with {others} instead, the readings are {} times as probable", factor(better))
         }
         HypothesisAnswer::Undecided if one.log_evidence_beside.is_some_and(|evidence| evidence >= STRONG) => format!(
             "undecided: the readings are {times}, but its amount is smaller than its uncertainty, and unseen readings do not confirm it"

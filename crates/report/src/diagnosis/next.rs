@@ -6,7 +6,7 @@ use ncfix_metrology::diagnose::NextMeasurement;
 /// Returns the command of a measurement with what it contributes.
 pub(crate) fn next_sentence(next: &NextMeasurement) -> String {
     format!(
-        "{} (its {} readings resolve {:.0} % of the doubt; the first two explanations differ by {} {} RMS in them)",
+        "{} (its {} readings decide {:.0} % of the open question; the first two explanations differ by {} {} RMS in them)",
         next.command,
         grouped(next.readings as u64),
         100.0 * next.resolves,

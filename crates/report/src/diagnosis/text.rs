@@ -411,7 +411,7 @@ impl DiagnosisReport {
             }
         }
         for one in &self.found.not_confirmed {
-            let _ = writeln!(out, "\n{one}: found in the data, but not confirmed by the data held out.");
+            let _ = writeln!(out, "\n{one}: found in the data, but the held-out data do not confirm it.");
         }
         let rejected: Vec<String> = self
             .found

@@ -27,7 +27,7 @@ pub(super) fn rest(inquiry: &mut Inquiry<'_>, facts: &StatedFacts) -> ImportStop
         inquiry.ask(
             "sign",
             "the file does not state the sign of its readings",
-            "+ if a positive reading means too far in the positive direction, else -",
+            "+ if the tool is then too far in the positive direction as seen from the workpiece (angles: turned by the right-hand rule), else -",
         );
     }
     if inquiry.answers.unit.is_none() && facts.unit.is_none() {

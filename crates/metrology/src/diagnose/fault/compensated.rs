@@ -65,7 +65,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
                     what: what.into(),
                     rows: [0, data.observations.len().saturating_sub(1)],
                     evidence: format!(
-                        "{} readings contain {:.2} times the errors of the machine file; with {gain:.0} times these errors, the residual falls from {:.1} to {:.1} times the noise{single}",
+                        "{} readings contain {:.2} times the errors of the machine file; the residual is {:.1} times the noise with these errors, {:.1} times with {gain:.0} times these errors{single}",
                         matched.count,
                         matched.gain,
                         (as_is / noise).sqrt(),

@@ -267,7 +267,7 @@ impl<'t> Reader<'t, '_> {
         let found = EFFECTS.into_iter().find(|effect| effect.to_string() == word);
         if found.is_none() {
             let known: Vec<String> = EFFECTS.iter().map(ToString::to_string).collect();
-            let help = format!("{EXAMPLES}; causes are {}", known.join(", "));
+            let help = format!("{EXAMPLES}; separate several parameters by commas; causes are {}", known.join(", "));
             self.fault(span, format!("'{word}' is neither an error nor a cause"), help);
         }
         found
