@@ -76,7 +76,7 @@ impl StepSearch<'_> {
         let steps = trial.search(&lines, self.residual_mm, share);
         if steps.worst.failures > 0 && steps.rows.last().is_some_and(|row| row.largest_mm == 0.0) {
             let message = "no correction was found on any line";
-            let help = "check the error model, and that the machine can move the tool in all directions";
+            let help = "check the error model: a coefficient in a wrong unit is the usual reason; then check that the machine can move the tool in all directions";
             found.add(Diagnostic::nowhere(Code::NOT_CONVERGED, message, help), &[]);
             return Ok(report);
         }
