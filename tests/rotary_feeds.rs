@@ -146,6 +146,29 @@ fn the_end_of_a_program_without_an_end_says_what_a_feed_is() {
     assert!(text.trim_end().ends_with("G94"), "{text}");
 }
 
+/// A control may keep G93 after M30, and the next program would read its F as an inverse time.
+#[test]
+fn a_program_that_ends_after_a_turn_returns_to_its_feed() {
+    for (controller, before, end) in [
+        ("fanuc", "%\nO1\nG21 G90 G94 G54\n", "M30\n%\n"),
+        ("rs274", "G21 G90 G94 G54\n", "M2\n"),
+        ("sinumerik", "G71 G90 G94 G54\n", "M30\n"),
+    ] {
+        for between in ["", "N20 G0 Z20.\n"] {
+            let program = format!("{before}N1 G0 X50. Y0. Z0. C0.\nN10 G1 C90. F500.\n{between}N30 {end}");
+            let (text, _) = corrected(controller, ERRORS, &program);
+            let places = ["G93", "G94", "M"].map(|word| {
+                let last = text.lines().enumerate().filter(|(_, line)| {
+                    line.split(' ').any(|own| own.starts_with(word)) && !line.starts_with([';', '('])
+                });
+                last.map(|(number, line)| (number, line.find(word))).last()
+            });
+            let [by_time, feed, end] = places.map(|place| place.unwrap_or_else(|| panic!("{text}")));
+            assert!(by_time < feed && feed < end, "{text}");
+        }
+    }
+}
+
 #[test]
 fn what_cannot_say_a_time_is_refused() {
     let grundig = "%PM9001\nN9001\nN1 G17 G90 G71\nN2 G54\nN3 G0 X50 Y0 Z0 C0\nN4 G1 C90 F500\nN5 M30\n";

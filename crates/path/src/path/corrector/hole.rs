@@ -290,33 +290,50 @@ where
         state.note_stated(standing.sensed, &standing.nominal, &line.top);
         state.note_motion(&line.top, &line.bottom);
         let known = standing.known.union(line.axes.into_iter().collect());
-        let mut corrections = [AxisVector::ZERO; 2];
-        for (correction, place) in corrections.iter_mut().zip([&line.top, &line.bottom]) {
-            *correction = self.placer.exact(place, known, &state, &standing.correction, 0.0).ok()? - *place;
-        }
-        let [top, bottom] = corrections;
         let [abscissa, ordinate, along] = line.axes;
-        let middle = |axis: Axis| 0.5 * (top[axis] + bottom[axis]);
-        let plane = line.is_positioned.then(|| [middle(abscissa), middle(ordinate)]);
-        let count = |mm: f64| self.placer.increments.count(along, mm);
-        // The shift of the hole before saves words; the one of the bottom is the best; the mean is for a deep hole.
-        let best = count(bottom[along]);
         let hole_tolerance_mm = self.options.hole_tolerance_mm.max(self.options.tolerance_mm);
         let (most_mm, least_mm) =
             (self.allowed_at_hole_mm(hole_tolerance_mm), self.allowed_at_hole_mm(self.options.tolerance_mm));
         let mut last: Option<(f64, (HoleShift, Option<i64>))> = None;
         let mut nearest: Option<(f64, (HoleShift, Option<i64>))> = None;
-        for along in [self.last_shift, best, count(middle(along))] {
-            let shift = HoleShift { plane, along };
-            let Some(HoleFit { deviation_mm, peck }) = self.fit_hole(cycle, line, &shift, hole) else { continue };
-            if deviation_mm <= least_mm {
-                self.prediction.kept_hole_mm = self.prediction.kept_hole_mm.max(deviation_mm);
-                return Some((shift, peck));
+        let (mut best, mut across) = (0, [0.0; 2]);
+        for attempt in 0..2 {
+            let mut corrections = [AxisVector::ZERO; 2];
+            for (correction, place) in corrections.iter_mut().zip([&line.top, &line.bottom]) {
+                *correction = self.placer.exact(place, known, &state, &standing.correction, 0.0).ok()? - *place;
             }
-            let fit = (deviation_mm, (shift, peck));
-            last = last.or(Some(fit).filter(|_| along == self.last_shift && deviation_mm <= most_mm));
-            if nearest.is_none_or(|(nearest_mm, _)| deviation_mm < nearest_mm) {
-                nearest = Some(fit);
+            let [top, bottom] = corrections;
+            let middle = |axis: Axis| 0.5 * (top[axis] + bottom[axis]);
+            across = [middle(abscissa), middle(ordinate)];
+            let plane = line.is_positioned.then_some(across);
+            let count = |mm: f64| self.placer.increments.count(along, mm);
+            // The shift of the hole before saves words; the one of the bottom is the best; the mean is for a deep hole.
+            best = count(bottom[along]);
+            for along in [self.last_shift, best, count(middle(along))] {
+                let shift = HoleShift { plane, along };
+                let Some(HoleFit { deviation_mm, peck }) = self.fit_hole(cycle, line, &shift, hole) else { continue };
+                if deviation_mm <= least_mm {
+                    self.prediction.kept_hole_mm = self.prediction.kept_hole_mm.max(deviation_mm);
+                    return Some((shift, peck));
+                }
+                let fit = (deviation_mm, (shift, peck));
+                last = last.or(Some(fit).filter(|_| along == self.last_shift && deviation_mm <= most_mm));
+                if nearest.is_none_or(|(nearest_mm, _)| deviation_mm < nearest_mm) {
+                    nearest = Some(fit);
+                }
+            }
+            // A tool that stands at the programmed place moves by the difference of the corrections first, and this may reverse an axis.
+            let before = state.direction;
+            if attempt == 0
+                && let Some([x, y]) = plane.filter(|_| !line.has_approach)
+            {
+                let mut to = standing.command;
+                (to[abscissa], to[ordinate]) = (line.top[abscissa] + x, line.top[ordinate] + y);
+                state.note_motion(&standing.command, &to);
+                state.note_motion(&line.top, &line.bottom);
+            }
+            if state.direction == before {
+                break;
             }
         }
         // If no shift keeps the tolerance of cuts, the one of the hole before keeps the call too.
@@ -326,13 +343,14 @@ where
         }
         // A call without a position leaves the tool where it stands: within the dead bands, or the hole needs moves.
         let is_near = [abscissa, ordinate].into_iter().all(|axis| {
-            let off_mm = middle(axis) - (standing.command[axis] - standing.nominal[axis]);
+            let own_mm = if axis == abscissa { across[0] } else { across[1] };
+            let off_mm = own_mm - (standing.command[axis] - standing.nominal[axis]);
             off_mm.abs() <= self.lead.model.lost_motion(axis, &standing.command) + hole_tolerance_mm
         });
         let is_better = TAPPING_AS_MOVES.contains(&cycle.name.as_str()) && (line.is_positioned || is_near);
         if must_stay(cycle) || is_better {
             // No moves are better; the error along it is reported.
-            return Some((HoleShift { plane, along: best }, None));
+            return Some((HoleShift { plane: line.is_positioned.then_some(across), along: best }, None));
         }
         if let Some((nearest_mm, _)) = nearest {
             self.prediction.expanded_hole_mm = self.prediction.expanded_hole_mm.max(nearest_mm);
@@ -417,7 +435,7 @@ where
         let mut command = standing.command;
         command[along] = line.top[along] + self.placer.increments.position(along, shift.along);
         let placed = self.placer.round(&command, standing.known);
-        standing.state.note_motion(&standing.command, &placed.command);
+        self.note_difference(&mut standing, &placed);
         (standing.command, standing.counts) = (placed.command, placed.counts);
         standing
     }
@@ -430,9 +448,16 @@ where
             command[axis] = line.top[axis] + shift_mm;
         }
         let placed = self.placer.round(&command, standing.known);
-        standing.state.note_motion(&standing.command, &placed.command);
+        self.note_difference(&mut standing, &placed);
         (standing.command, standing.counts) = (placed.command, placed.counts);
         standing
+    }
+
+    /// Notes the motion by the difference of two corrections: its directions, and where the axes are within their dead bands.
+    fn note_difference(&self, standing: &mut PathState, placed: &Placed) {
+        standing.state.note_motion(&standing.command, &placed.command);
+        let route = self.placer.emitted(standing.command, placed.command);
+        self.lead.along(&mut standing.band, &route, standing.sensed, [0.0, 1.0]);
     }
 
     /// The end of a move of a hole, shifted.

@@ -209,15 +209,17 @@ where
                 .iter()
                 .any(|word| word.letter == b'M' && codes.iter().any(|&code| word.value == WordValue::Number(code)))
         };
+        // Not every control leaves G93 at the end: the next program would read its F as an inverse time.
+        let ends = matches!(&element.kind, Kind::Before(words) | Kind::After(words) if has_m(words, &ENDS));
         let needs_feed = match &element.kind {
             Kind::Feed(_) | Kind::Verbatim(_) => true,
-            Kind::Before(words) | Kind::After(words) => has_m(words, &RETURNS),
+            Kind::Before(words) | Kind::After(words) => ends || has_m(words, &RETURNS),
             _ => false,
         };
         if needs_feed && element.starts_block && self.pace.by_time.is_some() {
             self.say_pace(Element { number: None, kind: Kind::Empty, ..element.clone() }, false);
             // The next word, or the calling program, then finds the programmed feed.
-            if !matches!(element.kind, Kind::Feed(_)) && self.pace.feed > 0.0 {
+            if !ends && !matches!(element.kind, Kind::Feed(_)) && self.pace.feed > 0.0 {
                 let kind = Kind::Feed(self.pace.feed);
                 let said = Element { number: None, starts_block: false, kind, ..element.clone() };
                 self.pending.push_back(Ok(Output::Element(said)));
