@@ -13,6 +13,9 @@ use super::{DIALECTS, Dialect, Language, find, sinumerik};
 /// are absolute.
 const CANDIDATES: [&str; 3] = ["sinumerik", "rs274", "fanuc"];
 
+/// Number of codes that are noted for a dialect: a text with more is no program.
+const MOST_CODES: usize = 50;
+
 /// Form of a line that a language does not have.
 struct Form {
     languages: &'static [Language],
@@ -48,7 +51,7 @@ const FORMS: &[Form] = &[
 
 static PATTERNS: LazyLock<RegexSet> = LazyLock::new(|| patterns(FORMS.iter().map(|form| form.pattern)));
 
-/// What a text has and a dialect does not have: codes in tenths and forms, each with its line.
+/// Codes in tenths and forms that a text has and a dialect lacks, each with its line.
 struct Misfits {
     dialect: &'static Dialect,
     codes: Vec<(u32, u32)>,
@@ -69,7 +72,7 @@ impl Misfits {
         let is_offset =
             self.dialect.language == Language::Sinumerik && (5000..6000).contains(&tenths) && tenths % 10 == 0;
         let is_known = is_offset || self.dialect.codes().g_tenths(tenths as usize).is_some();
-        if !is_known && !self.codes.iter().any(|(code, _)| *code == tenths) {
+        if !is_known && self.codes.len() < MOST_CODES && !self.codes.iter().any(|(code, _)| *code == tenths) {
             self.codes.push((tenths, line));
         }
     }
