@@ -33,6 +33,20 @@ const ABOUT_FILES: &[Code] = &[
     Code::OTHER_ACT,
 ];
 
+/// Errors that depend on the axes, offsets, tools and settings of the machine.
+const ABOUT_MACHINE: &[Code] = &[
+    Code::CONTOUR_NOT_FOLLOWED,
+    Code::OUT_OF_TRAVEL,
+    Code::UNITS_DOUBT,
+    Code::NO_OFFSET,
+    Code::NO_TOOL,
+    Code::NO_AXIS,
+];
+
+/// The help before that of such an error on the demo machine, which is not the user's.
+const DEMO_HELP: &str =
+    "the demo machine has its own limits, offsets and tools: give your machine file with --machine; else ";
+
 /// The identity of a diagnostic, so that one in a loop is reported only once. Without a position the message is the
 /// identity.
 type Identity = (Code, String, Option<Place>);
@@ -55,6 +69,8 @@ pub struct Diagnostics {
     errors: usize,
     warnings: usize,
     has_language_error: bool,
+    /// True after the warning that the demo machine is used.
+    has_demo: bool,
     /// The help for the first syntax error of a file, by file name.
     hints: HashMap<String, Hint>,
     /// The hints that applied: files that turned out to be in another language.
@@ -236,7 +252,11 @@ impl Diagnostics {
         if self.seen.contains(&identity) {
             return;
         }
+        self.has_demo |= diagnostic.code == Code::NO_MACHINE;
         if diagnostic.is_error() {
+            if self.has_demo && ABOUT_MACHINE.contains(&diagnostic.code) && !diagnostic.help.starts_with(DEMO_HELP) {
+                diagnostic.help.insert_str(0, DEMO_HELP);
+            }
             if is_of_text(&diagnostic)
                 && let Some((file, hint)) = self.hints.remove_entry(name)
             {
@@ -285,6 +305,7 @@ impl Diagnostics {
 
     /// Removes the warnings with a code that no longer apply, such as that of a demo machine that is not used.
     pub(crate) fn withdraw(&mut self, code: Code) {
+        self.has_demo &= code != Code::NO_MACHINE;
         let before = self.kept.len();
         self.kept.retain(|(diagnostic, _)| diagnostic.code != code || diagnostic.is_error());
         self.warnings -= before - self.kept.len();

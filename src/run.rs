@@ -164,8 +164,12 @@ pub(crate) fn resolve(
         let reasons = found.reasons.iter().map(|(what, line)| format!("{what} (line {line})"));
         Some((found.dialect, format!("by its words: {}", reasons.collect::<Vec<_>>().join(", "))))
     };
+    let of_rest = || {
+        let (dialect, missing) = ncfix_dialect::elimination(source.bytes())?;
+        Some((dialect, format!("as {} does not have {missing}", ncfix_dialect::sinumerik().title)))
+    };
     let by_default = || (ncfix_dialect::sinumerik(), "by default".to_owned());
-    Ok(of_machine.or_else(of_file).or_else(of_words).unwrap_or_else(by_default))
+    Ok(of_machine.or_else(of_file).or_else(of_words).or_else(of_rest).unwrap_or_else(by_default))
 }
 
 /// The output keeps the unit of the program: on these controls G20 or G21 remains active after the program, and a Fanuc interprets its offsets in

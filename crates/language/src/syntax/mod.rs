@@ -3,6 +3,7 @@
 //! The trees do not contain the meaning of codes. Nodes are stored in flat arenas and refer to each other by number, so that a block of plain words
 //! needs no allocation. Each family of languages has its own trees: [`sinumerik`] and the word languages, [`words`].
 
+pub(crate) mod firmware;
 pub(crate) mod look_alike;
 mod names;
 mod paged_store;

@@ -154,7 +154,15 @@ fn g_code(scope: &Scope<'_, '_>, value: f64, span: Span, out: &mut Gathered) -> 
         }
         None => {
             let message = format!("{name} is unknown");
-            Err(fault(Code::NOT_SUPPORTED, span, message, "check the code, and --dialect"))
+            let help = homing_help(tenths).unwrap_or("check the code, and --dialect");
+            Err(fault(Code::NOT_SUPPORTED, span, message, help))
         }
     }
+}
+
+/// Help for the codes with which TinyG and g2core home the axes or set their positions.
+fn homing_help(tenths: u16) -> Option<&'static str> {
+    matches!(tenths, 282..=284).then_some(
+        "only TinyG and g2core home axes with this code: home the machine before the program, and omit the block",
+    )
 }

@@ -50,7 +50,8 @@ pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) ->
     let is_all = channel.is_rs274() || channel.settings.machine.control.iso.is_haas();
     let homed = if named.is_empty() && is_all { channel.axes } else { named };
     if homed.is_empty() {
-        return Err(bad_value(span, format!("{} without axis words", name_of(code)), "name the axes"));
+        let help = "name the axes; for a Haas, where all axes return, set controller = \"haas\" in the machine file";
+        return Err(bad_value(span, format!("{} without axis words", name_of(code)), help));
     }
     let mut end = channel.modal.position.command;
     for axis in homed.iter() {

@@ -63,7 +63,12 @@ fn machine_motion(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, spa
     }
     if channel.modal.modes.incremental && !channel.settings.machine.control.iso.is_haas() {
         // A Fanuc ignores it, but a programmed motion must not vanish.
-        return Err(fault(Code::BAD_WORD_VALUE, span, "G53 under G91", "program G90 in the block"));
+        let help = if channel.is_rs274() {
+            "program G90 in the block"
+        } else {
+            "program G90 in the block; for a Haas, set controller = \"haas\" in the machine file"
+        };
+        return Err(fault(Code::BAD_WORD_VALUE, span, "G53 under G91", help));
     }
     forbidden::no_compensation(channel.language, &channel.modal, span, "G53")?;
     let here = channel.modal.position.command;

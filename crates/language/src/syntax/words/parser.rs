@@ -10,6 +10,7 @@ use super::token::{
     Fault, Input, Parsed, behind_blanks, blank, blanks, byte, fault, find_byte, is_blank, no_match, one, small_number,
 };
 use super::tree::{Block, Body, InnerSkip, PartKind, Program, Slice};
+use crate::syntax::firmware;
 use crate::syntax::look_alike;
 use crate::syntax::names::{NameId, Names};
 use crate::syntax::paged_store::PagedStore;
@@ -164,7 +165,11 @@ impl Parser {
         let end = (start + fault.length.max(1)).min(self.line_end.max(start + 1));
         let place = Place { file: self.program.source.id(), span: Span::new(start, end) };
         let typed = look_alike::help_in(self.program.source.bytes(), start, self.line_end);
-        let help = typed.unwrap_or_else(|| help_for(fault.code));
+        let of_firmware = || {
+            let has_axes = self.language != Language::Grundig;
+            has_axes.then(|| firmware::help_in(self.program.source.bytes(), start, self.line_end)).flatten()
+        };
+        let help = typed.or_else(of_firmware).unwrap_or_else(|| help_for(fault.code));
         self.findings.push(Diagnostic::at(fault.code, place, fault.message, help));
     }
 

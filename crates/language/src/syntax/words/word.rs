@@ -12,6 +12,7 @@ use super::token::{
     Input, Parsed, angled, behind_blanks, blank, blanks, byte, fault, number, one, required, small_number,
 };
 use super::tree::{Address, Value, Word};
+use crate::syntax::firmware;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_dialect::Language;
@@ -157,6 +158,9 @@ impl Parser {
                 let (rest, name) = angled(input)?;
                 let address = Address::Name(self.intern(name));
                 Ok((rest, self.word_between(input, rest, address, Value::None)))
+            }
+            (b'$' | b'{', Language::Rs274) if firmware::is_command(input) => {
+                fault(Code::UNEXPECTED, input, input.len(), firmware::COMMAND)
             }
             (b'@' | b'^' | b'$', Language::Rs274) => {
                 let behind = blanks(&input[1..]);
