@@ -454,7 +454,7 @@ fn a_tool_of_negative_length_is_named() {
 #[test]
 fn an_error_that_is_not_known_is_not_zero() {
     let opaque = format!("{MEASURED}[[opaque]]\nname = \"L6\"\n");
-    let shop = shop(&opaque, "G90 G71\nL6\nG1 Z100 F500\nZ90\nM30\n");
+    let shop = shop(&opaque, "G90 G71 G0 X100 Y50 Z100 A0 C0\nL6\nG1 Z90 F500\nZ80\nM30\n");
     let run = fix(&shop, "--json").exits(0);
     let json = run.json();
     assert!(json["before"].is_null() && json["after"].is_null(), "{json}");
