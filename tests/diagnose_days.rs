@@ -82,7 +82,7 @@ fn what_acts_on_one_day_only_is_told_file_by_file() {
 #[test]
 fn what_acts_since_the_second_day_has_its_whole_size() {
     let mut count = 0;
-    for (bench, row, seed) in [(Bench::Ballbar, 3), (Bench::Ballbar, 20)]
+    for (bench, row, seed) in [(Bench::Ballbar, 8), (Bench::Ballbar, 20)]
         .into_iter()
         .flat_map(|(bench, row)| [1, 2, 3, 4].map(|seed| (bench, row, seed)))
     {
