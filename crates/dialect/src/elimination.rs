@@ -6,8 +6,8 @@ use std::sync::LazyLock;
 use ncfix_base::pattern::{RegexSet, patterns};
 
 use super::blocks::{LooseBlock, lines};
-use super::likeness::{Found, HEAD};
-use super::{DIALECTS, Dialect, Language, find, sinumerik};
+use super::likeness::{HEAD, TextEvidence};
+use super::{DIALECTS, Dialect, Language, find};
 
 /// Dialects to choose from, in the order of preference if nothing speaks for one of them. A Grundig text is accepted only on evidence: its centers of arcs
 /// are absolute.
@@ -111,11 +111,11 @@ pub fn elimination(bytes: &[u8]) -> Option<(&'static Dialect, String)> {
             all.iter_mut().for_each(|one| one.note_form(form, line));
         }
     }
-    let misfits = |dialect: &Dialect| all.iter().find(|one| one.dialect.language == dialect.language);
-    let why = misfits(sinumerik()).and_then(Misfits::first)?;
-    let evidence = Found::search(head);
+    let misfits = |language: Language| all.iter().find(|one| one.dialect.language == language);
+    let why = misfits(Language::Sinumerik).and_then(Misfits::first)?;
+    let evidence = TextEvidence::search(head);
     let rank = |dialect: &Dialect| {
-        let lacks = misfits(dialect).map_or(usize::MAX, Misfits::count);
+        let lacks = misfits(dialect.language).map_or(usize::MAX, Misfits::count);
         (lacks, std::cmp::Reverse(evidence.sum(dialect.language)))
     };
     let best = CANDIDATES.into_iter().filter_map(find).min_by_key(|dialect| rank(dialect))?;

@@ -90,15 +90,15 @@ const EVIDENCE: &[Evidence] = &[
 static PATTERNS: LazyLock<RegexSet> = LazyLock::new(|| patterns(EVIDENCE.iter().map(|one| one.pattern)));
 
 /// Evidence of a text: the lines where it was found, from 1.
-pub(super) struct Found {
+pub(super) struct TextEvidence {
     lines: Vec<Option<u32>>,
     whole: Option<u32>,
     has_fraction: bool,
 }
 
-impl Found {
-    pub(super) fn search(head: &[u8]) -> Found {
-        let mut found = Found { lines: vec![None; EVIDENCE.len()], whole: None, has_fraction: false };
+impl TextEvidence {
+    pub(super) fn search(head: &[u8]) -> TextEvidence {
+        let mut found = TextEvidence { lines: vec![None; EVIDENCE.len()], whole: None, has_fraction: false };
         let mut block = LooseBlock::default();
         for (line, (_, text)) in (1..).zip(lines(head)) {
             for place in &PATTERNS.matches(text.trim_ascii()) {
@@ -149,7 +149,7 @@ impl Found {
 /// Returns the most likely dialect of a text.
 #[must_use]
 pub fn likeness(bytes: &[u8]) -> Option<Likeness> {
-    let found = Found::search(bytes.get(..bytes.len().min(HEAD)).unwrap_or_default());
+    let found = TextEvidence::search(bytes.get(..bytes.len().min(HEAD)).unwrap_or_default());
     let sum = |language: Language| found.sum(language);
     let (best, dialect) =
         DIALECTS.iter().map(|dialect| (sum(dialect.language), dialect)).max_by_key(|(sum, _)| *sum)?;
