@@ -124,15 +124,17 @@ impl Question<'_> {
         let [mut of_train, mut of_test] = [&train, &test].map(|part| field.series(part, &[], 0.0));
         // The readings before a change say nothing about an error that has changed: only what a change leaves is evidence for another term.
         let changes: Vec<usize> = self.judged.iter().copied().filter(|&term| field.is_a_change(term)).collect();
-        let [mut train_beside, mut test_beside] = [&train, &test].map(|part| field.series(part, &changes, 0.0));
+        let mut beside = (!changes.is_empty()).then(|| [&train, &test].map(|part| field.series(part, &changes, 0.0)));
         let says: Vec<Option<f64>> = self
             .places
             .iter()
             .map(|&place| {
                 let (does, term) = (self.does.get(place)?, *self.judged.get(place)?);
                 let own = does.said(&mut of_train, &mut of_test)?;
-                let is_said = changes.contains(&term) || does.said(&mut train_beside, &mut test_beside).is_some();
-                is_said.then_some(own)
+                match &mut beside {
+                    Some([train, test]) if !changes.contains(&term) => does.said(train, test).map(|_| own),
+                    _ => Some(own),
+                }
             })
             .collect();
         if says.iter().all(Option::is_none) {
@@ -162,7 +164,7 @@ impl Question<'_> {
             let is_absent = if is_own {
                 does.is_absent(&mut of_train)
             } else {
-                !changes.is_empty() && does.is_absent(&mut train_beside) && !does.is_absent(&mut of_train)
+                beside.as_mut().is_some_and(|[train, _]| does.is_absent(train)) && !does.is_absent(&mut of_train)
             };
             is_absent.then_some(term)
         };

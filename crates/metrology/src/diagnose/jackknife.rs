@@ -12,6 +12,8 @@ use ncfix_base::numeric::student;
 const FEWEST: usize = 4;
 /// The change due to a part counts fully up to this multiple of the change that noise would cause with equally informative parts.
 const LEVERAGE: f64 = 4.0;
+/// A column is determined if at least this share of its squares remains beside the others.
+const DETERMINED: f64 = 1e-9;
 /// Probability outside the interval.
 const OUTSIDE: f64 = 0.05;
 
@@ -34,11 +36,12 @@ impl Without {
     }
 }
 
-/// Amounts of all columns, each fitted without one part. Parts are runs or set-ups, otherwise blocks of rows.
+/// Amounts of all columns, each fitted without one part. Parts are runs or set-ups, otherwise blocks of rows. With `has_changes`, a part may be the only
+/// one after a change of the machine: the amount of the error that has changed then has no variance.
 pub(super) fn without_parts(
     field: &Field<'_, '_>,
     weights: &Weights,
-    columns: &[Vec<f64>],
+    (columns, has_changes): (&[Vec<f64>], bool),
     memory: f64,
 ) -> Vec<Without> {
     let counted = |parts: &[usize]| {
@@ -61,10 +64,26 @@ pub(super) fn without_parts(
     let without = |number: &usize| {
         let items = weights.items.iter().zip(&parts).map(|(weight, part)| if part == number { 0.0 } else { *weight });
         let rest = Weights { items: items.collect(), series: weights.series.clone() };
-        let (values, covariance) = field.series(&rest, &[], memory).amounts(columns);
+        let (values, mut covariance) = field.series(&rest, &[], memory).amounts(columns);
+        for k in (0..columns.len()).filter(|&k| has_changes && !is_determined(field, &rest, (columns, k), memory)) {
+            covariance.row_mut(k).fill(0.0);
+            covariance.column_mut(k).fill(0.0);
+        }
         Without { values, covariance }
     };
     numbers.iter().map(without).collect()
+}
+
+/// True if some readings determine the amount of a column beside the other columns.
+fn is_determined(field: &Field<'_, '_>, weights: &Weights, (columns, k): (&[Vec<f64>], usize), memory: f64) -> bool {
+    let Some(own) = columns.get(k) else { return false };
+    let mut series = field.series(weights, &[], memory);
+    series.set_values(own);
+    let whole = series.squares();
+    for (_, column) in columns.iter().enumerate().filter(|(other, _)| *other != k) {
+        series.take(column);
+    }
+    series.squares() > DETERMINED * whole
 }
 
 /// Returns the expanded uncertainty (95 %) of a size from its values without each part; `None` if too few parts leave the size determined.
@@ -187,7 +206,7 @@ mod tests {
             let scene = bench::scene(&machine, &sets);
             let field = Field::new(&scene, vec![bench::candidate(EffectKind::Unknown, Through::Tip(0), |_| 1.0)]);
             let columns = field.columns_of(0);
-            without_parts(&field, &bench::even(&scene), &columns, 0.0).len()
+            without_parts(&field, &bench::even(&scene), (&columns, false), 0.0).len()
         };
         // A run is divided into five blocks; a short one has as many blocks as readings.
         assert_eq!([3, 4, 50].map(found), [0, 4, 5]);

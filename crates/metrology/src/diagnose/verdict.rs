@@ -325,7 +325,9 @@ fn verdict(
     // The uncertainty of the time constants increases that of the amounts.
     let with_slopes: Vec<Vec<f64>> = flat.iter().cloned().chain(slopes(field, &taken, &columns, &amounts)).collect();
     let (_, covariance) = field.series(weights, &[], memory).amounts(&with_slopes);
-    let without_parts = without_parts(field, weights, &flat, memory);
+    let is_change =
+        |number: &usize| field.candidates.get(*number).is_some_and(|one| one.cause.effect == EffectKind::Earlier);
+    let without_parts = without_parts(field, weights, (&flat, taken.iter().any(is_change)), memory);
     let whole = field.series(weights, &taken, memory);
     let freedom = (whole.count() - whole.rank().min(whole.count())).max(1) as f64;
     let noise = whole.squares() / freedom;
