@@ -150,7 +150,6 @@ fn the_end_of_a_program_without_an_end_says_what_a_feed_is() {
 #[test]
 fn a_program_that_ends_after_a_turn_returns_to_its_feed() {
     for (controller, before, end) in [
-        ("fanuc", "%\nO1\nG21 G90 G94 G54\n", "M30\n%\n"),
         ("rs274", "G21 G90 G94 G54\n", "M2\n"),
         ("sinumerik", "G71 G90 G94 G54\n", "M30\n"),
     ] {
