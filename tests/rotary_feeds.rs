@@ -149,10 +149,9 @@ fn the_end_of_a_program_without_an_end_says_what_a_feed_is() {
 /// A control may keep G93 after M30, and the next program would read its F as an inverse time.
 #[test]
 fn a_program_that_ends_after_a_turn_returns_to_its_feed() {
-    for (controller, before, end) in [
-        ("rs274", "G21 G90 G94 G54\n", "M2\n"),
-        ("sinumerik", "G71 G90 G94 G54\n", "M30\n"),
-    ] {
+    for (controller, before, end) in
+        [("rs274", "G21 G90 G94 G54\n", "M2\n"), ("sinumerik", "G71 G90 G94 G54\n", "M30\n")]
+    {
         for between in ["", "N20 G0 Z20.\n"] {
             let program = format!("{before}N1 G0 X50. Y0. Z0. C0.\nN10 G1 C90. F500.\n{between}N30 {end}");
             let (text, _) = corrected(controller, ERRORS, &program);
