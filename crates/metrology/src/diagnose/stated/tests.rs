@@ -174,7 +174,7 @@ fn every_fault_has_its_column_and_says_what_to_write() {
             "EXC ~ T_nose_C",
             vec![(0, "the machine has no axis C"), (6, "'T_nose_C' is neither an axis nor a column of the data")],
         ),
-        ("EXX ~ Y^1.5", vec![(8, "a power is a whole number")]),
+        ("EXX ~ Y^1.5", vec![(8, "a power is a whole number from 1 to 9")]),
         ("EXX ~ 3*Y", vec![(6, "a number is not a factor: the fit determines the amount of each term")]),
         ("EXX ~ Y lag 5s", vec![(8, "a lag needs a temperature in its term")]),
         ("EXX ~ t_s", vec![(6, "the data have no column t_s")]),
