@@ -70,7 +70,7 @@ impl Misfits {
     fn note_code(&mut self, tenths: u32, line: u32) {
         // The range of zero offsets of a Sinumerik depends on the machine.
         let is_offset =
-            self.dialect.language == Language::Sinumerik && (5000..6000).contains(&tenths) && tenths % 10 == 0;
+            self.dialect.language == Language::Sinumerik && (5000..6000).contains(&tenths) && tenths.is_multiple_of(10);
         let is_known = is_offset || self.dialect.codes().g_tenths(tenths as usize).is_some();
         if !is_known && self.codes.len() < MOST_CODES && !self.codes.iter().any(|(code, _)| *code == tenths) {
             self.codes.push((tenths, line));
