@@ -251,10 +251,12 @@ fn length_unstated(
         "{name} counts as touched with a tool of length 0, because no length is stated; with the tool of {length} mm of this program, its error would differ by {}",
         parts.join(", ")
     );
-    let help = format!(
-        "state the length of the tool or probe at the touch: --zero {name}={}@L{length}, or tool_length_mm in [zero_offset.{name}.set_at]; L0 for a touch without a tool",
-        datum.method().name()
+    let mut help = format!(
+        "state the length of the tool or probe at the touch: tool_length_mm in [zero_offset.{name}.set_at], or 0 for a touch without a tool"
     );
+    if chosen.machine.zero_offsets.contains_key(name) {
+        help += &format!("; or --zero {name}={}@L{length}", datum.method().name());
+    }
     Some(Diagnostic::nowhere(Code::ZERO_LENGTH_NOT_STATED, message, help))
 }
 

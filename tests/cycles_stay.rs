@@ -572,7 +572,8 @@ fn the_first_hole_counts_the_reversal_by_its_own_correction() {
                 let [said, found] =
                     [json, verified.exits(0).json()].map(|json| json["after"]["max_um"].as_f64().unwrap());
                 assert!(
-                    found < said.max(2.1) + 0.2,
+                    // The tolerance of holes, 2 µm, and the rounding of their heights.
+                    found < 2.2 && (found - said).abs() < 0.2,
                     "{lean_urad} {um} {control}: {said} {found}\n{}",
                     shop.text("out.nc")
                 );
