@@ -65,6 +65,28 @@ fn a_scale_is_corrected_from_the_touched_side() {
     assert!(stamp.lines().next().unwrap().contains("zero=G54-touched"), "{stamp}");
 }
 
+/// The arithmetic of the test before this one. A set-up file sets the zero again: where the machine file says that it was touched is then wrong.
+#[test]
+fn a_zero_of_a_set_up_file_forgets_where_the_old_one_was_touched() {
+    let machine = format!("{LINEAR}{OFF_AND_LONG}{G54}set = \"touched\"\nset_at = {{ X_mm = 600 }}\n");
+    let shop = shop(&machine, &program("X400"));
+    near(last(&shop, 'X', &[]), 400.010);
+    let grundig = machine.replace("\"sinumerik\"", "\"grundig\"");
+    let shop = shop
+        .file("new.toml", G54)
+        .file("new.ini", "$P_UIFR[1]=CTRANS(X,100)\n")
+        .file("new.zo", "%ZO\nG54 X100 Y0 Z0\n")
+        .file("grundig.toml", grundig)
+        .file("in.pm", "%PM\nN9000\nN1 G17 G90 G54\nN2 G0 X10 Y10 Z50\nN3 G1 Z5 F500\nN4 X400\nN5 M30\n");
+    for name in ["new.toml", "new.ini"] {
+        near(last(&shop, 'X', &["--setup", name]), 399.960);
+    }
+    for (setup, wanted) in [(&[][..], 400.010), (&["--setup", "new.zo"], 399.960)] {
+        shop.run(["fix", "in.pm", "-o", "out.mpf", "--machine", "grundig.toml"].iter().chain(setup)).exits(0);
+        near(*words(&shop, 'X').last().unwrap(), wanted);
+    }
+}
+
 /// G55 is touched at X 500, where the tool stands at 500.35. A point at 100 from there: c = 600.05/1.0001 = 599.990.
 #[test]
 fn each_zero_counts_from_its_own_place() {

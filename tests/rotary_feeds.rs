@@ -152,8 +152,9 @@ fn a_program_that_ends_after_a_turn_returns_to_its_feed() {
     for (controller, before, end) in
         [("rs274", "G21 G90 G94 G54\n", "M2\n"), ("sinumerik", "G71 G90 G94 G54\n", "M30\n")]
     {
-        for between in ["", "N20 G0 Z20.\n"] {
-            let program = format!("{before}N1 G0 X50. Y0. Z0. C0.\nN10 G1 C90. F500.\n{between}N30 {end}");
+        // In a block of its own, after a rapid move, in the block of the turn.
+        for between in ["\nN30 ", "\nN20 G0 Z20.\nN30 ", " "] {
+            let program = format!("{before}N1 G0 X50. Y0. Z0. C0.\nN10 G1 C90. F500.{between}{end}");
             let (text, _) = corrected(controller, ERRORS, &program);
             let places = ["G93", "G94", "M"].map(|word| {
                 let last = text.lines().enumerate().filter(|(_, line)| {

@@ -165,14 +165,7 @@ pub fn apply_setup(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
     if findings.iter().any(Diagnostic::is_error) {
         return findings;
     }
-    // Another value was set anew: the method of the machine file still holds, its poses do not.
-    for name in zero_offsets.keys() {
-        if let Some(datum) = machine.datums.get_mut(name) {
-            datum.at = Default::default();
-        }
-    }
-    machine.partial_offsets.retain(|name, _| !zero_offsets.contains_key(name));
-    machine.zero_offsets.extend(zero_offsets);
+    zero_offsets.into_iter().for_each(|(name, parts)| machine.set_zero_offset(name, parts));
     machine.datums.extend(datums);
     machine.system.extend(system);
     machine.gud.extend(gud);

@@ -106,6 +106,18 @@ pub(super) fn read_zero_offsets(
     (offsets, datums)
 }
 
+impl Machine {
+    /// Replaces a zero offset by the one of a set-up file. The zero was set again: the method of the machine file still holds, its places of touch do
+    /// not.
+    pub fn set_zero_offset(&mut self, name: String, parts: FrameParts) {
+        if let Some(datum) = self.datums.get_mut(&name) {
+            datum.at = Default::default();
+        }
+        self.partial_offsets.remove(&name);
+        self.zero_offsets.insert(name, parts);
+    }
+}
+
 /// The name of an offset among those of a Fanuc: `G154 P5` of a Haas is `G54.1 P5`.
 pub(super) fn common_name(name: &str) -> String {
     name.strip_prefix(OF_HAAS).map_or_else(|| name.to_owned(), |number| format!("G54.1 P{number}"))

@@ -4,7 +4,8 @@
 use super::lines::number;
 use super::{SavedFormat, SavedLine, SavedUnit, SavedValues};
 use crate::machine::Machine;
-use ncfix_base::diagnostic::Diagnostic;
+use crate::machine::zero_offset::lacking_axes;
+use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{Axis, FrameParts};
 use std::collections::BTreeMap;
 
@@ -57,6 +58,16 @@ fn read(lines: &[SavedLine<'_>], machine: &Machine) -> Result<SavedValues, Diagn
     }
     let mut out = SavedValues::default();
     for (name, start) in SYSTEMS {
+        // A system that the file does not have is not set by it.
+        let Some((_, (_, line))) = values.range(start..start + ROTATION).next_back() else { continue };
+        let place = |axis: Axis| AXES.into_iter().zip(start..).find(|(other, _)| *other == axis).map(|(_, key)| key);
+        let is_stated = |axis: Axis| place(axis).is_some_and(|key| values.contains_key(&key));
+        if let Some((lacking, message)) = lacking_axes(name, machine.axis_set(), false, is_stated) {
+            let keys: Vec<String> = lacking.into_iter().filter_map(place).map(|key| key.to_string()).collect();
+            let help =
+                format!("add {} with the value of the control: LinuxCNC always saves all of them", keys.join(" and "));
+            out.warnings.push(line.report(Code::PARTIAL_OFFSET, message, help));
+        }
         let mut parts = FrameParts::default();
         for (axis, key) in AXES.into_iter().zip(start..) {
             let value = get(key);

@@ -90,12 +90,7 @@ pub fn apply_saved(format: &SavedFormat, source: &Source, machine: &mut Machine)
         return named(found);
     }
     for (name, parts) in values.offsets {
-        // The zero was set again: the method of the machine file still holds, its places of touch do not.
-        if let Some(datum) = machine.datums.get_mut(&name) {
-            datum.at = Default::default();
-        }
-        machine.partial_offsets.remove(&name);
-        machine.zero_offsets.insert(name, parts);
+        machine.set_zero_offset(name, parts);
     }
     machine.partial_offsets.extend(values.partial_offsets);
     machine.set_tools(values.tools);

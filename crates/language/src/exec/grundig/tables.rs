@@ -14,7 +14,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, FrameParts};
 use ncfix_base::source::Source;
 use ncfix_base::source::Span;
-use ncfix_machine::machine::zero_offset::foreign_axis;
+use ncfix_machine::machine::zero_offset::{foreign_axis, lacking_axes};
 use ncfix_machine::machine::{Machine, Tool};
 
 /// Axes of entries.
@@ -23,7 +23,7 @@ const AXES: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C];
 /// Content of the tables of a file.
 #[derive(Debug, Default)]
 pub(super) struct Tables {
-    pub(super) offsets: Vec<(String, FrameParts)>,
+    pub(super) offsets: Vec<TableOffset>,
     pub(super) tools: Vec<Tool>,
     /// Radius wear by number and edge, mm.
     pub(super) radius_wear: Vec<((u32, u32), f64)>,
@@ -31,6 +31,15 @@ pub(super) struct Tables {
     pub(super) points: Vec<(u32, Point)>,
     /// Lines without recognized content.
     pub(super) unread: Vec<Block>,
+}
+
+/// A zero offset with the axes that its line names.
+#[derive(Debug)]
+pub(super) struct TableOffset {
+    name: String,
+    parts: FrameParts,
+    named: AxisSet,
+    span: Span,
 }
 
 /// Words of a line with their values.
@@ -79,7 +88,7 @@ impl Line {
         Some(Tool { number, name: None, edge, length_mm, radius_mm: sum(b'R').unwrap_or(0.0) })
     }
 
-    fn offset(&self, block: &Block) -> Option<(String, FrameParts)> {
+    fn offset(&self, block: &Block) -> Option<TableOffset> {
         let entry = self.get(b'G', None).or_else(|| block.number.map(f64::from))?;
         let name = match self.get(b'I', None) {
             Some(index) if entry == 54.0 => format!("G54 I{index}"),
@@ -92,7 +101,7 @@ impl Line {
             // About the tool axis of G17.
             parts.rotation[2] = angle.to_radians();
         }
-        (!named.is_empty() || angle.is_some()).then_some((name, parts))
+        (!named.is_empty() || angle.is_some()).then_some(TableOffset { name, parts, named, span: block.span })
     }
 
     fn point(&self) -> Option<(u32, Point)> {
@@ -154,14 +163,21 @@ pub(in crate::exec) fn apply(
             "entries are T5 L… R…, G54 X… Y… Z…, E10=…",
         ));
     }
-    let foreign = tables.offsets.iter().find_map(|(name, parts)| foreign_axis(name, parts, machine));
+    let foreign = tables.offsets.iter().find_map(|offset| foreign_axis(&offset.name, &offset.parts, machine));
     if let Some(found) = foreign {
         findings.push(found);
         return findings;
     }
     machine.set_tools(tables.tools);
     machine.radius_wear_mm.extend(tables.radius_wear);
-    machine.zero_offsets.extend(tables.offsets);
+    for TableOffset { name, parts, named, span } in tables.offsets {
+        if let Some((lacking, message)) = lacking_axes(&name, machine.axis_set(), false, |axis| named.contains(axis)) {
+            let letters: Vec<String> = lacking.iter().map(ToString::to_string).collect();
+            let help = format!("add {} with the value on the control, even if it is 0", letters.join(" and "));
+            findings.push(Diagnostic::at(Code::PARTIAL_OFFSET, Place { file: source.id(), span }, message, help));
+        }
+        machine.set_zero_offset(name, parts);
+    }
     for (number, value) in tables.parameters {
         if let Ok(number) = i64::try_from(number) {
             machine.parameters.insert(number, value);
@@ -177,7 +193,7 @@ pub(super) fn take_tables(
     parameters: &mut Parameters,
     tables: Tables,
 ) {
-    modal.frames.table.extend(tables.offsets);
+    modal.frames.table.extend(tables.offsets.into_iter().map(|offset| (offset.name, offset.parts)));
     for (tool, (_, radius_wear_mm)) in tables.tools.into_iter().zip(tables.radius_wear) {
         let Tool { number, edge, length_mm, radius_mm, .. } = tool;
         tools.write(number, edge, ToolSize { length_mm, radius_mm, radius_wear_mm });

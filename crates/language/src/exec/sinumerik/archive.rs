@@ -124,8 +124,7 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
         if by_axis.get(&number).is_some_and(|(axes, _)| axes.intersection(AxisSet::XYZ).is_empty()) {
             machine.partial_offsets.insert(name, parts);
         } else {
-            machine.partial_offsets.remove(&name);
-            machine.zero_offsets.insert(name, parts);
+            machine.set_zero_offset(name, parts);
         }
     }
     machine.base_frames.extend(frames.written_bases());

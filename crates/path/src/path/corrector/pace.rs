@@ -212,12 +212,13 @@ where
         // Not every control leaves G93 at the end: the next program would read its F as an inverse time.
         let ends = matches!(&element.kind, Kind::Before(words) | Kind::After(words) if has_m(words, &ENDS));
         let needs_feed = match &element.kind {
-            Kind::Feed(_) | Kind::Verbatim(_) => true,
+            Kind::Feed(_) | Kind::Verbatim(_) => element.starts_block,
+            // In the block of the turn itself, they move to a block after it.
             Kind::Before(words) | Kind::After(words) => ends || has_m(words, &RETURNS),
             _ => false,
         };
-        if needs_feed && element.starts_block && self.pace.by_time.is_some() {
-            self.say_pace(Element { number: None, kind: Kind::Empty, ..element.clone() }, false);
+        if needs_feed && self.pace.by_time.is_some() {
+            self.say_pace(Element { starts_block: true, number: None, kind: Kind::Empty, ..element.clone() }, false);
             // The next word, or the calling program, then finds the programmed feed.
             if !ends && !matches!(element.kind, Kind::Feed(_)) && self.pace.feed > 0.0 {
                 let kind = Kind::Feed(self.pace.feed);
