@@ -16,8 +16,8 @@ impl SegmentFitter<'_, '_> {
         &self,
         standing: &PathState,
         between: [f64; 2],
-        state: &State,
-        sense: &State,
+        (state, sense): (&State, &State),
+        is_arc: bool,
     ) -> Option<PieceEnds> {
         let nominal = between.map(|parameter| self.route.at(parameter));
         let undecided = self.sampler.backlash.iter().filter(|&axis| state.direction(axis) != sense.direction(axis));
@@ -58,7 +58,7 @@ impl SegmentFitter<'_, '_> {
             let correction = take_up.map_or(standing.correction, |placed| placed.command - nominal[0]);
             let end = hold(place(&nominal[1], &correction), &start, &nominal[1], sense);
             let first = ready.map_or(standing.command, |placed| placed.command);
-            let state = self.led(standing, &[standing.command, first, start, end.command]);
+            let state = self.led(standing, &[standing.command, first, start, end.command], is_arc);
             let is_found = self.same_sense(&state, sense);
             let begins_off = take_up.is_none() && (standing.is_doubtful || !self.same_sense(&state, &standing.state));
             let sense = state.direction;

@@ -140,7 +140,7 @@ impl<'m> SegmentFitter<'_, 'm> {
         let stands = standing.known.intersection(standing.written);
         let rests = |axis: &Axis| stands.contains(*axis) && (end[*axis] - start[*axis]).abs() < SHORT_MM;
         let moving = moving.iter().filter(|axis| !rests(axis)).collect();
-        let ends = self.ends(standing, [0.0, 1.0]);
+        let ends = self.ends(standing, [0.0, 1.0], false);
         self.unplaced(standing, self.placer.partly(&ends.end.command, standing, moving, self.known))
     }
 
@@ -154,7 +154,7 @@ impl<'m> SegmentFitter<'_, 'm> {
 
     /// The whole move straight to an end that is not placed for the full pose.
     fn unplaced(&self, standing: &PathState, end: Placed) -> SegmentCandidate<'m> {
-        let state = self.led(standing, &[standing.command, end.command]);
+        let state = self.led(standing, &[standing.command, end.command], false);
         let emitted = self.placer.emitted(standing.command, end.command);
         let ends = PieceEnds {
             ready: None,
@@ -170,7 +170,7 @@ impl<'m> SegmentFitter<'_, 'm> {
 
     /// The piece as a straight line, without measured deviation.
     pub(super) fn unmeasured(&self, standing: &PathState, between: [f64; 2]) -> SegmentCandidate<'m> {
-        let ends = self.ends(standing, between);
+        let ends = self.ends(standing, between, false);
         let emitted = self.placer.emitted(ends.start, ends.end.command);
         self.trial(between, ends, emitted, None)
     }
@@ -227,7 +227,7 @@ impl<'m> SegmentFitter<'_, 'm> {
 
     /// Corrects and rounds the ends. The direction of motion along the piece depends on the resulting commands, so it is guessed from the program and
     /// corrected in further attempts.
-    pub(super) fn ends(&self, standing: &PathState, between: [f64; 2]) -> PieceEnds {
+    pub(super) fn ends(&self, standing: &PathState, between: [f64; 2], is_arc: bool) -> PieceEnds {
         let nominal_end = self.route.at(between[1]);
         let place = |nominal: &AxisVector, state: &State, correction: &AxisVector| {
             self.unmoved(standing, self.place(between, nominal, state, correction))
@@ -269,7 +269,7 @@ impl<'m> SegmentFitter<'_, 'm> {
             let end = place(&nominal_end, &sense, &correction);
             // The actual motion: an axis that does not move keeps its direction, not the guessed one.
             let first = ready.map_or(standing.command, |placed| placed.command);
-            let mut led = self.led(standing, &[standing.command, first, start, end.command]);
+            let mut led = self.led(standing, &[standing.command, first, start, end.command], is_arc);
             self.settle(&mut led);
             let mut state = led;
             self.turn(standing, &mut state, &sense, &end.command);
@@ -281,7 +281,7 @@ impl<'m> SegmentFitter<'_, 'm> {
                 return ends;
             }
             if tries == MOST_TRIES {
-                if let Some(held) = self.held(standing, between, &state, &sense) {
+                if let Some(held) = self.held(standing, between, (&state, &sense), is_arc) {
                     return held;
                 }
                 // The program moves the axis by less than its backlash. A step on the spot makes room for that, though without it the tip error would

@@ -4,6 +4,7 @@ use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
 use ncfix_machine::machine::State;
 
 use super::place::Placed;
+use super::route::Route;
 use super::segment_candidate::{SegmentCandidate, SegmentFitter};
 use super::standing::PathState;
 
@@ -70,7 +71,7 @@ impl SegmentFitter<'_, '_> {
     /// None is moved beyond its place.
     pub(super) fn ready(&self, standing: &PathState, start: &Placed, sense: &State) -> Option<Placed> {
         let axes = self.lead.axes.intersection(standing.sensed);
-        let led = self.led(standing, &[standing.command, start.command]);
+        let led = self.led(standing, &[standing.command, start.command], false);
         let mut ready = start.command;
         let mut changes = false;
         for axis in axes.iter().filter(|&axis| led.direction(axis) != sense.direction(axis)) {
@@ -81,8 +82,8 @@ impl SegmentFitter<'_, '_> {
         changes.then(|| self.placer.round(&ready, self.known))
     }
 
-    /// The sides of axis bodies after straight paths through these commands.
-    pub(super) fn led(&self, standing: &PathState, commands: &[AxisVector]) -> State {
+    /// The sides of axis bodies after the paths through these commands, the last of which is straight, or an arc with `ends_in_arc`.
+    pub(super) fn led(&self, standing: &PathState, commands: &[AxisVector], ends_in_arc: bool) -> State {
         if self.lead.axes.is_empty() {
             let mut state = standing.state;
             for way in commands.windows(2) {
@@ -91,8 +92,11 @@ impl SegmentFitter<'_, '_> {
             return state;
         }
         let mut band = standing.band;
-        for way in commands.windows(2) {
-            self.lead.along(&mut band, &self.placer.emitted(way[0], way[1]), standing.sensed, [0.0, 1.0]);
+        for (k, way) in commands.windows(2).enumerate() {
+            // No axis reverses within an arc piece. On the chord of the tip it may: turning axes bend the path of the others.
+            let is_arc = ends_in_arc && k + 2 == commands.len();
+            let route = if is_arc { Route::new(way[0], way[1], None) } else { self.placer.emitted(way[0], way[1]) };
+            self.lead.along(&mut band, &route, standing.sensed, [0.0, 1.0]);
         }
         band.state()
     }

@@ -24,7 +24,7 @@ impl<'m> SegmentFitter<'_, 'm> {
         }
         let basis = self.route.basis().copied();
         let (plane, clockwise) = self.emitted_plane(arc.plane, basis.as_ref(), arc.clockwise)?;
-        let ends = self.ends(standing, between);
+        let ends = self.ends(standing, between, true);
         if ends.end.is_held_back {
             return None;
         }
