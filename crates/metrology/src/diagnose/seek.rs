@@ -131,7 +131,8 @@ impl Seek {
         for (axis, sweep) in &self.sweeps {
             for name in DIRECTIONS.map(|direction| ErrorName::motion(direction, *axis)) {
                 let place = Through::Component(name);
-                out.push(periodic::candidate(name, *axis, sweep.best(&products(place), &by_reading(place))));
+                let period = sweep.best(&products(place), &by_reading(place));
+                out.extend(period.map(|period| periodic::candidate(name, *axis, period)));
             }
         }
         let by_row = |products: Vec<f64>| {

@@ -4,7 +4,9 @@
 //! and 2ν. Positions are sorted into bins that are short compared with the shortest period. One Fourier transform then gives both sums for all periods. The
 //! result is a proposal; a full fit determines its gain.
 //!
-//! Evenly spaced places cannot distinguish a period from its aliases, so periods below two steps are excluded. Uneven steps can distinguish them.
+//! Evenly spaced places cannot distinguish a period from its aliases, so periods below two steps are excluded. Uneven steps can distinguish them. Uneven by a
+//! small share of a step, they leave a slow wave an alias that explains nearly as much. So a period below two steps must explain more than any slow wave, which
+//! is a smooth shape and no period.
 
 use std::f64::consts::TAU;
 use std::fmt;
@@ -19,6 +21,8 @@ const BINS: usize = 8192;
 const LENGTH: usize = 4 * BINS;
 /// Minimum number of cycles over the travel: fewer are smooth shapes.
 const FEWEST: f64 = 3.0;
+/// Number of cycles over the travel of the slowest wave that is compared with short ones: half a cycle, a bow.
+const SLOWEST: f64 = 0.5;
 /// Maximum: half a bin is a tenth of a radian.
 const MOST: f64 = 250.0;
 /// Number of distinguishable periods per cycle over the travel.
@@ -77,6 +81,8 @@ pub(super) struct Sweep {
     most: f64,
     /// Smallest number of cycles over the travel that is indistinguishable from a constant; infinite for uneven steps.
     replica: f64,
+    /// Number of steps over the travel: its length in median steps.
+    steps: f64,
     bins: Vec<u32>,
     transform: FourierTransform,
 }
@@ -104,7 +110,10 @@ impl Sweep {
         let replica = replica(&transform, &shares);
         let most = (replica / 2.0).min(MOST).min(PER_PLACE * shares.len() as f64);
         let bins = || positions.iter().map(bin).collect();
-        (most > FEWEST && travel > 0.0).then(|| Sweep { travel, most, replica, bins: bins(), transform })
+        let mut gaps: Vec<f64> = shares.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let middle = gaps.len() / 2;
+        let steps = gaps.select_nth_unstable_by(middle, f64::total_cmp).1.recip();
+        (most > FEWEST && travel > 0.0).then(|| Sweep { travel, most, replica, steps, bins: bins(), transform })
     }
 
     /// Range of the positions.
@@ -128,10 +137,15 @@ impl Sweep {
         all.filter(|other| (FEWEST..MOST).contains(other)).map(|other| self.travel / other).collect()
     }
 
-    /// Returns the period that explains most, from f r and f² by reading, mm.
-    pub(super) fn best(&self, products: &[f64], information: &[f64]) -> f64 {
+    /// Returns the period that explains most, from f r and f² by reading, mm; `None` if it is shorter than two steps and a slow wave explains as much.
+    pub(super) fn best(&self, products: &[f64], information: &[f64]) -> Option<f64> {
         let gains = self.gains(products, information, self.most);
-        self.travel / (STEP * top(&gains, first()..gains.len().saturating_sub(1)))
+        let best = top(&gains, first()..gains.len().saturating_sub(1));
+        let most_of =
+            |range: std::ops::Range<usize>| gains.get(range).unwrap_or_default().iter().copied().fold(0.0, f64::max);
+        let is_short = STEP * best > 0.5 * self.steps;
+        let is_slow = most_of((SLOWEST / STEP) as usize..first()) >= most_of(first()..gains.len());
+        (!is_short || !is_slow).then(|| self.travel / (STEP * best))
     }
 
     /// Returns the periods that explain at least a share of the best gain, including their aliases, the best first.
@@ -239,7 +253,7 @@ mod tests {
         let sweep = Sweep::new(&positions).unwrap();
         for period in [10.0, 7.3, 40.0, 2.1] {
             let products: Vec<f64> = positions.iter().map(|x| (TAU * x / period + 0.4).sin()).collect();
-            let found = sweep.best(&products, &vec![1.0; positions.len()]);
+            let found = sweep.best(&products, &vec![1.0; positions.len()]).unwrap();
             assert!((found / period - 1.0).abs() < 0.02, "{period}: {found}");
         }
     }
@@ -251,9 +265,26 @@ mod tests {
             (0..21).map(|k| 33.0 * f64::from(k) + [0.0, 9.0, -7.0, 4.0, -10.0][k as usize % 5]).collect();
         let sweep = Sweep::new(&positions).unwrap();
         let products: Vec<f64> = positions.iter().map(|x| (TAU * x / 10.0 + 1.0).sin()).collect();
-        let found = sweep.best(&products, &[1.0; 21]);
+        let found = sweep.best(&products, &[1.0; 21]).unwrap();
         assert!((found - 10.0).abs() < 0.1, "{found}");
         assert!(sweep.aliases(found).is_empty());
+    }
+
+    #[test]
+    fn a_slow_wave_is_no_short_period() {
+        // 33 places about 25 mm apart, uneven by at most 2 mm.
+        let places: Vec<f64> = (0..33_u32).map(|k| 25.0 * f64::from(k) + f64::from(k * 7 % 5) - 2.0).collect();
+        let sweep = Sweep::new(&places).unwrap();
+        let found = |period: f64| {
+            let products: Vec<f64> = places.iter().map(|x| (TAU * x / period + 0.3).sin()).collect();
+            sweep.best(&products, &[1.0; 33])
+        };
+        for slow in [300.0, 400.0, 600.0, 1200.0] {
+            assert_eq!(found(slow), None, "{slow}");
+        }
+        for period in [160.0, 80.0, 10.0, 8.0] {
+            assert!((found(period).unwrap() / period - 1.0).abs() < 0.02, "{period}: {:?}", found(period));
+        }
     }
 
     #[test]
@@ -262,7 +293,7 @@ mod tests {
         let sweep = Sweep::new(&positions).unwrap();
         let products: Vec<f64> = positions.iter().map(|x| (TAU * x / 16.0 + 1.0).sin()).collect();
         // 1/16 = 0.0625 is 1/25 + 0.0225 and 2/25 − 0.0175 and so on: the longest period has the frequency 0.0175.
-        let found = sweep.best(&products, &[1.0; 41]);
+        let found = sweep.best(&products, &[1.0; 41]).unwrap();
         assert!((found * 0.0175 - 1.0).abs() < 0.02, "{found}");
         let aliases = sweep.aliases(found);
         for frequency in [0.0225, 0.0575, 0.0625, 0.0975] {

@@ -136,7 +136,12 @@ impl DiagnosisReport {
         let sure = largest.probability.map_or_else(|| p_value(largest.p), probability);
         // One that predicts the same readings stands beside it.
         let rival = largest.rivals.first().filter(|_| !largest.certain);
-        let rival = rival.map_or(String::new(), |one| format!(" or {} ({})", one.cause, probability(one.probability)));
+        // Its probability is that beside this cause. Where noise alone is another explanation, it is not that among all.
+        let nothing = found.no_cause_probability.unwrap_or(0.0);
+        let rival = rival.map_or(String::new(), |one| match one.probability + nothing > 1.0 {
+            true => format!(" or {}", one.cause),
+            false => format!(" or {} ({})", one.cause, probability(one.probability)),
+        });
         let others = match found.findings.len() - 1 {
             0 => String::new(),
             1 => " One more cause was found.".to_owned(),
@@ -153,6 +158,10 @@ impl DiagnosisReport {
         };
         let first = if is_sure(&largest) { "Largest cause".to_owned() } else { self.not_certain(largest) };
         let expired = self.expired_sentence().map_or(String::new(), |sentence| format!("{sentence} "));
+        // The beginning of an uncertain result states the probability of noise.
+        let is_of_noise = found.explanations.first().is_some_and(|first| first.terms.is_empty());
+        let is_said = !is_sure(&largest) && is_of_noise && nothing >= LEAST_SHOWN;
+        let more_probable = if is_said { String::new() } else { self.more_probable(self.unsure().unwrap_or(largest)) };
         format!(
             "{expired}{first}: {}{words}{}, {} ({sure}){rival}; its effect is {} {unit} RMS, the residual {} {unit} RMS.{others} Next: {}.",
             largest.name(),
@@ -161,7 +170,7 @@ impl DiagnosisReport {
             significant(largest.rms_um),
             significant(found.before.rms_um),
             self.next_step(largest)
-        ) + &self.more_probable(self.unsure().unwrap_or(largest))
+        ) + &more_probable
     }
 
     /// Returns the beginning of the main result without a certain cause: whether noise alone explains the readings as well.

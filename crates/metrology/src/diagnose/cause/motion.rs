@@ -2,6 +2,7 @@
 
 use super::{Candidate, Cause, Correctable, EffectKind, Weight};
 use crate::diagnose::scene::{Scene, Through};
+use ncfix_base::geometry::Axis;
 use ncfix_model::ParameterName;
 use ncfix_model::name::{DIRECTIONS, ErrorName};
 use ncfix_model::parameter::ComponentTerm;
@@ -20,6 +21,13 @@ pub(in crate::diagnose) const CAUSE: Cause = Cause {
 const DEGREES: [u8; 5] = [1, 2, 3, 4, 5];
 /// Knots for shapes that these polynomials do not follow, as shares of the measured range.
 const KNOTS: [&[f64]; 2] = [&[0.33, 0.67], &[0.2, 0.4, 0.6, 0.8]];
+/// Numbers of equal pieces between knots for a component that is measured directly: they follow up to three cycles over the range. A wave with more cycles is
+/// a periodic error.
+const FINE: [u32; 2] = [8, 12];
+/// Minimum number of measured positions for each column of such a shape.
+const PLACES_EACH: usize = 2;
+/// Positions nearer to each other than this are one, mm.
+const SAME_PLACE_MM: f64 = 1e-3;
 
 /// Columns of one axis: weights with the terms of their parameters.
 type Shape = Vec<(Weight, ComponentTerm)>;
@@ -35,22 +43,31 @@ fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
             .collect();
         let mut shapes: Vec<Shape> =
             (1..=powers.len()).map(|most| powers.iter().take(most).cloned().collect()).collect();
-        for knots in KNOTS.into_iter().filter(|_| !axis.is_rotary()) {
+        let knotted = |shares: &mut dyn Iterator<Item = f64>| {
             let mut shape: Shape = powers.iter().take(2).cloned().collect();
-            for share in knots {
+            for share in shares {
                 let at = (low + share * (high - low)).round();
                 let weight = Weight::new(move |row| (row.position[axis] - at).max(0.0).powi(2));
                 shape.push((weight, ComponentTerm::Knot { degree: 2, at: at as i32 }));
             }
-            shapes.push(shape);
-        }
+            shape
+        };
+        let knots = KNOTS.into_iter().filter(|_| !axis.is_rotary());
+        shapes.extend(knots.map(|knots| knotted(&mut knots.iter().copied())));
+        let fine: Vec<Shape> = FINE
+            .into_iter()
+            .filter(|_| !axis.is_rotary())
+            .map(|pieces| knotted(&mut (1..pieces).map(|k| f64::from(k) / f64::from(pieces))))
+            .collect();
         // An angle also has a value at the zero of the axis, which lever arms show. That of a rotary axis is the orientation of the next axis (ISO 230-1).
         let always = (Weight::new(|_| 1.0), ComponentTerm::Coefficient(0));
         let tilted: Vec<Shape> =
             (1..=2).map(|most| powers.iter().take(most).chain([&always]).cloned().collect()).collect();
         let has_value = |component: ErrorName| component.direction.is_rotation() && !axis.is_rotary();
         for component in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
-            for shape in shapes.iter().chain(tilted.iter().filter(|_| has_value(component))) {
+            let places = direct_places(scene, component, axis);
+            let fine = fine.iter().filter(|shape| places >= PLACES_EACH * shape.len());
+            for shape in shapes.iter().chain(tilted.iter().filter(|_| has_value(component))).chain(fine) {
                 let mut one = Candidate::one(&CAUSE, component, Through::Component(component), Weight::new(|_| 0.0));
                 one.columns =
                     shape.iter().map(|(weight, _)| vec![(Through::Component(component), weight.clone())]).collect();
@@ -60,6 +77,15 @@ fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
             }
         }
     }
+}
+
+/// Number of positions of an axis at which a component was measured directly.
+fn direct_places(scene: &Scene<'_>, component: ErrorName, axis: Axis) -> usize {
+    let own = scene.rows.iter().filter(|row| row.component == Some(component));
+    let mut places: Vec<f64> = own.map(|row| row.position[axis]).collect();
+    places.sort_by(f64::total_cmp);
+    places.dedup_by(|a, b| (*a - *b).abs() < SAME_PLACE_MM);
+    places.len()
 }
 
 /// Motions of linear axes without slope, of the second degree and with the third: Legendre polynomials over the measured range. Together with a

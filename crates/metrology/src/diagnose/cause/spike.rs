@@ -1,6 +1,7 @@
 //! A peak after the reversal of an axis: the axis sticks until the controller has built up enough force, and follows late.
 
 use super::{Candidate, Cause, Correctable, EffectKind, Weight, own};
+use crate::diagnose::row::SceneRow;
 use crate::diagnose::scene::{Scene, Through};
 
 pub(super) const CAUSE: Cause = Cause {
@@ -23,16 +24,21 @@ const SCALES: [f64; 19] =
 /// all three.
 const FORMS: [fn(f64) -> f64; 3] = [|way| (-way).exp(), |way| (-0.5 * way * way).exp(), |way| way * (1.0 - way).exp()];
 
+/// `true` if the reading was taken in motion. An axis that stops at its target, as in ISO 230-2, has settled: the peak is over.
+fn is_moving(row: &SceneRow) -> bool {
+    row.velocity.is_some() || row.assumed_velocity.is_some()
+}
+
 fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     for axis in super::linear(scene) {
-        if !scene.rows.iter().any(|row| row.way_since_turn[axis].is_finite()) {
+        if !scene.rows.iter().any(|row| is_moving(row) && row.way_since_turn[axis].is_finite()) {
             continue;
         }
         for scale in SCALES {
             for form in FORMS {
                 let weight = Weight::new(move |row| {
                     let way = row.way_since_turn[axis] / scale;
-                    if way.is_finite() { -row.sense_of(axis) * form(way) } else { 0.0 }
+                    if is_moving(row) && way.is_finite() { -row.sense_of(axis) * form(way) } else { 0.0 }
                 });
                 let mut one = Candidate::one(&CAUSE, axis, Through::Component(own(axis)), weight);
                 one.constant = Some((scale, "mm"));

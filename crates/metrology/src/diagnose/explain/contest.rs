@@ -11,8 +11,8 @@ use ncfix_base::numeric::in_parts;
 
 /// Maximum number of combinations of autocorrelation and factor that are tested.
 const MOST_MEMORIES: usize = 6;
-/// Factors of all sizes of priors, from a new high-precision machine to a worn one.
-const FACTORS: [f64; 5] = [0.1, 0.2, 0.4, 1.0, 2.5];
+/// Factors of all sizes of priors, from a new high-precision machine to a worn one, and to a router or printer that someone built at home.
+const FACTORS: [f64; 7] = [0.1, 0.2, 0.4, 1.0, 2.5, 6.0, 15.0];
 /// Standard deviation of the natural logarithm of that factor: two of three machines are within a factor of 2.7.
 const FACTOR_SPREAD: f64 = 1.0;
 /// Number of iterations in which terms from outside join.
