@@ -7,12 +7,14 @@ use crate::disk::hash::short_hash;
 use crate::error::Error;
 use crate::machine::Machine;
 use crate::options::ConditionFiles;
+use ncfix_base::csv::Table;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{AXIS_COUNT, Axis, Vector};
 use ncfix_base::source::FileId;
+use ncfix_machine::machine::condition::columns::ConditionColumn;
 use ncfix_machine::machine::condition::{file, log};
 use ncfix_machine::machine::{Condition, Load, ZeroPose};
-use ncfix_model::Effect;
+use ncfix_model::{Effect, ErrorModel};
 
 /// Reads the condition into the machine and reports the inputs of the model that it lacks; returns whether it can be used.
 ///
@@ -62,6 +64,18 @@ pub(crate) fn read(choice: &ConditionFiles, chosen: &mut Machine, findings: &mut
     chosen.condition = condition;
     check_load(choice, chosen, findings);
     Ok(true)
+}
+
+/// Withdraws the warnings about temperatures and a load that the rows of a table have themselves.
+pub(crate) fn withdraw_answered(table: &Table, errors: &ErrorModel, findings: &mut Diagnostics) {
+    let columns = ConditionColumn::all(table);
+    let has = |sensor: &&str| columns.contains(&ConditionColumn::Sensor((*sensor).to_owned()));
+    if errors.sensors().iter().all(has) {
+        findings.withdraw(Code::NO_TEMPERATURES);
+    }
+    if columns.contains(&ConditionColumn::Force) && errors.effects_with_heads().any(Effect::needs_load) {
+        findings.withdraw(Code::NO_LOAD);
+    }
 }
 
 /// Selects the requested times, which must be in the log.

@@ -29,7 +29,7 @@ pub struct DiagnosisOptions {
     pub hypotheses: Vec<String>,
 }
 
-/// The causes that the error model of a machine lacks, in the order of their gain on unseen readings, each with its evidence, its gain on
+/// The causes that the error model of a machine lacks, in the order of their gain on left-out readings, each with its evidence, its gain on
 /// held-out readings, and whether it can be corrected; and the residual.
 ///
 /// ```
@@ -102,7 +102,7 @@ impl Diagnosis {
             .ok_or_else(|| Error::found(diagnostics))
     }
 
-    /// The accepted causes, in the order of their gain on unseen readings: each with its value and expanded uncertainty (95 %), its share of the
+    /// The accepted causes, in the order of their gain on left-out readings: each with its value and expanded uncertainty (95 %), its share of the
     /// residual, its gain on held-out readings, its p-value, other explanations, and whether a corrected program
     /// removes it.
     ///
@@ -120,7 +120,7 @@ impl Diagnosis {
         &self.found.findings
     }
 
-    /// The results for the stated hypotheses, in their order: amounts, evidence, gain on unseen readings, other
+    /// The results for the stated hypotheses, in their order: amounts, evidence, gain on left-out readings, other
     /// explanations.
     ///
     /// ```

@@ -83,7 +83,7 @@ pub(crate) fn find(
         format!("a part of {a} x {b} mm is out of square by {lean_mm:.3} mm; diagonals {d1:.3} and {d2:.3} mm"),
     );
     let rest_mm = COVERAGE * measured.uncertainty_rad * 2.0 * a * b / a.hypot(b);
-    row("after", format!("diagonals of {:.3} mm, equal within {rest_mm:.3} mm", a.hypot(b)));
+    row("after", format!("squareness only: diagonals of {:.3} mm, equal within {rest_mm:.3} mm", a.hypot(b)));
     if half_urad >= gamma_urad.abs() {
         row(
             "note",

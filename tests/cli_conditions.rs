@@ -147,6 +147,9 @@ fn a_table_of_drift_needs_no_columns_of_axes() {
     assert!(written.contains("# one is enough") && written.contains("um_per_K = 2."), "{written}");
     // The same table selects sensors.
     shop.run(["sensors", "run.csv", "--machine", "start.toml"]).exits(0);
+    // Its rows have the temperatures, so no warning says that they are missing.
+    let run = shop.run(["simulate", "run.csv", "--machine", "start.toml", "-o", "again.csv"]).exits(0);
+    assert!(!run.stderr.contains("W0501"), "{}", run.stderr);
     // Its axes must be somewhere, on this machine.
     let shop = shop.file("run.toml", "[measurement]\nkind = \"displacement\"\n[position]\nX_mm = 350\nZ_mm = 300\n");
     let arguments = &arguments[..arguments.len() - 1];

@@ -25,7 +25,7 @@ fn positions_outside_the_travel_are_found_once_a_line() {
         CorrectionOptions::default(),
     );
     assert_eq!(circle.findings.len(), 1);
-    assert_eq!(circle.findings[0].message, "X -20.0000 mm on the way is below the limit of 0 mm");
+    assert_eq!(circle.findings[0].message, "during this move X reaches -20.0000 mm, below the limit of 0 mm");
 }
 
 #[test]
@@ -48,7 +48,7 @@ fn a_move_in_pieces_that_ends_outside_is_said_with_its_end() {
     assert_eq!(message("G0 X0 Y0 Z0\nG1 X180 F500\n"), "X 180.0000 mm is above the limit of 100 mm");
     // Three quarters of a circle of radius 40 about (90, 0): past X130 and X50 to (90, -40).
     let arc = "G0 X90 Y40 Z0\nG2 X50 Y0 I0 J-40 P17 F500\n";
-    assert_eq!(message(arc), "X 130.0000 mm on the way is above the limit of 100 mm");
+    assert_eq!(message(arc), "during this move X reaches 130.0000 mm, above the limit of 100 mm");
     // About (110, 0) with radius 40, from (70, 0) over the top to (150, 0), and on to (110, -40).
     let over = "G0 X70 Y0 Z0\nG2 X110 Y-40 I40 J0 P17 F500\n";
     assert_eq!(message(over), "X 110.0000 mm is above the limit of 100 mm");
@@ -73,7 +73,7 @@ fn a_rapid_to_the_end_of_an_axis_stays_there() {
     // What the program itself puts outside is found.
     let messages: Vec<&str> = run.findings.iter().map(|finding| finding.message.as_str()).collect();
     // So is a cut from the very end, which cannot be corrected there.
-    let of_cut = "Z 0.0050 mm on the way is above the limit of 0 mm";
+    let of_cut = "during this move Z reaches 0.0050 mm, above the limit of 0 mm";
     assert_eq!(messages, [of_cut, "Z 0.0060 mm is above the limit of 0 mm"]);
 }
 

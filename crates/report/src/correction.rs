@@ -273,7 +273,7 @@ pub fn zero_rows(zeros: &[ZeroReport]) -> String {
     let mut out = String::new();
     for zero in zeros {
         let stated = if zero.is_stated { "" } else { " (not stated)" };
-        push_row(&mut out, "zero", &format!("{} {}{stated}; {}", zero.name, zero.set, zero.contents()));
+        push_row(&mut out, "zero", &format!("{} {}{stated}{}", zero.name, zero.set, zero.contents_in_line()));
     }
     out
 }
@@ -326,10 +326,12 @@ fn improvement(before: SpreadReport, after: SpreadReport) -> String {
     if before.mean_um > 0.0 {
         let percent = (1.0 - after.mean_um / before.mean_um) * 100.0;
         // Rounding must not suggest that no error remains.
-        if percent < 99.95 {
-            format!("{percent:.1} % of the mean")
+        if percent < 0.0 {
+            format!("mean error increased by {:.1} %", -percent)
+        } else if percent < 99.95 {
+            format!("mean error reduced by {percent:.1} %")
         } else {
-            format!("{:.2} % of the mean", percent.min(99.99))
+            format!("mean error reduced by {:.2} %", percent.min(99.99))
         }
     } else {
         "none: no error on this path".into()
@@ -399,7 +401,7 @@ mod tests {
                              mean         RMS         max
         error before      25.0 µm     28.1 µm      103 µm
         error after      0.250 µm    0.310 µm    0.980 µm   largest at part.mpf:17
-        improvement  99.0 % of the mean
+        improvement  mean error reduced by 99.0 %
         interval     not known: the uncertainty of this machine file is not known
         correction   up to X 41.3 µm, C 3.00 µrad
         rapids       12 as programmed; there the tool is up to 35.2 µm off
@@ -420,9 +422,9 @@ mod tests {
     fn improvement_never_reaches_a_hundred_by_rounding() {
         let before = SpreadReport { mean_um: 20.0, ..SpreadReport::default() };
         let after = |mean_um| SpreadReport { mean_um, ..SpreadReport::default() };
-        assert_eq!(improvement(before, after(1.0)), "95.0 % of the mean");
-        assert_eq!(improvement(before, after(0.004)), "99.98 % of the mean");
-        assert_eq!(improvement(before, after(0.000_01)), "99.99 % of the mean");
-        assert_eq!(improvement(before, after(30.0)), "-50.0 % of the mean");
+        assert_eq!(improvement(before, after(1.0)), "mean error reduced by 95.0 %");
+        assert_eq!(improvement(before, after(0.004)), "mean error reduced by 99.98 %");
+        assert_eq!(improvement(before, after(0.000_01)), "mean error reduced by 99.99 %");
+        assert_eq!(improvement(before, after(30.0)), "mean error increased by 50.0 %");
     }
 }

@@ -88,8 +88,17 @@ impl ZeroReport {
         match (parts.is_empty(), self.set == "absolute") {
             (true, _) => "a zero touched off here has no geometric error".to_owned(),
             (false, false) => format!("a touched-off zero contains the machine error {}", parts.join(", ")),
-            (false, true) => format!("touched off, it would contain the machine error {}", parts.join(", ")),
+            (false, true) => {
+                format!("if it had been touched off, it would contain the machine error {}", parts.join(", "))
+            }
         }
+    }
+
+    /// Returns these words for the line of a zero offset, after its method: in parentheses if they state only a possibility.
+    #[must_use]
+    pub fn contents_in_line(&self) -> String {
+        let is_possibility = self.set == "absolute" && !components_um(self.contains_um).is_empty();
+        if is_possibility { format!(" ({})", self.contents()) } else { format!("; {}", self.contents()) }
     }
 }
 

@@ -127,11 +127,11 @@ impl Verdict {
             ));
         }
         for zero in review.zeros.iter().filter(|zero| zero.is_stated) {
-            neutral.push(format!("{} counts as {}; {}", zero.name, zero.set, zero.contents()));
+            neutral.push(format!("{} counts as {}{}", zero.name, zero.set, zero.contents_in_line()));
         }
         for (why, is_harmless) in LEFT {
             if let Some(count) = review.left.get(why).filter(|_| !is_harmless) {
-                say(Grade::Warn, format!("unchanged: {} {why}", counted(*count, "move")));
+                say(Grade::Warn, format!("unchanged: {} {}", counted(*count, "move"), left_in_words(why)));
             }
         }
         if review.other_feeds > 0 {
@@ -276,16 +276,14 @@ pub fn left_in_words(key: &str) -> &str {
 }
 
 /// Keys with another text for people.
-const LEFT_IN_WORDS: [(&str, &str); 1] =
-    [("without an error of an increment", "with an error smaller than one increment")];
+const LEFT_IN_WORDS: [(&str, &str); 2] = [
+    ("without an error of an increment", "with an error smaller than one increment"),
+    ("before the axes were stated", "before the program states the axis positions"),
+];
 
 /// Reasons why moves stay unchanged, as keys; true if that is intended.
-pub const LEFT: [(&str, bool); 4] = [
-    (LEFT_IN_WORDS[0].0, true),
-    ("before the axes were stated", false),
-    ("rapid", true),
-    ("that are not corrected", false),
-];
+pub const LEFT: [(&str, bool); 4] =
+    [(LEFT_IN_WORDS[0].0, true), (LEFT_IN_WORDS[1].0, false), ("rapid", true), ("that are not corrected", false)];
 
 fn grade_of(finding: &DiagnosticReport) -> Grade {
     if finding.severity == Severity::Error { Grade::Bad } else { Grade::Warn }

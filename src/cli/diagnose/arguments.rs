@@ -15,7 +15,7 @@ ncfix names a cause only if it remains significant with the autocorrelation of t
 improves the prediction of runs or set-ups that were not used to find it. The data of --hold-out must confirm the cause too. See \
 docs/reference/diagnose.md.
 
---hypothesis tests your own term: its amount, the evidence for or against it, its gain on unseen readings, other explanations. \
+--hypothesis tests your own term: its amount, the evidence for or against it, its gain on left-out readings, other explanations. \
 docs/reference/terms.md has the grammar.
 
 Examples:

@@ -57,6 +57,7 @@ fn simulate(arguments: &SimulateArguments, findings: &mut Findings) -> Result<Op
     let read = measurement::read(&arguments.plan, 0, true, &chosen.machine, findings)?;
     let Some(mut plan) = read.filter(|_| !findings.has_errors()) else { return Ok(None) };
     let (Some(table), _) = Table::read(&plan.sources[0]) else { return Ok(None) };
+    crate::condition::withdraw_answered(&table, &chosen.errors, findings);
     plan.data.fill_in(&chosen.condition);
     let model = chosen.model();
     let job =

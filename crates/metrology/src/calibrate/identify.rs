@@ -80,6 +80,7 @@ pub(super) fn identify_exact(
     let of_unknowns = all.rank_besides(parameters.len())?;
     let all = all.solve()?;
     let mut lost = words::lost(&all.null_space, &design.columns, data);
+    words::name_other_axis(&mut lost, machine);
     let weak: Vec<usize> = design.weak(&strongest).into_iter().filter(|column| !lost.held.contains(column)).collect();
     lost.held.extend(&weak);
     lost.loose.extend(&weak);

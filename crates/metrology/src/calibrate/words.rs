@@ -8,6 +8,9 @@ use nalgebra::DVector;
 
 use crate::measure::data::DataSet;
 use crate::measure::kind::{Measurand, Unknown};
+use ncfix_base::geometry::Plane;
+use ncfix_machine::machine::Machine;
+use ncfix_machine::machine::squareness::{SquarenessTerm, squareness};
 use ncfix_model::parameter::{ComponentTerm, ParameterName};
 
 use super::cause::{UndeterminedCause, cause};
@@ -15,6 +18,8 @@ use super::column::Column;
 use super::effect::Parameter;
 use super::null_space::{self, COUNTS, NullDirection};
 
+/// End of the sentence about parameters that no reading depends on.
+const NO_EFFECT: &str = "no effect on the measurements";
 /// Maximum number of names in a sentence.
 const MOST_NAMES: usize = 6;
 /// Smallest number of consecutive truncated powers of a component of which only the first and the last are shown.
@@ -98,6 +103,25 @@ pub fn lost(null_space: &[DVector<f64>], columns: &[Column], data: &[DataSet]) -
     lost
 }
 
+/// Adds the name of a squareness at the other axis to the remedy, where the chain of the machine hides the effect of the stated name.
+pub(super) fn name_other_axis(lost: &mut Lost, machine: &Machine) {
+    let direction = |axis| machine.axis(axis).map(|data| data.direction);
+    let planes = [Plane::XY, Plane::ZX, Plane::YZ];
+    let terms: Vec<SquarenessTerm> =
+        planes.into_iter().filter_map(|plane| squareness(&machine.topology, plane, direction)).collect();
+    for one in lost.confused.iter_mut().filter(|one| one.sentence.contains(NO_EFFECT)) {
+        let of = |parameter: &Parameter| {
+            let name = parameter.to_string();
+            terms.iter().find(|term| term.other == name).map(|term| format!("{} instead of {name}", term.name))
+        };
+        let names: Vec<String> = one.parameters.iter().filter_map(of).collect();
+        if !names.is_empty() {
+            let (chain, names) = (&machine.topology, joined(&names, MOST_NAMES));
+            one.remedy = format!("on {chain} this squareness has another name: {names}; otherwise {}", one.remedy);
+        }
+    }
+}
+
 /// A direction as described: its own column and the others.
 type Member = (usize, Vec<usize>);
 
@@ -162,7 +186,7 @@ fn others(own: usize, direction: &DVector<f64>, columns: &[Column]) -> Vec<usize
 fn single(own: usize, others: &[usize], columns: &[Column], data: &[DataSet]) -> String {
     let name = |k: usize| columns.get(k).map(|column| column.name(data).to_string()).unwrap_or_default();
     if others.is_empty() {
-        return format!("{} has no effect on the measurements", name(own));
+        return format!("{} has {NO_EFFECT}", name(own));
     }
     let all: Vec<String> = others.iter().map(|&k| name(k)).collect();
     format!("{} is not separable from {}", name(own), joined(&all, MOST_NAMES))
@@ -172,7 +196,7 @@ fn single(own: usize, others: &[usize], columns: &[Column], data: &[DataSet]) ->
 fn of_many(key: &Key, own: &[Parameter], members: &[Member], columns: &[Column]) -> String {
     let names = listed(own, MOST_NAMES);
     if key.is_unfelt {
-        return format!("{names} have no effect on the measurements{}", key.cause);
+        return format!("{names} have {NO_EFFECT}{}", key.cause);
     }
     let mut from: Vec<Parameter> = Vec::new();
     for &k in members.iter().flat_map(|(_, others)| others) {

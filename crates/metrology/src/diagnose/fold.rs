@@ -19,7 +19,7 @@ const PARTS: usize = 6;
 const STRETCHES: usize = 5;
 /// Rounds in which shorter blocks are distributed, if larger ones do not decide.
 const ROUNDS: [usize; 2] = [3, 15];
-/// Minimum relative reduction of the RMS of unseen readings.
+/// Minimum relative reduction of the RMS of left-out readings.
 const WORTH: f64 = 0.01;
 /// Same limit for unnamed terms, of which there are many candidates.
 const WORTH_UNNAMED: f64 = 0.03;
@@ -93,7 +93,7 @@ fn places(scene: &Scene<'_>, axis: Axis) -> Vec<usize> {
     scene.items.iter().map(|item| scene.rows.get(item.row).map_or(NO_PART, part)).collect()
 }
 
-/// Keeps the terms that also improve unseen readings. `known` holds earlier selections with the same weights; `out` receives the others with their gains,
+/// Keeps the terms that also improve left-out readings. `known` holds earlier selections with the same weights; `out` receives the others with their gains,
 /// `note` the progress.
 pub(super) fn confirmed(
     field: &mut Field<'_, '_>,
@@ -160,7 +160,7 @@ pub(super) fn confirmed(
     kept
 }
 
-/// Returns the minimum relative reduction of the residual of unseen readings by a term.
+/// Returns the minimum relative reduction of the residual of left-out readings by a term.
 pub(super) fn worth(field: &Field<'_, '_>, number: usize) -> f64 {
     let is_unnamed = field.candidates.get(number).is_some_and(|one| one.cause.effect == EffectKind::Unknown);
     if is_unnamed { WORTH_UNNAMED } else { WORTH }

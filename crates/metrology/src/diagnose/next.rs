@@ -7,7 +7,7 @@
 
 use ncfix_base::geometry::{Axis, Plane};
 use ncfix_base::numeric::in_parts;
-use ncfix_base::units::{UnitKey, um_from_mm};
+use ncfix_base::units::{UnitKey, um_from_mm, urad_from_rad};
 use ncfix_machine::machine::Machine;
 use ncfix_model::name::DIRECTIONS;
 use ncfix_model::{ErrorName, name};
@@ -57,6 +57,18 @@ pub struct NextMeasurement {
     pub unit: UnitKey,
     /// Number of readings.
     pub readings: usize,
+}
+
+impl NextMeasurement {
+    /// True if the predictions of the two most probable explanations differ by more than the usual uncertainty of a reading.
+    #[must_use]
+    pub fn separates_the_first_two(&self) -> bool {
+        let sigma = match self.unit {
+            UnitKey::Urad => urad_from_rad(ANGLE_SIGMA_RAD),
+            UnitKey::Um => um_from_mm(LENGTH_SIGMA_MM),
+        };
+        self.difference > sigma
+    }
 }
 
 /// A plan with its options.

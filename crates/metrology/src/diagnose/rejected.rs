@@ -15,7 +15,7 @@ pub enum Gate {
     #[default]
     #[serde(rename = "significance")]
     Chance,
-    /// It does not improve unseen parts.
+    /// It does not improve the prediction of left-out readings.
     #[serde(rename = "gain on unseen parts")]
     Unseen,
     /// The held-out data do not confirm it.
@@ -44,7 +44,7 @@ pub struct Rejected {
     pub gate: Gate,
     /// p-value of its gain, corrected for the number of candidates.
     pub chance: f64,
-    /// Relative reduction of the RMS of unseen readings, if tested and determined.
+    /// Relative reduction of the RMS of left-out readings, if tested and determined.
     pub gain: Option<f64>,
     /// Its size over all files.
     pub size: Size,

@@ -54,7 +54,7 @@ pub struct AcceptedCause {
     pub alone: f64,
     /// p-value, corrected for the number of candidates.
     pub chance: f64,
-    /// Relative reduction of the RMS of unseen readings: the data held out, or parts left out of a repeated selection.
+    /// Relative reduction of the RMS of left-out readings: the data held out, or parts left out of a repeated selection.
     pub gain_unseen: f64,
     /// Probability of the finding: the sum over all explanations that contain it; `None` if it was not compared.
     pub probability: Option<f64>,
@@ -96,7 +96,7 @@ pub struct DiagnosedCauses {
     pub used: Compared,
     /// Data that were held out.
     pub held_out: Option<Compared>,
-    /// Findings, the largest gain on unseen readings first.
+    /// Findings, the largest gain on left-out readings first.
     pub findings: Vec<AcceptedCause>,
     /// Causes that the held-out data did not confirm.
     pub not_confirmed: Vec<Candidate>,
@@ -149,7 +149,7 @@ pub(super) struct Settled<'f, 's, 'a> {
     pub(super) weights: &'f Weights,
     /// Readings that were held out.
     pub(super) held_out: &'f Weights,
-    /// Accepted candidates with their gains on unseen readings.
+    /// Accepted candidates with their gains on left-out readings.
     pub(super) kept: &'f [(Taken, f64)],
     /// Number of measurements used.
     pub(super) used: usize,
@@ -238,7 +238,7 @@ pub(super) fn diagnose_then(
         let again = stand(&mut field, &weights, &all, &mut rejections, note);
         let of_again: Vec<usize> = again.iter().map(|(term, _)| term.candidate).collect();
         let squares = |taken: &[usize]| field.series(&weights, taken, 0.0).squares();
-        // A term of the comparison without a gain on unseen readings is not an explanation. The terms of the search are then preferred if they are probable
+        // A term of the comparison without a gain on left-out readings is not an explanation. The terms of the search are then preferred if they are probable
         // enough.
         let is_likely = chosen.iter().all(Chosen::is_likely);
         if (outcome.is_whole && again.len() == all.len()) || !is_likely || squares(&of_again) <= squares(&numbers) {
@@ -286,7 +286,7 @@ pub(super) fn diagnose_then(
     found
 }
 
-/// Returns the terms of the comparison that also improve unseen readings.
+/// Returns the terms of the comparison that also improve left-out readings.
 fn stand(
     field: &mut Field<'_, '_>,
     weights: &Weights,
@@ -454,7 +454,7 @@ fn verdict(
             candidate: candidate.clone(),
         });
     }
-    // Order of the gain on unseen readings: terms that nearly cancel each other are large but gain little.
+    // Order of the gain on left-out readings: terms that nearly cancel each other are large but gain little.
     findings.sort_by(|a, b| b.gain_unseen.total_cmp(&a.gain_unseen).then(b.rms.total_cmp(&a.rms)));
     let dropped = |weights: &Weights, is_used: bool| -> Vec<(usize, usize)> {
         let items =

@@ -112,7 +112,7 @@ fn excluded(fault: &DataDefect, is_held_out: bool) -> String {
         Then::WithoutReadings(readings) => format!("{} single readings", readings.len()),
         Then::OwnZero => "nothing; the rows after the step have their own zero".into(),
         Then::Nothing => "nothing".into(),
-        Then::MoreNoise(_) => "nothing; the readings get a larger noise".into(),
+        Then::MoreNoise(_) => "no reading; ncfix assumes a larger noise".into(),
     }
 }
 

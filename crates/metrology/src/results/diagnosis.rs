@@ -53,7 +53,7 @@ pub struct DiagnosisResult {
     pub without_model: ReadingSizes,
     /// Residuals of the model.
     pub before: ReadingSizes,
-    /// Missing causes, in the order of their gain on unseen readings.
+    /// Missing causes, in the order of their gain on left-out readings.
     pub findings: Vec<CauseReport>,
     /// Faults of the data: excluded readings, and faults that are only reported.
     pub data_faults: Vec<DataFault>,
@@ -237,7 +237,7 @@ pub struct RejectedReport {
     pub why: Gate,
     /// p-value, corrected for all candidates.
     pub p: f64,
-    /// Relative reduction of the RMS of unseen readings; `null` if not determined.
+    /// Relative reduction of the RMS of left-out readings; `null` if not determined.
     pub gain: Option<f64>,
     /// Its value in each file, if files differ significantly; otherwise empty.
     pub by_file: Vec<InFile>,
@@ -304,7 +304,7 @@ pub struct CauseReport {
     pub alone_um: f64,
     /// Share of this range in the sum over all findings.
     pub alone_share: f64,
-    /// Relative reduction of the RMS of unseen readings.
+    /// Relative reduction of the RMS of left-out readings.
     pub gain_holdout: f64,
     /// Share of the squares (Shapley).
     pub share: f64,

@@ -4,13 +4,10 @@ use serde::Serialize;
 
 use crate::diagnose::Scene;
 use crate::diagnose::cause::Correctable;
+pub use crate::diagnose::stated::STRONG;
 use crate::diagnose::stated::{HypothesisTrial, StatedTrials};
 use ncfix_base::source::{FileId, Source};
 use ncfix_base::units::UnitKey;
-
-/// Evidence from which a hypothesis is called supported or refuted, as a natural logarithm: 20 times as probable with it, or without it ("strong", Kass and Raftery 1995,
-/// Bayes factors, Journal of the American Statistical Association 90).
-pub const STRONG: f64 = 3.0;
 
 /// The number of the text of hypotheses among the files of a run; files count from zero.
 const STATED: FileId = FileId(u16::MAX);
@@ -52,9 +49,9 @@ pub struct HypothesisReport {
     /// Natural logarithm of the evidence of all these findings together in its place, minus its own: positive if they explain the readings better;
     /// `null` without such findings.
     pub log_evidence_of_findings: Option<f64>,
-    /// Relative reduction of the RMS of unseen readings, in addition to the findings in `beside`; `null` if no part could decide.
+    /// Relative reduction of the RMS of left-out readings, in addition to the findings in `beside`; `null` if no part could decide.
     pub gain_unseen: Option<f64>,
-    /// True if the unseen readings are held-out data, false if parts were left out in turn.
+    /// True if this is the gain on held-out data, false if it is that on left-out readings.
     pub gain_is_held_out: bool,
     /// Other explanations that are nearly as good, the best first.
     pub rivals: Vec<HypothesisRival>,
@@ -84,7 +81,7 @@ pub enum HypothesisAnswer {
     Supported,
     /// At least 20 times as probable with it, but the findings with its effect are 20 times as probable in its place.
     Outdone,
-    /// Neither; or its amount is smaller than its uncertainty, and unseen readings do not confirm it.
+    /// Neither; or its amount is smaller than its uncertainty, and left-out readings do not confirm it.
     Undecided,
     /// At least 20 times as probable without it.
     Refuted,

@@ -95,7 +95,7 @@ pub fn start_with_terms(
                 }
             }
             Ok(ModelTerm::Changes(changes, amounts)) => {
-                let entered = enter((file, registers), &grown, &changes, &note(one, &amounts));
+                let entered = enter((file, registers), &grown, &changes, &note(one, &changes, &amounts));
                 match entered {
                     Ok(text) => grown = text,
                     Err(why) => {
@@ -176,14 +176,19 @@ fn doubt(one: &StatedHypothesis, amounts: &[TermAmount], place: Place) -> Option
     Some(Diagnostic::at(Code::NOT_SHOWN, place, message, help))
 }
 
-/// The note at the term in the file.
-fn note(one: &StatedHypothesis, amounts: &[TermAmount]) -> Vec<String> {
+/// The note at the term in the file. Amounts that are parameters of the fit stand in the entry itself, and a later fit may change them.
+fn note(one: &StatedHypothesis, changes: &[Change], amounts: &[TermAmount]) -> Vec<String> {
+    let text = one.text.replace(char::is_control, " ");
+    if changes.iter().all(|change| matches!(change, Change::Drift { .. } | Change::Growth { .. } | Change::Load { .. }))
+    {
+        return vec![format!("stated: {text}; the entry has the fitted values")];
+    }
     let amount = |own: &TermAmount| {
         let TermAmount { term, value, u95, unit } = own;
         format!("{term} {value:.4} {unit}, 95 %: +-{u95:.4}")
     };
     let all: Vec<String> = amounts.iter().map(amount).collect();
-    vec![format!("stated: {}; {}", one.text.replace(char::is_control, " "), all.join("; "))]
+    vec![format!("stated: {text}; {}", all.join("; "))]
 }
 
 fn estimate(one: &StatedHypothesis, amount: TermAmount) -> StatedEstimate {

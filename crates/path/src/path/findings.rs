@@ -87,15 +87,15 @@ impl<'a> DiagnosticCollector<'a> {
                 if is_below(least) {
                     is_outside = true;
                     let on_the_way = [span_of(whole, data.axis)[0], least];
-                    let (position, place) = place_outside(whole_end, on_the_way, is_below);
-                    self.out_of_travel(origin, data.axis, position, place, ("below", low));
+                    let (position, is_end) = place_outside(whole_end, on_the_way, is_below);
+                    self.out_of_travel(origin, data.axis, position, is_end, ("below", low));
                 }
                 let is_above = |position: f64| !(..=high + ON_LIMIT).contains(&position);
                 if is_above(most) {
                     is_outside = true;
                     let on_the_way = [span_of(whole, data.axis)[1], most];
-                    let (position, place) = place_outside(whole_end, on_the_way, is_above);
-                    self.out_of_travel(origin, data.axis, position, place, ("above", high));
+                    let (position, is_end) = place_outside(whole_end, on_the_way, is_above);
+                    self.out_of_travel(origin, data.axis, position, is_end, ("above", high));
                 }
             }
             let correction = end - nominal[data.axis];
@@ -194,12 +194,18 @@ impl<'a> DiagnosticCollector<'a> {
         self.report(origin, Code::FEED_OF_ANOTHER_WAY, message, help);
     }
 
-    fn out_of_travel(&mut self, origin: &Origin, axis: Axis, position: f64, place: &str, (side, limit): (&str, f64)) {
+    fn out_of_travel(&mut self, origin: &Origin, axis: Axis, position: f64, is_end: bool, (side, limit): (&str, f64)) {
         let unit = if axis.is_rotary() { "deg" } else { "mm" };
         let shown = |value: f64| ncfix_base::units::shown_position(axis.is_rotary(), value);
-        let message =
-            format!("{axis} {:.4} {unit}{place} is {side} the limit of {} {unit}", shown(position), shown(limit));
-        let help = format!("check zero offset and tool length, or axis.{axis}.travel_{unit} in the machine file");
+        let (position, limit) = (shown(position), shown(limit));
+        let message = if is_end {
+            format!("{axis} {position:.4} {unit} is {side} the limit of {limit} {unit}")
+        } else {
+            format!("during this move {axis} reaches {position:.4} {unit}, {side} the limit of {limit} {unit}")
+        };
+        let help = format!(
+            "check zero offset and tool length (machine file or --setup), or axis.{axis}.travel_{unit} in the machine file"
+        );
         self.report(origin, Code::OUT_OF_TRAVEL, message, help);
     }
 
@@ -231,13 +237,13 @@ fn span_of(way: &Route<'_>, axis: Axis) -> [f64; 2] {
 }
 
 /// The position to report for a move that leaves the travel: the programmed end if it is outside. Otherwise the farthest one on the path, programmed
-/// if that is outside, or corrected.
-fn place_outside(end: f64, on_the_way: [f64; 2], is_outside: impl Fn(f64) -> bool) -> (f64, &'static str) {
+/// if that is outside, or corrected. True for the end.
+fn place_outside(end: f64, on_the_way: [f64; 2], is_outside: impl Fn(f64) -> bool) -> (f64, bool) {
     if is_outside(end) {
-        return (end, "");
+        return (end, true);
     }
     let [programmed, corrected] = on_the_way;
-    (if is_outside(programmed) { programmed } else { corrected }, " on the way")
+    (if is_outside(programmed) { programmed } else { corrected }, false)
 }
 
 /// Formats a length for a message.

@@ -56,11 +56,11 @@ impl DiagnosisReport {
             });
             out.push(format!("left out for this test: {names}, because both explain the same readings{instead}"));
         }
-        let unseen = if one.gain_is_held_out { "the data held out" } else { "parts left out in turn" };
+        let unseen = if one.gain_is_held_out { "the held-out data" } else { "left-out readings" };
         let gain = match one.gain_unseen {
             Some(gain) if gain >= 0.0 => format!("{:.0} % smaller residual on {unseen}", 100.0 * gain),
             Some(gain) => format!("{:.0} % more residual on {unseen}", -100.0 * gain),
-            None => "no part that was left out can show whether it improves the prediction".into(),
+            None => "the left-out readings cannot show whether it improves the prediction".into(),
         };
         out.push(format!("{gain}; effect on the readings {} {} RMS", significant(one.rms_um), self.unit_sign()));
         if one.variants > 1 {
@@ -105,7 +105,7 @@ pub(crate) fn answer_in_words(one: &HypothesisReport) -> String {
             format!("supported, but with {others} instead, the readings are {} times as probable", factor(better))
         }
         HypothesisAnswer::Undecided if one.log_evidence_beside.is_some_and(|evidence| evidence >= STRONG) => format!(
-            "undecided: the readings are {times}, but its amount is smaller than its uncertainty, and unseen readings do not confirm it"
+            "undecided: the readings are {times}, but its amount is smaller than its uncertainty, and left-out readings do not confirm it"
         ),
         HypothesisAnswer::Undecided => format!("undecided, the readings are {times}"),
         HypothesisAnswer::Refuted => format!("refuted, the readings are {times}"),
@@ -131,7 +131,7 @@ pub(crate) fn times_in_words(evidence: f64) -> String {
 /// Returns the factor by which another explanation is better or worse.
 fn rather(evidence: f64) -> String {
     if evidence.abs() < EQUALLY {
-        return "as probable".into();
+        return "equally probable".into();
     }
     let which = if evidence < 0.0 { "less" } else { "more" };
     format!("{which} probable by a factor of {}", factor(evidence.abs()))

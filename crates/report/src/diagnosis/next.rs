@@ -5,12 +5,19 @@ use ncfix_metrology::diagnose::NextMeasurement;
 
 /// Returns the command of a measurement with what it contributes.
 pub(crate) fn next_sentence(next: &NextMeasurement) -> String {
+    let difference = if next.separates_the_first_two() {
+        format!(
+            "the first two explanations differ by {} {} RMS in them",
+            significant(next.difference),
+            next.unit.sign()
+        )
+    } else {
+        "it does not separate the first two explanations".to_owned()
+    };
     format!(
-        "{} (its {} readings decide {:.0} % of the open question; the first two explanations differ by {} {} RMS in them)",
+        "{} (its {} readings decide {:.0} % of the open question; {difference})",
         next.command,
         grouped(next.readings as u64),
-        100.0 * next.resolves,
-        significant(next.difference),
-        next.unit.sign()
+        100.0 * next.resolves
     )
 }

@@ -481,7 +481,7 @@ impl DiagnosisReport {
         let _ = writeln!(out, "\n{rank}. {}{words}{form}{}: {} (95 %){over}", one.name(), by_sensor(one), one.size());
         let _ = writeln!(
             out,
-            "   explains {} {} RMS, {:.0} % of the residual; {:.0} % smaller residual on readings not used; {}{}",
+            "   explains {} {} RMS, {:.0} % of the residual; {:.0} % smaller residual on left-out readings; {}{}",
             significant(one.rms_um),
             self.unit_sign(),
             100.0 * one.share,
@@ -564,15 +564,16 @@ impl CauseText for CauseReport {
     }
 
     fn form(&self) -> String {
-        let over =
-            if self.drivers.is_empty() { String::new() } else { format!(" over {}", self.drivers.join(" and ")) };
+        let drivers = self.drivers.join(" and ");
+        let of_drivers = |word: &str| if drivers.is_empty() { String::new() } else { format!(" {word} {drivers}") };
+        let over = of_drivers("over");
         match (self.threshold_mm, &self.threshold_axis, self.period) {
             (Some([low, high]), Some(axis), _) => {
                 format!("on one side of {axis} {} to {} mm", significant(low), significant(high))
             }
             (_, _, Some(period)) => format!("period {}{over}", significant(period)),
             // A slope has a unit per length or angle; a range over the travel does not.
-            _ if self.unit.contains('/') => format!("a line{over}"),
+            _ if self.unit.contains('/') => format!("linear{}", of_drivers("in")),
             _ => format!("a curve{over}"),
         }
     }

@@ -195,12 +195,12 @@ fn ranking(out: &mut Markup, report: &DiagnosisReport) {
         "#RMS",
         "#fair share",
         "#increase without it",
-        "#gain on unseen",
+        "#gain on left-out readings",
         "removed by",
     ]);
     let caption = "Alone: independent contribution, the largest minus the smallest effect of the cause by itself on the readings of a set-up (of a circle: its \
                    circularity). Fair share: its part of the squared residual of the model (Shapley). If it differs from the increase without it, several findings \
-                   explain the same part. Gain on unseen: reduction of the residual (RMS) of readings that were not used to find it.";
+                   explain the same part. Gain on left-out readings: reduction of the residual (RMS) of readings that were not used to find it.";
     table(out, &heads, &rows, caption, MOST_ROWS);
     let label = |k: usize, one: &CauseReport| format!("{} {}", k + 1, one.full_name());
     side_by_side(out, |out| {
@@ -277,9 +277,9 @@ fn rejected(out: &mut Markup, report: &DiagnosisReport, shown: &PageReadings) {
     out.leaf("h2", &[], "Tried and rejected");
     let gate = |one: &RejectedReport| match one.why {
         Gate::Chance => "not significant for the number of candidates that were tested",
-        Gate::HeldOut => "it does not improve the data held out",
-        _ if one.gain.is_none() => "the parts that were left out in turn cannot show whether it improves them",
-        _ => "it does not improve the parts that were left out in turn",
+        Gate::HeldOut => "it does not improve the prediction of held-out data",
+        _ if one.gain.is_none() => "the left-out readings cannot show whether it improves their prediction",
+        _ => "it does not improve the prediction of left-out readings",
     };
     if report.found.rejected.is_empty() {
         let text = "None: no further candidate explains enough for its number of unknowns.";
@@ -296,7 +296,7 @@ fn rejected(out: &mut Markup, report: &DiagnosisReport, shown: &PageReadings) {
             ],
         };
         let rows: Vec<PageRow> = report.found.rejected.iter().map(row).collect();
-        let heads = columns(["candidate", "depends on", "why not", "#significance", "#gain on unseen"]);
+        let heads = columns(["candidate", "depends on", "why not", "#significance", "#gain on left-out readings"]);
         let caption = "Candidates that the search found and a test rejected. Significance: p-value of such a gain without any effect, times the number of candidates.";
         table(out, &heads, &rows, caption, MOST_ROWS);
     }

@@ -112,8 +112,9 @@ impl RunState {
         let is_skipped = self.leaves_out(level);
         // One diagnostic per run suffices for all skipped blocks.
         if !self.reported.iter().any(|(code, _)| *code == Code::SKIP_EXECUTED) {
-            let done = if is_skipped { "skipped" } else { "executed" };
-            let message = format!("blocks with / are resolved in the output; this one is {done}");
+            let done = if is_skipped { "always skipped" } else { "always executed" };
+            let message =
+                format!("the output has no / blocks: this block is {done}, and the skip switch has no effect");
             let help = "choose with --skip which levels are skipped";
             self.report(Diagnostic::at(Code::SKIP_EXECUTED, Place { file, span }, message, help));
         }

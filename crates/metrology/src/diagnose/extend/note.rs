@@ -42,13 +42,13 @@ pub fn lines(
     let mut out = vec![format!("{HEAD} {}; {}", size(one), remedy(&one.candidate))];
     let p = if one.chance < LEAST_P { format!("p < {LEAST_P:e}") } else { format!("p = {:.0e}", one.chance) };
     let sure = one.probability.map_or_else(String::new, |sure| format!(", {}", probability(sure)));
-    let unseen = if files.held_out.is_empty() {
-        "left out in turn".to_owned()
+    let judged_on = if files.held_out.is_empty() {
+        "left-out readings".to_owned()
     } else {
-        format!("held out, {}", files.held_out.join(", "))
+        format!("held-out data ({})", files.held_out.join(", "))
     };
     out.push(format!(
-        "  from {}; on readings not used ({unseen}) the residual is {:.0} % smaller; {p}{sure}",
+        "  from {}; on {judged_on} the residual is {:.0} % smaller; {p}{sure}",
         files.used.join(", "),
         100.0 * one.gain_unseen
     ));

@@ -7,7 +7,7 @@
 //! build      candidates: the effect of each term on the readings of a scene
 //! subject    the candidate of a hypothesis, and the amounts of its terms
 //! model      stated terms as parts of a fitted model
-//! trial      amount, evidence, gain on unseen readings, other explanations, possible correction
+//! trial      amount, evidence, gain on left-out readings, other explanations, possible correction
 //! ```
 //!
 //! `docs/reference/terms.md` describes the grammar.
@@ -25,4 +25,4 @@ mod trial;
 pub use form::{StatedHypothesis, TermAmount};
 pub use grammar::{read, read_options};
 pub use model::{ModelTerm, stated_model};
-pub use trial::{EqualExplanation, HypothesisTrial, StatedSet, StatedTrials, diagnose_stated};
+pub use trial::{EqualExplanation, HypothesisTrial, STRONG, StatedSet, StatedTrials, diagnose_stated};

@@ -1,4 +1,4 @@
-//! The test of stated hypotheses: amount, evidence alone and together with the accepted causes, gain on unseen readings, other explanations, possible
+//! The test of stated hypotheses: amount, evidence alone and together with the accepted causes, gain on left-out readings, other explanations, possible
 //! correction.
 //!
 //! The evidence is the ratio of the marginal likelihoods with and without the hypothesis ([`crate::diagnose::explain::likelihood`]), as a natural
@@ -22,6 +22,10 @@ use super::form::{StatedHypothesis, TermAmount};
 use super::subject::{StatedSubject, amounts, subject};
 use ncfix_base::geometry::AXES;
 use ncfix_base::numeric::both;
+
+/// Evidence from which a hypothesis is called supported or refuted, as a natural logarithm: 20 times as probable with it, or without it ("strong", Kass and Raftery 1995,
+/// Bayes factors, Journal of the American Statistical Association 90).
+pub const STRONG: f64 = 3.0;
 
 /// Maximum number of other explanations that are compared.
 const RIVALS: usize = 6;
@@ -53,7 +57,7 @@ pub struct HypothesisTrial {
     pub stands_for: Vec<String>,
     /// Natural logarithm of the evidence of all these causes together in its place, minus its own; `None` without such causes.
     pub evidence_of_findings: Option<f64>,
-    /// Relative reduction of the RMS of unseen readings; `None` if no part of the data could decide.
+    /// Relative reduction of the RMS of left-out readings; `None` if no part of the data could decide.
     pub gain: Option<f64>,
     /// `true` if the gain is that on held-out data.
     pub is_held_out: bool,
@@ -218,6 +222,8 @@ fn judge(
         let accepted = &AcceptedCause { probability: Some(probability.min(accepted.nature_share)), ..accepted.clone() };
         let changes = if trial.evidence_beside > 0.0 {
             extend::of_one(accepted, found.used.before.rms, (scene, outcome.used))
+        } else if trial.evidence_beside > -STRONG {
+            Err("the readings do not decide it".to_owned())
         } else {
             Err("the readings contradict it".to_owned())
         };

@@ -85,10 +85,9 @@ fn words(out: &mut Markup, report: &DiagnosisReport, one: &CauseReport) {
     }
     let tried = grouped(report.found.tried as u64);
     all.push(("significance", format!("{}, for {tried} candidates and autocorrelated noise", p_value(one.p))));
-    let held_out =
-        if report.found.before.holdout_rms_um.is_some() { "data held out" } else { "runs or set-ups left out in turn" };
+    let held_out = if report.found.before.holdout_rms_um.is_some() { "held-out data" } else { "left-out readings" };
     all.push((
-        "on unseen readings",
+        "gain",
         format!("residual {:.1} % smaller (RMS) on {held_out}, which were not searched", 100.0 * one.gain_holdout),
     ));
     let others = one.others();

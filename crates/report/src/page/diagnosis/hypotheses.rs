@@ -47,12 +47,12 @@ pub(super) fn section(out: &mut Markup, report: &DiagnosisReport, shown: &PageRe
         "alone",
         "together with findings",
         "these findings",
-        "#gain on unseen",
+        "#gain on left-out readings",
         "other explanations",
         "why not corrected",
     ]);
     let caption = "Evidence: how much more probable the readings are with the hypothesis than without it, each with the noise correlation that fits it best. \
-                   Causes with the effect of the hypothesis are not part of the comparison. Gain on unseen: by how much it reduces the residual (RMS) of readings \
+                   Causes with the effect of the hypothesis are not part of the comparison. Gain on left-out readings: by how much it reduces the residual (RMS) of readings \
                    that did not determine the amount.";
     table(out, &heads, &rows, caption, MOST_ROWS);
     side_by_side(out, |out| {
