@@ -510,7 +510,7 @@ file of -o was not written; its causes remain valid.";
     NOT_SETTLED = "E0607" "calibration does not converge"
 "The parameters still change after the last iteration: the model and the readings contradict each other, for instance in a sign, a
 set-up or an axis, or single parameters hardly affect the readings. Or the fit ended, but the readings are farther from the fitted machine
-than from a machine without errors. Then the sign is usually wrong, or a table of the control was active: name it in active_tables of
+than from a machine without errors, in all files or in one of several. Then the sign is usually wrong, or a table of the control was active: name it in active_tables of
 the machine file. Check the description of the measurement, --machine, and rows with large deviations.";
     DATA_SIZE = "E0608" "readings of an implausible size"
 "Readings are in µm or µrad, as their column names state. This one is above --max (an angle is judged by its effect at an arm of 1 m),
@@ -849,6 +849,11 @@ a laser, or state the scale of the other axis in the machine file.";
 "The readings of a straightness contain the angle between its reference and the axis, unless the description frees it. The model has only the
 curvature. A parabola about the zero of the axis then takes up a part of the angle, so the curvature is wrong, possibly also in sign. Free
 the alignment with free = [\"offset\", \"slope\"] in the description, or add the slope to the model: EYX1 beside EYX2.";
+    SCALE_BY_PIVOT = "W0613" "scale that depends on the stated place of a rotary axis"
+"ncfix calibrate fits the scales of linear axes from balls on a table, without a known distance between two balls. The balls then show
+only how scales compare with the places of the rotary axes and the length of the tool in the machine file. If a rotary axis is 20 µm from
+that place, the fit turns this into scales that are wrong by 20 µm over the distance to it, and its residual stays small. Give the calibrated
+distance of two balls in [[length]], measure one axis with a laser, or fit the offset of the rotary axis instead of the scales.";
     STARVING = "W0701" "the link is too slow in places"
 "In some places the control waits briefly for lines (see E0702), but not long enough to forbid the transfer.";
     SERIAL_SETTINGS = "W0702" "port with different settings or a name that may change"

@@ -23,6 +23,10 @@ use ncfix_model::{ErrorModel, Model, ModelRegisters, file, write};
 const POOR: f64 = 3.0;
 /// A fit is refused if its residuals exceed the measured values by this share.
 const WORSE: f64 = 0.05;
+/// One file of several contradicts a fit if its residuals exceed its measured values by this share and are at least so large, µm or µrad: where nearly nothing
+/// was measured, noise alone exceeds it.
+const CONTRADICTS: f64 = 0.5;
+const CONTRADICTS_FROM: f64 = 1.0;
 /// Excess of a mean square over the described one, in its standard deviations, above which it is not scatter.
 const CLEAR: f64 = 3.0;
 /// Arm at which angles count as lengths, mm.
@@ -186,6 +190,7 @@ impl PreparedFit<'_> {
         }
         slope::level(self.begin.machine, &parameters, &self.used, &mut fit, findings);
         relative::check(self.begin.machine, &parameters, &self.used, &fit, findings);
+        relative::check_pivots(self.begin.machine, &parameters, &self.used, &fit, findings);
         Some(fit)
     }
 
@@ -280,6 +285,9 @@ pub fn holdout_um(result: &CalibrationResult) -> Option<f64> {
 /// Refuses a fit that predicts the readings used worse than a machine without errors: most of them may be outliers without weight, or the errors that stay
 /// in the file contradict them.
 fn worse(report: &CalibrationResult) -> Option<Diagnostic> {
+    if let Some(found) = contradicting(report) {
+        return Some(found);
+    }
     let of = |unit: Unit| report.efficiency(false, unit).filter(|efficiency| *efficiency < -WORSE);
     let efficiency = of(Unit::Um).or_else(|| of(Unit::Urad))?;
     let message = format!(
@@ -288,6 +296,24 @@ fn worse(report: &CalibrationResult) -> Option<Diagnostic> {
     );
     let help =
         "state sigma_um, or check signs and set-ups in the description; --no-robust gives all rows the same weight";
+    Some(Diagnostic::nowhere(Code::NOT_SETTLED, message, help))
+}
+
+/// Refuses a fit of several files that contradicts one of them: with the model, its readings are much farther off than without any error.
+fn contradicting(report: &CalibrationResult) -> Option<Diagnostic> {
+    let used = || report.data.iter().filter(|one| !one.is_held_out && one.readings > 0);
+    let one = used()
+        .filter(|_| used().count() > 1)
+        .find(|one| one.efficiency < -CONTRADICTS && one.left_rms > CONTRADICTS_FROM)?;
+    let message = format!(
+        "the fitted model contradicts {}: its readings are {:.0} % farther from the model than from a machine without errors",
+        one.name,
+        -100.0 * one.efficiency
+    );
+    let help = format!(
+        "check the sign of the readings of {} and its set-up in the description; ncfix diagnose with these files tests the sign of each file",
+        one.name
+    );
     Some(Diagnostic::nowhere(Code::NOT_SETTLED, message, help))
 }
 

@@ -1,16 +1,18 @@
 //! Scales that readings show only relative to those of other axes.
 //!
 //! Circles of a bar of unknown length are the same if all axes are longer by the same share. A model with the scales of some of these axes fits the
-//! differences, and takes the others as they are in the machine file: its uncertainty does not contain theirs.
+//! differences, and takes the others as they are in the machine file: its uncertainty does not contain theirs. Balls on a turning table, without a known
+//! distance, show scales only relative to the stated places of the rotary axes.
 
 use super::measurement::{Measurement, data_of};
 use super::slope::range;
 use crate::calibrate::{Fit, Parameter, identify};
 use crate::diagnose::cause::own;
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_base::geometry::{AXES, Axis};
+use ncfix_base::geometry::{AXES, Axis, ROTARY_AXES};
 use ncfix_machine::machine::Machine;
 use ncfix_model::motion::EntryFunction;
+use ncfix_model::name::{DIRECTIONS, ErrorName};
 use ncfix_model::parameter::ParameterName;
 
 /// Names the fitted scales that are relative to scales which neither the model nor the machine file states.
@@ -46,7 +48,7 @@ pub(super) fn check(
         let all: Vec<Parameter> = scales.iter().map(|(_, name)| Parameter::from(*name)).collect();
         identify(machine, &fit.errors, &all, &data).is_some_and(|found| found.lost.leave_out.is_empty())
     };
-    let of_model: Vec<(Axis, ParameterName)> = scales.iter().filter(|(_, name)| is_fitted(name)).copied().collect();
+    let of_model: Vec<(Axis, ParameterName)> = scales.iter().filter(|(_, name)| is_fitted(name)).cloned().collect();
     if shows_all(&scales) || !shows_all(&of_model) {
         return;
     }
@@ -57,4 +59,52 @@ pub(super) fn check(
     );
     let help = "give a calibrated length (remove length from free), measure the positioning of one axis with a laser, or state the scale of the other axis";
     findings.push(Diagnostic::nowhere(Code::RELATIVE_SCALE, message, help));
+}
+
+/// Names fitted scales that the readings of balls cannot separate from an offset of a rotary axis, which the model takes as the machine file states it.
+pub(super) fn check_pivots(
+    machine: &Machine,
+    parameters: &[Parameter],
+    used: &[Measurement],
+    fit: &Fit,
+    findings: &mut Vec<Diagnostic>,
+) {
+    let scale = |axis: Axis| ParameterName::coefficient(own(axis), 1);
+    let is_scale = |one: &&Parameter| AXES.into_iter().any(|axis| !axis.is_rotary() && **one == scale(axis).into());
+    let scales: Vec<String> = parameters.iter().filter(is_scale).map(ToString::to_string).collect();
+    if scales.is_empty() {
+        return;
+    }
+    let data = data_of(used);
+    let shows = |all: &[Parameter]| {
+        identify(machine, &fit.errors, all, &data).is_some_and(|found| found.lost.leave_out.is_empty())
+    };
+    let without: Vec<Parameter> = parameters.iter().filter(|one| !is_scale(one)).cloned().collect();
+    let axes = ROTARY_AXES.into_iter().filter(|axis| machine.axis(*axis).is_some());
+    let offsets =
+        axes.flat_map(|axis| DIRECTIONS.into_iter().map(move |direction| ErrorName::location(direction, axis)));
+    let confused: Vec<String> = offsets
+        .filter(|name| !name.direction.is_rotation())
+        .map(ParameterName::location)
+        .filter(|name| !parameters.contains(&Parameter::from(*name)))
+        .filter(|name| {
+            let with = |parameters: &[Parameter]| -> Vec<Parameter> {
+                parameters.iter().cloned().chain([Parameter::from(*name)]).collect()
+            };
+            shows(&with(&without)) && !shows(&with(parameters))
+        })
+        .map(|name| name.to_string())
+        .collect();
+    if confused.is_empty() {
+        return;
+    }
+    let [scales, confused] = [scales, confused].map(|names| names.join(" and "));
+    let message = format!(
+        "without a known distance of two balls, the readings cannot separate {scales} from {confused}, which counts as in the \
+         machine file: if that is wrong, so are the scales"
+    );
+    let help = format!(
+        "give the distance of two balls in [[length]], measure an axis with a laser, or fit {confused} in place of the scales"
+    );
+    findings.push(Diagnostic::nowhere(Code::SCALE_BY_PIVOT, message, help));
 }

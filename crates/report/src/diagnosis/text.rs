@@ -30,9 +30,6 @@ const EXPLANATIONS: usize = 4;
 const LEAST_SHOWN: f64 = 0.01;
 /// A cause with this probability is more probable than everything that may stand in its place.
 const MORE_THAN_ALL_OTHERS: f64 = 0.5;
-/// Largest ratio of the residual to the noise at which the differences of neighboring readings explain it; their uncertainty is about as large with 30
-/// readings.
-const LITTLE_MORE: f64 = 1.2;
 /// A residual beyond this multiple of the noise is no noise.
 const NOISY: f64 = 2.0;
 /// Maximum number of listed rejected candidates.
@@ -108,26 +105,30 @@ impl DiagnosisReport {
                     significant(found.after.rms_um / found.noise_um)
                 );
             }
+            // The shape of an error between sparse positions is a part of this scatter.
             let is_known = found.noise_from != NoiseFrom::Neighbours;
-            if !found.unexplained.structure && !is_known && found.before.rms_um > LITTLE_MORE * found.noise_um {
+            if !found.unexplained.structure && !is_known {
                 return format!(
                     "No cause exceeds the scatter of neighboring readings, {} {unit}. Next: measure the same positions again, which shows the noise of a reading.",
                     significant(found.noise_um)
                 );
             }
+            // The explanations below the verdict may name causes that are probable and not accepted.
+            let first = found.explanations.first().filter(|first| !first.terms.is_empty() && first.probability >= 0.5);
+            let probable = first.map(|first| {
+                format!("{} is probable ({})", first.terms.join(" with "), probability(first.probability))
+            });
             if !found.unexplained.structure {
-                // The explanations below the verdict may name causes that are probable and not accepted.
-                return match self.found.explanations.first().filter(|first| !first.terms.is_empty()) {
-                    Some(first) if first.probability >= 0.5 => format!(
-                        "No cause passes all tests, although {} is probable ({}). Next: measure more readings in both directions.",
-                        first.terms.join(" with "),
-                        probability(first.probability)
+                return match probable {
+                    Some(probable) => format!(
+                        "No cause passes all tests, although {probable}. Next: measure more readings in both directions."
                     ),
                     _ => "The model explains the readings within their noise: the machine file needs no change.".into(),
                 };
             }
+            let although = probable.map_or(String::new(), |probable| format!(", although {probable}"));
             return format!(
-                "{} {unit} RMS are systematic, but no cause is certain. Next: measure more set-ups, in both directions of every axis.",
+                "{} {unit} RMS are systematic, but no cause is certain{although}. Next: measure more set-ups, in both directions of every axis.",
                 significant(found.unexplained.rms_um)
             );
         };
@@ -344,7 +345,7 @@ impl DiagnosisReport {
             let times = self.found.after.rms_um / self.found.noise_um;
             return if times > NOISY {
                 format!(
-                    "The residual is {} times the noise, but depends on no quantity of these data.",
+                    "The residual is {} times the noise, but no test shows on which quantity of these data it depends.",
                     significant(times)
                 )
             } else {

@@ -159,7 +159,12 @@ pub const ASSUMPTIONS: &[Assumption] = &[
         odds: 0.03,
         source: "a fraction of backlash along the axis",
     },
-    Assumption { family: Family::AngularPlay, size: Size::Urad(15.0), odds: 0.005, source: "as angles; rare" },
+    Assumption {
+        family: Family::AngularPlay,
+        size: Size::Urad(15.0),
+        odds: 0.002,
+        source: "as angles; rare: one in a hundred of the backlash along an axis",
+    },
     Assumption {
         family: Family::Cross,
         size: Size::Um(8.0),

@@ -183,7 +183,9 @@ fn judge(
     let named = |number: usize| field.candidates.get(number).map_or_else(String::new, name_of);
     let is_beside = |place: &usize| !subject.stand_ins.contains(place);
     let kept = || outcome.kept.iter().enumerate();
-    let others: Vec<(Taken, f64)> = kept().filter(|(place, _)| is_beside(place)).map(|(_, one)| one.clone()).collect();
+    let again = subject.refitted.iter().map(|&candidate| (Taken { candidate, chance: 0.0 }, 0.0));
+    let others: Vec<(Taken, f64)> =
+        kept().filter(|(place, _)| is_beside(place)).map(|(_, one)| one.clone()).chain(again).collect();
     let beside: Vec<usize> = others.iter().map(|(taken, _)| taken.candidate).collect();
     let replaced: Vec<usize> =
         kept().filter(|(place, _)| !is_beside(place)).map(|(_, (taken, _))| taken.candidate).collect();
@@ -220,7 +222,17 @@ fn judge(
         // Against its absence, at even odds; its rivals are a matter of the extrapolation risk.
         let probability = 1.0 / (1.0 + (-trial.evidence_beside).exp());
         let accepted = &AcceptedCause { probability: Some(probability.min(accepted.nature_share)), ..accepted.clone() };
-        let changes = if trial.evidence_beside > 0.0 {
+        let changes = if !subject.refitted.is_empty() && trial.evidence_beside > 0.0 {
+            let names: Vec<&str> = subject
+                .refitted
+                .iter()
+                .filter_map(|&one| Some(field.candidates.get(one)?.parameter.as_str()))
+                .collect();
+            let names = names.join(" and ");
+            Err(format!(
+                "its amount holds only together with a new value of {names}: fit both with ncfix calibrate --model"
+            ))
+        } else if trial.evidence_beside > 0.0 {
             extend::of_one(accepted, found.used.before.rms, (scene, outcome.used))
         } else if trial.evidence_beside > -STRONG {
             Err("the readings do not decide it".to_owned())
@@ -320,13 +332,11 @@ fn combinations(subjects: &[(usize, StatedSubject)], outcome: &Settled<'_, '_, '
     }
     let field = &*outcome.field;
     let is_base = |place: &usize| subjects.iter().all(|(_, subject)| !subject.stand_ins.contains(place));
-    let base: Vec<usize> = outcome
-        .kept
-        .iter()
-        .enumerate()
-        .filter(|(place, _)| is_base(place))
-        .map(|(_, (taken, _))| taken.candidate)
-        .collect();
+    let kept = outcome.kept.iter().enumerate().filter(|(place, _)| is_base(place));
+    let again = subjects.iter().flat_map(|(_, subject)| subject.refitted.iter().copied());
+    let mut base: Vec<usize> = kept.map(|(_, (taken, _))| taken.candidate).chain(again).collect();
+    base.sort_unstable();
+    base.dedup();
     let numbers = base.iter().copied().chain(subjects.iter().map(|(_, subject)| subject.number));
     let groups: Vec<_> =
         numbers.filter_map(|number| field.candidates.get(number)).map(|one| group(field, one)).collect();
