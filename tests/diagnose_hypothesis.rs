@@ -74,6 +74,50 @@ fn a_hypothesis_gets_its_answer_first() {
     );
 }
 
+/// The search may explain a product of two positions by others that do it only together. The hypothesis is then tested in their place. Seven by five positions,
+/// in both directions, with 4 µm of lost motion.
+#[test]
+fn a_term_that_findings_absorb_together_gets_its_amount() {
+    for seed in 1..=6 {
+        let mut random = Random::new(seed, "product");
+        let mut table = "run,X,Y,Z,X_dir,Y_dir,tool_z_mm,dx_um,dy_um\n".to_owned();
+        for run in 1..=2 {
+            for j in 0..5 {
+                for k in 0..7 {
+                    let sense = if run == 1 { 1.0 } else { -1.0 };
+                    let at = if run == 1 { k } else { 6 - k };
+                    let (x, y) = (40.0 + 50.0 * f64::from(at), 50.0 + 100.0 * f64::from(j));
+                    let dx_um = 100e-6 * x * y - 2.0 * sense + 0.5 * random.normal();
+                    let dy_um = 0.5 * random.normal();
+                    table += &format!("{run},{x},{y},0,{sense},1,{},{dx_um:.4},{dy_um:.4}\n", -60 * run);
+                }
+            }
+        }
+        let description = "[measurement]\nkind = \"displacement\"\nfree = [\"offset\"]\nsigma_um = 0.5\n";
+        let shop = Shop::new().file("bench.toml", MACHINE).file("grid.csv", table).file("grid.toml", description);
+        let report = shop.run(arguments(&["EXX ~ X*Y"]).into_iter().chain(["--json"])).exits(0).json();
+        let one = &report["hypotheses"][0];
+        let amount = &one["amounts"][0];
+        assert_eq!((&one["answer"], &amount["unit"]), (&Value::from("supported"), &Value::from("um/m^2")), "{one}");
+        assert!((number(amount, "value") - 100.0).abs() < 1.5 * number(amount, "u95"), "{seed}: {amount}");
+        assert!(number(amount, "u95") > 0.5, "{amount}");
+    }
+}
+
+/// A machine that was calibrated without the parabola has a wrong squareness: 40 µm/m² over 0 to 500 mm is 20 µm/m on average. Its own parameter does not hide
+/// the term.
+#[test]
+fn a_parameter_that_was_fitted_without_the_term_is_fitted_again() {
+    let wrong = format!("{MACHINE}[location]\nEC0X = -20.0\n");
+    let shop = shop().file("bench.toml", wrong);
+    let report = shop.run(arguments(&["EXX ~ Y^2"]).into_iter().chain(["--json"])).exits(0).json();
+    let one = &report["hypotheses"][0];
+    let amount = &one["amounts"][0];
+    assert_eq!(one["answer"], "supported", "{one}");
+    assert!((number(amount, "value") - 40.0).abs() < 1.5 * number(amount, "u95"), "{amount}");
+    assert!(one["beside"].as_array().unwrap().contains(&Value::from("location EC0X")), "{one}");
+}
+
 #[test]
 fn wrong_text_is_refused_at_its_column() {
     let shop = shop();

@@ -194,6 +194,35 @@ fn a_scale_from_circles_of_unknown_length_is_relative() {
     }
 }
 
+/// X is 30 µm/m too long. The same line with the opposite sign contradicts it, whatever the model.
+#[test]
+fn a_file_that_contradicts_the_others_is_refused_by_name() {
+    let mut noise = Noise(5);
+    let mut line = |sign: f64| {
+        let mut table = "run,setup,component,X,X_dir,value_um\n".to_owned();
+        for k in 0..11 {
+            let x = 25.0 * f64::from(k);
+            let _ = writeln!(table, "1,A,EXX,{x},1,{:.4}", sign * 30e-3 * x + noise.next(0.1));
+        }
+        table
+    };
+    let description = "[measurement]\nkind = \"direct\"\nfree = [\"offset\"]\n[position]\nY_mm = 100\nZ_mm = 10\n";
+    let mut shop = Shop::new().file("m.toml", printer());
+    for (name, sign) in [("a", 1.0), ("b", 1.0), ("c", -1.0)] {
+        shop = shop.file(&format!("{name}.csv"), line(sign)).file(&format!("{name}.toml"), description);
+    }
+    let fit = |files: [&'static str; 2]| {
+        files.into_iter().fold(vec!["calibrate"], |mut all, file| {
+            all.push(file);
+            all
+        })
+    };
+    let rest = ["--machine", "m.toml", "--model", "EXX1", "-o", "fitted.toml"];
+    shop.run(fit(["a.csv", "b.csv"]).into_iter().chain(rest)).exits(0);
+    let three: Vec<&str> = ["calibrate", "a.csv", "b.csv", "c.csv"].into_iter().chain(rest).collect();
+    shop.run(three).exits(4).says("E0607").says("the fitted model contradicts c").says("check the sign");
+}
+
 #[test]
 fn positions_reached_are_not_taken_for_deviations() {
     let mut table = "Target position (mm);1+;1-;2+;2-\n".to_owned();
