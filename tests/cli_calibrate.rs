@@ -319,6 +319,19 @@ fn probed_balls_give_the_thirteen_parameters_of_five_axes() {
     assert!(before > 20.0 && after < 1.2, "{json}");
 }
 
+/// Without the scale bar, only the places of the rotary axes in the machine file tell how long the scales are.
+#[test]
+fn scales_without_a_known_distance_rest_on_the_pivots() {
+    let shop = five_axes();
+    simulate(&shop, "plan.csv", "balls.csv", "0.2um", "1");
+    let arguments = ["calibrate", "balls.csv", "--machine", "start.toml", "--model", "mayer-13", "-o", "machine.toml"];
+    let run = shop.run(arguments).exits(0);
+    assert!(!run.stderr.contains("W0613"), "{}", run.stderr);
+    let free = shop.text("balls.toml");
+    let shop = shop.file("balls.toml", free.split("[[length]]").next().unwrap());
+    shop.run(arguments).exits(0).says("warning[W0613]").says("EXX1 and EYY1 and EZZ1 from EZ0B");
+}
+
 #[test]
 fn a_gross_outlier_is_listed_and_does_no_harm() {
     let shop = circles();
