@@ -97,3 +97,15 @@ fn a_language_without_such_words_refuses_the_guard() {
     assert!(run.stderr.contains("--guard"), "{}", run.stderr);
     assert!(!shop.names().contains(&"out.pm".to_owned()));
 }
+
+/// Grbl, interface: it supports no O words, and answers such a line with an error.
+#[test]
+fn a_control_without_conditions_refuses_the_guard() {
+    for name in ["grbl", "grblHAL", "FluidNC"] {
+        let shop = Shop::new().file("part.ngc", RS274).file("m.toml", machine(name, 40.125, 80.0));
+        let fix = ["fix", "part.ngc", "-o", "out.ngc", "--machine", "m.toml"];
+        shop.run(fix.iter().chain(&["--guard"])).exits(2).says("do not use --guard");
+        assert!(!shop.names().contains(&"out.ngc".to_owned()), "{name}");
+        shop.run(fix).exits(0);
+    }
+}

@@ -10,7 +10,7 @@ use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, Plane, Vector};
 use ncfix_base::source::Source;
 
 use super::condition::file::PLAUSIBLE_C;
-use super::controller::{ControllerMeaning, controller};
+use super::controller::{ControllerMeaning, controller, has_conditions};
 use super::zero_offset::{check_name, common_name, read_zero_offsets};
 use super::{ActiveTables, AxisData, Control, Lever, Machine, ToolChange, Topology};
 use super::{active, head, measured, opaque, orientation, servo, setting, strain, tool, uncertainty};
@@ -63,6 +63,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     let known = heading.topology.as_ref().map(|(topology, _)| topology.axis_set());
     let chain = known.unwrap_or(AxisSet::EMPTY);
     let mut control = read_control(root.section("control"), (&controller, heading.is_haas), chain, &mut findings);
+    control.has_conditions = heading.has_conditions;
     opaque::read_sections(root.sections("opaque"), &mut control, &mut findings);
     let axis_set = known.unwrap_or_else(|| AXES.into_iter().collect());
     let (zero_offsets, datums) = read_zero_offsets(&mut root, axis_set, &controller, &mut findings);
@@ -181,6 +182,7 @@ struct MachineHeading {
     controller: String,
     /// True if `controller` is a Haas, which speaks the language of a Fanuc.
     is_haas: bool,
+    has_conditions: bool,
     reference_temperature_c: f64,
     active_tables: ActiveTables,
     axis_order: Vec<Axis>,
@@ -192,6 +194,7 @@ fn read_heading(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Mac
     let written_controller = section.text("controller").unwrap_or("sinumerik");
     let meaning = controller(written_controller).map(|row| row.meaning);
     let is_haas = meaning == Some(ControllerMeaning::Haas);
+    let has_conditions = has_conditions(written_controller);
     let controller = match meaning {
         Some(ControllerMeaning::Language(language)) => language,
         Some(ControllerMeaning::Haas) => FANUC,
@@ -212,7 +215,16 @@ fn read_heading(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Mac
         }
     });
     section.finish(findings);
-    MachineHeading { name, topology, controller, is_haas, reference_temperature_c, active_tables, axis_order }
+    MachineHeading {
+        name,
+        topology,
+        controller,
+        is_haas,
+        has_conditions,
+        reference_temperature_c,
+        active_tables,
+        axis_order,
+    }
 }
 
 /// The axes that could be read, and the header of every axis section.
