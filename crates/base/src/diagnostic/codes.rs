@@ -345,7 +345,9 @@ machine are smaller: check the units in the machine file before raising the limi
 "A motion starts from a position that the program has not stated: an incremental move, an arc, or a drilling cycle without X and Y, at
 the beginning of the program or after a tool change. The corrected program is absolute, so it would move to another position than the
 original. Or the plane is tilted, and the positions of the axes are not known. Program an absolute position of all axes before the
-block, for example G0 X0 Y0 Z100; --start X0,Y0,Z0 helps only before the first block.";
+block, for example G0 X0 Y0 Z100; --start X0,Y0,Z0 helps only before the first block. If a probe has stopped the axis, or if the block
+gives a value to its position (G92, G10 L20), a motion before it would change what is measured or set: measure and set the zero in a
+program of its own that is not corrected.";
     UNITS_DOUBT = "E0305" "ambiguous units"
 "The unit of a number depends on the control. Positions may stand before the first code of the unit, in a program that switches between
 inch (G70, G700, G20) and metric (G71, G710, G21) later: state the unit in the first block. Or a number has no decimal point, so a

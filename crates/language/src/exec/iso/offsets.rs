@@ -135,7 +135,7 @@ pub(super) fn axis_offsets(channel: &mut Channel<'_>, gathered: &Gathered, code:
         }
         920 => {
             for axis in gathered.axes.iter() {
-                target::check_stated(channel.settings.strict, &channel.modal, axis, gathered.span_of(axis.letter()))?;
+                target::check_here(channel.settings.strict, &channel.modal, axis, gathered.span_of(axis.letter()))?;
                 let value = target::axis_value(channel, gathered, axis)?;
                 // The local shift of the axis is part of the position, and ends.
                 let local = std::mem::take(&mut channel.modal.local[axis]);
