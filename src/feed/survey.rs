@@ -12,7 +12,6 @@ use ncfix_base::source::Source;
 use ncfix_dnc::drip::Lines;
 use ncfix_dnc::feed::{Forecaster, Line, LinkRate, port};
 use ncfix_language::exec::RapidOrder;
-use ncfix_path::emit;
 use ncfix_path::path::{Corrector, Output};
 use ncfix_report::feed::{Before, FeedEvent, Late, rate};
 
@@ -162,8 +161,8 @@ pub(crate) fn walk(
         let tolerance_mm = job.writing.options.tolerance_mm;
         datum::of_run(&job.machine, &model, extent.zeros(), extent.tools_mm(), tolerance_mm, findings);
     }
-    for stamped in sources.iter().skip(1).filter(|source| emit::is_stamped(source.bytes())) {
-        findings.add(corrected_before(stamped), sources);
+    for corrected in sources.iter().skip(1).filter_map(corrected_before) {
+        findings.add(corrected, sources);
     }
     Ok(short_hash(sources.iter().map(Source::bytes)))
 }

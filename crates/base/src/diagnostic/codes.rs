@@ -332,7 +332,8 @@ before the word, write the word into a block of its own, then select the tool an
   N110 M54";
 
     ALREADY_CORRECTED = "E0301" "program already corrected"
-"The first comment states that ncfix wrote this file. Correcting it again would add the corrections twice. Correct the original.";
+"The first comment states that ncfix wrote this file. Or this comment is missing, but the check of --guard or the marks of added lines
+remain. Correcting it again would add the corrections twice. Correct the original.";
     OUT_OF_TRAVEL = "E0302" "position outside the travel of an axis"
 "A position lies beyond the travel of an axis (travel_mm or travel_deg of [axis.X] in the machine file). In fix and check this is the
 corrected position, in snc the position of the program. The message gives the axis, the limit and the position: the end of the move if
