@@ -562,8 +562,10 @@ the option, or export the file again.";
     NOT_FOR_LINK = "E0701" "line that the link cannot send"
 "A line of the corrected program is too long for the control at the other end of the link, or has a character that means something
 else there: Grbl takes ! ? ~ out of the stream wherever they occur. Or the program is of a dialect that this control does not execute:
-the same word may move its axes elsewhere. Nothing was sent. Omit blanks, block numbers and comments, or
-choose a larger --tolerance or --increment if corrected numbers are too long.";
+the same word may move its axes elsewhere. Or the control does not execute a word that comes over this link: LinuxCNC does not stop at
+M0, M1 and M60 on the link linuxcnc, and takes no O words there. Nothing was sent. If the line is too long, omit blanks, block numbers
+and comments, or choose a larger --increment. Otherwise change the program there, for example end it at M0 and send the rest later, or
+load the corrected program into the control.";
     STARVED = "E0702" "the link cannot keep up with the motion"
 "The control would have to wait for lines: the axes stop in mid-cut and leave marks. The message states where, how many lines per
 second the motion needs there and how many arrive. A link that accepts one line at a time stops the axes at the end of each line.
@@ -860,6 +862,9 @@ the alignment with free = [\"offset\", \"slope\"] in the description, or add the
 "The link sends the whole program as one file before a person starts it. So the correction is that for the temperatures at the time
 of sending. Lines that were sent cannot be corrected for later temperatures. Send the program shortly before the start, or use a link
 that sends lines during the run.";
+    LINK_OF_OTHERS = "W0704" "link that some controls of this language cannot use"
+"The profile of the link names controls that do not receive lines over it, although their programs look the same. ncfix cannot see
+which control is at the other end. Load the corrected program into such a control as a file.";
     KERNEL_DIFFERS = "W0801" "kernel that differs from the model"
 "The kernel of ncfix realtime tabulates the errors of every axis on 200 intervals, evaluates strongly curved functions directly, and
 corrects in two Newton steps. At 1000 poses over the whole travel it was compared with the iterated solution of the model, and
