@@ -14,7 +14,6 @@ use crate::run::{self, Opened, Running, Subprograms};
 use ncfix_base::geometry::AxisVector;
 use ncfix_base::source::{FileId, Source};
 use ncfix_language::exec;
-use ncfix_path::emit;
 
 /// The text of a part program and the options for reading it. It is parsed again for every run, so that memory is
 /// bounded by the text.
@@ -260,13 +259,14 @@ impl Program {
         }
     }
 
-    /// True if the program has the stamp of a correction, which is reported as a diagnostic.
+    /// True if the program has a sign of a correction, which is reported as a diagnostic.
     pub(crate) fn was_corrected_before(&self, found: &mut Diagnostics) -> bool {
-        let is_stamped = emit::is_stamped(self.bytes());
-        if is_stamped {
-            found.add(corrected_before(&self.source), std::slice::from_ref(&self.source));
+        let corrected = corrected_before(&self.source);
+        let was_corrected = corrected.is_some();
+        if let Some(corrected) = corrected {
+            found.add(corrected, std::slice::from_ref(&self.source));
         }
-        is_stamped
+        was_corrected
     }
 
     /// The search for its machine, with the nearest machine file from the folder of `near` upwards.

@@ -59,6 +59,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("E0706", "cli_resume: a_program_of_one_depth_is_not_taken_up_again_without_a_clearance"),
     ("E0707", "cli_resume: a_program_of_one_depth_is_not_taken_up_again_without_a_clearance"),
     ("W0701", "cli_feed: a_link_that_is_too_slow_is_refused_beforehand"),
+    ("W0704", "cli_feed: a_link_names_the_controls_that_cannot_use_it"),
     ("W0703", "lsv2: paths_sensors_and_dialects_are_checked_before_the_port_is_opened"),
     ("W0702", "cli_feed: a_pseudo_terminal_says_what_it_does_not_take"),
     ("W0603", "cli_calibrate: a_gross_outlier_is_listed_and_does_no_harm"),

@@ -646,3 +646,31 @@ fn a_program_of_another_dialect_is_not_sent() {
         assert!(!run.stderr.contains("E0701"), "{link}: {}", run.stderr);
     }
 }
+
+/// Siemens: an 840D or 828D reads no part program over V.24 line by line. Their programs are Sinumerik programs, too.
+#[test]
+fn a_link_names_the_controls_that_cannot_use_it() {
+    let demo = machine("demo");
+    let part = "N10 G90 G71 G54\nN20 G0 X50 Y50 Z100\nN30 G1 X500 F500\nN40 M30\n";
+    let own = "name = \"own\"\nprotocol = \"block\"\n[text]\ndialects = [\"sinumerik\"]\n";
+    let shop = Shop::new().file("part.mpf", part).file("own.toml", own);
+    let feed = |link: &str| {
+        shop.run(["feed", "part.mpf", "--machine", &demo, "--link", link, "--dry-run", "--allow-starvation"]).exits(0)
+    };
+    feed("siemens-v24").says("warning[W0704]").says("840D or 828D").says("load the corrected program");
+    assert!(!feed("own.toml").stderr.contains("W0704"));
+}
+
+/// The length of numbers is no remedy where the control does not execute the word.
+#[test]
+fn the_help_for_a_line_fits_its_reason() {
+    let mill = machine("knee_mill");
+    let short = "name = \"short\"\nprotocol = \"grbl\"\n[text]\nlongest_line = 12\n";
+    let part = passes(1).replace("M30\n", "M0\nM30\n");
+    assert!(part.contains("M0"), "{part}");
+    let shop = Shop::new().file("part.ngc", part).file("short.toml", short);
+    let feed = |link: &str| shop.run(["feed", "part.ngc", "--machine", &mill, "--link", link, "--dry-run"]).exits(4);
+    let run = feed("linuxcnc").says("error[E0701]").says("M0, M1 and M60").says("load the corrected program");
+    assert!(!run.stderr.contains("--increment"), "{}", run.stderr);
+    feed("short.toml").says("error[E0701]").says("choose a larger --increment");
+}

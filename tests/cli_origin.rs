@@ -105,6 +105,49 @@ fn saved_data_of_a_control_is_named_too() {
     assert_eq!(row(&run, "tool[5,1].length_mm"), ("120", "m.toml:17"));
 }
 
+/// The method holds for a zero that was set again; the pose of the old touch does not.
+#[test]
+fn the_method_of_a_zero_stays_until_another_is_stated() {
+    let machine = SMALL.replace("X_mm = 10\n", "X_mm = 10\nset = \"absolute\"\nset_at = { X_mm = 3 }\n");
+    let shop = Shop::new()
+        .file("m.toml", machine)
+        .file("value.toml", "[zero_offset.G54]\nX_mm = 25\n")
+        .file("method.toml", "[zero_offset.G54]\nset = \"probed\"\n")
+        .file("UFR.INI", "%_N_CH_UFR_INI\n$P_UIFR[1,X,TR]=10\nM17\n");
+    let show = |setup: &str| shop.run(["machine", "show", "m.toml", "--setup", setup, "--origin"]).exits(0);
+    for (setup, value, set) in [
+        ("value.toml", ("25", "value.toml:2"), ("\"absolute\"", "m.toml:14")),
+        ("method.toml", ("10", "m.toml:13"), ("\"probed\"", "method.toml:2")),
+        ("UFR.INI", ("10", "UFR.INI:2"), ("\"absolute\"", "m.toml:14")),
+    ] {
+        let run = show(setup);
+        assert_eq!(row(&run, "zero_offset.G54.X_mm"), value, "{setup}");
+        assert_eq!(row(&run, "zero_offset.G54.set"), set, "{setup}");
+        assert!(!run.stdout.contains("set_at"), "{setup}: {}", run.stdout);
+    }
+}
+
+/// Data of the control that are equal to the machine file are those of the control nevertheless.
+#[test]
+fn equal_data_of_the_control_are_named() {
+    let data = "%_N_TO1_TOA\n$TC_DP1[5,1]=120\n$TC_DP3[5,1]=120\n$TC_DP6[5,1]=0\nM17\n";
+    let shop = Shop::new().file("m.toml", SMALL).file("TO.TOA", data);
+    let run = shop.run(["machine", "show", "m.toml", "--setup", "TO.TOA", "--origin"]).exits(0);
+    assert_eq!(row(&run, "tool[5,1].length_mm"), ("[120, 0, 0]", "TO.TOA:2"));
+    assert_eq!(row(&run, "tool[5,2].length_mm"), ("80", "m.toml:22"));
+}
+
+/// A set-up that states only the method must not move the zero to the machine zero.
+#[test]
+fn a_method_alone_keeps_the_zero() {
+    let shop = Shop::new()
+        .file("m.toml", SMALL)
+        .file("part.mpf", "N10 G90 G71 G54\nN20 G0 X5\nN30 M30\n")
+        .file("method.toml", "[zero_offset.G54]\nset = \"probed\"\n");
+    let run = shop.run(["snc", "part.mpf", "--machine", "m.toml", "--setup", "method.toml"]).exits(0);
+    assert!(run.stdout.contains("G0 X15 "), "{}", run.stdout);
+}
+
 #[test]
 fn the_machine_file_is_that_of_the_option_the_variable_the_program_the_working_folder() {
     let named = |name: &str| SMALL.replace("small", name);

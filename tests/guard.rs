@@ -97,3 +97,37 @@ fn a_language_without_such_words_refuses_the_guard() {
     assert!(run.stderr.contains("--guard"), "{}", run.stderr);
     assert!(!shop.names().contains(&"out.pm".to_owned()));
 }
+
+/// Grbl, interface: it supports no O words, and answers such a line with an error.
+#[test]
+fn a_control_without_conditions_refuses_the_guard() {
+    for name in ["grbl", "grblHAL", "FluidNC"] {
+        let shop = Shop::new().file("part.ngc", RS274).file("m.toml", machine(name, 40.125, 80.0));
+        let fix = ["fix", "part.ngc", "-o", "out.ngc", "--machine", "m.toml"];
+        shop.run(fix.iter().chain(&["--guard"])).exits(2).says("do not use --guard");
+        assert!(!shop.names().contains(&"out.ngc".to_owned()), "{name}");
+        shop.run(fix).exits(0);
+    }
+}
+
+/// A box between computer and control may remove comments, and the stamp with them.
+#[test]
+fn a_program_without_its_comments_is_known_by_its_guard() {
+    for (control, name, program) in
+        [("sinumerik", "part.mpf", SINUMERIK), ("fanuc", "part.nc", FANUC), ("rs274", "part.ngc", RS274)]
+    {
+        let shop = Shop::new().file(name, program).file("m.toml", machine(control, 40.125, 80.0));
+        let out = format!("out_{name}");
+        shop.run(["fix", name, "-o", &out, "--machine", "m.toml", "--guard"]).exits(0);
+        let without =
+            |line: &str| match line.find([';', '(']).filter(|_| !line.contains("IF") && !line.contains("SETAL")) {
+                Some(at) => line[..at].to_owned(),
+                None => line.replace("(G54 X CHANGED SINCE CORRECTION)", ""),
+            };
+        let bare: Vec<String> = shop.text(&out).lines().map(without).collect();
+        let bare_name = format!("bare_{name}");
+        let shop = shop.file(&bare_name, bare.join("\n") + "\n");
+        let run = shop.run(["fix", &bare_name, "-o", "again.nc", "--machine", "m.toml", "--dialect", control]).exits(4);
+        run.says("E0301").says("it has the check of --guard");
+    }
+}

@@ -55,6 +55,7 @@ mod comparison;
 mod compensation;
 mod compensation_cases;
 mod compensation_laws;
+mod computed_data;
 mod condition_log;
 mod controls;
 mod correction;

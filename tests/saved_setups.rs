@@ -35,14 +35,14 @@ fn variables_of_linuxcnc() {
     shown("sinumerik", "", "mill.var", VARIABLES).exits(4).says("controller = \"rs274\"");
     // A system without one variable is not stated; one with some of its axes may be cut off.
     let run = shown("rs274", "saved_unit = \"mm\"", "mill.var", &VARIABLES.replace("5223\t-20.000000\n", "")).exits(0);
-    run.says("warning[W0404]").says("G54 gives X and Y but not Z, which counts as 0").says("add 5223");
+    let run = run.says("warning[W0404]").says("G54 gives X and Y but not Z, which counts as 0").says("add 5223");
     assert!(!run.stdout.contains("G56"), "{}", run.stdout);
 }
 
 #[test]
 fn a_zero_table_of_a_grundig_that_lacks_an_axis_is_reported() {
     let run = shown("grundig", "", "zero.zo", "%ZO\nG54 X1 Y2 Z3\nG55 X1 Z3\n").exits(0);
-    run.says("warning[W0404]").says("G55 gives X and Z but not Y, which counts as 0").says("zero.zo:3");
+    let run = run.says("warning[W0404]").says("G55 gives X and Z but not Y, which counts as 0").says("zero.zo:3");
     assert!(!run.stderr.contains("G54"), "{}", run.stderr);
 }
 

@@ -155,10 +155,58 @@ M30",
         [
             "N20 $P_UIFR[1]=CTRANS(X,100,Y,50):CROT(Z,90)",
             "N30 G54 G17 G90 G0 X10 Y0 Z0",
-            "N40 $P_UIFR[1]=CTRANS(X,100,Y,50):CFINE(X,0.25):CROT(Z,90) $AC_MARKER[3]=51",
+            "N40 $P_UIFR[1,X,FI]=0.25 $AC_MARKER[3]=51",
             "N50 $TC_DP3[1,1]=125 $A_OUT[2]=TRUE",
             "N60 G0 X51 Y0 Z0",
             "M30",
+        ]
+    );
+}
+
+/// Siemens, synchronized actions: $AA_OFF shifts an axis at once, whatever the program says.
+#[test]
+fn a_shift_beside_the_program_is_refused() {
+    for (word, codes) in [
+        ("$AA_OFF[Z]=-1", &["E0201:3"][..]),
+        ("$AA_OFF[X]=R1+0.5", &["E0201:3"]),
+        ("$AA_TOFF[Z]=0.1", &["E0201:3"]),
+        ("$AC_DRF[X]=0.2", &["E0201:3"]),
+        ("$AA_OFF[Z]=0", &[]),
+    ] {
+        check_codes(&format!("R1=1\nG90 G0 X0 Y0 Z0\n{word}\nX1\nM30"), codes);
+    }
+}
+
+/// The control has other values for the rest of the frame: those of the machine file must not replace them.
+#[test]
+fn only_the_assigned_component_of_a_frame_is_written() {
+    let machine = format!(
+        "{IDEAL}\n[zero_offset.G54]\nX_mm = 100\nY_mm = 120\nZ_mm = 80\n[zero_offset.G55]\nX_mm = 10\nfine_Y_mm = 2\nrotation_deg = [0, 0, 5]\n"
+    );
+    let lines = fixed(
+        "N10 G17 G90 G71 G54
+N20 $P_UIFR[1,X,TR]=151
+N30 $P_UIFR[2,Y,FI]=0.02
+N40 $P_UIFR[2,Z,RT]=30
+N50 $P_UIFR[2,X,SC]=2
+N60 $P_UIFR[2,Y,MI]=TRUE
+N70 $P_CHBFR[1,Z,TR]=-4
+N80 $P_UBFR[X,TR]=7
+N90 G0 X1 Y2 Z3
+M30",
+        &machine,
+    );
+    let data: Vec<&String> = lines.iter().filter(|line| line.contains("FR[")).collect();
+    assert_eq!(
+        data,
+        [
+            "N20 $P_UIFR[1,X,TR]=151",
+            "N30 $P_UIFR[2,Y,FI]=0.02",
+            "N40 $P_UIFR[2,Z,RT]=30",
+            "N50 $P_UIFR[2,X,SC]=2",
+            "N60 $P_UIFR[2,Y,MI]=1",
+            "N70 $P_CHBFR[1,Z,TR]=-4",
+            "N80 $P_CHBFR[0,X,TR]=7",
         ]
     );
 }

@@ -283,7 +283,7 @@ pub(super) struct FixArguments {
     /// Write out drilling cycles as single moves. Default: holes stay cycles, with corrected position and depth
     #[arg(long)]
     pub(super) expand_cycles: bool,
-    /// Begin the output with a check by the control, which stops if a zero offset or tool length differs from those used here
+    /// Begin the output with a check by the control, which stops if a zero offset or tool length differs from those used here (not Grbl, Grundig)
     #[arg(long)]
     pub(super) guard: bool,
     /// Largest output, in blocks per line of the program, such as 20x; a longer one is refused

@@ -32,7 +32,7 @@ use ncfix_dialect::Language;
 use ncfix_language::exec::{self, Radius};
 use ncfix_language::syntax;
 use ncfix_model::Model;
-use ncfix_path::emit::{self, NumberSet};
+use ncfix_path::emit::{self, CorrectionTrace, NumberSet};
 use ncfix_path::path::{self, Prediction};
 use ncfix_report::correction::CorrectionReport;
 use ncfix_report::guard::GuardReport;
@@ -374,8 +374,8 @@ impl<'a> Prepared<'a> {
         }
         also(&running.files(), found);
         let sources = running.sources();
-        for stamped in sources.iter().skip(1).filter(|source| emit::is_stamped(source.bytes())) {
-            found.add(corrected_before(stamped), sources);
+        for corrected in sources.iter().skip(1).filter_map(corrected_before) {
+            found.add(corrected, sources);
         }
         let heads = head::in_use(machine, model, running.extent());
         if running.moves() && !found.has_errors() {
@@ -433,15 +433,14 @@ fn numbers_of(program: &syntax::Program) -> NumberSet {
     numbers
 }
 
-/// The diagnostic for a program that carries a stamp; it points at the name in the stamp.
-pub(crate) fn corrected_before(source: &Source) -> Diagnostic {
-    const NAME: &[u8] = b"ncfix";
-    let is_name = |window: &[u8]| window.eq_ignore_ascii_case(NAME);
-    let at = source.bytes().windows(NAME.len()).position(is_name).unwrap_or(0);
-    Diagnostic::at(
-        Code::ALREADY_CORRECTED,
-        Place { file: source.id(), span: Span::new(at, at + NAME.len()) },
-        "this program is already corrected",
-        "correct the original program",
-    )
+/// The diagnostic for a program that carries a sign of a correction; it points at this sign. `None` for any other program.
+pub(crate) fn corrected_before(source: &Source) -> Option<Diagnostic> {
+    let CorrectionTrace { what, at } = emit::correction_trace(source.bytes())?;
+    let message = if emit::is_stamped(source.bytes()) {
+        "this program is already corrected".to_owned()
+    } else {
+        format!("this program is already corrected, although its first comment is missing: it has {what}")
+    };
+    let place = Place { file: source.id(), span: Span::new(at.start, at.end) };
+    Some(Diagnostic::at(Code::ALREADY_CORRECTED, place, message, "correct the original program"))
 }

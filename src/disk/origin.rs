@@ -38,13 +38,21 @@ pub(crate) fn origins(source: &Source, found: FoundFile, setups: &[PathBuf]) -> 
         });
         for Member { source, is_saved_data, format } in machine_file::members(path)?.1 {
             if is_saved_data || format.is_some() {
-                let before = machine.clone();
                 // Errors in it were reported when the machine was read.
-                let _ = match format {
-                    Some(format) => apply_saved(format, &source, &mut machine),
-                    None => apply_archive(&source, &mut machine),
+                let apply = |machine: &mut Machine| {
+                    let _ = match format {
+                        Some(format) => apply_saved(format, &source, machine),
+                        None => apply_archive(&source, machine),
+                    };
                 };
-                lay_over(&mut out.values, changes(&before, &machine, &source));
+                let before = machine.clone();
+                apply(&mut machine);
+                // Data that are equal to those of an earlier file come from this file too: they differ from other data.
+                let other = with_other_data(&before);
+                let mut over_other = other.clone();
+                apply(&mut over_other);
+                let stated = [(&before, &machine), (&other, &over_other)];
+                lay_over(&mut out.values, changes(stated, &source));
             } else if let Ok(file) = MachineFile::parse(&source) {
                 let _ = apply_setup(&source, &mut machine);
                 lay_over(&mut out.values, rows(&file, &source));
@@ -79,13 +87,29 @@ fn section(path: &str) -> &str {
     path.rsplit_once('.').map_or("", |(section, _)| section)
 }
 
-/// Overrides values by those of a set-up file: a tool and a zero offset replace the complete entry of the same name, a variable only itself.
+/// Overrides values by those of a set-up file: a tool and a zero offset replace the complete entry of the same name, a variable only itself. The method
+/// by which a zero was set holds until another is stated; the poses of the old touch do not.
 fn lay_over(values: &mut Vec<OriginRow>, over: Vec<OriginRow>) {
-    let is_whole = |section: &str| section.starts_with("tool[") || section.starts_with("zero_offset.");
+    let is_of_touch = |path: &str| path.ends_with(".set") || path.contains(".set_at.");
+    let zero = |path: &str| section(path).split(".set_at").next().unwrap_or_default().to_owned();
     values.retain(|row| {
-        !over.iter().any(|new| {
-            new.path == row.path || (is_whole(section(&row.path)) && section(&new.path) == section(&row.path))
-        })
+        if over.iter().any(|new| new.path == row.path) {
+            return false;
+        }
+        let own = section(&row.path);
+        if own.starts_with("tool[") {
+            return !over.iter().any(|new| section(&new.path) == own);
+        }
+        if !own.starts_with("zero_offset.") {
+            return true;
+        }
+        let own = zero(&row.path);
+        let mut same = over.iter().filter(|new| zero(&new.path) == own);
+        match (row.path.ends_with(".set"), is_of_touch(&row.path)) {
+            (true, _) => !same.any(|new| is_of_touch(&new.path)),
+            (false, true) => same.next().is_none(),
+            (false, false) => !same.any(|new| !is_of_touch(&new.path)),
+        }
     });
     over.into_iter().for_each(|row| insert(values, row));
 }
@@ -124,14 +148,35 @@ fn fill_in(values: &mut Vec<OriginRow>, machine: &Machine) {
     }
 }
 
-/// The changes of a machine by data that a control saved.
-fn changes(before: &Machine, after: &Machine, source: &Source) -> Vec<OriginRow> {
+/// A machine whose zero offsets, base frames and tools all have other values.
+fn with_other_data(machine: &Machine) -> Machine {
+    let mut other = machine.clone();
+    for frame in other.zero_offsets.values_mut().chain(other.base_frames.values_mut()) {
+        AXES.into_iter().for_each(|axis| frame.translation[axis] += 1.0);
+    }
+    for tool in &mut other.tools {
+        tool.length_mm[0] += 1.0;
+    }
+    other
+}
+
+/// The values that data of a control state. Each pair is a machine before and after it read them; a value is stated if it changes in one of the pairs. The
+/// values are those of the first pair.
+fn changes(stated: [(&Machine, &Machine); 2], source: &Source) -> Vec<OriginRow> {
+    let (before, after) = stated[0];
     let mut out = Vec::new();
     let mut add = |path: String, value: String, mark: &str| {
         out.push(OriginRow { path, value, origin: place(source, mark) });
     };
-    for tool in after.tools.iter().filter(|tool| !before.tools.contains(tool)) {
+    for tool in &after.tools {
         let Tool { number, edge, length_mm, radius_mm, name } = tool;
+        let is_same = |one: &&Tool| (one.number, one.edge) == (*number, *edge);
+        let has_changed = |(before, after): (&Machine, &Machine)| {
+            before.tools.iter().find(is_same) != after.tools.iter().find(is_same)
+        };
+        if !stated.into_iter().any(has_changed) {
+            continue;
+        }
         // Avoids a negative zero in the output.
         let [l1, l2, l3] = length_mm.map(|length_mm| length_mm + 0.0);
         let mark = format!("[{number},{edge}]");
@@ -143,12 +188,16 @@ fn changes(before: &Machine, after: &Machine, source: &Source) -> Vec<OriginRow>
         name.iter().for_each(|name| add(path("name"), format!("\"{name}\""), &mark));
     }
     for (name, frame) in &after.zero_offsets {
-        if before.zero_offsets.get(name) != Some(frame) {
+        let has_changed =
+            |(before, after): (&Machine, &Machine)| before.zero_offsets.get(name) != after.zero_offsets.get(name);
+        if stated.into_iter().any(has_changed) {
             of_frame(&format!("zero_offset.{name}"), frame, after, |path, value| add(path, value, "$P_UIFR"));
         }
     }
     for (number, frame) in &after.base_frames {
-        if before.base_frames.get(number) != Some(frame) {
+        let has_changed =
+            |(before, after): (&Machine, &Machine)| before.base_frames.get(number) != after.base_frames.get(number);
+        if stated.into_iter().any(has_changed) {
             of_frame(&format!("base_frame.{number}"), frame, after, |path, value| add(path, value, "BFR["));
         }
     }

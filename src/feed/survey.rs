@@ -12,7 +12,6 @@ use ncfix_base::source::Source;
 use ncfix_dnc::drip::Lines;
 use ncfix_dnc::feed::{Forecaster, Line, LinkRate, port};
 use ncfix_language::exec::RapidOrder;
-use ncfix_path::emit;
 use ncfix_path::path::{Corrector, Output};
 use ncfix_report::feed::{Before, FeedEvent, Late, rate};
 
@@ -40,6 +39,10 @@ pub(crate) fn run(
     let profile = &job.link.profile;
     // A file waits in the control as a whole before it is started.
     let sends_file = profile.protocol.sends_file;
+    if let Some(caution) = &profile.caution {
+        let help = "if yours is such a control, load the corrected program instead: `ncfix IN -o OUT`";
+        findings.add(Diagnostic::nowhere(Code::LINK_OF_OTHERS, caution.clone(), help), &[]);
+    }
     let own = LinkRate { characters_per_s: f64::INFINITY, answer_s: 0.0, lines: 1, bytes: usize::MAX };
     let lines = LinkRate {
         characters_per_s: port::characters_per_s(port, profile),
@@ -57,7 +60,7 @@ pub(crate) fn run(
         if let Err(why) = profile.check(&line.text)
             && refused.len() < MOST_SHOWN
         {
-            refused.push(not_for_link(line, &why));
+            refused.push(not_for_link(line, &why, profile.longest_line));
         }
         forecaster.line(line.text.len() + end_of_block, line.source_line, line.busy_s);
     })?;
@@ -162,8 +165,8 @@ pub(crate) fn walk(
         let tolerance_mm = job.writing.options.tolerance_mm;
         datum::of_run(&job.machine, &model, extent.zeros(), extent.tools_mm(), tolerance_mm, findings);
     }
-    for stamped in sources.iter().skip(1).filter(|source| emit::is_stamped(source.bytes())) {
-        findings.add(corrected_before(stamped), sources);
+    for corrected in sources.iter().skip(1).filter_map(corrected_before) {
+        findings.add(corrected, sources);
     }
     Ok(short_hash(sources.iter().map(Source::bytes)))
 }
@@ -202,10 +205,13 @@ fn judge(allows_starvation: bool, before: &Before, findings: &mut Diagnostics) {
     findings.add(Diagnostic::nowhere(code, message, help), &[]);
 }
 
-fn not_for_link(line: &Line, why: &str) -> Diagnostic {
+fn not_for_link(line: &Line, why: &str, longest_line: usize) -> Diagnostic {
     let text = String::from_utf8_lossy(&line.text);
     let message = format!("line {} of the original becomes '{text}': {why}", line.source_line);
-    let help =
-        "change the program there, choose a larger --increment for shorter numbers, or another profile with --link";
+    let help = if text.len() > longest_line {
+        "change the program there, choose a larger --increment for shorter numbers, or another profile with --link"
+    } else {
+        "change the program there, choose another profile with --link, or load the corrected program into the control (`ncfix IN -o OUT`)"
+    };
     Diagnostic::nowhere(Code::NOT_FOR_LINK, message, help)
 }

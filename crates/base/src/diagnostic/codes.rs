@@ -332,7 +332,8 @@ before the word, write the word into a block of its own, then select the tool an
   N110 M54";
 
     ALREADY_CORRECTED = "E0301" "program already corrected"
-"The first comment states that ncfix wrote this file. Correcting it again would add the corrections twice. Correct the original.";
+"The first comment states that ncfix wrote this file. Or this comment is missing, but the check of --guard or the marks of added lines
+remain. Correcting it again would add the corrections twice. Correct the original.";
     OUT_OF_TRAVEL = "E0302" "position outside the travel of an axis"
 "A position lies beyond the travel of an axis (travel_mm or travel_deg of [axis.X] in the machine file). In fix and check this is the
 corrected position, in snc the position of the program. The message gives the axis, the limit and the position: the end of the move if
@@ -345,7 +346,9 @@ machine are smaller: check the units in the machine file before raising the limi
 "A motion starts from a position that the program has not stated: an incremental move, an arc, or a drilling cycle without X and Y, at
 the beginning of the program or after a tool change. The corrected program is absolute, so it would move to another position than the
 original. Or the plane is tilted, and the positions of the axes are not known. Program an absolute position of all axes before the
-block, for example G0 X0 Y0 Z100; --start X0,Y0,Z0 helps only before the first block.";
+block, for example G0 X0 Y0 Z100; --start X0,Y0,Z0 helps only before the first block. If a probe has stopped the axis, or if the block
+gives a value to its position (G92, G10 L20), a motion before it would change what is measured or set: measure and set the zero in a
+program of its own that is not corrected.";
     UNITS_DOUBT = "E0305" "ambiguous units"
 "The unit of a number depends on the control. Positions may stand before the first code of the unit, in a program that switches between
 inch (G70, G700, G20) and metric (G71, G710, G21) later: state the unit in the first block. Or a number has no decimal point, so a
@@ -559,8 +562,10 @@ the option, or export the file again.";
     NOT_FOR_LINK = "E0701" "line that the link cannot send"
 "A line of the corrected program is too long for the control at the other end of the link, or has a character that means something
 else there: Grbl takes ! ? ~ out of the stream wherever they occur. Or the program is of a dialect that this control does not execute:
-the same word may move its axes elsewhere. Nothing was sent. Omit blanks, block numbers and comments, or
-choose a larger --tolerance or --increment if corrected numbers are too long.";
+the same word may move its axes elsewhere. Or the control does not execute a word that comes over this link: LinuxCNC does not stop at
+M0, M1 and M60 on the link linuxcnc, and takes no O words there. Nothing was sent. If the line is too long, omit blanks, block numbers
+and comments, or choose a larger --increment. Otherwise change the program there, for example end it at M0 and send the rest later, or
+load the corrected program into the control.";
     STARVED = "E0702" "the link cannot keep up with the motion"
 "The control would have to wait for lines: the axes stop in mid-cut and leave marks. The message states where, how many lines per
 second the motion needs there and how many arrive. A link that accepts one line at a time stops the axes at the end of each line.
@@ -862,6 +867,9 @@ distance of two balls in [[length]], measure one axis with a laser, or fit the o
 "The link sends the whole program as one file before a person starts it. So the correction is that for the temperatures at the time
 of sending. Lines that were sent cannot be corrected for later temperatures. Send the program shortly before the start, or use a link
 that sends lines during the run.";
+    LINK_OF_OTHERS = "W0704" "link that some controls of this language cannot use"
+"The profile of the link names controls that do not receive lines over it, although their programs look the same. ncfix cannot see
+which control is at the other end. Load the corrected program into such a control as a file.";
     KERNEL_DIFFERS = "W0801" "kernel that differs from the model"
 "The kernel of ncfix realtime tabulates the errors of every axis on 200 intervals, evaluates strongly curved functions directly, and
 corrects in two Newton steps. At 1000 poses over the whole travel it was compared with the iterated solution of the model, and

@@ -197,6 +197,8 @@ pub struct Profile {
     pub name: String,
     /// Description for people.
     pub title: String,
+    /// Sentence about controls that cannot use this link although their programs look the same; `None` without such controls.
+    pub caution: Option<String>,
     /// Dialogue.
     pub protocol: &'static Protocol,
     /// Serial line; TCP and pseudo-terminals ignore it.
@@ -287,6 +289,7 @@ impl Profile {
         let mut findings = Vec::new();
         let name = root.required("name", "\"my-link\"", Section::text).unwrap_or_default().to_owned();
         let title = root.text("title").unwrap_or(&name).to_owned();
+        let caution = root.text("caution").map(str::to_owned);
         let named = root.required("protocol", "\"grbl\"", Section::text);
         let protocol = named.and_then(|name| protocols.find(name)).copied();
         if let (Some(named), None) = (named, protocol) {
@@ -374,6 +377,7 @@ impl Profile {
         Ok(Profile {
             name,
             title,
+            caution,
             protocol,
             serial,
             flow,

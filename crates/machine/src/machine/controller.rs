@@ -95,6 +95,14 @@ pub fn controller(name: &str) -> Option<&'static ControllerName> {
     CONTROLLERS.iter().find(|row| row.name == plain)
 }
 
+/// Names of Grbl and its relatives: they read the codes of RS274/NGC, but no conditions.
+const WITHOUT_CONDITIONS: [&str; 3] = ["grbl", "grblhal", "fluidnc"];
+
+/// True if the programs of a control may have conditions; a name that is not known may mean such a control.
+pub(super) fn has_conditions(name: &str) -> bool {
+    controller(name).is_none_or(|row| !WITHOUT_CONDITIONS.contains(&row.name))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -106,5 +114,9 @@ mod tests {
         }
         assert!(matches!(controller("Mach3").map(|row| row.meaning), Some(ControllerMeaning::Differs(_))));
         assert_eq!(controller("latin"), None);
+        assert_eq!(
+            ["Grbl", "grblHAL", "LinuxCNC", "rs274", "haas"].map(has_conditions),
+            [false, false, true, true, true]
+        );
     }
 }

@@ -10,8 +10,8 @@ use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, Plane, Vector};
 use ncfix_base::source::Source;
 
 use super::condition::file::PLAUSIBLE_C;
-use super::controller::{ControllerMeaning, controller};
-use super::zero_offset::{check_name, common_name, read_zero_offsets};
+use super::controller::{ControllerMeaning, controller, has_conditions};
+use super::zero_offset::{ZeroOffsets, check_name, common_name, read_zero_offsets};
 use super::{ActiveTables, AxisData, Control, Lever, Machine, ToolChange, Topology};
 use super::{active, head, measured, opaque, orientation, servo, setting, strain, tool, uncertainty};
 
@@ -63,9 +63,11 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     let known = heading.topology.as_ref().map(|(topology, _)| topology.axis_set());
     let chain = known.unwrap_or(AxisSet::EMPTY);
     let mut control = read_control(root.section("control"), (&controller, heading.is_haas), chain, &mut findings);
+    control.has_conditions = heading.has_conditions;
     opaque::read_sections(root.sections("opaque"), &mut control, &mut findings);
     let axis_set = known.unwrap_or_else(|| AXES.into_iter().collect());
-    let (zero_offsets, datums) = read_zero_offsets(&mut root, axis_set, &controller, &mut findings);
+    let ZeroOffsets { offsets: zero_offsets, datums, .. } =
+        read_zero_offsets(&mut root, axis_set, &controller, &mut findings);
     let tools = tool::read(&mut root, &mut findings);
     let sensor_references_c = read_sensors(root.section("sensor"), &mut findings);
     let system = setting::read(root.section("system"), true, &mut findings);
@@ -156,8 +158,7 @@ pub fn apply_setup(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
     };
     let mut findings = Vec::new();
     let mut root = file.root();
-    let (zero_offsets, datums) =
-        read_zero_offsets(&mut root, machine.topology.axis_set(), &machine.controller, &mut findings);
+    let zeros = read_zero_offsets(&mut root, machine.topology.axis_set(), &machine.controller, &mut findings);
     let tools = tool::read(&mut root, &mut findings);
     let system = setting::read(root.section("system"), true, &mut findings);
     let gud = setting::read(root.section("gud"), false, &mut findings);
@@ -165,8 +166,13 @@ pub fn apply_setup(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
     if findings.iter().any(Diagnostic::is_error) {
         return findings;
     }
-    zero_offsets.into_iter().for_each(|(name, parts)| machine.set_zero_offset(name, parts));
-    machine.datums.extend(datums);
+    for (name, parts) in zeros.offsets {
+        // A method alone says how the known zero was set. It must not replace the zero by 0.
+        if !zeros.without_value.contains(&name) || !machine.zero_offsets.contains_key(&name) {
+            machine.set_zero_offset(name, parts);
+        }
+    }
+    machine.datums.extend(zeros.datums);
     machine.system.extend(system);
     machine.gud.extend(gud);
     machine.set_tools(tools);
@@ -181,6 +187,7 @@ struct MachineHeading {
     controller: String,
     /// True if `controller` is a Haas, which speaks the language of a Fanuc.
     is_haas: bool,
+    has_conditions: bool,
     reference_temperature_c: f64,
     active_tables: ActiveTables,
     axis_order: Vec<Axis>,
@@ -192,6 +199,7 @@ fn read_heading(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Mac
     let written_controller = section.text("controller").unwrap_or("sinumerik");
     let meaning = controller(written_controller).map(|row| row.meaning);
     let is_haas = meaning == Some(ControllerMeaning::Haas);
+    let has_conditions = has_conditions(written_controller);
     let controller = match meaning {
         Some(ControllerMeaning::Language(language)) => language,
         Some(ControllerMeaning::Haas) => FANUC,
@@ -212,7 +220,16 @@ fn read_heading(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Mac
         }
     });
     section.finish(findings);
-    MachineHeading { name, topology, controller, is_haas, reference_temperature_c, active_tables, axis_order }
+    MachineHeading {
+        name,
+        topology,
+        controller,
+        is_haas,
+        has_conditions,
+        reference_temperature_c,
+        active_tables,
+        axis_order,
+    }
 }
 
 /// The axes that could be read, and the header of every axis section.

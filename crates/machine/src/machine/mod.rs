@@ -170,6 +170,8 @@ pub struct Control {
     /// True if an inch has ten times as many increments as a millimeter, the grid of a Fanuc. LinuxCNC reads any decimals; there, a hundred times as many
     /// preserve the resolution of `increment_mm`.
     pub has_inch_grid: bool,
+    /// True if programs may have conditions. Grbl and its relatives have no O words, at least not in programs that are sent to them.
+    pub has_conditions: bool,
     /// Increments per millimeter of a Sinumerik (MD10200); `None` if the file does not state it.
     pub increments_per_mm: Option<f64>,
     /// Largest block number of the output, if blocks must have numbers; `None` without a limit.
@@ -317,6 +319,7 @@ impl Default for Control {
             output_inch: None,
             saved_inch: None,
             has_inch_grid: true,
+            has_conditions: true,
             increments_per_mm: None,
             last_block_number: None,
             block_cycle_s: None,

@@ -1,6 +1,6 @@
 //! Settable zero offsets in the machine file: `[zero_offset.G54]` with shifts, rotation, scale and mirror.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{AXES, Axis, AxisSet, FrameParts};
@@ -77,14 +77,25 @@ pub(super) fn check_name(name: &str, controller: &str) -> Result<(), String> {
     }
 }
 
+/// Content of `[zero_offset]`, by the names of the offsets.
+#[derive(Default)]
+pub(super) struct ZeroOffsets {
+    /// Values; 0 without a value.
+    pub(super) offsets: BTreeMap<String, FrameParts>,
+    /// Methods and poses.
+    pub(super) datums: BTreeMap<String, Datum>,
+    /// Entries that state only a method or a pose.
+    pub(super) without_value: BTreeSet<String>,
+}
+
 pub(super) fn read_zero_offsets(
     root: &mut Section<'_>,
     axes: AxisSet,
     controller: &str,
     findings: &mut Vec<Diagnostic>,
-) -> (BTreeMap<String, FrameParts>, BTreeMap<String, Datum>) {
-    let (mut offsets, mut datums) = (BTreeMap::new(), BTreeMap::new());
-    let Some(mut section) = root.section("zero_offset") else { return (offsets, datums) };
+) -> ZeroOffsets {
+    let mut out = ZeroOffsets::default();
+    let Some(mut section) = root.section("zero_offset") else { return out };
     let names: Vec<&str> = section.keys().collect();
     for name in names {
         if let Err(help) = check_name(name, controller) {
@@ -94,16 +105,20 @@ pub(super) fn read_zero_offsets(
             continue;
         }
         let Some(mut own) = section.section(name) else { continue };
+        let states_value = own.keys().any(|key| !matches!(key, "set" | "set_at"));
         let parts = read_parts(&mut own, axes);
         check_whole(&mut own, name, axes);
         if let Some(datum) = Datum::read(&mut own, axes, findings) {
-            datums.insert(common_name(name), datum);
+            out.datums.insert(common_name(name), datum);
         }
         own.finish(findings);
-        offsets.insert(common_name(name), parts);
+        if !states_value {
+            out.without_value.insert(common_name(name));
+        }
+        out.offsets.insert(common_name(name), parts);
     }
     section.finish(findings);
-    (offsets, datums)
+    out
 }
 
 impl Machine {

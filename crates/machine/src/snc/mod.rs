@@ -8,6 +8,7 @@
 mod drilling;
 pub mod extent;
 mod feed_unit;
+mod here;
 mod motion_mode;
 mod text;
 mod text_reader;
@@ -15,6 +16,7 @@ mod written_zero;
 
 pub use drilling::{CycleArgument, DrillingCycle, HoleTrigger, Peck};
 pub use feed_unit::{FEED_MODES, FeedUnit};
+pub use here::HereStatement;
 pub use motion_mode::{MotionMode, Thread, ThreadCode};
 pub use text::{TextWriter, stated_machine};
 pub use text_reader::{TextError, TextReader};
@@ -80,6 +82,8 @@ pub enum Kind {
     Keep(&'static str),
     /// Words of the program's language that change no position, values evaluated: `ADIS=0.5`, `SETMS(2)`. They come before the motion words of their block.
     Verbatim(Vec<u8>),
+    /// Data that the control computes from the place where it stands: `G10 L20`. Not part of the text form.
+    Here(Box<HereStatement>),
     /// The positions of these axes are unknown from here on: something outside the stream has moved them.
     Lost(AxisSet),
     /// Relation of positions to axis commands from here on. Not part of the text form.

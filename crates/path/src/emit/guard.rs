@@ -84,17 +84,34 @@ fn whole(name: &str, prefix: &str) -> Option<u32> {
     name.strip_prefix(prefix)?.parse().ok()
 }
 
+/// End of the message of a Sinumerik.
+const DIFFERS: &str = "value at the control differs from that of the correction";
+/// End of the message of a Fanuc.
+const CHANGED: &str = "CHANGED SINCE CORRECTION";
+/// Beginning of the O words of LinuxCNC, which must not occur in the program: a name cannot.
+const LABEL: &str = "o<ncfix_guard";
+
+/// True if a line is one of a guard, also if capitals, blanks or comments have changed.
+pub(super) fn is_of_guard(line: &[u8]) -> bool {
+    let holds = |text: &str| line.windows(text.len()).any(|window| window.eq_ignore_ascii_case(text.as_bytes()));
+    if holds(DIFFERS) || holds(CHANGED) || holds(LABEL) {
+        return true;
+    }
+    // Without its comment, the condition of a Fanuc remains, with the accepted difference in mm or inches.
+    if !holds("#3000") {
+        return false;
+    }
+    let plain: Vec<u8> = line.iter().filter(|byte| !byte.is_ascii_whitespace()).map(u8::to_ascii_uppercase).collect();
+    let holds = |text: &[u8]| plain.windows(text.len()).any(|window| window == text);
+    holds(b"IF[ABS[#") && (holds(b"]]GT0.0006]THEN#3000=1") || holds(b"]]GT0.0000236]THEN#3000=1"))
+}
+
 /// The guard of a Sinumerik: `$P_UIFR`, `$TC_DP3` with its wear `$TC_DP12` and its base length `$TC_DP21`; alarm 65000 of the user, then the end of the program (Siemens, System variables
 /// list manual; Programming manual, SETAL).
 pub(super) fn sinumerik(data: &GuardedData) -> GuardLines {
     let mut guard = GuardLines::default();
     let stop = |name: &str, differs: String| {
-        [
-            format!("IF {differs}"),
-            format!("SETAL(65000,\"{name}: value at the control differs from that of the correction\")"),
-            "M30".to_owned(),
-            "ENDIF".to_owned(),
-        ]
+        [format!("IF {differs}"), format!("SETAL(65000,\"{name}: {DIFFERS}\")"), "M30".to_owned(), "ENDIF".to_owned()]
     };
     for zero in &data.zeros {
         let index = match whole(&zero.name, "G") {
@@ -137,7 +154,7 @@ pub(super) fn fanuc(data: &GuardedData) -> GuardLines {
     let mut guard = GuardLines::default();
     let stop = |read: &str, (value, unit): (f64, f64), name: &str| {
         let same = (SAME / unit * 1e7).round() / 1e7;
-        format!("IF[ABS[{read}-[{}]]GT{same}]THEN #3000=1({name} CHANGED SINCE CORRECTION)", number(value / unit))
+        format!("IF[ABS[{read}-[{}]]GT{same}]THEN #3000=1({name} {CHANGED})", number(value / unit))
     };
     let unit_of = |axis: Axis| if axis.is_rotary() { 1.0 } else { data.unit_mm };
     for zero in &data.zeros {
@@ -173,8 +190,6 @@ pub(super) fn fanuc(data: &GuardedData) -> GuardLines {
 
 /// The guard of LinuxCNC: the numbered parameters of the zero offsets. The lengths of its tool table are not parameters before the tool is loaded.
 pub(super) fn rs274(data: &GuardedData) -> GuardLines {
-    /// Numbers of the O words, which must not occur in the program: a name cannot.
-    const LABEL: &str = "o<ncfix_guard";
     let mut guard = GuardLines::default();
     for zero in &data.zeros {
         let system = match zero.name.strip_prefix("G59.").map(str::parse::<u32>) {

@@ -15,6 +15,7 @@ mod number;
 mod sinumerik;
 mod stamp;
 mod stops;
+mod traces;
 mod words;
 
 pub use block_number::NumberSet;
@@ -26,6 +27,8 @@ pub use number::Decimals;
 pub use stamp::{
     Stamp, is_stamp_changed, is_stamped, is_stamped_for, stamped_model, stamped_promise, stamped_source, stamped_state,
 };
+
+pub use traces::{CorrectionTrace, correction_trace};
 
 use std::io::{self, Write};
 

@@ -133,6 +133,19 @@ impl<'a> DiagnosticCollector<'a> {
         }
     }
 
+    /// Reports data computed from the position of an axis that is not known here.
+    pub(super) fn here_unknown(&mut self, origin: &Origin, words: &str, axis: Axis) {
+        let message = format!("{words} uses the position of {axis}, which is not known here");
+        let help = "let the program move the axis to an absolute position before it; if a probe ended the move, measure in a program of its own, which is not corrected";
+        self.report(origin, Code::UNKNOWN_START, message, help.into());
+    }
+
+    /// Reports data computed from the position under a transformation, where that position is not one of the axes.
+    pub(super) fn here_in_transform(&mut self, origin: &Origin, words: &str) {
+        let message = format!("{words} while a transformation of the axes is in force");
+        self.report(origin, Code::NOT_SUPPORTED, message, "end the transformation before it".into());
+    }
+
     pub(super) fn not_converged(&mut self, origin: &Origin, failure: NotConverged) {
         let message = if failure.residual_mm.is_finite() {
             format!("no correction was found here; the residual is {}", micrometers(failure.residual_mm))

@@ -100,12 +100,13 @@ impl<'a> Live<'a> {
 
     /// Applies the shift of `now` to the next output of the first step; without `now`, the last shift.
     pub fn apply(&mut self, output: Output, now: Option<&Model>, doses: &mut dyn Doses) -> Output {
-        let element = match output {
+        let mut element = match output {
             Output::Piece(piece) => return Output::Piece(self.shift(piece, now, doses)),
             Output::Element(element) => element,
             Output::Cycle(_) => return output,
         };
-        match &element.kind {
+        match &mut element.kind {
+            Kind::Here(here) => here.stand_at(here.command + (self.sent - self.command)),
             Kind::Setup(setup) => {
                 let [old, new] = [&self.placer.setup.frame, &setup.frame];
                 if old.linear() != new.linear() && !self.placer.is_machine_frame() {

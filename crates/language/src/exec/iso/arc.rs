@@ -5,7 +5,6 @@ use super::measure;
 use super::modal::Modal;
 use super::step;
 use super::target;
-use crate::exec::core::position::unknown_start;
 use crate::exec::core::standing::InForce;
 use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
@@ -53,7 +52,7 @@ pub(super) fn arc(
     if channel.settings.strict {
         let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
         if let Some(axis) = plane.difference(channel.modal.position.known).iter().next() {
-            return Err(unknown_start(gathered.span, axis));
+            return Err(channel.modal.position.unknown(gathered.span, axis));
         }
     }
     let (clockwise, span) = (code == 20, gathered.span);

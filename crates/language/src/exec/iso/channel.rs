@@ -5,6 +5,7 @@ use super::nurbs::Curve;
 use super::polar::Polar;
 use super::tilted::Collected;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::call::Call;
 use super::gathered::Gathered;
@@ -23,7 +24,7 @@ use ncfix_base::geometry::{AxisSet, AxisVector, FrameParts, Vector};
 use ncfix_base::source::Span;
 use ncfix_dialect::{Dialect, Language};
 use ncfix_machine::machine::{Machine, Tool};
-use ncfix_machine::snc::{BlockNumber, Kind, Origin, Word, WrittenZeros};
+use ncfix_machine::snc::{BlockNumber, Kind, Origin, Word, WrittenZero, WrittenZeros};
 
 /// State and output of the channel.
 pub(super) struct Channel<'a> {
@@ -59,10 +60,20 @@ pub(super) struct WrittenData {
     pub(super) offsets: BTreeMap<System, FrameParts>,
     /// Their values that were used.
     pub(super) zeros: WrittenZeros,
+    /// Zero offsets computed from the position (`G10 L20`), with the zero offset in force there. Nothing was touched: the point that the tool showed
+    /// was corrected for that zero, and must stay where it is.
+    pub(super) shown: BTreeMap<System, ShownZero>,
     /// Tool offsets set by the program.
     pub(super) tools: ToolTable<ToolOffset>,
     /// The intermediate point of the last G28 or G30.
     pub(super) via: Via,
+}
+
+/// The zero offset in force where another was computed from the position: its index and, if the program has set it, its value.
+#[derive(Clone, Debug)]
+pub(super) struct ShownZero {
+    pub(super) index: Option<u16>,
+    pub(super) written: Option<Arc<WrittenZero>>,
 }
 
 /// State of the current block.

@@ -1,4 +1,5 @@
-//! G10: zero offsets and tool offsets set by the program. The control stores them permanently, so the output sets them too.
+//! G10: zero offsets and tool offsets set by the program. The control stores them permanently, so the output sets them too: as values, or, if the
+//! control computes them from its position, in the same manner.
 
 use super::forbidden;
 use super::measure;
@@ -11,15 +12,16 @@ use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
 
 use super::channel::Channel;
+use super::channel::ShownZero;
 use super::channel::ToolOffset;
 use super::codes::Group;
 use super::gathered::Gathered;
 use super::zero_offset::System;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::{Axis, AxisSet, AxisVector, FrameParts};
+use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame, FrameParts};
 use ncfix_base::source::Span;
-use ncfix_machine::snc::Kind;
+use ncfix_machine::snc::{HereStatement, Kind};
 
 /// `G10`
 pub(super) fn set_data(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
@@ -61,17 +63,19 @@ fn system_number(language: Language, modal: &Modal, number: Option<u32>, span: S
 }
 
 fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, span: Span) -> Result<(), Fault> {
-    if system == channel.modal.system {
+    let is_relative = channel.is_rs274() && gathered.raw(b'L').is_some_and(|l| l.round() == 20.0);
+    // The place of a compensated tool is not the programmed one.
+    if system == channel.modal.system || is_relative {
         forbidden::no_compensation(channel.language, &channel.modal, span, "G10")?;
     }
-    let is_relative = channel.is_rs274() && gathered.raw(b'L').is_some_and(|l| l.round() == 20.0);
     let known = target::offset_of(channel.settings.machine, &channel.written, system);
     let mut parts = known.unwrap_or_default();
     if let Some(angle) = gathered.raw(b'R').filter(|_| channel.is_rs274() && !is_relative) {
         parts.rotation[2] = angle.to_radians();
     }
+    let mut here = None;
     if is_relative {
-        place_here(channel, gathered, system, &mut parts)?;
+        here = Some(place_here(channel, gathered, system, &mut parts)?);
     } else {
         for axis in gathered.axes.iter() {
             let value = target::axis_value(channel, gathered, axis)?;
@@ -86,23 +90,29 @@ fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, sp
             parts.fine[axis] = 0.0;
         }
     }
-    let mut named = gathered.axes;
-    if parts.rotation[2] != 0.0 {
-        named = named.union([Axis::X, Axis::Y].into_iter().collect());
+    match here {
+        Some(here) => channel.push(Kind::Here(Box::new(here))),
+        None => say_offset(
+            channel.settings.machine,
+            channel.language,
+            &mut channel.outlet,
+            system,
+            &parts,
+            gathered.axes,
+            gathered.has(b'R'),
+        ),
     }
-    say_offset(
-        channel.settings.machine,
-        channel.language,
-        &mut channel.outlet,
-        system,
-        &parts,
-        named,
-        gathered.has(b'R'),
-    );
     // Without a value in the machine file an offset is known once the program sets X, Y and Z. The offset of all systems counts as zero.
     let is_external = system == System::EXTERNAL;
     if known.is_some() || is_external || !channel.settings.strict || AxisSet::XYZ.difference(gathered.axes).is_empty() {
         channel.written.offsets.insert(system, parts);
+        let is_whole = system == channel.modal.system || AxisSet::XYZ.difference(gathered.axes).is_empty();
+        if is_relative && is_whole {
+            let shown = ShownZero { index: channel.modal.zero, written: channel.modal.written_zero.clone() };
+            channel.written.shown.insert(system, shown);
+        } else {
+            channel.written.shown.remove(&system);
+        }
     }
     if system == channel.modal.system || is_external {
         offsets::load_offset(channel, span)?;
@@ -110,31 +120,56 @@ fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, sp
     Ok(())
 }
 
-/// `G10 L20`: shifts a system so that the current position has the given values.
+/// `G10 L20`: shifts a system so that the current position has the given values. Returns the statement for the output.
 fn place_here(
     channel: &mut Channel<'_>,
     gathered: &Gathered,
     system: System,
     parts: &mut FrameParts,
-) -> Result<(), Fault> {
+) -> Result<HereStatement, Fault> {
     let order = channel.settings.machine.control.rotation_order;
     let mut wanted = target::frame_of(channel.settings.machine, &channel.written, system)
         .unapply(&target::tip(&channel.modal, &channel.standing));
     let shift = channel.modal.shift;
     wanted = wanted - shift;
     for axis in gathered.axes.iter() {
-        target::check_stated(channel.settings.strict, &channel.modal, axis, gathered.span_of(axis.letter()))?;
+        target::check_here(channel.settings.strict, &channel.modal, axis, gathered.span_of(axis.letter()))?;
         wanted[axis] = target::axis_value(channel, gathered, axis)?;
     }
     // The rotated target position, subtracted from the tip position.
     let turned = FrameParts { translation: AxisVector::ZERO, ..*parts };
-    let Some(turned) = turned.frame(order) else { return Ok(()) };
-    let place = target::tip(&channel.modal, &channel.standing) - turned.apply(&(wanted + shift));
+    let Some(turned) = turned.frame(order) else {
+        let message = format!("the frame of {} cannot be undone", system.words());
+        return Err(fault(Code::NOT_COMPUTABLE, gathered.span, message, "check its factors"));
+    };
+    let in_plane: AxisSet = [Axis::X, Axis::Y].into_iter().collect();
+    let of_plane = gathered.axes.intersection(in_plane);
+    // In turned coordinates, a new value of X shifts the zero along X and Y of the machine.
+    let is_mixed = !turned.is_translation() && !of_plane.is_empty();
+    if is_mixed && of_plane != in_plane && system != channel.modal.system && channel.settings.strict {
+        let message =
+            format!("G10 L20 of {}, which is turned and not in force, with only one of X and Y", system.words());
+        return Err(fault(Code::NOT_SUPPORTED, gathered.span, message, "program both X and Y"));
+    }
+    let named = if is_mixed { gathered.axes.union(in_plane) } else { gathered.axes };
+    let command = channel.modal.position.command;
+    // The output has no G92: its shift is a part of the values.
+    let values = wanted + shift;
+    let place = target::tip(&channel.modal, &channel.standing) - turned.apply(&values);
     let touched = if turned.is_translation() { gathered.axes } else { gathered.axes.union(AxisSet::XYZ) };
     for axis in touched.iter() {
         parts.translation[axis] = place[axis];
     }
-    Ok(())
+    Ok(HereStatement {
+        words: format!("G10 L20 P{}", system.0),
+        behind: String::new(),
+        command,
+        frame: turned,
+        values,
+        named,
+        unit_mm: text::output_unit_mm(channel.settings.machine),
+        data: parts.shift(),
+    })
 }
 
 fn say_offset(
@@ -164,14 +199,24 @@ fn say_offset(
 /// `G10 L1`, `L10`, `L11` of RS274/NGC: length and radius of a tool.
 fn set_tool(channel: &mut Channel<'_>, gathered: &Gathered, l: i64, number: u32, span: Span) -> Result<(), Fault> {
     let mut offset = channel.written.tools.find(channel.settings.machine, number, 1).unwrap_or_default();
-    let mut text = format!("G10 L1 P{number}");
-    // The tip position without tool length, in the coordinates of L10 and L11.
-    let mut bare = channel.modal.position.command;
-    if l == 10 {
-        bare = channel.modal.frame().unapply(&bare);
-    } else if l == 11 {
-        bare = target::frame_of(channel.settings.machine, &channel.written, System(9)).unapply(&bare);
+    // L10 and L11 measure the tool here: the place of a compensated tool is not the programmed one.
+    if l != 1 {
+        forbidden::no_compensation(channel.language, &channel.modal, span, "G10")?;
     }
+    // The coordinates of L10 and L11; those of L10 include G92, which the output does not have.
+    let (frame, shown) = match l {
+        10 => (channel.modal.frame(), channel.modal.shown().frame),
+        11 => {
+            let frame = target::frame_of(channel.settings.machine, &channel.written, System(9));
+            (frame.clone(), frame)
+        }
+        _ => (Frame::identity(), Frame::identity()),
+    };
+    // The tip position without tool length.
+    let command = channel.modal.position.command;
+    let bare = frame.unapply(&command);
+    let shift = shown.unapply(&command) - bare;
+    let (mut values, mut lengths) = (AxisVector::ZERO, AxisVector::ZERO);
     for axis in gathered.axes.iter() {
         if !AxisSet::XYZ.contains(axis) {
             let message = format!("a tool offset along {axis} is not supported");
@@ -181,26 +226,45 @@ fn set_tool(channel: &mut Channel<'_>, gathered: &Gathered, l: i64, number: u32,
         let length = if l == 1 {
             value
         } else {
-            target::check_stated(channel.settings.strict, &channel.modal, axis, gathered.span_of(axis.letter()))?;
+            target::check_here(channel.settings.strict, &channel.modal, axis, gathered.span_of(axis.letter()))?;
             bare[axis] - value
         };
         offset.length_mm[axis.slot()] = length;
-        text::append_length(channel.settings.machine, channel.language, &mut text, axis.letter(), length);
+        (values[axis], lengths[axis]) = (value + shift[axis], length);
     }
+    let mut behind = String::new();
     if let Some(radius) = measure::length(channel, gathered, b'R')? {
         channel.outlet.check_radius(&format!("tool {number}"), radius, span)?;
         offset.radius_mm = radius;
-        text::append_length(channel.settings.machine, channel.language, &mut text, b'R', radius);
+        text::append_length(channel.settings.machine, channel.language, &mut behind, b'R', radius);
     }
     for letter in *b"IJQ" {
         if let Some(value) = gathered.raw(letter) {
-            text::append(channel.language, &mut text, letter, value);
+            text::append(channel.language, &mut behind, letter, value);
         }
     }
     if gathered.axes.is_empty() && !gathered.has_any(b"RIJQ") {
         return Err(bad_value(span, "G10 L1 without offsets", "name the axes or R"));
     }
     channel.written.tools.write(number, 1, offset);
+    if l != 1 && !gathered.axes.is_empty() {
+        channel.push(Kind::Here(Box::new(HereStatement {
+            words: format!("G10 L{l} P{number}"),
+            behind,
+            command,
+            frame: shown,
+            values,
+            named: gathered.axes,
+            unit_mm: text::output_unit_mm(channel.settings.machine),
+            data: lengths,
+        })));
+        return Ok(());
+    }
+    let mut text = format!("G10 L1 P{number}");
+    for axis in gathered.axes.iter() {
+        text::append_length(channel.settings.machine, channel.language, &mut text, axis.letter(), lengths[axis]);
+    }
+    text.push_str(&behind);
     channel.push(Kind::Verbatim(text.into_bytes()));
     Ok(())
 }

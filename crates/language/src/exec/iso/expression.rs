@@ -9,7 +9,7 @@ use super::variables::Missing;
 use super::variables::{Place, number_of};
 use crate::exec::core::fault::{Fault, at, fault};
 use crate::exec::core::grid::on_grid;
-use crate::exec::core::position::BEGIN_ABSOLUTE;
+use crate::exec::core::position;
 use crate::syntax::words::{Address, ExprId, Function, NameId, Node, Operator, Program, UnaryOperator, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
@@ -288,7 +288,7 @@ impl Scope<'_, '_> {
             Missing::Unknown | Missing::OnlyMachine => self.of_machine_file(span),
             Missing::Unstated => {
                 let message = format!("{shown} is read, but the position of this axis is not known yet");
-                let help = BEGIN_ABSOLUTE;
+                let help = position::advice(self.channel.modal.position.probed);
                 Err(fault(Code::UNKNOWN_START, span, message, help))
             }
             Missing::Compensated => {
@@ -301,7 +301,13 @@ impl Scope<'_, '_> {
 
 fn no_value(key: &str, span: Span) -> Fault {
     let message = format!("{key} is read, but its value is known only to the machine");
-    let help = format!("add \"{key}\" = … to [system] of the machine file");
+    // Positions of the last probing: of G38 on LinuxCNC, of G31 on a Fanuc.
+    let number = key.trim_matches(['#', '[', ']']).parse();
+    let help = if matches!(number, Ok(5061_u32..=5070)) {
+        position::MEASURE_APART.to_owned()
+    } else {
+        format!("add \"{key}\" = … to [system] of the machine file")
+    };
     fault(Code::NO_SYSTEM_VALUE, span, message, help).of_variable(key)
 }
 

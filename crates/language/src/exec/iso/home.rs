@@ -9,7 +9,6 @@ use super::step::Step;
 use super::target;
 use super::variables::Variables;
 use crate::exec::core::fault::{Fault, bad_value, fault};
-use crate::exec::core::position::unknown_start;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AXES, Axis, AxisSet, Vector};
 use ncfix_base::source::Span;
@@ -102,7 +101,7 @@ pub(super) fn save_home(channel: &mut Channel<'_>, code: u16, span: Span) -> Res
     if let Some(axis) =
         AxisSet::XYZ.iter().find(|&axis| channel.settings.strict && !channel.modal.position.known.contains(axis))
     {
-        return Err(unknown_start(span, axis));
+        return Err(channel.modal.position.unknown(span, axis));
     }
     if channel.settings.strict {
         let message = format!("{} would store the corrected axis positions", name_of(code));

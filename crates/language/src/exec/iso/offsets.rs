@@ -36,13 +36,17 @@ pub(super) fn load_offset(channel: &mut Channel<'_>, span: Span) -> Result<(), F
     };
     channel.modal.settable = external.compose(&own);
     let (machine, name) = (channel.settings.machine, system.words());
-    let own = channel.written.offsets.get(&system);
-    channel.modal.written_zero =
-        own.and_then(|own| channel.written.zeros.entry(machine.zero_offsets.len(), &name, own));
-    channel.modal.zero = match (own, &channel.modal.written_zero) {
-        (None, _) => machine.zero_index(&name),
-        (Some(_), written) => written.as_ref().map(|written| written.index),
-    };
+    if let Some(shown) = channel.written.shown.get(&system).cloned() {
+        (channel.modal.zero, channel.modal.written_zero) = (shown.index, shown.written);
+    } else {
+        let own = channel.written.offsets.get(&system);
+        channel.modal.written_zero =
+            own.and_then(|own| channel.written.zeros.entry(machine.zero_offsets.len(), &name, own));
+        channel.modal.zero = match (own, &channel.modal.written_zero) {
+            (None, _) => machine.zero_index(&name),
+            (Some(_), written) => written.as_ref().map(|written| written.index),
+        };
+    }
     setup::refresh_setup(channel);
     Ok(())
 }
@@ -135,7 +139,7 @@ pub(super) fn axis_offsets(channel: &mut Channel<'_>, gathered: &Gathered, code:
         }
         920 => {
             for axis in gathered.axes.iter() {
-                target::check_stated(channel.settings.strict, &channel.modal, axis, gathered.span_of(axis.letter()))?;
+                target::check_here(channel.settings.strict, &channel.modal, axis, gathered.span_of(axis.letter()))?;
                 let value = target::axis_value(channel, gathered, axis)?;
                 // The local shift of the axis is part of the position, and ends.
                 let local = std::mem::take(&mut channel.modal.local[axis]);

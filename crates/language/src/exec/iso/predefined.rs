@@ -134,6 +134,7 @@ pub(super) fn write_parameter(
         None => parts.rotation[2] = value.to_radians(),
     }
     written.offsets.insert(system, parts);
+    written.shown.remove(&system);
     outlet.push(Kind::Verbatim(format!("#{number}={value}").into_bytes()));
     true
 }

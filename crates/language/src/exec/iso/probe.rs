@@ -34,6 +34,7 @@ pub(super) fn probe(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
     predefined::note_probe(channel);
     if channel.settings.strict {
         let lost = channel.modal.forget(named);
+        channel.modal.position.probed = channel.modal.position.probed.union(lost);
         channel.push(Kind::Lost(lost));
     }
     Ok(())

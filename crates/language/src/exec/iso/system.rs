@@ -301,6 +301,7 @@ fn write_offset(
     parts.translation[axis] = inside;
     parts.fine[axis] = 0.0;
     channel.written.offsets.insert(system, parts);
+    channel.written.shown.remove(&system);
     tell(
         &mut channel.outlet,
         number,

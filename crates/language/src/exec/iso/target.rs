@@ -10,7 +10,7 @@ use super::passed_axis;
 use super::zero_offset::System;
 use crate::exec::core::fault::Fault;
 use crate::exec::core::fault::fault;
-use crate::exec::core::position::unknown_start;
+use crate::exec::core::position::MEASURE_APART;
 use crate::exec::core::rollover;
 use crate::exec::core::standing::InForce;
 use ncfix_base::diagnostic::Code;
@@ -84,7 +84,16 @@ pub(super) fn offset_of(machine: &Machine, written: &WrittenData, system: System
 /// Rejects motions that depend on an axis at a position the program has not stated.
 pub(super) fn check_stated(strict: bool, modal: &Modal, axis: Axis, span: Span) -> Result<(), Fault> {
     if strict && !modal.position.known.contains(axis) {
-        return Err(unknown_start(span, axis));
+        return Err(modal.position.unknown(span, axis));
+    }
+    Ok(())
+}
+
+/// Rejects a value for the current position (G92, G10 L10, L11, L20) of an axis whose position the program has not stated.
+pub(super) fn check_here(strict: bool, modal: &Modal, axis: Axis, span: Span) -> Result<(), Fault> {
+    if strict && !modal.position.known.contains(axis) {
+        let message = format!("this block gives a value to the position of {axis}, which is not known here");
+        return Err(fault(Code::UNKNOWN_START, span, message, MEASURE_APART));
     }
     Ok(())
 }

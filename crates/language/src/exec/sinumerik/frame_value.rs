@@ -36,6 +36,17 @@ impl Component {
             _ => return None,
         })
     }
+
+    /// Its name in an index.
+    fn word(self) -> &'static str {
+        match self {
+            Component::Translation => "TR",
+            Component::Fine => "FI",
+            Component::Rotation => "RT",
+            Component::Scale => "SC",
+            Component::Mirror => "MI",
+        }
+    }
 }
 
 /// Values are rounded to this many parts of a mm or degree: far finer than any increment, without rounding noise.
@@ -255,8 +266,25 @@ pub(super) fn frame_text(parts: &FrameParts) -> String {
 }
 
 fn pair(axis: Axis, value: f64) -> String {
-    let value = (value * PARTS).round() / PARTS;
-    format!("{axis},{value}")
+    format!("{axis},{}", rounded(value))
+}
+
+fn rounded(value: f64) -> f64 {
+    (value * PARTS).round() / PARTS
+}
+
+/// The index of a component and its value, in mm and degrees: `X,TR` and `100`.
+pub(super) fn component_words(parts: &FrameParts, axis: Axis, component: Component) -> (String, f64) {
+    let shift = |values: &AxisVector| if axis.is_rotary() { values[axis].to_degrees() } else { values[axis] };
+    let of_space = |values: [f64; 3]| values.get(axis.slot()).copied().unwrap_or_default();
+    let value = match component {
+        Component::Translation => shift(&parts.translation),
+        Component::Fine => shift(&parts.fine),
+        Component::Rotation => of_space(parts.rotation).to_degrees(),
+        Component::Scale => of_space(parts.scale),
+        Component::Mirror => f64::from(u8::from(parts.mirror.get(axis.slot()).copied().unwrap_or_default())),
+    };
+    (format!("{axis},{}", component.word()), rounded(value))
 }
 
 /// The plane's axes in the order of `$P_AXN1` to `$P_AXN3`.

@@ -9,7 +9,7 @@ use super::stated::Stated;
 use crate::exec::core::contour::ContourModal;
 use crate::exec::core::fault::{Fault, fault};
 use crate::exec::core::modal::Modes;
-use crate::exec::core::position::{Position, unknown_start};
+use crate::exec::core::position::Position;
 use crate::exec::core::tool::ToolState;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame, Plane, Vector};
@@ -256,7 +256,7 @@ impl Modal {
     /// The error for an axis whose position the program has not stated.
     pub(super) fn unknown_start(&self, span: Span, axis: Axis) -> Fault {
         if !self.moved_by_plane.contains(axis) {
-            return unknown_start(span, axis);
+            return self.position.unknown(span, axis);
         }
         let message = format!(
             "the position of {axis} is not known since G{} was selected, because the tool length then acts along another axis",

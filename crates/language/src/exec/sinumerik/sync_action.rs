@@ -8,6 +8,7 @@ use super::functions::is_function;
 use super::level::Loaded;
 use super::pass::number_text;
 use super::scope::scope_of;
+use super::system_write::OVERLAID;
 use super::value::Value as ExecValue;
 use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
@@ -173,8 +174,7 @@ fn moving_word(actions: &[u8], axes: AxisSet) -> Option<String> {
 fn is_moving(upper: &str, depth: u32, behind: &[u8], axes: AxisSet) -> bool {
     let is_written = behind.first() == Some(&b'=') || behind.first() == Some(&b'[') && is_element_written(behind);
     if let Some(name) = upper.strip_prefix("$$").or_else(|| upper.strip_prefix('$')) {
-        let on_position =
-            ["AA_OFF", "AA_TOFF", "AN_CEC", "AN_ETC", "AC_TOFF"].iter().any(|start| name.starts_with(start));
+        let on_position = name.starts_with("AN_CEC") || OVERLAID.iter().any(|start| name.starts_with(start));
         // Variables that the control provides for synchronized actions; other variables may affect axes.
         let is_free = ["AC_", "AA_", "A_", "AN_"].iter().any(|start| name.starts_with(start));
         let is_parameter =

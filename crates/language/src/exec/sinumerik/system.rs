@@ -8,7 +8,7 @@ use super::frame_store::{FrameStore, settable_number};
 use super::frame_value::plane_axis;
 use super::value::Value;
 use crate::exec::core::fault::{Fault, fault};
-use crate::exec::core::position::BEGIN_ABSOLUTE;
+use crate::exec::core::position::{BEGIN_ABSOLUTE, MEASURE_APART};
 use crate::syntax::sinumerik::{ArgumentRange, ExprId};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;
@@ -119,7 +119,12 @@ impl Scope<'_> {
             _ => {}
         }
         let message = format!("{key} is read, but its value is known only to the machine");
-        let help = format!("add \"{}\" = … to [system] of the machine file", key.replace('"', "\\\""));
+        // Results of measuring blocks.
+        let help = if ["$AA_MM", "$AA_MW", "$AC_MEA"].iter().any(|start| name.starts_with(start)) {
+            MEASURE_APART.to_owned()
+        } else {
+            format!("add \"{}\" = … to [system] of the machine file", key.replace('"', "\\\""))
+        };
         Err(fault(Code::NO_SYSTEM_VALUE, span, message, help).of_variable(key))
     }
 

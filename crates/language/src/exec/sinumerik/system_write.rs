@@ -2,7 +2,7 @@
 
 use super::channel::Channel;
 use super::frame_store::FrameName;
-use super::frame_value::{Component, frame_text};
+use super::frame_value::{Component, component_words, frame_text};
 use super::level::Loaded;
 use super::scope::scope_of;
 use super::setup;
@@ -32,6 +32,10 @@ const COMPENSATION: &[&str] = &[
     "$MA_COMP",
 ];
 
+/// Beginnings of variables, without `$`, that shift axes beside the program: overlaid motion, online tool offset, DRF, external zero offset, position
+/// offset of the operator.
+pub(super) const OVERLAID: &[&str] = &["AA_OFF", "AA_TOFF", "AN_ETC", "AC_TOFF", "AA_ETRANS", "AC_DRF", "AC_PRESET"];
+
 /// The left side of an assignment to a system variable.
 #[derive(Clone, Copy)]
 pub(super) struct SystemName<'n> {
@@ -52,6 +56,14 @@ pub(super) fn assign_system(
         let message = format!("{name} is the machine's own compensation, and the program changes it");
         let help = "load it on the machine first, and give ncfix the residual error model";
         return Err(fault(Code::OWN_COMPENSATION, span, message, help));
+    }
+    let is_overlaid = name.strip_prefix('$').is_some_and(|name| OVERLAID.iter().any(|known| name.starts_with(known)));
+    // A value of zero shifts nothing; the limit of the overlaid motion neither.
+    let is_zero = matches!(&list, List::One(value) | List::Repeat(value, _) if value.number() == Some(0.0));
+    if is_overlaid && !is_zero && !name.ends_with("_LIMIT") {
+        let message = format!("{name} shifts an axis beside the program, and the correction does not know this shift");
+        let help = "program the shift in the coordinates: TRANS, a zero offset, or the tool length";
+        return Err(fault(Code::NOT_SUPPORTED, span, message, help));
     }
     let values = match list {
         List::One(value) => vec![Some(value)],
@@ -138,12 +150,14 @@ fn assign_frame(
 ) -> Result<(), Fault> {
     let scope = scope_of(loaded, channel);
     let order = setup::rotation_order(channel.settings.machine);
+    let mut component_text = None;
     let parts = match (component, value) {
         (None, Value::Frame(parts)) => *parts,
         (Some((axis, component, _)), value) => {
             let mut parts = scope.frame(name, span)?;
             let number = value.number().ok_or_else(|| needs_number("a component of a frame", span))?;
             scope.set_component(&mut parts, axis, component, number, span)?;
+            component_text = Some(component_words(&parts, axis, component));
             parts
         }
         (None, _) => {
@@ -201,11 +215,18 @@ fn assign_frame(
             return Err(fault(Code::NOT_SUPPORTED, span, message, "put the shift into a base or settable frame"));
         }
     };
-    let text = format!("{shown}={}", frame_text(&parts));
+    let mut text = format!("{shown}={}", frame_text(&parts));
     match name {
         FrameName::ActiveSettable => channel.modal.stated.assign_settable(&text),
         FrameName::Programmable => channel.modal.stated.assign_programmable(&text),
         _ => {}
+    }
+    // The other components may come from the machine file: written too, they would replace those of the control.
+    if let Some((index, value)) = component_text.filter(|_| name != FrameName::Programmable) {
+        text = match shown.strip_suffix(']') {
+            Some(shown) => format!("{shown},{index}]={value}"),
+            None => format!("{shown}[{index}]={value}"),
+        };
     }
     setup::refresh_setup(&mut channel.modal, &mut channel.standing, &mut channel.outlet);
     channel.push(Kind::Verbatim(text.into_bytes()));

@@ -84,7 +84,9 @@ impl Sinumerik {
                 self.line.text.extend_from_slice(b"\")");
             }
             Kind::Verbatim(text) => self.word(text),
-            Kind::Header(_)
+            // Only RS274/NGC has such statements.
+            Kind::Here(_)
+            | Kind::Header(_)
             | Kind::Comment(_)
             | Kind::Label(_)
             | Kind::Move(_)

@@ -8,7 +8,7 @@ use super::cycle::END;
 use super::{Language, Words};
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::units::push_integer;
-use ncfix_machine::snc::{Dwell, Element, FrameWords, Kind, Origin, Word, WordValue};
+use ncfix_machine::snc::{Dwell, Element, FrameWords, HereStatement, Kind, Origin, Word, WordValue};
 
 /// Beginning and end of a tape.
 const TAPE: &[u8] = b"%";
@@ -115,6 +115,7 @@ impl Words {
                 self.line.hold_from(start);
             }
             Kind::Feed(feed) => self.feed_word(*feed),
+            Kind::Here(here) => self.here(here),
             Kind::Verbatim(text) => {
                 let first = text.split(|&byte| byte == b' ').next().unwrap_or_default();
                 self.stops.note(std::str::from_utf8(first).unwrap_or_default());
@@ -137,6 +138,22 @@ impl Words {
             _ => {}
         }
         Ok(())
+    }
+
+    /// Writes data that the control computes from its position, far finer than any increment.
+    fn here(&mut self, here: &HereStatement) {
+        self.line.word(here.words.as_bytes());
+        for axis in here.named.iter() {
+            let value = here.values[axis];
+            let shown = if axis.is_rotary() { value.to_degrees() } else { value / here.unit_mm };
+            self.line.word(&[axis.letter()]);
+            // Without a negative zero.
+            push_value(&mut self.line.text, (shown * 1e6).round() / 1e6 + 0.0);
+        }
+        self.line.text.extend_from_slice(here.behind.as_bytes());
+        self.has_p = true;
+        // As after every statement: the next motion states its code.
+        self.motion = "";
     }
 
     fn auxiliary(&mut self, word: &Word, origin: &Origin) -> Result<(), Diagnostic> {

@@ -15,6 +15,8 @@ const SAME_NUMBER: [f64; 2] = [1e-6, 1e-9];
 const SAME_SPEED: f64 = 0.5;
 /// Tolerance of a dwell, which may be written in whole milliseconds, s.
 const SAME_DWELL: f64 = 1e-3;
+/// Tolerance of data that the control computes from its position: values have six decimals, mm, degrees or inches.
+const SAME_DATA: f64 = 2e-5;
 /// Maximum number of acts examined between two moves; a loop without motion could have any number.
 const MOST_ACTS: usize = 20_000;
 /// Maximum number of acts for a comparison of all pairs.
@@ -52,11 +54,16 @@ impl Act {
         if self.subject != other.subject {
             return false;
         }
+        let is_same_data = || of_data(&self.text) == of_data(&other.text);
         match (self.number, other.number) {
             (Some(one), Some(other)) => {
                 let same = match self.subject {
                     ActSubject::SpindleSpeed => SAME_SPEED,
                     ActSubject::Dwell => SAME_DWELL,
+                    // Both programs stand at different places, so that the values differ, but the data must not.
+                    ActSubject::ComputedData => {
+                        return (one - other).abs() <= SAME_DATA && is_same_data();
+                    }
                     _ => SAME_NUMBER[1],
                 };
                 (one - other).abs() <= same.max(SAME_NUMBER[0] * one.abs())
@@ -113,6 +120,18 @@ impl Acts {
             Kind::Verbatim(text) => {
                 let text = String::from_utf8_lossy(text).trim().to_owned();
                 if !passing.is_word(first_word(&text)) && !text.is_empty() {
+                    self.0.push(Act::new(origin, ActSubject::Statement, text));
+                }
+            }
+            Kind::Here(here) => {
+                for axis in here.named.iter() {
+                    let data = here.data[axis];
+                    let data = if axis.is_rotary() { data.to_degrees() } else { data };
+                    let text = format!("{} {axis} = {}", here.words, shown(data));
+                    self.0.push(Act { number: Some(data), ..Act::new(origin, ActSubject::ComputedData, text) });
+                }
+                if !here.behind.is_empty() {
+                    let text = format!("{}{}", here.words, here.behind);
                     self.0.push(Act::new(origin, ActSubject::Statement, text));
                 }
             }
@@ -295,7 +314,9 @@ fn rest<'a>(original: &'a [Act], corrected: &'a [Act]) -> [Vec<&'a Act>; 2] {
 /// `true` if one act may be a changed version of the other.
 fn is_about_the_same(one: &Act, other: &Act) -> bool {
     let first = |act: &'_ Act| first_word(&act.text).trim_end_matches(|sign: char| sign.is_ascii_digit()).to_owned();
-    one.subject == other.subject && (one.subject != ActSubject::Statement || first(one) == first(other))
+    one.subject == other.subject
+        && (one.subject != ActSubject::Statement || first(one) == first(other))
+        && (one.subject != ActSubject::ComputedData || of_data(&one.text) == of_data(&other.text))
 }
 
 /// The act of an auxiliary word.
@@ -331,6 +352,11 @@ fn of_function(number: f64) -> ActSubject {
         (&[6.0], ActSubject::ToolChange),
     ];
     OF.iter().find(|(numbers, _)| numbers.contains(&number)).map_or(ActSubject::Function, |(_, subject)| *subject)
+}
+
+/// The data that are computed: the `G10 L20 P1 Z` of `G10 L20 P1 Z = -61`.
+fn of_data(text: &str) -> &str {
+    text.split('=').next().unwrap_or_default()
 }
 
 fn is_of_coordinates(word: &str, machine: &Machine) -> bool {

@@ -28,6 +28,8 @@ pub enum ActSubject {
     Mode,
     /// A statement that is passed on as it is.
     Statement,
+    /// Data that the control computes from its position, such as the zero offset of `G10 L20`.
+    ComputedData,
     /// What a control finds a program by.
     ProgramNumber,
     /// A message to the operator.
@@ -72,6 +74,7 @@ impl std::fmt::Display for ActSubject {
             ActSubject::DwellInTurns => "dwell in turns",
             ActSubject::Mode => "mode",
             ActSubject::Statement => "statement",
+            ActSubject::ComputedData => "data computed from the position",
             ActSubject::ProgramNumber => "program number",
             ActSubject::Message => "message",
             ActSubject::WorkOffset => "work offset",

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::AxisSet;
-use ncfix_machine::snc::{Element, Kind, Setup};
+use ncfix_machine::snc::{Element, HereStatement, Kind, Origin, Setup};
 
 use super::{Corrector, sampler_of};
 use crate::path::lead::Lead;
@@ -15,14 +15,16 @@ where
     I: Iterator<Item = Result<Element, Diagnostic>>,
 {
     /// Begins a move, or passes an element on.
-    pub(super) fn take_in(&mut self, element: Element) {
+    pub(super) fn take_in(&mut self, mut element: Element) {
         self.keep_pace(&element);
         if element.starts_block {
             self.prediction.repeated.note(&element.origin);
         }
-        match &element.kind {
+        match &mut element.kind {
+            Kind::Here(here) => self.here(&element.origin, here),
             Kind::Move(motion) => {
-                self.begin(&element, motion);
+                let motion = *motion;
+                self.begin(&element, &motion);
                 return;
             }
             Kind::Setup(setup) => self.set_up(Arc::clone(setup)),
@@ -37,6 +39,24 @@ where
             _ => self.forget(lost_axes(&element, self.machine)),
         }
         self.pending.push_back(Ok(Output::Element(element)));
+    }
+
+    /// Gives data that the control computes from its position the values of the corrected position.
+    fn here(&mut self, origin: &Origin, here: &mut HereStatement) {
+        let frame = &self.placer.setup.frame;
+        let known = if self.placer.is_parallel() {
+            self.standing.known
+        } else {
+            frame.known_across(self.standing.known, false)
+        };
+        let mixed = if here.frame.is_translation() { here.named } else { here.named.union(AxisSet::XYZ) };
+        if self.placer.setup.transform.is_some() {
+            self.findings.here_in_transform(origin, &here.words);
+        } else if let Some(axis) = mixed.difference(known).iter().find(|axis| self.machine.axis(*axis).is_some()) {
+            self.findings.here_unknown(origin, &here.words, axis);
+        } else {
+            here.stand_at(self.standing.command);
+        }
     }
 
     /// Marks the positions of axes as unknown, after a tool change or motion outside the stream.
