@@ -87,6 +87,23 @@ fn a_zero_of_a_set_up_file_forgets_where_the_old_one_was_touched() {
     }
 }
 
+/// The first move is along Z alone, at X and Y that no program states. Relative to a zero far from there, the squareness is 1.2 mm: no difference of the two
+/// programs.
+#[test]
+fn the_error_of_an_unstated_start_is_no_difference_of_the_programs() {
+    let machine = format!(
+        "{LINEAR}[location]\nEC0X = 1500\n[zero_offset.G54]\nX_mm = 540\nY_mm = 790\nZ_mm = 0\nset = \"touched\"\n"
+    );
+    for first in ["N20 G0 Z50\n", "N20 G0 Z50\nN25 G0 Z40\n"] {
+        let text = format!("N10 G17 G90 G71 G94 G54\n{first}N30 G0 X10 Y10\nN40 G1 Z5 F500\nN50 X300\nN60 M30\n");
+        let shop = shop(&machine, &text);
+        let fix =
+            ["fix", "in.mpf", "-o", "out.mpf", "--machine", "m.toml", "--max-correction", "2mm", "--review", "r.html"];
+        shop.run(fix).exits(0);
+        shop.run(["verify", "in.mpf", "out.mpf", "--machine", "m.toml"]).exits(0);
+    }
+}
+
 /// G55 is touched at X 500, where the tool stands at 500.35. A point at 100 from there: c = 600.05/1.0001 = 599.990.
 #[test]
 fn each_zero_counts_from_its_own_place() {

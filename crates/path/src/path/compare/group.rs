@@ -89,6 +89,15 @@ impl MoveGroup<'_> {
                 return Err(Parting::alone(self.step, why));
             };
             let is_first = !self.has_begun;
+            // Both programs begin at a place that none of them states: the error there, relative to a touched zero, is no difference of the programs.
+            if is_first && !self.step.is_counted {
+                let standing =
+                    ComparedMove { route: Route::new(piece.route.start, piece.route.start, None), ..piece.clone() };
+                let start = self.offset(&standing, 0.0);
+                if start.norm_mm() > self.carried.norm_mm() {
+                    self.carried = start;
+                }
+            }
             let is_torn = self.grouping == Grouping::ByMarks && piece.continues != self.has_begun;
             self.has_begun = true;
             // Preparatory motion after a thread is rapid.
