@@ -109,8 +109,12 @@ impl Calibration {
         let parameters = chosen(machine, &options.parameters, &mut diagnostics)?;
         let read = measurements(data, machine, (Purpose::Fit, &machine.registry.instruments), &mut diagnostics);
         let Some((mut all, used, sources)) = read else { return Err(Error::found(diagnostics)) };
-        let begin =
-            CalibrationStart { machine: &machine.machine, errors: &machine.errors, condition: &machine.condition };
+        let begin = CalibrationStart {
+            machine: &machine.machine,
+            errors: &machine.errors,
+            condition: &machine.condition,
+            growth: &[],
+        };
         for one in &all {
             diagnostics.extend(check_sizes(&begin, one, options.max_mm), &sources);
         }

@@ -89,7 +89,12 @@ fn calibrate(
         "none" if arguments.select.is_some() => Some(ModelText::default()),
         model => parameters::choose_model(model, &chosen.machine, &chosen.errors, findings)?,
     };
-    let mut begin = CalibrationStart { machine: &chosen.machine, errors: &chosen.errors, condition: &chosen.condition };
+    let mut begin = CalibrationStart {
+        machine: &chosen.machine,
+        errors: &chosen.errors,
+        condition: &chosen.condition,
+        growth: &[],
+    };
     let mut all = Vec::new();
     for (number, path) in tables.all.iter().enumerate() {
         let read = measurement::read(path, number, false, &chosen.machine, findings)?;
@@ -117,6 +122,7 @@ fn calibrate(
     report.found.terms = grown.as_ref().map_or_else(Vec::new, |grown| grown.terms.clone());
     let (from, errors) = grown.as_ref().map_or((&start, &chosen.errors), |grown| (&grown.source, &grown.errors));
     begin.errors = errors;
+    begin.growth = grown.as_ref().map_or(&[], |grown| &grown.growth);
     let sources = measurement::sources_of(&all);
     let mut found = Vec::new();
     let prepared = prepare(begin, settings, all, tables.used, parameters, &mut found, &mut report.found);

@@ -7,7 +7,9 @@ use super::measurement::{Measurement, check_copies, data_of};
 pub use super::not_identified::LeftOut;
 use super::selection;
 use super::{conditions, figures, has_errors, not_identified, relative, repeated, slope};
-use crate::calibrate::{ComparedReading, Fit, FitOptions, Parameter, Refusal, Rule, fit, quality, reversals, select};
+use crate::calibrate::{
+    Column, ComparedReading, Fit, FitOptions, Parameter, Refusal, Rule, fit, quality, reversals, select,
+};
 use crate::measure::data::{DataSet, Free, Observation};
 use crate::measure::kind::Measurand;
 use ncfix_base::diagnostic::{Code, Diagnostic};
@@ -17,7 +19,7 @@ use ncfix_base::source::Source;
 use ncfix_base::units::{Unit, um_from_mm};
 use ncfix_machine::describe;
 use ncfix_machine::machine::{Condition, Machine, MeasuredRanges, Uncertainty};
-use ncfix_model::{ErrorModel, Model, ModelRegisters, file, write};
+use ncfix_model::{ErrorModel, Model, ModelRegisters, ParameterName, file, write};
 
 /// Residual in standard uncertainties of the instrument above which the model is poor.
 const POOR: f64 = 3.0;
@@ -41,6 +43,8 @@ pub struct CalibrationStart<'a> {
     pub errors: &'a ErrorModel,
     /// The condition of the machine during the measurements, if their tables do not state it.
     pub condition: &'a Condition,
+    /// Factors of the uncertainties of parameters: terms of the machine file that were fitted together with them, and stay in this fit.
+    pub growth: &'a [(ParameterName, f64)],
 }
 
 impl CalibrationStart<'_> {
@@ -168,6 +172,7 @@ impl PreparedFit<'_> {
                 return None;
             }
         };
+        widen(&mut fit, self.begin.growth);
         let badly = not_identified::badly_told(&fit, &self.used, self.settings.max_mm, findings);
         for found in &fit.estimates {
             let one = estimate(found, start, &data);
@@ -280,6 +285,17 @@ pub fn holdout_um(result: &CalibrationResult) -> Option<f64> {
     });
     // Nanometers suffice in a file that people read.
     (count > 0.0).then(|| ((squares / count).sqrt() * 1e3).round() / 1e3)
+}
+
+/// Enlarges the uncertainties of parameters, and the rows of the factor of their covariance.
+fn widen(fit: &mut Fit, growth: &[(ParameterName, f64)]) {
+    for (place, estimate) in fit.estimates.iter_mut().enumerate() {
+        let Column::Parameter(name) = &estimate.column else { continue };
+        let Some((_, factor)) = growth.iter().find(|(own, _)| own == name) else { continue };
+        estimate.sigma *= factor;
+        estimate.inflation *= factor * factor;
+        fit.factor.get_mut(place).into_iter().flatten().for_each(|part| *part *= factor);
+    }
 }
 
 /// Refuses a fit that predicts the readings used worse than a machine without errors: most of them may be outliers without weight, or the errors that stay

@@ -46,6 +46,8 @@ pub struct StatedStart {
     pub parameters: Vec<Parameter>,
     /// Amounts of the terms that are not parameters.
     pub terms: Vec<StatedEstimate>,
+    /// Factors by which these terms enlarge the uncertainties of parameters.
+    pub growth: Vec<(ParameterName, f64)>,
 }
 
 /// Fits stated terms to the used measurements and puts them into the machine file; `None` if there are errors, all in the text of the terms.
@@ -81,7 +83,7 @@ pub fn start_with_terms(
             Parameter::Effect(_) => None,
         })
         .collect();
-    let found = stated_model(&stated, &beside, &Causes::default(), &scene, &bare);
+    let (found, growth) = stated_model(&stated, &beside, &Causes::default(), &scene, &bare);
     let (mut grown, mut terms, mut all) = (std::str::from_utf8(file.bytes()).ok()?.to_owned(), Vec::new(), Vec::new());
     let mut is_sound = true;
     let mut doubts = Vec::new();
@@ -134,7 +136,7 @@ pub fn start_with_terms(
         }
     }
     let source = Source::new(file.id(), file.name(), grown.into_bytes()).ok()?;
-    Some(StatedStart { source, errors: read, parameters, terms })
+    Some(StatedStart { source, errors: read, parameters, terms, growth })
 }
 
 /// The text with the changes of a term, and a note at the first of them.

@@ -4,7 +4,7 @@ use super::super::cause::{Candidate, Causes, Term, UNNAMED, Weight};
 use super::super::extend::{self, Change};
 use super::super::readings::{even_out, left_of, weights};
 use super::super::scene::{Scene, Through};
-use super::super::search::{Field, Taken};
+use super::super::search::{Field, Taken, Weights};
 use super::super::verdict::{AcceptedCause, Settled, propose};
 use super::form::{StatedContent, StatedHypothesis, TermAmount};
 use super::subject::{amounts, enter, subject};
@@ -22,7 +22,8 @@ pub enum ModelTerm {
 }
 
 /// Fits stated terms to all readings of a scene, together with the parameters `beside` of a model; `bare` contains the readings without any model.
-/// Returns for each term its part of the model, or the reason why it cannot be fitted.
+/// Returns for each term its part of the model, or the reason why it cannot be fitted; and the factors by which the terms that become shapes of the file
+/// enlarge the uncertainties of the parameters.
 #[must_use]
 pub fn stated_model(
     stated: &[StatedHypothesis],
@@ -30,7 +31,7 @@ pub fn stated_model(
     causes: &Causes,
     scene: &Scene<'_>,
     bare: &Scene<'_>,
-) -> Vec<Result<ModelTerm, String>> {
+) -> (Vec<Result<ModelTerm, String>>, Vec<(ParameterName, f64)>) {
     let has_names = stated.iter().any(|one| matches!(one.statement, StatedContent::Named(..)));
     let mut field = if has_names { Field::new(scene, propose(causes, scene)) } else { Field::new(scene, Vec::new()) };
     let used = scene.sets.len();
@@ -65,7 +66,32 @@ pub fn stated_model(
         let name = format!("{} {}", candidate.cause.effect, candidate.parameter);
         Ok(ModelTerm::Changes(changes, amounts(name.trim_end(), &one, accepted)))
     };
-    subjects.into_iter().map(of).collect()
+    let numbers: Vec<Option<usize>> = subjects.iter().map(|one| Some(one.as_ref().ok()?.number)).collect();
+    let out: Vec<Result<ModelTerm, String>> = subjects.into_iter().map(of).collect();
+    let is_shape = |one: &Result<ModelTerm, String>| matches!(one, Ok(ModelTerm::Changes(changes, _)) if changes.iter().any(|change| matches!(change, Change::Shape { .. })));
+    let shapes: Vec<usize> =
+        out.iter().zip(numbers).filter(|(one, _)| is_shape(one)).filter_map(|(_, number)| number).collect();
+    let parameters: Vec<usize> = kept.iter().take(beside.len()).map(|(one, _)| one.candidate).collect();
+    let growth = beside.iter().zip(growth(&field, &own, &parameters, &shapes));
+    (out, growth.map(|(&name, factor)| (name, factor)).collect())
+}
+
+/// Factors of the standard uncertainties of parameters if shapes are fitted together with them: of each column, less remains beside all others.
+fn growth(field: &Field<'_, '_>, own: &Weights, parameters: &[usize], shapes: &[usize]) -> Vec<f64> {
+    let remains = |number: usize, others: &[usize]| -> f64 {
+        let mut series = field.series(own, others, 0.0);
+        field.columns_of(number).first().map_or(0.0, |column| {
+            series.set_values(column);
+            series.squares()
+        })
+    };
+    let of = |&number: &usize| {
+        let others: Vec<usize> = parameters.iter().copied().filter(|&other| other != number).collect();
+        let with: Vec<usize> = others.iter().chain(shapes).copied().collect();
+        let [alone, together] = [others, with].map(|others| remains(number, &others));
+        if together > 0.0 { (alone / together).sqrt().max(1.0) } else { 1.0 }
+    };
+    if shapes.is_empty() { vec![1.0; parameters.len()] } else { parameters.iter().map(of).collect() }
 }
 
 fn taken(candidate: usize) -> Taken {
