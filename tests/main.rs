@@ -120,6 +120,7 @@ mod heads;
 mod hostile;
 mod import;
 mod import_directions;
+mod import_drivers;
 mod import_wrong;
 mod instruments;
 mod iso;

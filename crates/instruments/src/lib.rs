@@ -8,6 +8,7 @@ pub mod answers;
 pub mod format;
 pub mod grid;
 pub mod inquiry;
+mod kept;
 pub mod preview;
 pub mod readings;
 mod rows;
@@ -56,8 +57,9 @@ pub fn import(
     };
     let mut inquiry = Inquiry::new(text, answers, machine);
     match (chosen.read)(&mut inquiry) {
-        Ok(readings) if inquiry.questions().is_empty() => {
+        Ok(mut readings) if inquiry.questions().is_empty() => {
             readings.check(machine, text)?;
+            kept::keep(&mut inquiry, &mut readings);
             rows::check_copies(&readings, text)?;
             Ok(ImportOutcome::Readings(Box::new(inquiry.finish(readings, chosen.name))))
         }

@@ -56,6 +56,8 @@ pub struct ImportedRow {
     pub label: String,
     /// Readings, µm and µrad; `None` for a missing one.
     pub values: Vec<Option<f64>>,
+    /// Cells of [`ImportedReadings::extra`]; `None` for an empty one.
+    pub extra: Vec<Option<f64>>,
     /// Line of the file.
     pub line: usize,
 }
@@ -69,6 +71,8 @@ pub struct ImportedReadings {
     pub axes: Vec<Axis>,
     /// Columns of the readings.
     pub value_columns: Vec<&'static str>,
+    /// Further columns of the file that a measurement has under the same name: `t_s`, `T_head_C`.
+    pub extra: Vec<String>,
     /// Rows.
     pub rows: Vec<ImportedRow>,
     /// Positions of the axes without a column, mm and degrees.
@@ -101,6 +105,7 @@ impl ImportedReadings {
             kind,
             axes,
             value_columns,
+            extra: Vec::new(),
             rows: Vec::new(),
             fixed: Vec::new(),
             tool_mm: [0.0; 3],
@@ -222,6 +227,7 @@ impl ImportedReadings {
         }
         heads.extend(["tool_x_mm", "tool_y_mm", "tool_z_mm"].map(str::to_owned));
         heads.extend(self.feed.map(|_| "feed_mm_min".to_owned()));
+        heads.extend(self.extra.iter().cloned());
         heads.extend(self.value_columns.iter().map(|&name| name.to_owned()));
         let mut out = heads.join(",") + "\n";
         for row in &self.rows {
@@ -234,7 +240,9 @@ impl ImportedReadings {
             }
             cells.extend(self.tool_mm.iter().map(|value| shown(*value)));
             cells.extend(self.feed.map(shown));
-            cells.extend(row.values.iter().map(|value| value.map_or_else(String::new, shown)));
+            let or_empty = |value: &Option<f64>| value.map_or_else(String::new, shown);
+            cells.extend(row.extra.iter().map(or_empty));
+            cells.extend(row.values.iter().map(or_empty));
             out.push_str(&cells.join(","));
             out.push('\n');
         }
