@@ -460,3 +460,31 @@ fn a_point_that_is_given_twice_is_refused() {
     let more = [LASER, &["--axis", "X", "--material", "20C"]].concat();
     import(&shop, "l.csv", "tool.toml", &more).exits(4).says("E0605").says("line 3,");
 }
+
+/// Positions of a short stage: targets of −4 to 4 mm, and deviations of more than one percent of this span in the first run, while it warms up.
+#[test]
+fn positions_follow_their_targets_and_a_copy_of_the_targets_is_none() {
+    let deviations =
+        [[1.4, -102.1, -5.0], [-6.5, -119.7, 4.0], [-27.8, -130.1, -2.0], [-25.3, -52.3, 3.0], [3.2, -40.0, 1.0]];
+    let table = |second: &dyn Fn(f64, f64) -> f64| {
+        let mut text = "Target [mm];Run 1 + [mm];Run 1 - [mm];Run 2 + [mm]\n".to_owned();
+        for (k, [up, down, again]) in (0..5).zip(deviations) {
+            let x = f64::from(2 * k - 4);
+            let [up, down, again] = [up, down, again].map(|um| x + um / 1000.0);
+            let _ = writeln!(text, "{x:.1};{up:.4};{down:.4};{:.4}", second(x, again));
+        }
+        text
+    };
+    let shop = shop()
+        .file("good.csv", table(&|_, again| again))
+        .file("copy.csv", table(&|x, _| x))
+        .file("far.csv", table(&|x, again| if x == 2.0 { 20.0 } else { again }))
+        .file("mixed.csv", table(&|_, again| again).replace("Run 1 + [mm]", "Run 1 + [um]"));
+    let more = ["--axis", "X", "--at", "X100,Y200,Z100", "--tool", "0", "--material", "20C"];
+    import(&shop, "good.csv", "tool.toml", &more).exits(0).says("actual minus target positions, mm");
+    // 2 mm is X 102 of the machine; −52.3 µm.
+    assert!(shop.text("out.csv").lines().any(|line| line == "1,A,EXX,102,-1,0,0,0,-52.3"), "{}", shop.text("out.csv"));
+    import(&shop, "copy.csv", "tool.toml", &more).exits(4).says("E0618").says("run 2+ are the targets themselves");
+    import(&shop, "far.csv", "tool.toml", &more).exits(4).says("E0618").says("run 2+ has 20 at the target 2");
+    import(&shop, "mixed.csv", "tool.toml", &more).exits(4).says("E0618");
+}
