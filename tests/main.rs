@@ -119,6 +119,7 @@ mod guard;
 mod heads;
 mod hostile;
 mod import;
+mod import_centres;
 mod import_directions;
 mod import_drivers;
 mod import_wrong;
