@@ -42,6 +42,33 @@ fn an_option_that_contradicts_the_file_is_refused() {
     import(&shop, "two.csv", "tool.toml", CENTER).exits(4).says("lines 2 and 4");
 }
 
+/// The length of a ball-bar is an unknown, unless the file or the option says that it is calibrated.
+#[test]
+fn a_calibrated_ball_bar_has_no_unknown_length() {
+    let head = "Test plane,XY\nTest radius (mm),150.0000\nBallbar S/N,0P4711\n";
+    let text = |line: &str| circle(&format!("{head}{line}"), 0..=360).replace(';', ",").replace("µm", "um");
+    let shop = shop()
+        .file("open.csv", text(""))
+        .file("yes.csv", text("Calibrated length used,Yes\n"))
+        .file("no.csv", text("Calibrated length used,No\n"));
+    let free = |file: &str, more: &[&str]| {
+        import(&shop, file, "tool.toml", &[CENTER, more].concat()).exits(0);
+        let toml = shop.text("out.toml");
+        toml.lines().find(|line| line.starts_with("free")).unwrap_or_default().to_owned()
+    };
+    let [known, unknown] = ["free = [\"centre\"]", "free = [\"centre\", \"length\"]"];
+    assert_eq!(free("open.csv", &[]), unknown);
+    assert_eq!(free("no.csv", &[]), unknown);
+    assert_eq!(free("yes.csv", &[]), known);
+    assert_eq!(free("open.csv", &["--length", "calibrated"]), known);
+    // Whoever does not trust the calibration may leave the length open.
+    assert_eq!(free("yes.csv", &["--length", "unknown"]), unknown);
+    import(&shop, "no.csv", "tool.toml", &[CENTER, &["--length", "calibrated"]].concat())
+        .exits(4)
+        .says("E0618")
+        .says("--length calibrated contradicts the file");
+}
+
 /// A table of a laser with one run in both directions, 0 to 600 mm.
 fn laser(head: &str, title: &str) -> String {
     let mut text = format!("{head}{title}\n");

@@ -124,6 +124,19 @@ pub const OPTIONS: &[ImportOption] = &[
         },
     },
     ImportOption {
+        name: "length",
+        example: "calibrated",
+        meaning: "Length of the ball-bar: calibrated if the deviations refer to its calibrated length, else unknown (default): it is then an unknown of the fit",
+        set: |to, text| {
+            to.is_calibrated = Some(match text {
+                "calibrated" => true,
+                "unknown" => false,
+                _ => return Err("write calibrated or unknown".to_owned()),
+            });
+            Ok(())
+        },
+    },
+    ImportOption {
         name: "feed",
         example: "1000",
         meaning: "Feed of a ball-bar circle, mm/min",
@@ -270,6 +283,8 @@ pub struct ImportAnswers {
     pub plane: Option<[Axis; 2]>,
     /// Nominal length of a ball-bar, mm.
     pub radius_mm: Option<f64>,
+    /// True if the length of a ball-bar is calibrated.
+    pub is_calibrated: Option<bool>,
     /// Feed, mm/min.
     pub feed: Option<f64>,
     /// Angle at the first reading of a circle by time, degrees.
