@@ -84,7 +84,7 @@ impl InstrumentFile {
         }
     }
 
-    /// Writes both files, or none.
+    /// Writes both files, or none. A folder that does not exist is made.
     ///
     /// # Errors
     /// If they cannot be written, or exist and must not be replaced.
@@ -97,6 +97,9 @@ impl InstrumentFile {
         findings: &mut Diagnostics,
     ) -> Result<Option<[PathBuf; 2]>, Error> {
         let paths = pair(output)?;
+        if let Some(folder) = output.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+            std::fs::create_dir_all(folder).map_err(|error| Error::file("make", folder, &error))?;
+        }
         let mut together = AtomicWrites::default();
         let texts = [readings.table(), readings.description(&self.name)];
         for (path, text) in paths.iter().zip(texts) {
