@@ -349,7 +349,7 @@ pub fn is_kind(words: &str) -> bool {
 pub fn role(words: &str) -> ColumnRole {
     let words = words.trim();
     let known = ROLES.iter().find(|(_, own)| own.contains(&words)).map(|(role, _)| *role);
-    known.or_else(|| series(words)).unwrap_or(ColumnRole::Unknown)
+    known.or_else(|| series(words)).or_else(|| named_series(words)).unwrap_or(ColumnRole::Unknown)
 }
 
 /// Reads the heading of a series: `1+`, `Run 2 -`, `3 ↓`, `F1`, `rev 2`, `Lauf 1 hin`.
@@ -371,6 +371,21 @@ fn series(words: &str) -> Option<ColumnRole> {
         (false, true) => sense(before).map(|sense| ColumnRole::Series(number, sense)),
         (false, false) => None,
     }
+}
+
+/// Reads the heading of a series that also names its readings: `1+ dev`, `Abweichung 2 -`. Without a direction, the number may be that of anything.
+fn named_series(words: &str) -> Option<ColumnRole> {
+    let is_reading = |part: &str| {
+        ROLES
+            .iter()
+            .any(|(role, own)| matches!(role, ColumnRole::Deviation | ColumnRole::Actual) && own.contains(&part))
+    };
+    let parts: Vec<&str> = words.split_whitespace().collect();
+    let rest: Vec<&str> = parts.iter().copied().filter(|part| !is_reading(part)).collect();
+    if rest.len() == parts.len() {
+        return None;
+    }
+    series(&rest.join(" ")).filter(|role| matches!(role, ColumnRole::Series(_, sense) if *sense != 0))
 }
 
 /// Returns the axis that a heading names: `x`, `x-axis`, `axis x`, `x position`.
@@ -405,6 +420,10 @@ mod tests {
             ("f1", ColumnRole::Series(1, 1)),
             ("lauf 2 rück", ColumnRole::Series(2, -1)),
             ("4", ColumnRole::Series(4, 0)),
+            ("1+ dev", ColumnRole::Series(1, 1)),
+            ("abweichung 2 -", ColumnRole::Series(2, -1)),
+            ("run 3 - deviation", ColumnRole::Series(3, -1)),
+            ("dev 4", ColumnRole::Unknown),
             ("humidity", ColumnRole::Unknown),
         ] {
             assert_eq!(role(words), expected, "{words}");
