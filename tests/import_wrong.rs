@@ -198,7 +198,17 @@ fn bcnc(grid_x: &str, last: &str) -> String {
 
 #[test]
 fn the_grid_of_a_map_agrees_with_its_points() {
-    let good = [klipper(30.0, 430.0, 2), duet(30.0, 230.0, 100.0), duet(30.0, 280.0, 100.0), bcnc("10 110 3", "110")];
+    let plain = klipper(30.0, 430.0, 2).replace("#*# ", "");
+    let whole =
+        format!("[bed_mesh]\nmesh_min: 30, 30\nspeed: 120\n# probe\n\n[fan]\npin: PA8\n\n{}", klipper(30.0, 430.0, 2));
+    let good = [
+        plain,
+        whole,
+        klipper(30.0, 430.0, 2),
+        duet(30.0, 230.0, 100.0),
+        duet(30.0, 280.0, 100.0),
+        bcnc("10 110 3", "110"),
+    ];
     let printed = "Bilinear Leveling Grid:\n      0      1      2\n 0 +0.010 +0.020 +0.030\n 1 +0.010 +0.025 +0.030\n";
     let bad = [
         (klipper(430.0, 30.0, 2), "min_x is 430 and max_x is 30"),
@@ -335,6 +345,44 @@ fn readings_below_the_noise_are_refused_in_any_unit() {
     // 27 nm.
     let run = import(&shop, "nm.csv", "tool.toml", &[LASER, &["--material", "20C"]].concat());
     run.exits(4).says("E0608").says("0.027 µm").says("check the unit in the file");
+}
+
+/// The stage of a synchrotron deviates by some nanometers. A heading that states the unit is believed, also by `diagnose`.
+#[test]
+fn small_readings_whose_heading_states_the_unit_are_believed() {
+    let titles: Vec<String> = (1..=5).map(|run| format!("{run}+ [nm];{run}- [nm]")).collect();
+    let mut text = format!("Target [mm];{}\n", titles.join(";"));
+    for k in 0..9 {
+        let cells = [3, 4, 5, 2, 6, 11, 9, 13, 8, 1].map(|step| format!("{}", 20 + k + (k * k * step + step) % 7));
+        let _ = writeln!(text, "{}.0;{}", 10 * k, cells.join(";"));
+    }
+    let shop = shop().file("nm.csv", text);
+    import(&shop, "nm.csv", "tool.toml", &[LASER, &["--axis", "X", "--material", "20C"]].concat()).exits(0);
+    assert!(shop.text("out.toml").contains("\nunit = \"stated\""), "{}", shop.text("out.toml"));
+    let run = shop.run(["diagnose", "out.csv", "--machine", "tool.toml"]);
+    assert!(!run.stderr.contains("E0614"), "{}", run.stderr);
+    // Without the statement they are doubted.
+    let doubted: String = shop
+        .text("out.toml")
+        .lines()
+        .filter(|line| !line.starts_with("unit"))
+        .fold(String::new(), |all, line| all + line + "\n");
+    std::fs::write(shop.path("out.toml"), doubted).unwrap();
+    shop.run(["diagnose", "out.csv", "--machine", "tool.toml"])
+        .exits(4)
+        .says("E0614")
+        .says("less than the errors of any machine");
+}
+
+/// A report in Markdown names the tables that are worth a file of their own.
+#[test]
+fn a_report_with_several_tables_names_those_with_targets() {
+    let table = |title: &str| {
+        format!("{title}\n--- | --- | ---\n1 | 0.0 | 0.010\n2 | 50.0 | 50.012\n3 | 100.0 | 100.021\n\nText\n\n")
+    };
+    let text = ["i | tgt_pos [mm] | ref_pos [mm]", "i | S_fwd [mm] | S_bwd [mm]"].map(table).concat();
+    let shop = shop().file("report.md", text);
+    import(&shop, "report.md", "tool.toml", &[]).exits(4).says("E0601").says("begin in line 1 (3 rows)");
 }
 
 #[test]

@@ -164,6 +164,19 @@ pub const OPTIONS: &[ImportOption] = &[
         },
     },
     ImportOption {
+        name: "order",
+        example: "motion",
+        meaning: "Order of the rows: motion if it is that of the motion or machining, which gives directions of approach, else unknown (default for meshes, height maps and features)",
+        set: |to, text| {
+            to.is_in_order = Some(match text {
+                "motion" => true,
+                "unknown" => false,
+                _ => return Err("write motion or unknown".to_owned()),
+            });
+            Ok(())
+        },
+    },
+    ImportOption {
         name: "sigma",
         example: "0.5",
         meaning: "Standard uncertainty of a reading, µm or µrad; without it a calibration estimates it",
@@ -291,6 +304,8 @@ pub struct ImportAnswers {
     pub start_deg: Option<f64>,
     /// Direction of circles, one for all or one for each run: 1 from the first axis of the plane to the second, else -1.
     pub turns: Vec<f64>,
+    /// True if the order of the rows is that of the motion.
+    pub is_in_order: Option<bool>,
     /// Standard uncertainty, µm or µrad.
     pub sigma: Option<f64>,
     /// True if a height map is that of a calibrated flat.

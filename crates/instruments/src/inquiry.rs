@@ -63,6 +63,7 @@ pub struct Inquiry<'a> {
     pub machine: &'a Machine,
     questions: Vec<ImportQuestion>,
     notes: Vec<String>,
+    is_unit_stated: bool,
 }
 
 /// Quotes a line of the file in a note.
@@ -72,7 +73,7 @@ impl<'a> Inquiry<'a> {
     /// Begins an import.
     #[must_use]
     pub fn new(text: &'a DecodedText, answers: &'a ImportAnswers, machine: &'a Machine) -> Inquiry<'a> {
-        Inquiry { text, answers, machine, questions: Vec::new(), notes: Vec::new() }
+        Inquiry { text, answers, machine, questions: Vec::new(), notes: Vec::new(), is_unit_stated: false }
     }
 
     /// Returns the open questions.
@@ -247,6 +248,12 @@ impl<'a> Inquiry<'a> {
         Ok(first.map(|unit| (unit, line)))
     }
 
+    /// True if the heading of the readings states their unit.
+    #[must_use]
+    pub fn is_unit_stated(&self) -> bool {
+        self.is_unit_stated
+    }
+
     /// Unit of the readings. `found` is the unit in their headings with its line; lines such as `Unit;mm` are read here.
     ///
     /// # Errors
@@ -259,6 +266,8 @@ impl<'a> Inquiry<'a> {
     ) -> Result<ReadingUnit, ImportStop> {
         let default = if is_angle { ReadingUnit::Angle("urad", 1e-6) } else { ReadingUnit::Length("um", 1e-3) };
         let lines = self.stated_units()?;
+        // A line may be about something else; a heading is about its column.
+        self.is_unit_stated = found.is_some_and(|stated| !lines.contains(&stated));
         let own = found.into_iter().chain(lines.iter().copied().filter(|(unit, _)| unit.is_angle() == is_angle));
         let own: Vec<(ReadingUnit, usize)> = own.collect();
         let other = own.iter().find(|(unit, _)| Some(*unit) != own.first().map(|(unit, _)| *unit)).copied();
