@@ -69,6 +69,34 @@ fn a_calibrated_ball_bar_has_no_unknown_length() {
         .says("--length calibrated contradicts the file");
 }
 
+/// Three planes of one ball-bar in one command: each file states its plane, and all are written, or none.
+#[test]
+fn several_files_are_imported_together_or_not_at_all() {
+    let plane = |name: &str| circle(&format!("plane;{name}\nradius_mm;150\n"), 0..=360);
+    let shop = shop()
+        .file("xy.csv", plane("XY"))
+        .file("yz.csv", plane("YZ"))
+        .file("xy.txt", plane("XY"))
+        .file("open.csv", circle("radius_mm;150\n", 0..=360));
+    let all = |files: &[&str], output: &str| {
+        let words = [&["import"], files, &["--machine", "tool.toml", "-o", output], CENTER].concat();
+        shop.run(words)
+    };
+    let run = all(&["xy.csv", "yz.csv"], "planes").exits(0);
+    for part in ["xy.csv\n361 readings", "yz.csv\n361 readings", "wrote planes/yz.csv and planes/yz.toml"] {
+        assert!(run.stderr.contains(part), "{part}: {}", run.stderr);
+    }
+    // At 0° the bar is along X in one plane, and along Y in the other.
+    let first = |file: &str| shop.text(file).lines().nth(1).unwrap().to_owned();
+    assert!(first("planes/xy.csv").contains(",450,250,100,"), "{}", first("planes/xy.csv"));
+    assert!(first("planes/yz.csv").contains(",300,400,100,"), "{}", first("planes/yz.csv"));
+    all(&["xy.csv", "open.csv"], "other").exits(4).says("open.csv: the file does not state the plane of the circle");
+    assert!(!shop.path("other").exists());
+    all(&["xy.csv", "xy.txt"], "other").exits(2).says("two files have the name xy");
+    // Without --force nothing is replaced, and nothing else is written.
+    all(&["xy.csv", "yz.csv"], "planes").exits(2).says("exists");
+}
+
 /// A table of a laser with one run in both directions, 0 to 600 mm.
 fn laser(head: &str, title: &str) -> String {
     let mut text = format!("{head}{title}\n");

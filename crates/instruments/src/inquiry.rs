@@ -6,7 +6,6 @@ use ncfix_machine::machine::Machine;
 
 use crate::answers::{ImportAnswers, MeasuringPoint, ReadingMaterial};
 use crate::grid::{self, GridHeading, GridTable};
-use crate::kept;
 use crate::readings::{ImportedReadings, shown};
 use crate::rows;
 use crate::stated;
@@ -153,7 +152,8 @@ impl<'a> Inquiry<'a> {
     /// If one of them has a unit or a quantity in each row, and `--columns` does not say that it is not read: then the rows may not be of one kind.
     pub fn unread(&mut self, columns: &[&GridHeading], line: usize) -> Result<(), ImportStop> {
         // Drivers go into the measurement, or are named there.
-        let columns: Vec<&GridHeading> = columns.iter().copied().filter(|own| !kept::is_driver(&own.written)).collect();
+        let columns: Vec<&GridHeading> =
+            columns.iter().copied().filter(|own| !words::is_driver(&own.written)).collect();
         let is_needed = |own: &&&GridHeading| words::is_unit(&own.words) || words::is_kind(&own.words);
         if let Some(own) = columns.iter().find(is_needed).filter(|_| self.answers.columns.is_empty()) {
             let message =

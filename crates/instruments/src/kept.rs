@@ -5,22 +5,7 @@ use std::collections::HashMap;
 use crate::grid::{self, GridTable};
 use crate::inquiry::Inquiry;
 use crate::readings::{ImportedKind, ImportedReadings};
-
-/// Names of single columns.
-const NAMES: &[&str] = &["t_s", "feed_mm_min", "load_N", "load_x_mm", "load_y_mm", "load_z_mm"];
-/// Ends of the names of drivers: their units.
-const UNITS: &[&str] = &["_C", "_pct", "_hPa", "_bar", "_rpm", "_W", "_A", "_V", "_N"];
-
-/// True for the name of a column that a measurement may have besides positions and readings.
-#[must_use]
-pub(crate) fn is_driver(name: &str) -> bool {
-    let is_word = name.starts_with(|c: char| c.is_ascii_alphabetic())
-        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
-        && name.len() <= 40;
-    // A name is more than its unit: in `dx_A`, A is a letter of the file.
-    let has_unit = UNITS.iter().any(|unit| name.strip_suffix(unit).is_some_and(|rest| rest.len() > 1));
-    NAMES.contains(&name) || (is_word && has_unit)
-}
+use crate::words::is_driver;
 
 /// Drivers of a table, with their columns; the options may rename them.
 fn drivers(inquiry: &Inquiry<'_>, table: &GridTable) -> Vec<(usize, String)> {
@@ -70,20 +55,5 @@ pub(crate) fn keep(inquiry: &mut Inquiry<'_>, readings: &mut ImportedReadings) {
     }
     if !unread.is_empty() {
         inquiry.note(format!("columns that are not read: {}", unread.join(", ")), table.heading_line);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn drivers_have_the_names_of_a_measurement() {
-        for name in ["t_s", "T_bed_C", "T_nose_2_C", "load_N", "feed_mm_min", "humidity_pct", "spindle_rpm"] {
-            assert!(is_driver(name), "{name}");
-        }
-        for name in ["T bed", "Humidity", "X", "_C", "dx_um", "T_C_", "°C", "No", "a,b_C"] {
-            assert!(!is_driver(name), "{name}");
-        }
     }
 }

@@ -344,6 +344,22 @@ pub fn is_kind(words: &str) -> bool {
     KINDS.contains(&words.trim())
 }
 
+/// Names of columns that a measurement may have besides positions and readings.
+const DRIVERS: &[&str] = &["t_s", "feed_mm_min", "load_N", "load_x_mm", "load_y_mm", "load_z_mm"];
+/// Ends of the names of drivers: their units.
+const DRIVER_UNITS: &[&str] = &["_C", "_pct", "_hPa", "_bar", "_rpm", "_W", "_A", "_V", "_N"];
+
+/// True for the name of a column that a measurement may have besides positions and readings.
+#[must_use]
+pub(crate) fn is_driver(name: &str) -> bool {
+    let is_word = name.starts_with(|c: char| c.is_ascii_alphabetic())
+        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+        && name.len() <= 40;
+    // A name is more than its unit: in `dx_A`, A is a letter of the file.
+    let has_unit = DRIVER_UNITS.iter().any(|unit| name.strip_suffix(unit).is_some_and(|rest| rest.len() > 1));
+    DRIVERS.contains(&name) || (is_word && has_unit)
+}
+
 /// Returns the meaning of a heading, given in lower case without its unit.
 #[must_use]
 pub fn role(words: &str) -> ColumnRole {
@@ -451,5 +467,15 @@ mod tests {
         assert_eq!(axis("pos y"), Some(Axis::Y));
         assert_eq!(axis("x error"), None);
         assert!(is_unit("einheit") && is_kind("type") && !is_unit("target") && !is_kind("deviation"));
+    }
+
+    #[test]
+    fn drivers_have_the_names_of_a_measurement() {
+        for name in ["t_s", "T_bed_C", "T_nose_2_C", "load_N", "feed_mm_min", "humidity_pct", "spindle_rpm"] {
+            assert!(is_driver(name), "{name}");
+        }
+        for name in ["T bed", "Humidity", "X", "_C", "dx_um", "T_C_", "°C", "No", "a,b_C"] {
+            assert!(!is_driver(name), "{name}");
+        }
     }
 }

@@ -11,7 +11,6 @@ use super::nominal_actual::position_unit;
 use super::{InstrumentFormat, axis_columns};
 use crate::grid::{self, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
-use crate::kept;
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
 use crate::unit::ReadingUnit;
 use crate::words::{self, ColumnRole};
@@ -186,7 +185,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
         .iter()
         .enumerate()
         .filter(|(index, heading)| {
-            !used(*index) && !kept::is_driver(&heading.written) && !["-", ""].contains(&heading.written.as_str())
+            !used(*index) && !words::is_driver(&heading.written) && !["-", ""].contains(&heading.written.as_str())
         })
         .map(|(_, heading)| heading.written.as_str())
         .collect();

@@ -7,7 +7,6 @@ use ncfix_base::geometry::Axis;
 use super::{InstrumentFormat, axis_columns};
 use crate::grid::{self, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
-use crate::kept;
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
 use crate::text::DecodedText;
 use crate::words::{self, ColumnRole};
@@ -70,7 +69,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
         .headings
         .iter()
         .enumerate()
-        .filter(|(index, heading)| !used(*index) && !kept::is_driver(&heading.written))
+        .filter(|(index, heading)| !used(*index) && !words::is_driver(&heading.written))
         .map(|(_, heading)| heading.written.as_str())
         .collect();
     if !unread.is_empty() {

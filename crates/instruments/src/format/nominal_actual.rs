@@ -13,7 +13,6 @@ use super::InstrumentFormat;
 use crate::answers::ReadingMaterial;
 use crate::grid::{self, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
-use crate::kept;
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
 use crate::rows;
 use crate::text::DecodedText;
@@ -210,7 +209,7 @@ fn tabular(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
             parts.iter().all(|(own, ..)| own != index)
                 && words::role(&heading.words) == ColumnRole::Unknown
                 && !words::is_unit(&heading.words)
-                && !kept::is_driver(&heading.written)
+                && !words::is_driver(&heading.written)
                 && !heading.written.is_empty()
         })
         .map(|(_, heading)| heading.written.clone())
