@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::import::{import, shop};
+use crate::import::{Noise, import, shop};
 
 /// A circle of the ball-bar, one reading per degree: angle, and 0.1 µm more for each ten degrees.
 fn circle(head: &str, degrees: impl Iterator<Item = u32>) -> String {
@@ -380,15 +380,16 @@ fn readings_below_the_noise_are_refused_in_any_unit() {
 fn small_readings_whose_heading_states_the_unit_are_believed() {
     let titles: Vec<String> = (1..=5).map(|run| format!("{run}+ [nm];{run}- [nm]")).collect();
     let mut text = format!("Target [mm];{}\n", titles.join(";"));
+    let mut noise = Noise(11);
     for k in 0..9 {
-        let cells = [3, 4, 5, 2, 6, 11, 9, 13, 8, 1].map(|step| format!("{}", 20 + k + (k * k * step + step) % 7));
+        let cells: Vec<String> = (0..10).map(|_| format!("{:.2}", 20.0 + f64::from(k) + noise.next(2.0))).collect();
         let _ = writeln!(text, "{}.0;{}", 10 * k, cells.join(";"));
     }
     let shop = shop().file("nm.csv", text);
     import(&shop, "nm.csv", "tool.toml", &[LASER, &["--axis", "X", "--material", "20C"]].concat()).exits(0);
     assert!(shop.text("out.toml").contains("\nunit = \"stated\""), "{}", shop.text("out.toml"));
     let run = shop.run(["diagnose", "out.csv", "--machine", "tool.toml"]);
-    assert!(!run.stderr.contains("E0614"), "{}", run.stderr);
+    assert!(!run.stderr.contains("less than the errors of any machine"), "{}", run.stderr);
     // Without the statement they are doubted.
     let doubted: String = shop
         .text("out.toml")

@@ -191,7 +191,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     let tip: Vec<String> = (0..3).map(|k| shown(center[k] + tool[k])).collect();
     out.sections = format!("[setup.A]\ncentre_mm = [{}]\nlength_mm = {}\n", tip.join(", "), shown(radius_mm));
     if !is_calibrated {
-        let note = "the length of the bar is an unknown, and with it a common scale of the axes is not identifiable; for a calibrated bar give --length calibrated";
+        let note = "the length of the bar is an unknown, so a common scale of the axes is not identifiable (--length calibrated for a calibrated bar)";
         inquiry.note(note, 0);
     }
     if feed.is_none() {

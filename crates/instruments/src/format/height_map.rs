@@ -344,8 +344,8 @@ pub(super) fn flat(
     Ok(out)
 }
 
-/// Z of the rows of a map: the mean height. A printer whose travel ends at its bed has the nominal plane instead if the bed is lower: heights are deviations,
-/// and no commanded positions.
+/// Z of the rows of a map: the mean height. Where the travel of a printer ends at its bed, a lower bed would be outside of it. The heights are deviations and
+/// no commanded positions, so the nominal plane takes its place.
 fn plane(inquiry: &mut Inquiry<'_>, mean: f64, zero: f64) -> f64 {
     /// Largest height of a bed above or below its nominal plane, mm.
     const BED: f64 = 5.0;
