@@ -20,17 +20,17 @@ fn drivers(inquiry: &Inquiry<'_>, table: &GridTable) -> Vec<(usize, String)> {
 /// Adds the drivers of the table to its readings. A line of the table that has several readings was not taken at one time, so its drivers belong to none of
 /// them.
 pub(crate) fn keep(inquiry: &mut Inquiry<'_>, readings: &mut ImportedReadings) {
-    if readings.kind == ImportedKind::BallBar {
-        return;
-    }
     let Ok(table) = grid::table(inquiry.text) else { return };
-    let drivers = drivers(inquiry, &table);
+    let mut drivers = drivers(inquiry, &table);
+    // The rows of a circle may be put into another order, and its times may have given the angles.
+    let is_circle = readings.kind == ImportedKind::BallBar;
+    drivers.retain(|(_, name)| !is_circle || name != "t_s");
     if drivers.is_empty() {
         return;
     }
     let mut lines: Vec<(usize, &str)> = readings.rows.iter().map(|row| (row.line, row.label.as_str())).collect();
     lines.sort_unstable();
-    let is_wide = lines.windows(2).any(|pair| pair[0] == pair[1]);
+    let is_wide = is_circle || lines.windows(2).any(|pair| pair[0] == pair[1]);
     let at: HashMap<usize, usize> = table.rows.iter().enumerate().map(|(index, line)| (line.number, index)).collect();
     let mut unread = Vec::new();
     for (column, name) in drivers {
