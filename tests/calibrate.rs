@@ -49,6 +49,8 @@ pub(crate) fn measurement(kind: &str, free: &[Free]) -> DataSet {
         is_plan: false,
         fixed: Vec::new(),
         conditions: Vec::new(),
+        is_in_order: true,
+        is_unit_stated: false,
         has_senses: true,
         name: kind.to_owned(),
         kind: Instruments::default().find(kind).copied().unwrap(),

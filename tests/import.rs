@@ -116,6 +116,19 @@ fn a_laser_table_gives_scale_and_backlash_in_every_locale() {
 }
 
 #[test]
+fn the_folder_of_the_output_is_made() {
+    let shop = shop().file("laser.csv", wide("Target,1+,1-,2+,2-,3+,3-\n", ",", "."));
+    let mut words = vec!["import", "laser.csv", "--machine", "tool.toml", "-o", "days/one/x"];
+    words.extend(LASER);
+    shop.run(words).exits(0);
+    assert!(shop.path("days/one/x.csv").is_file() && shop.path("days/one/x.toml").is_file());
+    // A file in the place of the folder is an error that names it.
+    let mut words = vec!["import", "laser.csv", "--machine", "tool.toml", "-o", "laser.csv/x"];
+    words.extend(LASER);
+    shop.run(words).exits(2).says("laser.csv");
+}
+
+#[test]
 fn targets_may_be_in_the_first_row() {
     let mut noise = Noise(47);
     let targets: Vec<f64> = (0..13).map(|k| 50.0 * f64::from(k)).collect();

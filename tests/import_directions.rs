@@ -2,6 +2,10 @@
 
 use std::fmt::Write as _;
 
+use ncfix_base::geometry::Axis;
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::State;
+use ncfix_metrology::measure::data;
 use serde_json::Value;
 
 use crate::import::{Noise, calibrated, import, shop};
@@ -255,4 +259,66 @@ fn an_end_target_that_is_read_twice_is_the_turn() {
     let group = figures(&shop);
     let reason = group["reason"].as_str().unwrap_or_else(|| panic!("{group}"));
     assert!(reason.contains("X 0 mm") && reason.contains("X_dir"), "{reason}");
+}
+
+/// A mesh of Klipper with 3 columns and 2 rows, 200 mm and 300 mm apart.
+const MESH: &str = "[bed_mesh default]\nversion = 1\npoints =\n  0.0, 0.04, 0.10\n  -0.02, 0.02, 0.08\n\
+    x_count = 3\ny_count = 2\nmin_x = 30\nmax_x = 430\nmin_y = 30\nmax_y = 330\n";
+
+/// Directions of X and Y of each row of `out.csv`, as a fit takes them.
+fn directions(shop: &Shop) -> Vec<[i8; 2]> {
+    let source = |id, name: &str| Source::new(FileId(id), name, shop.text(name).into_bytes()).unwrap();
+    let (machine, _) = ncfix_model::file::load(&source(0, "tool.toml")).0.unwrap();
+    let (data, findings) = data::load("out", &source(1, "out.csv"), &source(2, "out.toml"), &machine);
+    let data = data.unwrap_or_else(|| panic!("{findings:?}"));
+    let of = |one: &data::Observation| {
+        let State { direction, .. } = one.reading.state;
+        [direction[Axis::X.slot()], direction[Axis::Y.slot()]]
+    };
+    data.observations.iter().map(of).collect()
+}
+
+/// A mesh and a report are sorted: their rows give no directions, unless the option says that they are in the order of the motion.
+#[test]
+fn sorted_rows_give_no_directions() {
+    let report = "Feature;Nominal X [mm];Nominal Y [mm];Actual X [mm];Actual Y [mm]\n\
+        H1;0;0;0.011;0.003\nH2;100;0;100.013;0.004\nH3;100;50;100.012;50.007\n";
+    let log = "0 0 0.01\n100 0 0.03\n100 50 -0.02\n0 50 0.05\n";
+    let shop = shop().file("mesh.cfg", MESH).file("cmm.csv", report).file("log.txt", log);
+    let mesh = ["--flat-reference", "--at", "X0,Y0,Z100", "--tool", "0"];
+    let cmm = ["--at", "X100,Y100,Z100", "--sign", "+", "--tool", "0", "--material", "20C"];
+    let unknown = "\norder = \"unknown\"";
+    import(&shop, "mesh.cfg", "tool.toml", &mesh).exits(0).says("the order of the rows counts as sorted");
+    assert!(shop.text("out.toml").contains(unknown), "{}", shop.text("out.toml"));
+    assert_eq!(directions(&shop), [[0, 0]; 6]);
+    import(&shop, "mesh.cfg", "tool.toml", &[&mesh[..], &["--order", "motion"]].concat()).exits(0);
+    // The first row of each line is reached from the right.
+    assert_eq!(directions(&shop), [[0, 0], [1, 0], [1, 0], [-1, 1], [1, 1], [1, 1]]);
+    import(&shop, "cmm.csv", "tool.toml", &cmm).exits(0);
+    assert_eq!(directions(&shop), [[0, 0]; 3]);
+    import(&shop, "cmm.csv", "tool.toml", &[&cmm[..], &["--order", "motion"]].concat()).exits(0);
+    assert_eq!(directions(&shop), [[0, 0], [1, 0], [1, 1]]);
+    // A probe log is written while the machine moves.
+    let more = [&mesh[..], &["--unit", "mm"]].concat();
+    import(&shop, "log.txt", "tool.toml", &more).exits(0);
+    assert!(!shop.text("out.toml").contains("order ="), "{}", shop.text("out.toml"));
+    assert_eq!(directions(&shop), [[0, 0], [1, 0], [1, 1], [-1, 1]]);
+    import(&shop, "log.txt", "tool.toml", &[&more[..], &["--order", "unknown"]].concat()).exits(0);
+    assert_eq!(directions(&shop), [[0, 0]; 4]);
+    // Another word is refused with the two.
+    put(&shop, "out.toml", &shop.text("out.toml").replace("order = \"unknown\"", "order = \"sorted\""));
+    shop.run(["iso230", "out.csv", "--machine", "tool.toml"]).says("unknown order \"sorted\"").says("motion, unknown");
+}
+
+/// The heights of a bed are deviations: where the travel of Z ends at the bed, the mean height of the map is no position.
+#[test]
+fn a_bed_beyond_the_travel_has_its_nominal_plane() {
+    let shop = shop().file("mesh.cfg", MESH);
+    let at = |place: &'static str| ["--flat-reference", "--at", place, "--tool", "0"];
+    // The mean of the six heights is 0.036667 mm, and Z ends at 400.
+    import(&shop, "mesh.cfg", "tool.toml", &at("X0,Y0,Z400")).exits(0).says("that of the nominal plane, 400");
+    assert!(shop.text("out.csv").lines().any(|line| line == "A,30,30,400,0,0,0,36.666667"), "{}", shop.text("out.csv"));
+    import(&shop, "mesh.cfg", "tool.toml", &at("X0,Y0,Z100")).exits(0).says("is the mean height");
+    // A place that is outside by itself is refused as before.
+    import(&shop, "mesh.cfg", "tool.toml", &at("X0,Y0,Z401")).exits(4).says("E0618").says("outside of the travel");
 }

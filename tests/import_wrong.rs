@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::import::{import, shop};
+use crate::import::{Noise, import, shop};
 
 /// A circle of the ball-bar, one reading per degree: angle, and 0.1 µm more for each ten degrees.
 fn circle(head: &str, degrees: impl Iterator<Item = u32>) -> String {
@@ -40,6 +40,61 @@ fn an_option_that_contradicts_the_file_is_refused() {
     // Two lines that differ.
     let shop = shop.file("two.csv", circle(&format!("{head}Radius;100\n"), 0..=360));
     import(&shop, "two.csv", "tool.toml", CENTER).exits(4).says("lines 2 and 4");
+}
+
+/// The length of a ball-bar is an unknown, unless the file or the option says that it is calibrated.
+#[test]
+fn a_calibrated_ball_bar_has_no_unknown_length() {
+    let head = "Test plane,XY\nTest radius (mm),150.0000\nBallbar S/N,0P4711\n";
+    let text = |line: &str| circle(&format!("{head}{line}"), 0..=360).replace(';', ",").replace("µm", "um");
+    let shop = shop()
+        .file("open.csv", text(""))
+        .file("yes.csv", text("Calibrated length used,Yes\n"))
+        .file("no.csv", text("Calibrated length used,No\n"));
+    let free = |file: &str, more: &[&str]| {
+        import(&shop, file, "tool.toml", &[CENTER, more].concat()).exits(0);
+        let toml = shop.text("out.toml");
+        toml.lines().find(|line| line.starts_with("free")).unwrap_or_default().to_owned()
+    };
+    let [known, unknown] = ["free = [\"centre\"]", "free = [\"centre\", \"length\"]"];
+    assert_eq!(free("open.csv", &[]), unknown);
+    assert_eq!(free("no.csv", &[]), unknown);
+    assert_eq!(free("yes.csv", &[]), known);
+    assert_eq!(free("open.csv", &["--length", "calibrated"]), known);
+    // Whoever does not trust the calibration may leave the length open.
+    assert_eq!(free("yes.csv", &["--length", "unknown"]), unknown);
+    import(&shop, "no.csv", "tool.toml", &[CENTER, &["--length", "calibrated"]].concat())
+        .exits(4)
+        .says("E0618")
+        .says("--length calibrated contradicts the file");
+}
+
+/// Three planes of one ball-bar in one command: each file states its plane, and all are written, or none.
+#[test]
+fn several_files_are_imported_together_or_not_at_all() {
+    let plane = |name: &str| circle(&format!("plane;{name}\nradius_mm;150\n"), 0..=360);
+    let shop = shop()
+        .file("xy.csv", plane("XY"))
+        .file("yz.csv", plane("YZ"))
+        .file("xy.txt", plane("XY"))
+        .file("open.csv", circle("radius_mm;150\n", 0..=360));
+    let all = |files: &[&str], output: &str| {
+        let words = [&["import"], files, &["--machine", "tool.toml", "-o", output], CENTER].concat();
+        shop.run(words)
+    };
+    let run = all(&["xy.csv", "yz.csv"], "planes").exits(0);
+    for part in ["xy.csv\n361 readings", "yz.csv\n361 readings", "wrote planes/yz.csv and planes/yz.toml"] {
+        assert!(run.stderr.contains(part), "{part}: {}", run.stderr);
+    }
+    // At 0° the bar is along X in one plane, and along Y in the other.
+    let first = |file: &str| shop.text(file).lines().nth(1).unwrap().to_owned();
+    assert!(first("planes/xy.csv").contains(",450,250,100,"), "{}", first("planes/xy.csv"));
+    assert!(first("planes/yz.csv").contains(",300,400,100,"), "{}", first("planes/yz.csv"));
+    all(&["xy.csv", "open.csv"], "other").exits(4).says("open.csv: the file does not state the plane of the circle");
+    assert!(!shop.path("other").exists());
+    all(&["xy.csv", "xy.txt"], "other").exits(2).says("two files have the name xy");
+    // Without --force nothing is replaced, and nothing else is written.
+    all(&["xy.csv", "yz.csv"], "planes").exits(2).says("exists");
 }
 
 /// A table of a laser with one run in both directions, 0 to 600 mm.
@@ -171,7 +226,17 @@ fn bcnc(grid_x: &str, last: &str) -> String {
 
 #[test]
 fn the_grid_of_a_map_agrees_with_its_points() {
-    let good = [klipper(30.0, 430.0, 2), duet(30.0, 230.0, 100.0), duet(30.0, 280.0, 100.0), bcnc("10 110 3", "110")];
+    let plain = klipper(30.0, 430.0, 2).replace("#*# ", "");
+    let whole =
+        format!("[bed_mesh]\nmesh_min: 30, 30\nspeed: 120\n# probe\n\n[fan]\npin: PA8\n\n{}", klipper(30.0, 430.0, 2));
+    let good = [
+        plain,
+        whole,
+        klipper(30.0, 430.0, 2),
+        duet(30.0, 230.0, 100.0),
+        duet(30.0, 280.0, 100.0),
+        bcnc("10 110 3", "110"),
+    ];
     let printed = "Bilinear Leveling Grid:\n      0      1      2\n 0 +0.010 +0.020 +0.030\n 1 +0.010 +0.025 +0.030\n";
     let bad = [
         (klipper(430.0, 30.0, 2), "min_x is 430 and max_x is 30"),
@@ -308,6 +373,45 @@ fn readings_below_the_noise_are_refused_in_any_unit() {
     // 27 nm.
     let run = import(&shop, "nm.csv", "tool.toml", &[LASER, &["--material", "20C"]].concat());
     run.exits(4).says("E0608").says("0.027 µm").says("check the unit in the file");
+}
+
+/// The stage of a synchrotron deviates by some nanometers. A heading that states the unit is believed, also by `diagnose`.
+#[test]
+fn small_readings_whose_heading_states_the_unit_are_believed() {
+    let titles: Vec<String> = (1..=5).map(|run| format!("{run}+ [nm];{run}- [nm]")).collect();
+    let mut text = format!("Target [mm];{}\n", titles.join(";"));
+    let mut noise = Noise(11);
+    for k in 0..9 {
+        let cells: Vec<String> = (0..10).map(|_| format!("{:.2}", 20.0 + f64::from(k) + noise.next(2.0))).collect();
+        let _ = writeln!(text, "{}.0;{}", 10 * k, cells.join(";"));
+    }
+    let shop = shop().file("nm.csv", text);
+    import(&shop, "nm.csv", "tool.toml", &[LASER, &["--axis", "X", "--material", "20C"]].concat()).exits(0);
+    assert!(shop.text("out.toml").contains("\nunit = \"stated\""), "{}", shop.text("out.toml"));
+    let run = shop.run(["diagnose", "out.csv", "--machine", "tool.toml"]);
+    assert!(!run.stderr.contains("less than the errors of any machine"), "{}", run.stderr);
+    // Without the statement they are doubted.
+    let doubted: String = shop
+        .text("out.toml")
+        .lines()
+        .filter(|line| !line.starts_with("unit"))
+        .fold(String::new(), |all, line| all + line + "\n");
+    std::fs::write(shop.path("out.toml"), doubted).unwrap();
+    shop.run(["diagnose", "out.csv", "--machine", "tool.toml"])
+        .exits(4)
+        .says("E0614")
+        .says("less than the errors of any machine");
+}
+
+/// A report in Markdown names the tables that are worth a file of their own.
+#[test]
+fn a_report_with_several_tables_names_those_with_targets() {
+    let table = |title: &str| {
+        format!("{title}\n--- | --- | ---\n1 | 0.0 | 0.010\n2 | 50.0 | 50.012\n3 | 100.0 | 100.021\n\nText\n\n")
+    };
+    let text = ["i | tgt_pos [mm] | ref_pos [mm]", "i | S_fwd [mm] | S_bwd [mm]"].map(table).concat();
+    let shop = shop().file("report.md", text);
+    import(&shop, "report.md", "tool.toml", &[]).exits(4).says("E0601").says("begin in line 1 (3 rows)");
 }
 
 #[test]
@@ -459,4 +563,32 @@ fn a_point_that_is_given_twice_is_refused() {
     import(&shop, "lines.txt", "tool.toml", &grid).exits(4).says("E0605");
     let more = [LASER, &["--axis", "X", "--material", "20C"]].concat();
     import(&shop, "l.csv", "tool.toml", &more).exits(4).says("E0605").says("line 3,");
+}
+
+/// Positions of a short stage: targets of −4 to 4 mm, and deviations of more than one percent of this span in the first run, while it warms up.
+#[test]
+fn positions_follow_their_targets_and_a_copy_of_the_targets_is_none() {
+    let deviations =
+        [[1.4, -102.1, -5.0], [-6.5, -119.7, 4.0], [-27.8, -130.1, -2.0], [-25.3, -52.3, 3.0], [3.2, -40.0, 1.0]];
+    let table = |second: &dyn Fn(f64, f64) -> f64| {
+        let mut text = "Target [mm];Run 1 + [mm];Run 1 - [mm];Run 2 + [mm]\n".to_owned();
+        for (k, [up, down, again]) in (0..5).zip(deviations) {
+            let x = f64::from(2 * k - 4);
+            let [up, down, again] = [up, down, again].map(|um| x + um / 1000.0);
+            let _ = writeln!(text, "{x:.1};{up:.4};{down:.4};{:.4}", second(x, again));
+        }
+        text
+    };
+    let shop = shop()
+        .file("good.csv", table(&|_, again| again))
+        .file("copy.csv", table(&|x, _| x))
+        .file("far.csv", table(&|x, again| if x == 2.0 { 20.0 } else { again }))
+        .file("mixed.csv", table(&|_, again| again).replace("Run 1 + [mm]", "Run 1 + [um]"));
+    let more = ["--axis", "X", "--at", "X100,Y200,Z100", "--tool", "0", "--material", "20C"];
+    import(&shop, "good.csv", "tool.toml", &more).exits(0).says("actual minus target positions, mm");
+    // 2 mm is X 102 of the machine; −52.3 µm.
+    assert!(shop.text("out.csv").lines().any(|line| line == "1,A,EXX,102,-1,0,0,0,-52.3"), "{}", shop.text("out.csv"));
+    import(&shop, "copy.csv", "tool.toml", &more).exits(4).says("E0618").says("run 2+ are the targets themselves");
+    import(&shop, "far.csv", "tool.toml", &more).exits(4).says("E0618").says("run 2+ has 20 at the target 2");
+    import(&shop, "mixed.csv", "tool.toml", &more).exits(4).says("E0618");
 }

@@ -124,6 +124,19 @@ pub const OPTIONS: &[ImportOption] = &[
         },
     },
     ImportOption {
+        name: "length",
+        example: "calibrated",
+        meaning: "Length of the ball-bar: calibrated if the deviations refer to its calibrated length, else unknown (default): it is then an unknown of the fit",
+        set: |to, text| {
+            to.is_calibrated = Some(match text {
+                "calibrated" => true,
+                "unknown" => false,
+                _ => return Err("write calibrated or unknown".to_owned()),
+            });
+            Ok(())
+        },
+    },
+    ImportOption {
         name: "feed",
         example: "1000",
         meaning: "Feed of a ball-bar circle, mm/min",
@@ -147,6 +160,19 @@ pub const OPTIONS: &[ImportOption] = &[
         meaning: "Direction of ball-bar circles: ccw from the first axis of the plane to the second, or cw; one for all, or one for each run such as ccw,cw",
         set: |to, text| {
             to.turns = text.split(',').map(turn).collect::<Result<_, _>>()?;
+            Ok(())
+        },
+    },
+    ImportOption {
+        name: "order",
+        example: "motion",
+        meaning: "Order of the rows: motion if it is that of the motion or machining, which gives directions of approach, else unknown (default for meshes, height maps and features)",
+        set: |to, text| {
+            to.is_in_order = Some(match text {
+                "motion" => true,
+                "unknown" => false,
+                _ => return Err("write motion or unknown".to_owned()),
+            });
             Ok(())
         },
     },
@@ -270,12 +296,16 @@ pub struct ImportAnswers {
     pub plane: Option<[Axis; 2]>,
     /// Nominal length of a ball-bar, mm.
     pub radius_mm: Option<f64>,
+    /// True if the length of a ball-bar is calibrated.
+    pub is_calibrated: Option<bool>,
     /// Feed, mm/min.
     pub feed: Option<f64>,
     /// Angle at the first reading of a circle by time, degrees.
     pub start_deg: Option<f64>,
     /// Direction of circles, one for all or one for each run: 1 from the first axis of the plane to the second, else -1.
     pub turns: Vec<f64>,
+    /// True if the order of the rows is that of the motion.
+    pub is_in_order: Option<bool>,
     /// Standard uncertainty, µm or µrad.
     pub sigma: Option<f64>,
     /// True if a height map is that of a calibrated flat.

@@ -330,6 +330,7 @@ fn read(text: &DecodedText, separator: Separator) -> Result<GridTable, Box<Diagn
         } else if !skipped.is_empty() && is_row(line) {
             let message = format!("line {} belongs to a second table", line.number);
             let help = "keep one table in the file, and import the other one from a file of its own";
+            let help = format!("{help}{}", tables_of_targets(text));
             return Err(Box::new(Diagnostic::at(Code::DATA_NO_TABLE, text.place(line.number), message, help)));
         } else {
             rows.push(line.clone());
@@ -339,6 +340,30 @@ fn read(text: &DecodedText, separator: Separator) -> Result<GridTable, Box<Diagn
     let decimal = decimal_sign(&rows, separator)?;
     let heading_line = heading.and_then(|at| lines.get(at)).map_or(0, |line| line.number);
     Ok(GridTable { separator, decimal, headings, heading_line, rows, before, skipped })
+}
+
+/// Names the tables of a report in Markdown that have targets, for an advice; empty if there is none.
+fn tables_of_targets(text: &DecodedText) -> String {
+    /// Words of a heading with targets, and most tables that are named.
+    const WORDS: [&str; 5] = ["target", "tgt", "soll", "cible", "nominal"];
+    const MOST: usize = 6;
+    let lines: Vec<(usize, &str)> = text.lines().map(|(number, line, _)| (number, line.trim())).collect();
+    let is_rule = |line: &str| line.contains("---") && line.contains('|') && line.chars().all(|c| "-|: ".contains(c));
+    let cells =
+        |line: &str| line.trim_matches('|').split('|').map(|cell| cell.trim().to_lowercase()).collect::<Vec<_>>();
+    let mut found = Vec::new();
+    for pair in lines.windows(2).filter(|pair| is_rule(pair[1].1)) {
+        let ((number, heading), (below, _)) = (pair[0], pair[1]);
+        let has_targets = cells(heading).iter().any(|cell| WORDS.iter().any(|word| cell.contains(word)));
+        let rows = lines.iter().filter(|(own, _)| *own > below).take_while(|(_, line)| line.contains('|'));
+        let is_row = |line: &str| cells(line).iter().filter(|cell| is_numeric(cell)).count() >= 2;
+        let count = rows.filter(|(_, line)| is_row(line)).count();
+        if has_targets && count >= 2 {
+            found.push(format!("line {number} ({count} rows)"));
+        }
+    }
+    found.truncate(MOST);
+    if found.is_empty() { String::new() } else { format!("; the tables with targets begin in {}", found.join(", ")) }
 }
 
 /// Joins words with one blank between them: in aligned columns, headings of several words are further apart.

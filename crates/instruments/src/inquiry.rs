@@ -62,6 +62,7 @@ pub struct Inquiry<'a> {
     pub machine: &'a Machine,
     questions: Vec<ImportQuestion>,
     notes: Vec<String>,
+    is_unit_stated: bool,
 }
 
 /// Quotes a line of the file in a note.
@@ -71,7 +72,7 @@ impl<'a> Inquiry<'a> {
     /// Begins an import.
     #[must_use]
     pub fn new(text: &'a DecodedText, answers: &'a ImportAnswers, machine: &'a Machine) -> Inquiry<'a> {
-        Inquiry { text, answers, machine, questions: Vec::new(), notes: Vec::new() }
+        Inquiry { text, answers, machine, questions: Vec::new(), notes: Vec::new(), is_unit_stated: false }
     }
 
     /// Returns the open questions.
@@ -150,6 +151,9 @@ impl<'a> Inquiry<'a> {
     /// # Errors
     /// If one of them has a unit or a quantity in each row, and `--columns` does not say that it is not read: then the rows may not be of one kind.
     pub fn unread(&mut self, columns: &[&GridHeading], line: usize) -> Result<(), ImportStop> {
+        // Drivers go into the measurement, or are named there.
+        let columns: Vec<&GridHeading> =
+            columns.iter().copied().filter(|own| !words::is_driver(&own.written)).collect();
         let is_needed = |own: &&&GridHeading| words::is_unit(&own.words) || words::is_kind(&own.words);
         if let Some(own) = columns.iter().find(is_needed).filter(|_| self.answers.columns.is_empty()) {
             let message =
@@ -244,6 +248,12 @@ impl<'a> Inquiry<'a> {
         Ok(first.map(|unit| (unit, line)))
     }
 
+    /// True if the heading of the readings states their unit.
+    #[must_use]
+    pub fn is_unit_stated(&self) -> bool {
+        self.is_unit_stated
+    }
+
     /// Unit of the readings. `found` is the unit in their headings with its line; lines such as `Unit;mm` are read here.
     ///
     /// # Errors
@@ -256,6 +266,8 @@ impl<'a> Inquiry<'a> {
     ) -> Result<ReadingUnit, ImportStop> {
         let default = if is_angle { ReadingUnit::Angle("urad", 1e-6) } else { ReadingUnit::Length("um", 1e-3) };
         let lines = self.stated_units()?;
+        // A line may be about something else; a heading is about its column.
+        self.is_unit_stated = found.is_some_and(|stated| !lines.contains(&stated));
         let own = found.into_iter().chain(lines.iter().copied().filter(|(unit, _)| unit.is_angle() == is_angle));
         let own: Vec<(ReadingUnit, usize)> = own.collect();
         let other = own.iter().find(|(unit, _)| Some(*unit) != own.first().map(|(unit, _)| *unit)).copied();

@@ -8,6 +8,7 @@ pub mod answers;
 pub mod format;
 pub mod grid;
 pub mod inquiry;
+mod kept;
 pub mod preview;
 pub mod readings;
 mod rows;
@@ -23,7 +24,7 @@ use ncfix_machine::machine::Machine;
 use answers::ImportAnswers;
 use format::InstrumentFormats;
 use inquiry::{ImportQuestion, ImportStop, Inquiry};
-use readings::ImportedReadings;
+use readings::{ImportedKind, ImportedReadings};
 use text::DecodedText;
 
 /// Result of an import.
@@ -56,8 +57,17 @@ pub fn import(
     };
     let mut inquiry = Inquiry::new(text, answers, machine);
     match (chosen.read)(&mut inquiry) {
-        Ok(readings) if inquiry.questions().is_empty() => {
+        Ok(mut readings) if inquiry.questions().is_empty() => {
+            readings.is_unit_stated = inquiry.is_unit_stated();
+            if readings.kind != ImportedKind::BallBar {
+                readings.is_in_order = answers.is_in_order.unwrap_or(readings.is_in_order);
+            }
+            if !readings.is_in_order {
+                let note = "the order of the rows counts as sorted, so it gives no directions of approach (--order motion if the machine moved in it)";
+                inquiry.note(note, 0);
+            }
             readings.check(machine, text)?;
+            kept::keep(&mut inquiry, &mut readings);
             rows::check_copies(&readings, text)?;
             Ok(ImportOutcome::Readings(Box::new(inquiry.finish(readings, chosen.name))))
         }

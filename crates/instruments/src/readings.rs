@@ -14,6 +14,9 @@ const LARGEST: f64 = 20_000.0;
 /// Smallest peak deviation that is believed, µm or µrad: it is below the noise of every instrument in a workshop, and the preview would show it as 0.0.
 const SMALLEST: f64 = 0.1;
 
+/// Peak deviation, µm or µrad, below which `diagnose` may doubt the unit of the readings.
+const DOUBTED: f64 = 1.0;
+
 /// Most readings of one file.
 pub const MOST_ROWS: usize = 1_000_000;
 
@@ -56,6 +59,8 @@ pub struct ImportedRow {
     pub label: String,
     /// Readings, µm and µrad; `None` for a missing one.
     pub values: Vec<Option<f64>>,
+    /// Cells of [`ImportedReadings::extra`]; `None` for an empty one.
+    pub extra: Vec<Option<f64>>,
     /// Line of the file.
     pub line: usize,
 }
@@ -69,6 +74,8 @@ pub struct ImportedReadings {
     pub axes: Vec<Axis>,
     /// Columns of the readings.
     pub value_columns: Vec<&'static str>,
+    /// Further columns of the file that a measurement has under the same name: `t_s`, `T_head_C`.
+    pub extra: Vec<String>,
     /// Rows.
     pub rows: Vec<ImportedRow>,
     /// Positions of the axes without a column, mm and degrees.
@@ -79,6 +86,10 @@ pub struct ImportedReadings {
     pub free: Vec<&'static str>,
     /// True if the direction of the reference of a straightness is exact.
     pub is_square: bool,
+    /// True if the order of the rows is that of the motion; false for a sorted export.
+    pub is_in_order: bool,
+    /// True if the heading of the readings states their unit, so that small ones are not doubted.
+    pub is_unit_stated: bool,
     /// Standard uncertainty of a reading, µm or µrad.
     pub sigma: Option<f64>,
     /// Feed, mm/min.
@@ -101,11 +112,14 @@ impl ImportedReadings {
             kind,
             axes,
             value_columns,
+            extra: Vec::new(),
             rows: Vec::new(),
             fixed: Vec::new(),
             tool_mm: [0.0; 3],
             free: vec!["offset"],
             is_square: false,
+            is_in_order: true,
+            is_unit_stated: false,
             sigma: None,
             feed: None,
             sections: String::new(),
@@ -167,7 +181,7 @@ impl ImportedReadings {
         }
         let values =
             || self.rows.iter().flat_map(|row| row.values.iter().flatten().map(move |value| (*value, row.line)));
-        let peak = values().map(|(value, _)| value.abs()).fold(0.0, f64::max);
+        let peak = self.peak();
         if let Some((value, line)) = values().find(|(value, _)| value.abs() > LARGEST) {
             let message = format!("a deviation of {} µm or µrad is too large for a machine tool", shown(value));
             return Err(Box::new(Diagnostic::at(
@@ -177,7 +191,7 @@ impl ImportedReadings {
                 "check --unit, and that the columns are not swapped",
             )));
         }
-        if peak > 0.0 && peak < SMALLEST {
+        if peak > 0.0 && peak < SMALLEST && !self.is_unit_stated {
             let message = format!(
                 "the largest deviation is {} µm or µrad, below the noise of any instrument in a workshop",
                 shown(peak)
@@ -198,6 +212,11 @@ impl ImportedReadings {
         let more = if rest.is_empty() { String::new() } else { format!("; {}", rest.join("; ")) };
         let help = "export the whole file again if it was cut; if these places were not measured, the result is less certain there";
         Some(Diagnostic::nowhere(Code::IMPORT_GAP, format!("{first}{more}"), help))
+    }
+
+    /// Largest reading without its sign, µm or µrad.
+    fn peak(&self) -> f64 {
+        self.rows.iter().flat_map(|row| row.values.iter().flatten()).map(|value| value.abs()).fold(0.0, f64::max)
     }
 
     fn has(&self, given: impl Fn(&ImportedRow) -> bool) -> bool {
@@ -222,6 +241,7 @@ impl ImportedReadings {
         }
         heads.extend(["tool_x_mm", "tool_y_mm", "tool_z_mm"].map(str::to_owned));
         heads.extend(self.feed.map(|_| "feed_mm_min".to_owned()));
+        heads.extend(self.extra.iter().cloned());
         heads.extend(self.value_columns.iter().map(|&name| name.to_owned()));
         let mut out = heads.join(",") + "\n";
         for row in &self.rows {
@@ -234,7 +254,9 @@ impl ImportedReadings {
             }
             cells.extend(self.tool_mm.iter().map(|value| shown(*value)));
             cells.extend(self.feed.map(shown));
-            cells.extend(row.values.iter().map(|value| value.map_or_else(String::new, shown)));
+            let or_empty = |value: &Option<f64>| value.map_or_else(String::new, shown);
+            cells.extend(row.extra.iter().map(or_empty));
+            cells.extend(row.values.iter().map(or_empty));
             out.push_str(&cells.join(","));
             out.push('\n');
         }
@@ -274,6 +296,12 @@ impl ImportedReadings {
         let _ = writeln!(out, "\n[measurement]\nkind = \"{}\"", self.kind.name());
         if !free.is_empty() {
             let _ = writeln!(out, "free = [{}]", free.join(", "));
+        }
+        if !self.is_in_order {
+            out.push_str("order = \"unknown\"              # sorted: no direction and no time follow from the order of the rows\n");
+        }
+        if self.is_unit_stated && self.peak() < DOUBTED {
+            out.push_str("unit = \"stated\"                # the heading of the file states it, so small readings are not doubted\n");
         }
         if let Some(sigma) = self.sigma {
             let unit = if self.value_columns == ["value_urad"] { "urad" } else { "um" };

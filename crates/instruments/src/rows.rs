@@ -46,12 +46,12 @@ const ARC_STEPS: f64 = 2.5;
 /// Longest arc of a ball-bar test that is no whole circle, degrees: those of 220° are usual.
 const ARC_DEG: f64 = 225.0;
 
-/// Lines of the first two rows that are copies: the same run, place and readings. Rows of one error component count only if the file states run and
+/// Lines of the first two rows that are copies: the same run, place, readings, and time, temperatures and other drivers. Rows of one error component count only if the file states run and
 /// direction, because rounded readings of a target repeat. On a circle only neighbors count, because its start and its end may agree.
 fn copied(readings: &ImportedReadings) -> Option<[usize; 2]> {
     type Key<'a> = (&'a str, &'a str, Option<i8>, Vec<u64>);
     let key = |row: &'_ ImportedRow| -> Vec<u64> {
-        let values = row.values.iter().map(|value| value.unwrap_or(f64::NAN));
+        let values = row.values.iter().chain(&row.extra).map(|value| value.unwrap_or(f64::NAN));
         row.position.iter().copied().chain(values).map(f64::to_bits).collect()
     };
     let mut seen: HashMap<Key<'_>, usize> = HashMap::new();

@@ -344,12 +344,28 @@ pub fn is_kind(words: &str) -> bool {
     KINDS.contains(&words.trim())
 }
 
+/// Names of columns that a measurement may have besides positions and readings.
+const DRIVERS: &[&str] = &["t_s", "feed_mm_min", "load_N", "load_x_mm", "load_y_mm", "load_z_mm"];
+/// Ends of the names of drivers: their units.
+const DRIVER_UNITS: &[&str] = &["_C", "_pct", "_hPa", "_bar", "_rpm", "_W", "_A", "_V", "_N"];
+
+/// True for the name of a column that a measurement may have besides positions and readings.
+#[must_use]
+pub(crate) fn is_driver(name: &str) -> bool {
+    let is_word = name.starts_with(|c: char| c.is_ascii_alphabetic())
+        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+        && name.len() <= 40;
+    // A name is more than its unit: in `dx_A`, A is a letter of the file.
+    let has_unit = DRIVER_UNITS.iter().any(|unit| name.strip_suffix(unit).is_some_and(|rest| rest.len() > 1));
+    DRIVERS.contains(&name) || (is_word && has_unit)
+}
+
 /// Returns the meaning of a heading, given in lower case without its unit.
 #[must_use]
 pub fn role(words: &str) -> ColumnRole {
     let words = words.trim();
     let known = ROLES.iter().find(|(_, own)| own.contains(&words)).map(|(role, _)| *role);
-    known.or_else(|| series(words)).unwrap_or(ColumnRole::Unknown)
+    known.or_else(|| series(words)).or_else(|| named_series(words)).unwrap_or(ColumnRole::Unknown)
 }
 
 /// Reads the heading of a series: `1+`, `Run 2 -`, `3 ↓`, `F1`, `rev 2`, `Lauf 1 hin`.
@@ -371,6 +387,21 @@ fn series(words: &str) -> Option<ColumnRole> {
         (false, true) => sense(before).map(|sense| ColumnRole::Series(number, sense)),
         (false, false) => None,
     }
+}
+
+/// Reads the heading of a series that also names its readings: `1+ dev`, `Abweichung 2 -`. Without a direction, the number may be that of anything.
+fn named_series(words: &str) -> Option<ColumnRole> {
+    let is_reading = |part: &str| {
+        ROLES
+            .iter()
+            .any(|(role, own)| matches!(role, ColumnRole::Deviation | ColumnRole::Actual) && own.contains(&part))
+    };
+    let parts: Vec<&str> = words.split_whitespace().collect();
+    let rest: Vec<&str> = parts.iter().copied().filter(|part| !is_reading(part)).collect();
+    if rest.len() == parts.len() {
+        return None;
+    }
+    series(&rest.join(" ")).filter(|role| matches!(role, ColumnRole::Series(_, sense) if *sense != 0))
 }
 
 /// Returns the axis that a heading names: `x`, `x-axis`, `axis x`, `x position`.
@@ -405,6 +436,10 @@ mod tests {
             ("f1", ColumnRole::Series(1, 1)),
             ("lauf 2 rück", ColumnRole::Series(2, -1)),
             ("4", ColumnRole::Series(4, 0)),
+            ("1+ dev", ColumnRole::Series(1, 1)),
+            ("abweichung 2 -", ColumnRole::Series(2, -1)),
+            ("run 3 - deviation", ColumnRole::Series(3, -1)),
+            ("dev 4", ColumnRole::Unknown),
             ("humidity", ColumnRole::Unknown),
         ] {
             assert_eq!(role(words), expected, "{words}");
@@ -432,5 +467,15 @@ mod tests {
         assert_eq!(axis("pos y"), Some(Axis::Y));
         assert_eq!(axis("x error"), None);
         assert!(is_unit("einheit") && is_kind("type") && !is_unit("target") && !is_kind("deviation"));
+    }
+
+    #[test]
+    fn drivers_have_the_names_of_a_measurement() {
+        for name in ["t_s", "T_bed_C", "T_nose_2_C", "load_N", "feed_mm_min", "humidity_pct", "spindle_rpm"] {
+            assert!(is_driver(name), "{name}");
+        }
+        for name in ["T bed", "Humidity", "X", "_C", "dx_um", "T_C_", "°C", "No", "a,b_C"] {
+            assert!(!is_driver(name), "{name}");
+        }
     }
 }

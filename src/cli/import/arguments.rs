@@ -21,10 +21,10 @@ Examples:
 /// `ncfix import`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct ImportArguments {
-    /// File of an instrument; - for standard input
+    /// File of an instrument, - for standard input; or several files with the same answers
     #[arg(value_name = "FILE", required_unless_present = "list")]
-    pub(in crate::cli) file: Option<PathBuf>,
-    /// Common name of the two files to write: NAME.csv and NAME.toml (default: only show what was understood)
+    pub(in crate::cli) files: Vec<PathBuf>,
+    /// Common name of the two files to write: NAME.csv and NAME.toml; for several files their folder (default: only show what was understood)
     #[arg(short, long, value_name = "NAME")]
     pub(in crate::cli) output: Option<PathBuf>,
     /// Format (default: by the content)

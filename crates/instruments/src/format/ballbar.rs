@@ -184,15 +184,16 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     let mut out = ImportedReadings::new(ImportedKind::BallBar, axes.clone(), vec!["dr_um"]);
     out.fixed = inquiry.other_positions(&axes);
     out.tool_mm = [tool[0], tool[1], tool[2]];
-    out.free = vec!["centre", "length"];
+    let is_calibrated = facts.is_calibrated(inquiry)?;
+    out.free = if is_calibrated { vec!["centre"] } else { vec!["centre", "length"] };
     out.sigma = inquiry.answers.sigma;
     out.feed = feed;
     let tip: Vec<String> = (0..3).map(|k| shown(center[k] + tool[k])).collect();
     out.sections = format!("[setup.A]\ncentre_mm = [{}]\nlength_mm = {}\n", tip.join(", "), shown(radius_mm));
-    inquiry.note(
-        "the length of the bar is an unknown: without a calibrated rod a common scale of the axes is not identifiable",
-        0,
-    );
+    if !is_calibrated {
+        let note = "the length of the bar is an unknown, so a common scale of the axes is not identifiable (--length calibrated for a calibrated bar)";
+        inquiry.note(note, 0);
+    }
     if feed.is_none() {
         inquiry.note("the feed is not known; backlash does not need it, errors at speed do", 0);
     }

@@ -69,7 +69,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
         .headings
         .iter()
         .enumerate()
-        .filter(|(index, _)| !used(*index))
+        .filter(|(index, heading)| !used(*index) && !words::is_driver(&heading.written))
         .map(|(_, heading)| heading.written.as_str())
         .collect();
     if !unread.is_empty() {

@@ -3,6 +3,8 @@
 //! A map is the shape of the plate plus the straightness of the machine. Only a calibrated flat reveals the machine, so a map is read only if
 //! `--flat-reference` states that. Where the axis had to go higher to reach the flat, the tool is too low: the displacement is the mean height minus the height.
 
+use std::collections::BTreeMap;
+
 use ncfix_base::csv::DecimalSign;
 use ncfix_base::geometry::Axis;
 
@@ -26,7 +28,10 @@ pub(super) const POINTS: InstrumentFormat = InstrumentFormat {
             return Err(inquiry.refused(message, "`ncfix import --list` lists the formats", 0));
         };
         check_grid(inquiry.text).map_err(|(message, line)| inquiry.refused(message, "export the map again", line))?;
-        flat(inquiry, found, unit)
+        // A log is written while the machine probes; a map with its grid was saved afterwards.
+        let is_log = !has_grid(&numbers(inquiry.text).unwrap_or_default());
+        let found = flat(inquiry, found, unit)?;
+        Ok(ImportedReadings { is_in_order: is_log, ..found })
     },
 };
 
@@ -219,23 +224,24 @@ fn check_marlin(text: &DecodedText) -> Result<(), (String, usize)> {
 /// Points of the first mesh in a configuration of Klipper: rows from min_y, values from min_x.
 fn klipper_points(text: &DecodedText) -> Result<Vec<Probed>, (String, usize)> {
     let mut rows: Vec<(Vec<f64>, usize)> = Vec::new();
-    let mut keys = std::collections::BTreeMap::new();
-    let mut lines_of = std::collections::BTreeMap::new();
+    let (mut keys, mut lines_of) = (BTreeMap::new(), BTreeMap::new());
     let (mut is_mesh, mut is_points) = (false, false);
     for (number, line, _) in text.lines() {
-        let Some(body) = line.strip_prefix("#*#") else { continue };
-        let body = body.trim();
+        // Klipper writes the part that it saves behind this mark; a section that was copied may lack it.
+        let body = line.strip_prefix("#*#").unwrap_or(line).trim();
         if body.starts_with('[') {
-            if is_mesh {
+            if is_mesh && !rows.is_empty() {
                 break;
             }
             is_mesh = body.starts_with("[bed_mesh");
+            // The settings of the mesh are a section of the same name without points.
+            (keys, lines_of, is_points) = (BTreeMap::new(), BTreeMap::new(), false);
             continue;
         }
-        if !is_mesh {
+        if !is_mesh || body.starts_with(['#', ';']) {
             continue;
         }
-        if let Some((key, value)) = body.split_once('=') {
+        if let Some((key, value)) = body.split_once(['=', ':']) {
             is_points = key.trim() == "points";
             if let Some(value) = grid::number(value, DecimalSign::Point) {
                 let key = key.trim().to_owned();
@@ -310,10 +316,13 @@ pub(super) fn flat(
     let tool = inquiry.tool();
     let mut out = ImportedReadings::new(ImportedKind::Displacement, axes.clone(), vec!["dz_um"]);
     out.free = vec!["offset", "rotation"];
+    // A map is saved row by row, however it was probed.
+    out.is_in_order = false;
     out.fixed = inquiry.other_positions(&axes);
     out.tool_mm = [tool[0], tool[1], tool[2]];
     out.sigma = inquiry.answers.sigma;
     let mean = found.iter().map(|(point, _)| unit.inner(point[2])).sum::<f64>() / found.len().max(1) as f64;
+    let level = plane(inquiry, mean, zero[2]);
     let mut worst = (0.0_f64, [0.0; 2]);
     for (point, line) in found {
         let place = point.map(|value| unit.inner(value));
@@ -321,10 +330,9 @@ pub(super) fn flat(
         if fine.abs() > worst.0.abs() {
             worst = (fine, [place[0] + zero[0], place[1] + zero[1]]);
         }
-        let position = vec![place[0] + zero[0], place[1] + zero[1], mean + zero[2]];
+        let position = vec![place[0] + zero[0], place[1] + zero[1], level];
         out.rows.push(ImportedRow { position, values: vec![Some(fine)], line, ..ImportedRow::default() });
     }
-    inquiry.note("Z of every row is the mean height, as the heights are the readings", 0);
     inquiry.note("height and tilt of the flat are unknowns of the fit; its own flatness is not corrected", 0);
     let mark = if worst.0 < 0.0 { '-' } else { '+' };
     out.sign_sentence = format!(
@@ -334,4 +342,24 @@ pub(super) fn flat(
         worst.0.abs()
     );
     Ok(out)
+}
+
+/// Z of the rows of a map: the mean height. Where the travel of a printer ends at its bed, a lower bed would be outside of it. The heights are deviations and
+/// no commanded positions, so the nominal plane takes its place.
+fn plane(inquiry: &mut Inquiry<'_>, mean: f64, zero: f64) -> f64 {
+    /// Largest height of a bed above or below its nominal plane, mm.
+    const BED: f64 = 5.0;
+    let travel = inquiry.machine.axis(Axis::Z).and_then(|axis| axis.travel);
+    let is_within = |z: f64| travel.is_none_or(|[low, high]| (low..=high).contains(&z));
+    if !is_within(mean + zero) && is_within(zero) && mean.abs() <= BED {
+        let note = format!(
+            "Z of every row is that of the nominal plane, {}: the mean height, {} mm, is outside of the travel, and the heights are the readings",
+            shown(zero),
+            shown(mean)
+        );
+        inquiry.note(note, 0);
+        return zero;
+    }
+    inquiry.note("Z of every row is the mean height, as the heights are the readings", 0);
+    mean + zero
 }

@@ -4,6 +4,7 @@
 //! [`InstrumentFormat`] and pass it to `ncfix::Registry::with_instrument_format`.
 
 mod ballbar;
+mod centres;
 mod displacements;
 mod height_map;
 mod nominal_actual;
@@ -65,6 +66,7 @@ pub const FORMATS: &[&InstrumentFormat] = &[
     &ballbar::FORMAT,
     &displacements::FORMAT,
     &spheres::FORMAT,
+    &centres::FORMAT,
     &sections::FORMAT,
     &height_map::POINTS,
     &height_map::KLIPPER,

@@ -209,6 +209,7 @@ fn tabular(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
             parts.iter().all(|(own, ..)| own != index)
                 && words::role(&heading.words) == ColumnRole::Unknown
                 && !words::is_unit(&heading.words)
+                && !words::is_driver(&heading.written)
                 && !heading.written.is_empty()
         })
         .map(|(_, heading)| heading.written.clone())
@@ -399,7 +400,8 @@ fn displacement(
         let position = axes.iter().filter_map(|axis| slots.iter().position(|own| own == axis)).map(place).collect();
         out.rows.push(ImportedRow { position, values, line: feature.line, ..ImportedRow::default() });
     }
-    inquiry.note("the rows count as in the order of machining, which gives the directions of the axes for backlash: if the report is sorted by name, put the rows in that order", 0);
+    // A report is sorted by name or by place.
+    out.is_in_order = false;
     inquiry.note("offset and rotation of the report are unknowns: a small misalignment has no influence, but a fit of the scale would lose the scales of the machine", 0);
     if let Some((value, k, place)) = worst {
         let mark = if value < 0.0 { '-' } else { '+' };

@@ -6,7 +6,7 @@
 use ncfix_base::geometry::{Axis, Vector};
 
 use super::nominal_actual::position_unit;
-use super::{InstrumentFormat, axis_columns};
+use super::{InstrumentFormat, axis_columns, centres};
 use crate::grid::{self, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
@@ -44,7 +44,9 @@ fn recognize(text: &DecodedText) -> u8 {
         table.rows.iter().filter_map(|row| row.cells.get(label)).map(|cell| cell.text.as_str()).collect();
     let repeats = names.windows(2).filter(|pair| pair.first() == pair.last()).count();
     // Balls repeat in neighboring rows; points and holes have one row each.
-    if names.len() >= FEWEST && 2 * repeats > names.len() { 3 } else { 0 }
+    // One row for each ball and pose is the center of the ball.
+    let has_touches = centres::has_touches(&table);
+    if names.len() >= FEWEST && 2 * repeats > names.len() && has_touches { 3 } else { 0 }
 }
 
 fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
@@ -71,7 +73,9 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
             None => balls.push((name, pose, vec![touch], row.number)),
         }
     }
-    let largest = table.rows.len() as f64;
+    let size =
+        |(_, _, touches, _): &(_, _, Vec<Vector>, _)| touches.iter().map(|touch| touch.amax()).fold(0.0, f64::max);
+    let largest = balls.iter().map(size).fold(0.0, f64::max);
     let stated = inquiry.one_unit(linear.iter().map(|column| table.headings.get(*column)?.unit), line)?;
     let unit = position_unit(inquiry, stated, largest)?;
     let mut axes = vec![Axis::X, Axis::Y, Axis::Z];
@@ -89,7 +93,8 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
         let touches: Vec<Vector> = touches.iter().map(|touch| touch.map(|value| unit.inner(value))).collect();
         if touches.len() < FEWEST {
             let message = format!("ball {name} has {} touches here, a center needs {FEWEST}", touches.len());
-            return Err(inquiry.refused(message, "keep the touches of one ball in neighboring rows", *line));
+            let help = "keep the touches of one ball in neighboring rows; a list of centers needs --as ball-centres";
+            return Err(inquiry.refused(message, help, *line));
         }
         let Some((center, radius)) = sphere(&touches) else {
             return Err(inquiry.refused(

@@ -16,7 +16,7 @@ use crate::readings::ImportedReadings;
 use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
 use crate::words::{self, ColumnRole};
-use checks::{agree, check_order};
+use checks::{NEAR, agree, check_copies, check_order};
 pub(super) use direct::direct;
 use direct::rest;
 use facts::stated;
@@ -128,21 +128,30 @@ fn collect_rows(
     if !unread.is_empty() {
         inquiry.note(format!("rows that are not read: {}", unread.join(", ")), 0);
     }
-    subtract_targets(inquiry, facts, &mut found);
+    subtract_targets(inquiry, facts, &mut found)?;
     Ok(found)
 }
 
-/// Subtracts the targets from readings that are the positions reached: these follow the targets much more closely than any deviation could.
-fn subtract_targets(inquiry: &mut Inquiry<'_>, facts: &mut StatedFacts, found: &mut [TargetReading]) {
-    /// Largest difference of a position and its target, as a share of the span of the targets.
-    const NEAR: f64 = 0.01;
+/// Subtracts the targets from readings that are the positions reached: all of them follow the targets, as no deviations do.
+///
+/// # Errors
+/// If the column of a run is a copy of the targets.
+fn subtract_targets(
+    inquiry: &mut Inquiry<'_>,
+    facts: &mut StatedFacts,
+    found: &mut [TargetReading],
+) -> Result<(), ImportStop> {
     let span = found.iter().fold([f64::MAX, f64::MIN], |[low, high], own| [low.min(own.target), high.max(own.target)]);
     let near = NEAR * (span[1] - span[0]);
-    if found.len() < 4 || near <= 0.0 || found.iter().any(|own| (own.value - own.target).abs() > near) {
-        return;
+    // Positions have the unit of their targets.
+    let is_other = facts.unit.zip(facts.target_unit).is_some_and(|((unit, _), (target, _))| unit != target);
+    if found.len() < 4 || near <= 0.0 || is_other || found.iter().any(|own| (own.value - own.target).abs() > near) {
+        return Ok(());
     }
     found.iter_mut().for_each(|own| own.value -= own.target);
+    check_copies(inquiry, found)?;
     note_difference(inquiry, facts, found.first().map_or(0, |own| own.line));
+    Ok(())
 }
 
 /// Notes sign and unit of readings that are actual minus target positions.
@@ -224,7 +233,7 @@ fn collect(
             }
             found.extend(series_of(run, sense, own));
         }
-        subtract_targets(inquiry, facts, &mut found);
+        subtract_targets(inquiry, facts, &mut found)?;
         return Ok(found);
     }
     for role in [ColumnRole::Deviation, ColumnRole::Actual, ColumnRole::Correction] {

@@ -125,6 +125,8 @@ mod tests {
             balls: Vec::new(),
             is_plan: false,
             conditions: Vec::new(),
+            is_in_order: true,
+            is_unit_stated: false,
             has_senses: true,
             fixed: Vec::new(),
             drivers: Vec::new(),

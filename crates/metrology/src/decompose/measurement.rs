@@ -100,6 +100,8 @@ pub fn measurement(machine: &Machine, trace: &Trace, of: Of<'_>, place: Place) -
         is_plan: false,
         fixed: Vec::new(),
         conditions: Vec::new(),
+        is_in_order: true,
+        is_unit_stated: false,
         has_senses: true,
         observations,
         drivers: if has_feeds { vec![DataColumn { name: FEED.to_owned(), values: feeds }] } else { Vec::new() },

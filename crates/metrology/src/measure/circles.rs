@@ -186,7 +186,7 @@ fn named(label: &str) -> Option<bool> {
 
 /// `true` if most stated directions of the axes oppose the order of the rows.
 fn opposes(data: &DataSet, circle: &Circle) -> bool {
-    if !data.has_senses {
+    if !data.has_senses || !data.is_in_order {
         return false;
     }
     let (mut known, mut against) = (0.0, 0.0);

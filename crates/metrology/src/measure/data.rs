@@ -66,6 +66,11 @@ pub struct DataSet {
     pub fixed: Vec<(Axis, f64)>,
     /// The conditions of the machine for the readings; empty for the reference state.
     pub conditions: Vec<Condition>,
+    /// `false` if the description states that the rows are not in the order of the motion, as in a sorted map or report: then neither a direction nor a
+    /// time follows from it.
+    pub is_in_order: bool,
+    /// `true` if the description states that the unit of the readings was stated by the instrument.
+    pub is_unit_stated: bool,
     /// `true` if the table contains directions of motion, `false` if they follow from the order of its rows.
     pub has_senses: bool,
     /// Readings in the order of the file.
@@ -290,6 +295,7 @@ pub fn load_with(
     match Readings::with(&rows, machine, &data.fixed) {
         Err(found) => findings.extend(found),
         Ok(readings) => {
+            let readings = if data.is_in_order { readings } else { readings.in_no_order() };
             let sign = readings.sign();
             let of_dead = if how == ReadAs::WithDead { OfDead::Empty } else { OfDead::Refused };
             rows::read(&rows, readings, of_dead, &mut data, &mut findings);
@@ -298,8 +304,14 @@ pub fn load_with(
         }
     }
     let is_stated = |axis| rows.column(&format!("{axis}_dir")).is_some();
-    approach::turn_at_ends(&mut data, is_stated);
-    arc::along_circles(machine, &mut data, is_stated);
+    if data.is_in_order {
+        approach::turn_at_ends(&mut data, is_stated);
+        arc::along_circles(machine, &mut data, is_stated);
+    } else if data.free.contains(&Free::Drift) {
+        let message = "a drift follows from the order of the rows, and the description states order = \"unknown\"";
+        let help = "remove \"drift\" from free, or remove order if the rows are in the order of the motion";
+        findings.push(Diagnostic::at(Code::DRIFT_NOT_TOLD, rows.header_place(None), message, help));
+    }
     bodies::finish(&mut data, machine);
     if findings.is_empty() && data.free.contains(&Free::Drift) {
         cycles::find(&mut data, &rows, &mut findings);

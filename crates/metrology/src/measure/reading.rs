@@ -27,6 +27,8 @@ pub struct Readings<'a> {
     senses: Vec<(Axis, usize)>,
     tool: [Option<usize>; 3],
     run: Option<usize>,
+    /// True if the order of the rows is that of the motion.
+    is_in_order: bool,
     /// Position and directions of motion in the last row of each run.
     last: HashMap<Vec<u8>, (AxisVector, State)>,
 }
@@ -92,7 +94,23 @@ impl<'a> Readings<'a> {
             return Err(findings);
         }
         let run = table.column("run");
-        Ok(Readings { machine, sign, axes, fixed: standing, senses, tool, run, last: HashMap::new() })
+        Ok(Readings {
+            machine,
+            sign,
+            axes,
+            fixed: standing,
+            senses,
+            tool,
+            run,
+            is_in_order: true,
+            last: HashMap::new(),
+        })
+    }
+
+    /// The same for rows that are not in the order of the motion: only columns state directions.
+    #[must_use]
+    pub fn in_no_order(self) -> Readings<'a> {
+        Readings { is_in_order: false, ..self }
     }
 
     /// The axes and their columns.
@@ -145,6 +163,7 @@ impl<'a> Readings<'a> {
         let run = self.run.map_or(&[][..], |column| row.text(column));
         let mut state = State::default();
         match self.last.get_mut(run) {
+            _ if !self.is_in_order => {}
             Some((last, last_state)) => {
                 last_state.note_motion(last, position);
                 *last = *position;

@@ -16,6 +16,8 @@ pub(super) struct CircleFacts {
     plane: Option<([Axis; 2], usize)>,
     /// Nominal length of the bar, mm.
     pub(super) radius_mm: Option<(f64, usize)>,
+    /// True if the deviations refer to the calibrated length of the bar.
+    calibrated: Option<(bool, usize)>,
     /// Feed, mm/min.
     pub(super) feed: Option<(f64, usize)>,
     /// Angle at which the circle begins to count.
@@ -56,6 +58,30 @@ impl CircleFacts {
             }
         }
         Ok(())
+    }
+
+    /// True if the length of the bar is calibrated, by the option or the file.
+    ///
+    /// # Errors
+    /// If the option says so, and the file says that the calibrated length was not used.
+    pub(super) fn is_calibrated(&self, inquiry: &mut Inquiry<'_>) -> Result<bool, ImportStop> {
+        match (inquiry.answers.is_calibrated, self.calibrated) {
+            (Some(true), Some((false, line))) => {
+                let message =
+                    "--length calibrated contradicts the file, whose deviations do not refer to a calibrated length";
+                Err(inquiry.refused(message, "remove --length, or correct the line", line))
+            }
+            (Some(said), _) => {
+                let word = if said { "calibrated" } else { "unknown" };
+                inquiry.note(format!("length of the bar: --length {word}"), 0);
+                Ok(said)
+            }
+            (None, Some((true, line))) => {
+                inquiry.note("the length of the bar is calibrated, and no unknown of the fit", line);
+                Ok(true)
+            }
+            (None, _) => Ok(false),
+        }
     }
 
     /// First and second axis of the plane; angles count from the first to the second.
@@ -132,6 +158,15 @@ fn name_of(key: &str) -> &str {
     name
 }
 
+/// An answer in a line of a file; `None` for a number or another word.
+fn yes(value: &str) -> Option<bool> {
+    match value {
+        "yes" | "true" | "on" | "ja" | "oui" | "sì" | "si" | "sí" => Some(true),
+        "no" | "false" | "off" | "nein" | "non" => Some(false),
+        _ => None,
+    }
+}
+
 /// Takes the value of a line. The first one counts, and a second one that differs is a conflict.
 fn take<T: PartialEq>(slot: &mut Option<(T, usize)>, value: Option<T>, line: usize, conflict: &mut Option<[usize; 2]>) {
     match (slot.as_ref(), value) {
@@ -164,6 +199,11 @@ pub(super) fn facts(text: &DecodedText, table: &GridTable) -> CircleFacts {
             take(&mut found.plane, answers::plane(&value).ok(), line, conflict);
         } else if has(&["radius", "rayon", "raggio", "radio"]) && !has(&["radius error", "radius dev", "radiusabw"]) {
             take(&mut found.radius_mm, length_mm, line, conflict);
+        } else if ["calibrated length", "length calibrated", "kalibrierte länge"]
+            .iter()
+            .any(|own| name.starts_with(own))
+        {
+            take(&mut found.calibrated, yes(&value), line, conflict);
         } else if has(&["feed", "vorschub", "avance", "avanzamento"]) {
             take(&mut found.feed, number.map(|number| number * feed_factor(&key, &value)), line, conflict);
         } else if has(&["start angle", "start_angle", "startwinkel", "start"]) {

@@ -284,6 +284,7 @@ pub(in crate::format) fn direct(
             label: own.to_string(),
             values,
             line: reading.line,
+            ..ImportedRow::default()
         });
     }
     if let Some((fine, at, own)) = worst {

@@ -35,9 +35,10 @@ fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         let share = move |row: &SceneRow| row.time_s.map(|time| (time - start) / (end - start));
         polynomials("t_s", DEGREES, share, out);
     }
-    // Where no time was noted, the rows stand in the order of the readings, mostly at about equal intervals. Each measurement was at another time.
+    // Where no time was noted, the rows stand in the order of the readings, mostly at about equal intervals, unless the description denies it. Each measurement was at another time.
+    let is_in_order = |set: &usize| scene.sets.get(*set).is_some_and(|data| data.is_in_order);
     let has_no_time = |set: &usize| scene.rows.iter().all(|row| row.set != *set || row.time_s.is_none());
-    let sets: Vec<usize> = (0..scene.sets.len()).filter(has_no_time).take(MOST_SETS + 1).collect();
+    let sets: Vec<usize> = (0..scene.sets.len()).filter(is_in_order).filter(has_no_time).take(MOST_SETS + 1).collect();
     if sets.len() > MOST_SETS {
         return;
     }

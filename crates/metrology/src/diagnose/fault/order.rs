@@ -20,7 +20,7 @@ const PLACES: usize = 8;
 const NEAR: f64 = 0.7;
 
 fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
-    for (set, data) in view.sets().filter(|(_, data)| !data.has_senses) {
+    for (set, data) in view.sets().filter(|(_, data)| data.is_in_order && !data.has_senses) {
         let Some(evidence) = out_of_order(data) else { continue };
         out.push(DataDefect {
             kind: DefectKind::Order,

@@ -91,7 +91,11 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
                 && !is_of_jumps
                 && stated.is_some_and(|noise| near(noise, factor) < within);
             // Without a stated σ: no instrument has noise of some nanometers, and no machine is that accurate.
-            let by_size = is_small && readings.are_tiny() && noise.is_some_and(|noise| noise > 0.0) && is_incredible;
+            let by_size = is_small
+                && !data.is_unit_stated
+                && readings.are_tiny()
+                && noise.is_some_and(|noise| noise > 0.0)
+                && is_incredible;
             if !(by_model || by_noise || by_both || by_size) {
                 continue;
             }

@@ -112,6 +112,18 @@ fn read_balls(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Vec<(
     balls
 }
 
+/// The index of a word that must be one of these.
+fn choice(section: &mut Section<'_>, key: &str, words: [&str; 2]) -> Option<usize> {
+    let text = section.text(key)?;
+    let found = words.iter().position(|word| *word == text);
+    if found.is_none() {
+        let place = section.place_of(key);
+        let help = format!("write one of {}", words.join(", "));
+        section.report(Code::BAD_VALUE, place, format!("unknown {key} \"{text}\""), help);
+    }
+    found
+}
+
 fn read_measurement(name: &str, section: &mut Section<'_>, instruments: &Instruments) -> Option<DataSet> {
     let kind = section.required("kind", "\"ballbar\"", Section::text).and_then(|text| {
         let kind = instruments.find(text).copied();
@@ -132,6 +144,8 @@ fn read_measurement(name: &str, section: &mut Section<'_>, instruments: &Instrum
     let free = section.texts("free");
     let date = section.date("date").map(str::to_owned);
     let head = section.text("head").map(str::to_owned);
+    let is_in_order = choice(section, "order", ["motion", "unknown"]) != Some(1);
+    let is_unit_stated = choice(section, "unit", ["stated", "assumed"]) == Some(0);
     let kind = kind?;
     let mut unknowns = Vec::new();
     for (index, word) in free.unwrap_or_default().iter().enumerate() {
@@ -163,6 +177,8 @@ fn read_measurement(name: &str, section: &mut Section<'_>, instruments: &Instrum
         balls: Vec::new(),
         is_plan: false,
         fixed: Vec::new(),
+        is_in_order,
+        is_unit_stated,
         conditions: Vec::new(),
         has_senses: false,
         observations: Vec::new(),

@@ -267,6 +267,8 @@ fn empty(kind: &'static super::kind::Instrument, free: &[super::data::Free]) -> 
         is_plan: true,
         fixed: Vec::new(),
         conditions: Vec::new(),
+        is_in_order: true,
+        is_unit_stated: false,
         has_senses: true,
         name: kind.name.to_owned(),
         kind,
