@@ -89,6 +89,22 @@ fn stated_terms_and_parameters_are_fitted_together() {
     assert!(number(&again["terms"][0], "value").abs() < 3.0, "{}", again["terms"]);
 }
 
+/// Sixteen readings of 0.3 µm at each of five places of Y, 100 mm apart: alone, the squareness has 0.3 µm / √(16 · 10 · (100 mm)²) = 0.237 µrad. The squares of
+/// 0 to 4 correlate with 0 to 4 by r² = 40²/(10 · 174) = 0.9195, so beside the parabola it has 0.237/√(1 − 0.9195) = 0.84 µrad.
+#[test]
+fn the_uncertainty_of_a_parameter_includes_the_terms_beside_it() {
+    let shop = shop();
+    let model = arguments("EXX1,EXXb,EC0X,EXX ~ Y^2");
+    let report = shop.run(model.into_iter().chain(["--json"])).exits(0).json();
+    let all = report["parameters"].as_array().unwrap();
+    let sigma = |name: &str| number(all.iter().find(|one| one["name"] == name).unwrap(), "sigma");
+    assert!((0.75..0.92).contains(&sigma("EC0X")), "{report:#}");
+    // X is balanced over Y: 0.3 µm / √(10 · Σ (x − x̄)²) with Σ (x − x̄)² = 304,000 mm² is 0.172 µm/m.
+    assert!((0.15..0.20).contains(&sigma("EXX1")), "{report:#}");
+    // The file keeps the larger one: the interval of a correction follows from it.
+    assert!(shop.text("out.toml").contains("[uncertainty]"), "{}", shop.text("out.toml"));
+}
+
 #[test]
 fn every_form_of_a_term_is_one_of_a_model() {
     let shop = shop();
