@@ -99,7 +99,7 @@ fn the_uncertainty_of_a_parameter_includes_the_terms_beside_it() {
     let all = report["parameters"].as_array().unwrap();
     let sigma = |name: &str| number(all.iter().find(|one| one["name"] == name).unwrap(), "sigma");
     assert!((0.75..0.92).contains(&sigma("EC0X")), "{report:#}");
-    // X is balanced over Y: 0.3 µm / √(10 · Σ (x − x̄)²) with Σ (x − x̄)² = 304,000 mm² is 0.172 µm/m.
+    // X is balanced over Y: 0.3 µm / √(10 · Σ (x − x̄)²) with Σ (x − x̄)² = 296,597 mm² is 0.174 µm/m.
     assert!((0.15..0.20).contains(&sigma("EXX1")), "{report:#}");
     // The file keeps the larger one: the interval of a correction follows from it.
     assert!(shop.text("out.toml").contains("[uncertainty]"), "{}", shop.text("out.toml"));

@@ -7,6 +7,7 @@ mod direction;
 mod feeds;
 mod fewest;
 mod fixed_step;
+mod lost_motion;
 mod tilted;
 
 use std::collections::BTreeMap;
