@@ -208,7 +208,7 @@ pub(super) enum Command {
 pub(super) struct MachineChoice {
     /// Machine file (default: NCFIX_MACHINE, else the nearest ncfix.toml in or above the folder of the input file, else in or above the working
     /// folder)
-    #[arg(long, value_name = "M.toml")]
+    #[arg(short, long, value_name = "M.toml")]
     pub(super) machine: Option<PathBuf>,
     /// Zero offsets and tools that override the machine file: TOML, or data of the control (archive, TOA, UFR, RPA, GUD, INI, .var, tool.tbl, G10, $#, TOOL.T); repeatable, the last one wins
     #[arg(long, value_name = "FILE")]

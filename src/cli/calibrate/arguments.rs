@@ -38,7 +38,7 @@ pub(in crate::cli) struct CalibrateArguments {
     #[arg(value_name = "DATA.csv|FOLDER", required = true)]
     pub(in crate::cli) data: Vec<PathBuf>,
     /// Initial machine file
-    #[arg(long, value_name = "START.toml")]
+    #[arg(short, long, value_name = "START.toml")]
     pub(in crate::cli) machine: PathBuf,
     /// Head of the machine file whose errors the readings contain
     #[arg(long, value_name = "NAME")]
