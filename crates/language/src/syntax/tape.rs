@@ -78,14 +78,18 @@ pub(super) fn lost_lines(source: &Source, language: Language) -> Option<Diagnost
         }
         _ => true,
     };
-    let mut all = marks(bytes, line_end).peekable();
-    let first = *all.peek()?;
-    let is_opened = is_leader(&bytes[..first.0], line_end, language);
-    let mut all = all.filter(is_bare).skip(usize::from(is_opened && is_bare(&first)));
+    let first = marks(bytes, line_end).next()?;
+    let is_content_line = |&(start, end): &(usize, usize)| is_content(blanks(&bytes[start..end]), language);
+    let content = lines_after(bytes, text_start(bytes), line_end).find(is_content_line)?.0;
+    let is_opened = match language {
+        Language::Fanuc => is_leader(&bytes[..first.0], line_end, language),
+        _ => first.0 < content,
+    };
     let mark = match (language, is_opened) {
         // Several programs of a Fanuc may stand between marks; those that are not executed are named when the program ends.
-        (Language::Fanuc, true) => all.last(),
-        _ => all.next(),
+        (Language::Fanuc, true) => marks(bytes, line_end).skip(1).last(),
+        (Language::Fanuc, false) => Some(first),
+        _ => marks(bytes, line_end).filter(is_bare).find(|mark| mark.0 > content),
     }?;
     let has_later = !is_opened && marks(bytes, line_end).last().is_some_and(|last| last != mark);
     let parts_begin_with_marks = matches!(language, Language::Sinumerik | Language::Grundig);
