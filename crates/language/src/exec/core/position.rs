@@ -13,15 +13,26 @@ pub(in crate::exec) struct Position {
     pub(in crate::exec) command: AxisVector,
     /// Axes whose position the program has stated, in the active frame.
     pub(in crate::exec) known: AxisSet,
+    /// Axes that a tool change has made unknown.
+    by_change: AxisSet,
+    /// Axes along which the tool length has changed without a motion.
+    by_length: AxisSet,
 }
 
 impl Position {
+    const NOWHERE: Position = Position {
+        command: AxisVector::ZERO,
+        known: AxisSet::EMPTY,
+        by_change: AxisSet::EMPTY,
+        by_length: AxisSet::EMPTY,
+    };
+
     /// The state before the first block: given by the caller, or as far as the machine states it.
     pub(in crate::exec) fn at_start(start: Option<AxisVector>, machine: &Machine) -> Self {
         if let Some(command) = start {
-            return Position { command, known: machine.axis_set() };
+            return Position { command, known: machine.axis_set(), ..Position::NOWHERE };
         }
-        let mut position = Position { command: AxisVector::ZERO, known: AxisSet::EMPTY };
+        let mut position = Position::NOWHERE;
         for axis in machine.axis_set().iter() {
             if let Some(start_rad) = machine.axis(axis).and_then(|data| data.start_rad) {
                 position.command[axis] = start_rad;
@@ -40,16 +51,57 @@ impl Position {
             lost = axes.union(AxisSet::XYZ);
         }
         self.known = self.known.difference(lost);
+        self.by_change = self.by_change.difference(lost);
+        self.by_length = self.by_length.difference(lost);
         lost
+    }
+
+    /// Makes all positions unknown: a tool change may have moved the axes.
+    pub(in crate::exec) fn forget_by_change(&mut self) {
+        (self.known, self.by_change, self.by_length) = (AxisSet::EMPTY, AxisSet::ALL, AxisSet::EMPTY);
+    }
+
+    /// Makes axes unknown along which the length of the tool has changed without a motion.
+    pub(in crate::exec) fn forget_by_length(&mut self, axes: AxisSet) {
+        let lost = axes.intersection(self.known);
+        self.known = self.known.difference(lost);
+        self.by_change = self.by_change.difference(lost);
+        self.by_length = self.by_length.union(lost);
+    }
+
+    /// Leaves only these positions known.
+    pub(in crate::exec) fn keep(&mut self, known: AxisSet) {
+        let lost = self.known.difference(known);
+        self.known = known;
+        self.by_change = self.by_change.difference(lost);
+        self.by_length = self.by_length.difference(lost);
+    }
+
+    /// The advice for an axis of unknown position, by the reason.
+    pub(in crate::exec) fn advice(&self, axis: Axis) -> &'static str {
+        if self.by_change.contains(axis) { AFTER_CHANGE } else { BEGIN_ABSOLUTE }
     }
 }
 
 /// Advice for an axis of unknown position.
 pub(in crate::exec) const BEGIN_ABSOLUTE: &str = "program an absolute position of this axis before it; --start states the position at the beginning only, and a tool change, a reference motion or a program that the control itself executes makes it unknown again";
 
+/// Advice for an axis that a tool change has made unknown.
+const AFTER_CHANGE: &str = "the tool change before it may have moved the axes: program an absolute position of this axis after it; if the change moves no axis, state it in the machine file: [[opaque]] with name = \"M6\" and moves = false";
+
 /// The fault for an axis whose position the program has not stated.
-pub(in crate::exec) fn unknown_start(span: Span, axis: Axis) -> Fault {
-    fault(Code::UNKNOWN_START, span, format!("the position of {axis} is not known yet"), BEGIN_ABSOLUTE)
+pub(in crate::exec) fn unknown_start(span: Span, axis: Axis, position: &Position) -> Fault {
+    if position.by_length.contains(axis) {
+        let message = format!(
+            "the position of {axis} is not known: the tool length has changed along it, and a parameter of the control decides whether {axis} has followed"
+        );
+        let help = format!(
+            "program an absolute position of {axis} with G43 or after it; the parameter of a Fanuc is 5006, bit 6 (TOS)"
+        );
+        return fault(Code::UNKNOWN_START, span, message, help);
+    }
+    let message = format!("the position of {axis} is not known yet");
+    fault(Code::UNKNOWN_START, span, message, position.advice(axis))
 }
 
 #[cfg(test)]
@@ -59,7 +111,7 @@ mod tests {
 
     #[test]
     fn axes_that_are_mixed_are_lost_together() {
-        let all = Position { command: AxisVector::ZERO, known: AXES.into_iter().collect() };
+        let all = Position { known: AXES.into_iter().collect(), ..Position::NOWHERE };
         let lost_of = |axis: Axis, turns: bool, frame: &Frame| {
             let mut position = all;
             let lost = position.forget([axis].into_iter().collect(), turns, frame);

@@ -95,7 +95,7 @@ pub(super) fn select_head(channel: &mut Channel<'_>, words: &[(u32, Span)], gath
     let Some(head) = head::selected(channel.settings.machine, words.iter().copied(), block)? else { return Ok(()) };
     channel.modal.tool.head = head;
     channel.outlet.kinematics = None;
-    channel.modal.position.known = AxisSet::EMPTY;
+    channel.modal.position.keep(AxisSet::EMPTY);
     channel.outlet.push(Kind::Lost(AxisSet::ALL));
     setup::refresh_setup(channel)
 }

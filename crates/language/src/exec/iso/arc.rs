@@ -53,7 +53,7 @@ pub(super) fn arc(
     if channel.settings.strict {
         let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
         if let Some(axis) = plane.difference(channel.modal.position.known).iter().next() {
-            return Err(unknown_start(gathered.span, axis));
+            return Err(unknown_start(gathered.span, axis, &channel.modal.position));
         }
     }
     let (clockwise, span) = (code == 20, gathered.span);

@@ -22,6 +22,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::Span;
 use ncfix_dialect::CodeEffect;
+use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Kind, Word, WordValue};
 
 /// Letters that M codes of LinuxCNC take: number, letters.
@@ -177,7 +178,7 @@ fn fanuc_m(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<(), Fau
                 return Err(fault(Code::BAD_COMPENSATION, span, message, help));
             }
             channel.block.before.push(word(number));
-            change_tool(channel.language, &mut channel.modal);
+            change_tool(channel.language, channel.settings.machine, &mut channel.modal);
         }
         // No axis may move between it and the cycle, before which it is written with its speed.
         29 if !channel.settings.strict || channel.settings.keeps_tapping => {
@@ -201,9 +202,11 @@ pub(super) fn lose_by_functions(modal: &mut Modal, outlet: &mut MotionSink<'_>, 
 }
 
 /// Puts the selected tool into the spindle; a tool change may have moved the axes.
-fn change_tool(language: Language, modal: &mut Modal) {
+fn change_tool(language: Language, machine: &Machine, modal: &mut Modal) {
     modal.tool.change();
-    modal.forget(AxisSet::ALL);
+    if machine.control.tool_change_moves() {
+        modal.position.forget_by_change();
+    }
     if language == Language::Rs274 {
         modal.spindle = 5;
     }
@@ -264,7 +267,7 @@ fn rs274_m(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, span: Sp
             }
             channel.block.before.push(word(number));
             look_where_axes_are(&mut channel.modal, &mut channel.outlet, gathered);
-            change_tool(channel.language, &mut channel.modal);
+            change_tool(channel.language, channel.settings.machine, &mut channel.modal);
         }
         61 => {
             let tool = gathered.raw(b'Q').map(|value| whole(value, gathered.span_of(b'Q'), "Q")).transpose()?;

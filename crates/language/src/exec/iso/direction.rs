@@ -87,7 +87,7 @@ pub(super) fn orient(
     };
     // Two axis positions give the same direction; the selected one depends on the current position.
     if let Some(axis) = kinematics.rotary_axes().find(|&axis| !path.start_known.contains(axis) && settings.strict) {
-        return Err(unknown_start(span, axis));
+        return Err(unknown_start(span, axis, &modal.position));
     }
     let mut axes: Vec<Axis> = kinematics.rotary_axes().collect();
     let in_table = |axis: &Axis| settings.machine.topology.workpiece.contains(axis);

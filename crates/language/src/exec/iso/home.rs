@@ -102,7 +102,7 @@ pub(super) fn save_home(channel: &mut Channel<'_>, code: u16, span: Span) -> Res
     if let Some(axis) =
         AxisSet::XYZ.iter().find(|&axis| channel.settings.strict && !channel.modal.position.known.contains(axis))
     {
-        return Err(unknown_start(span, axis));
+        return Err(unknown_start(span, axis, &channel.modal.position));
     }
     if channel.settings.strict {
         let message = format!("{} would store the corrected axis positions", name_of(code));

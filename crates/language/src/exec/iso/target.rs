@@ -84,7 +84,7 @@ pub(super) fn offset_of(machine: &Machine, written: &WrittenData, system: System
 /// Rejects motions that depend on an axis at a position the program has not stated.
 pub(super) fn check_stated(strict: bool, modal: &Modal, axis: Axis, span: Span) -> Result<(), Fault> {
     if strict && !modal.position.known.contains(axis) {
-        return Err(unknown_start(span, axis));
+        return Err(unknown_start(span, axis, &modal.position));
     }
     Ok(())
 }

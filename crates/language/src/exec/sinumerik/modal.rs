@@ -239,9 +239,15 @@ impl Modal {
         self.tangent = left.tangent;
     }
 
-    /// Makes the position unknown: a tool change has moved the machine.
+    /// Makes the position unknown: something has moved the machine.
     pub(super) fn forget_position(&mut self) {
         self.forget(AxisSet::ALL);
+    }
+
+    /// Makes the position unknown: a tool change has moved the machine.
+    pub(super) fn forget_by_change(&mut self) {
+        self.forget_position();
+        self.position.forget_by_change();
     }
 
     /// Makes the position of axes unknown. Axes that a frame or transformation mixes become unknown together. Returns all unknown axes.
@@ -256,7 +262,7 @@ impl Modal {
     /// The error for an axis whose position the program has not stated.
     pub(super) fn unknown_start(&self, span: Span, axis: Axis) -> Fault {
         if !self.moved_by_plane.contains(axis) {
-            return unknown_start(span, axis);
+            return unknown_start(span, axis, &self.position);
         }
         let message = format!(
             "the position of {axis} is not known since G{} was selected, because the tool length then acts along another axis",
