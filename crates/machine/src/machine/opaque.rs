@@ -42,6 +42,12 @@ impl Control {
         self.opaque.iter().find(fits).map(|entry| entry.moves)
     }
 
+    /// True if an entry may name a G or M code.
+    #[must_use]
+    pub fn has_opaque_codes(&self) -> bool {
+        self.opaque.iter().any(|entry| matches!(entry.name.as_bytes(), [b'G' | b'M', b'0'..=b'9' | b'*', ..]))
+    }
+
     /// Returns whether a tool change may move axes: unless the machine file names M6 with `moves = false`.
     #[must_use]
     pub fn tool_change_moves(&self) -> bool {

@@ -42,6 +42,9 @@ const RS274_WORDS: &[(u32, &[u8])] = &[
     (68, b"EQ"),
 ];
 
+/// Largest number of an M code with one meaning on all controls; the machine builder assigns the others.
+pub(super) const LAST_STANDARD_M: u32 = 30;
+
 /// The modal group of the M codes of the user.
 const USER_GROUP: u8 = 10;
 
@@ -57,6 +60,18 @@ fn rs274_group(number: u32) -> Option<u8> {
         100..=199 => USER_GROUP,
         _ => return None,
     })
+}
+
+/// `true` if only the machine builder knows the words of an M code.
+pub(super) fn is_of_builder(channel: &Channel<'_>, number: u32) -> bool {
+    let is_standard = match channel.is_rs274() {
+        true => rs274_group(number).is_some(),
+        false => {
+            let has_output = matches!(number, 59 | 69) && channel.settings.machine.control.iso.is_haas();
+            number <= LAST_STANDARD_M || has_output || refused(number, Span::default()).is_err()
+        }
+    };
+    !is_standard && channel.settings.machine.head_of_word(number).is_none()
 }
 
 /// `true` if an M code names one input or output by P or, for an analog one, by E.
@@ -130,8 +145,12 @@ pub(super) fn m_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<
     let mut groups = 0_u16;
     for &(number, span) in &gathered.m_codes {
         let is_of_head = channel.settings.machine.head_of_word(number).is_some();
-        let Some(group) = rs274_group(number).or(is_of_head.then_some(USER_GROUP)) else {
-            return Err(bad_value(span, format!("M{number} is unknown"), "check the number"));
+        let is_known = || is_of_head || channel.settings.machine.control.opaque_moves(&format!("M{number}")).is_some();
+        let Some(group) = rs274_group(number).or_else(|| is_known().then_some(USER_GROUP)) else {
+            let help = format!(
+                "check the number; if the control executes it, name it in the machine file: control.opaque = [\"M{number}\"]"
+            );
+            return Err(bad_value(span, format!("M{number} is unknown"), &help));
         };
         // M7 and M8 are compatible.
         let is_double = groups & 1 << group != 0 && group != 8;
