@@ -746,7 +746,8 @@ without a stated method its effect counts from the empty table. State it: set = 
 "The program has a feed move while the position of a linear axis is not known. Either no earlier block states it, or a program that the
 control itself executes has moved the axes. The errors of the machine depend on this position, so the correction there is incomplete, and
 the predicted errors do not count the move. Program the axes before the cut. --start gives their position at
-the beginning, and it holds until the first tool change.";
+the beginning, and it holds until the first tool change. Straight feed moves in the plane after a tool change are an approach and no
+cut, if a rapid move or one with another tool length then states Z.";
     ROTARY_ASSUMED = "W0324" "rotary axes assumed at 0°"
 "The program has a feed move, and neither an earlier block nor --start states the position of a rotary axis of the machine. ncfix takes
 it to be at 0°, as programs for three axes expect. If the axis is elsewhere, the workpiece is turned, and the correction acts in wrong
