@@ -29,7 +29,7 @@ pub(super) fn feed_and_speed(
         if feed < 0.0 {
             return Err(bad_value(span, "a feed below 0", "write a feed above 0"));
         }
-        modal.modes.feed = if modal.modes.inch { feed * MM_PER_INCH } else { feed };
+        modal.modes.set_feed(if modal.modes.inch { feed * MM_PER_INCH } else { feed });
         block.feed_named = true;
     } else {
         block.feed_named = false;
