@@ -58,7 +58,9 @@ impl Position {
 
     /// Makes all positions unknown: a tool change may have moved the axes.
     pub(in crate::exec) fn forget_by_change(&mut self) {
-        (self.known, self.by_change, self.by_length) = (AxisSet::EMPTY, AxisSet::ALL, AxisSet::EMPTY);
+        // Axes that nothing has stated were not known without the change either.
+        self.by_change = self.by_change.union(self.known);
+        (self.known, self.by_length) = (AxisSet::EMPTY, AxisSet::EMPTY);
     }
 
     /// Makes axes unknown along which the length of the tool has changed without a motion.
@@ -108,6 +110,18 @@ pub(in crate::exec) fn unknown_start(span: Span, axis: Axis, position: &Position
 mod tests {
     use super::*;
     use ncfix_base::geometry::{AXES, Matrix};
+
+    #[test]
+    fn the_advice_names_a_tool_change_only_for_axes_that_were_known() {
+        let mut position = Position { known: AxisSet::XYZ, ..Position::NOWHERE };
+        position.forget_by_change();
+        assert!(position.advice(Axis::Z).contains("M6"));
+        assert_eq!(position.advice(Axis::A), BEGIN_ABSOLUTE);
+        // Stated again, and lost for another reason.
+        position.known = AxisSet::XYZ;
+        position.keep(AxisSet::EMPTY);
+        assert_eq!(position.advice(Axis::Z), BEGIN_ABSOLUTE);
+    }
 
     #[test]
     fn axes_that_are_mixed_are_lost_together() {

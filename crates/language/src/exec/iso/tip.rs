@@ -127,7 +127,7 @@ pub(super) fn forget_moved_tip(
     let before = kinematics.on_workpiece(axes, tool_mm);
     let now = kinematics.on_workpiece(axes, &standing.setup.tool_mm);
     for axis in AxisSet::XYZ.iter().filter(|&axis| (before[axis] - now[axis]).abs() > SAME_PLACE_MM) {
-        modal.position.forget_by_length([axis].into_iter().collect());
+        modal.position.keep(modal.position.known.difference([axis].into_iter().collect()));
     }
     if modal.turning.is_some() {
         modal.position.command = now;
