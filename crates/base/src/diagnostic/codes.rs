@@ -272,9 +272,9 @@ setting decides, or how to write it unambiguously.";
     LOST_PROGRAM = "E0229" "blocks that would be lost"
 "A file may hold several programs, but only one of them is corrected. With --in-place the others would be lost: give another file
 with -o, or put each program into its own file. The same applies to blocks that move before the first program number (O1234) of a
-Fanuc: on the control they belong to no program, so the file is probably not what was intended. A % between blocks of a file that does
-not begin with % ends the program at many controls: the tool would stop there, perhaps in the material. Remove the %, or the lines
-that do not belong to the program.";
+Fanuc: on the control they belong to no program, so the file is probably not what was intended. In a file that does not begin
+with %, a % between blocks ends the program at many controls. The tool would stop there, perhaps in the material. Remove the %, or
+the lines that do not belong to the program.";
     CORNER_DOES_NOT_FIT = "E0231" "rounding or chamfer does not fit"
 "RND, RNDM, CHF or CHR requests a transition that is larger than the adjacent contour elements. A control would reduce it by its own
 rule. Program a value that fits, or longer elements.
@@ -746,8 +746,8 @@ without a stated method its effect counts from the empty table. State it: set = 
 "The program has a feed move while the position of a linear axis is not known. Either no earlier block states it, or a program that the
 control itself executes has moved the axes. The errors of the machine depend on this position, so the correction there is incomplete, and
 the predicted errors do not count the move. Program the axes before the cut. --start gives their position at
-the beginning, and it holds until the first tool change. Straight feed moves in the plane after a tool change are an approach and no
-cut, if a rapid move or one with another tool length then states Z.";
+the beginning, and it holds until the first tool change. After a tool change, straight feed moves in the plane are an approach and no
+cut. A rapid move, or a move with another tool length, must then state Z.";
     ROTARY_ASSUMED = "W0324" "rotary axes assumed at 0°"
 "The program has a feed move, and neither an earlier block nor --start states the position of a rotary axis of the machine. ncfix takes
 it to be at 0°, as programs for three axes expect. If the axis is elsewhere, the workpiece is turned, and the correction acts in wrong
