@@ -24,7 +24,7 @@ use ncfix_machine::snc::{FeedUnit, Kind};
 /// Words that belong to a motion or to the modes of a block, whatever its M code is.
 const OF_EVERY_BLOCK: &[u8] = b"XYZABCUVWIJKRFSTN";
 
-/// The code of the machine builder that takes the words of a block, and `true` if it moves axes.
+/// The code of the machine builder that takes the words of a block, `true` if it moves axes, and `true` if it is the only code of the block.
 ///
 /// The machine file names it in `opaque`. A G code takes all words of its block. An M code takes them if it begins the block and one of them can belong
 /// to nothing else; otherwise the axis words of its block are a motion, as always.
@@ -32,26 +32,35 @@ fn code_with_words(channel: &Channel<'_>, dialect: &Dialect, words: &[Word]) -> 
     let control = &channel.settings.machine.control;
     let is_letter =
         |word: &&Word, letters: &[u8]| matches!(word.address, Address::Letter(letter) if letters.contains(&letter));
-    let named = words.iter().enumerate().find_map(|(place, word)| {
-        let (Address::Letter(letter @ (b'G' | b'M')), Value::Number { value, .. }) = (word.address, word.value) else {
-            return None;
-        };
-        let name = format!("{}{value}", char::from(letter));
-        Some((place, letter, value, control.opaque_moves(&name)?, name))
-    });
-    let (place, letter, value, moves, name) = named?;
-    let codes = || words.iter().filter(|word| is_letter(word, b"GM")).count();
-    if letter == b'G' {
+    // Only codes that ncfix does not know: their names are compared, which the usual blocks must not pay for.
+    let is_unknown = |letter: u8, value: f64| {
+        if letter == b'M' {
+            return auxiliary::is_of_builder(channel, value as u32);
+        }
         let tenths = (value * 10.0).round() as u16;
         let is_known = group_of(tenths, channel.language).is_some()
             || dialect.codes().g_tenths(usize::from(tenths)).is_some()
             || haas_codes::code_of(tenths).is_some() && control.iso.is_haas()
-            || matches!(tenths, 530);
-        return (!is_known).then(|| (name, moves, codes() == 1));
+            || tenths == 530;
+        !is_known
+    };
+    let named = words.iter().enumerate().find_map(|(place, word)| {
+        let (Address::Letter(letter @ (b'G' | b'M')), Value::Number { value, .. }) = (word.address, word.value) else {
+            return None;
+        };
+        if !is_unknown(letter, value) {
+            return None;
+        }
+        let name = format!("{}{value}", char::from(letter));
+        Some((place, letter, control.opaque_moves(&name)?, name))
+    });
+    let (place, letter, moves, name) = named?;
+    let codes = words.iter().filter(|word| is_letter(word, b"GM")).count();
+    if letter == b'G' {
+        return Some((name, moves, codes == 1));
     }
     let takes = place == 0
-        && codes() == 1
-        && auxiliary::is_of_builder(channel, value as u32)
+        && codes == 1
         && !cycle::is_cycle(channel.modal.modes.motion, channel.is_rs274())
         && words.iter().any(|word| !is_letter(&word, OF_EVERY_BLOCK) && !is_letter(&word, b"GM"));
     takes.then_some((name, moves, true))
