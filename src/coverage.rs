@@ -50,7 +50,8 @@ fn unknown_cut(origin: Origin, axes: AxisSet, is_required: bool) -> Diagnostic {
         format!("the tool cuts here, and the position of {names} is not known, so the correction is incomplete");
     let help = format!(
         "program {names} before this cut; --start gives the position until the first tool change; \
-         if a program that the control itself executes moves no axis, state it: [[opaque]] with moves = false"
+         if a tool change, or a program that the control itself executes, moves no axis, state it: \
+         [[opaque]] with its name (\"M6\") and moves = false"
     );
     Diagnostic::at(code, place, message, help)
 }

@@ -168,8 +168,9 @@ pub(crate) fn resolve(
         let (dialect, missing) = ncfix_dialect::elimination(source.bytes())?;
         Some((dialect, format!("as {} does not have {missing}", ncfix_dialect::sinumerik().title)))
     };
+    let of_name = || Some((ncfix_dialect::usual_of_name(source.name())?, "by its name".to_owned()));
     let by_default = || (ncfix_dialect::sinumerik(), "by default".to_owned());
-    Ok(of_machine.or_else(of_file).or_else(of_words).or_else(of_rest).unwrap_or_else(by_default))
+    Ok(of_machine.or_else(of_file).or_else(of_words).or_else(of_rest).or_else(of_name).unwrap_or_else(by_default))
 }
 
 /// The output keeps the unit of the program: on these controls G20 or G21 remains active after the program, and a Fanuc interprets its offsets in

@@ -102,6 +102,19 @@ fn the_dialect_is_the_option_then_the_machine_then_the_name_then_the_content() {
 }
 
 #[test]
+fn a_name_of_hobby_controls_decides_if_nothing_else_does() {
+    let text = "T1M6\nG17\nG0Z30.001\nM2\n";
+    for (name, says) in [
+        ("a.tap", "rs274, by its name"),
+        ("a.gc", "rs274, by its name"),
+        ("a.g", "rs274, by its name"),
+        ("a.nc", "sinumerik, by default"),
+    ] {
+        Shop::new().file(name, text).run(["check", "--syntax-only", "-v", name]).says(says);
+    }
+}
+
+#[test]
 fn standard_input_is_read() {
     let shop = Shop::new();
     let run = shop.run_with_input(["check", "-", "--machine", &machine("demo")], b"N10 G1 X\n").exits(3);

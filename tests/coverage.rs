@@ -376,6 +376,25 @@ fn a_cut_at_an_unknown_position_is_named() {
     assert!(!fix(&shop(MEASURED, begins), "--start X0,Y0,Z0").stderr.contains("W0322"));
 }
 
+/// Postprocessors write the way to the first cut behind a tool change as feed moves in the plane, and state Z after it.
+#[test]
+fn an_approach_after_a_tool_change_is_no_cut() {
+    let begin = "G90 G71 G0 X100 Y50 Z700 A0 C0\nT1 M6\nG0 A0 C0\nG1 X120 Y60 F650\n";
+    for (next, is_cut) in [
+        ("G0 Z100\nG1 Z90 F100\n", false),
+        ("X130\nG0 Z100\nG1 Z90 F100\n", false),
+        // Down with feed, around an arc, and no height at all: perhaps a cut.
+        ("G1 Z90 F100\n", true),
+        ("G2 X140 Y60 I10 J0\nG0 Z100\n", true),
+        ("", true),
+    ] {
+        let own = format!("{MEASURED}[[tool]]\nnumber = 1\nlength_mm = 100\nradius_mm = 3\n");
+        let run = fix(&shop(&own, &format!("{begin}{next}M30\n")), "");
+        assert_eq!(run.stderr.contains("warning[W0322]"), is_cut, "{next}\n{}", run.stderr);
+        assert!(!is_cut || run.stderr.contains("the position of Z is not known"), "{next}\n{}", run.stderr);
+    }
+}
+
 /// Programs for three axes on a machine with rotary axes: nothing says that the table is at 0°.
 #[test]
 fn rotary_axes_that_nothing_positions_are_named() {

@@ -209,8 +209,16 @@ fn an_ini_of_linuxcnc_gives_limits_in_its_unit() {
         "COMP_FILE = z.comp",
         "saved_unit = \"inch\"",
         "mill.ini:9",
+        // LinuxCNC, INI Configuration, EMCIO: without these keys the tool change moves no axis.
+        "name = \"M6\"",
+        "moves = false",
     ] {
         assert!(text.contains(part), "{part}: {text}");
+    }
+    for more in ["[EMCIO]\nTOOL_CHANGE_QUILL_UP = 1\n", "[RS274NGC]\nREMAP = M6 modalgroup=6 ngc=change\n"] {
+        let shop = Shop::new().file("mill.ini", format!("{ini}{more}"));
+        shop.run(["machine", "new", "m.toml", "--like", "vmc", "--from", "mill.ini"]).exits(0);
+        assert!(!shop.text("m.toml").contains("moves = false"), "{more}");
     }
     let shop = Shop::new().file("mill.ini", ini.replace("LINEAR_UNITS = inch\n", ""));
     shop.run(["machine", "new", "m.toml", "--like", "vmc", "--from", "mill.ini"]).exits(2).says("LINEAR_UNITS");

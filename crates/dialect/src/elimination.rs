@@ -124,9 +124,29 @@ pub fn elimination(bytes: &[u8]) -> Option<(&'static Dialect, String)> {
     (best.language != Language::Sinumerik && !may_be_other).then_some((best, why))
 }
 
+/// File extensions of hobby controls, lower case. They are rare for other controls, and no Sinumerik program has them.
+const USUAL_OF_RS274: [&str; 5] = ["tap", "ngc", "gcode", "gc", "g"];
+
+/// Returns the dialect of a text of which only the file name says something.
+#[must_use]
+pub fn usual_of_name(file_name: &str) -> Option<&'static Dialect> {
+    let (_, extension) = file_name.rsplit_once('.')?;
+    let is_usual = USUAL_OF_RS274.iter().any(|usual| extension.eq_ignore_ascii_case(usual));
+    is_usual.then(|| find("rs274")).flatten()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_of_hobby_controls_is_no_sinumerik_program() {
+        for (name, usual) in
+            [("a.TAP", true), ("a.gc", true), ("a.b.g", true), ("a.nc", false), ("a.cnc", false), ("tap", false)]
+        {
+            assert_eq!(usual_of_name(name).is_some(), usual, "{name}");
+        }
+    }
 
     #[test]
     fn a_language_without_the_codes_of_a_text_is_left_out() {

@@ -98,6 +98,12 @@ const LANGUAGES: &[Language] = &[
         enough: 2,
     },
     Language {
+        name: "a Fagor program",
+        // `%00228`, `N0010 T1.1`: the tool and its offset in one word.
+        marks: &[r"^%[0-9]{5,6}$", r"^(?:N[0-9]+\s*)?(?:[^(;]*[^A-Z_(;])?T[0-9]+\.[0-9]+(?:[^0-9]|$)"],
+        enough: 2,
+    },
+    Language {
         name: "a NUM program",
         // `G77 H100 N10 N20`, `G79 L1=5 N100`, `E81000=1`, `L1=L1+1`, `$0 TEXT`
         marks: &[
@@ -176,6 +182,7 @@ mod tests {
             ("%MPF  90\nN1 @371 R52 K2 K0", "older Sinumerik"),
             ("%PART,MX--,\n#RTCP ON", "Fagor"),
             ("N10 (RPT N1,N5)N2\n(P100=P101 F1 1)", "Fagor"),
+            ("%00228\nN0000 M6\nN0010 T1.1 (PLATO D63)", "Fagor"),
             ("%1\nL1=5\nG77 H100 N10 N20", "NUM"),
             ("//\n//ACCUTEX WEDM CUTTING CONDITIONS --BEGIN--", "wire EDM"),
         ] {
@@ -190,6 +197,9 @@ mod tests {
             "G56 H1 XHA=1\nG15 H1",
             "$PART.MIN\nTOCALL O1",
             "G12 E5\nG92 E0",
+            "%00228\nT1 M6",
+            "T1.1\nM6",
+            "%00228\n(T1.1)\nSET1.1",
             "",
         ] {
             assert_eq!(foreign(text.as_bytes()), None, "{text}");

@@ -20,7 +20,7 @@ use std::sync::LazyLock;
 pub use block_ends::{BlockEnd, BlockEnds};
 pub use code::{CodeEffect, CodeEntry, CodeTable};
 pub use detector::{Detector, Detectors, guess_with};
-pub use elimination::elimination;
+pub use elimination::{elimination, usual_of_name};
 pub use foreign::{Foreign, foreign};
 pub use likeness::{Likeness, likeness};
 pub use turning::{Mark, turning};

@@ -272,7 +272,9 @@ setting decides, or how to write it unambiguously.";
     LOST_PROGRAM = "E0229" "blocks that would be lost"
 "A file may hold several programs, but only one of them is corrected. With --in-place the others would be lost: give another file
 with -o, or put each program into its own file. The same applies to blocks that move before the first program number (O1234) of a
-Fanuc: on the control they belong to no program, so the file is probably not what was intended.";
+Fanuc: on the control they belong to no program, so the file is probably not what was intended. In a file that does not begin
+with %, a % between blocks ends the program at many controls. The tool would stop there, perhaps in the material. Remove the %, or
+the lines that do not belong to the program.";
     CORNER_DOES_NOT_FIT = "E0231" "rounding or chamfer does not fit"
 "RND, RNDM, CHF or CHR requests a transition that is larger than the adjacent contour elements. A control would reduce it by its own
 rule. Program a value that fits, or longer elements.
@@ -626,7 +628,8 @@ was written. Usually the increment of the output is coarser than the error to be
 program (E0215).";
     MORE_PROGRAMS = "W0203" "further main programs in the file"
 "The file has more than one main program (%_N_…_MPF, %PM, O1234). The first one is executed; the others are executed only if it
-calls them. Put each main program into its own file.";
+calls them. Put each main program into its own file. Lines after the % that closes the program belong to no program, and are
+ignored too.";
     LEFT_OUT = "W0204" "statement omitted from the output"
 "WRITE and DELETE access files of the control. They are not executed and not written to the output; their result variable counts as
 0, no error. The motion does not change. Tables of tools and zero offsets in the transfer of a Grundig program (%TM, %ZO) apply to
@@ -748,7 +751,8 @@ without a stated method its effect counts from the empty table. State it: set = 
 "The program has a feed move while the position of a linear axis is not known. Either no earlier block states it, or a program that the
 control itself executes has moved the axes. The errors of the machine depend on this position, so the correction there is incomplete, and
 the predicted errors do not count the move. Program the axes before the cut. --start gives their position at
-the beginning, and it holds until the first tool change.";
+the beginning, and it holds until the first tool change. After a tool change, straight feed moves in the plane are an approach and no
+cut. A rapid move, or a move with another tool length, must then state Z.";
     ROTARY_ASSUMED = "W0324" "rotary axes assumed at 0°"
 "The program has a feed move, and neither an earlier block nor --start states the position of a rotary axis of the machine. ncfix takes
 it to be at 0°, as programs for three axes expect. If the axis is elsewhere, the workpiece is turned, and the correction acts in wrong

@@ -10,6 +10,7 @@ mod paged_store;
 mod plain;
 mod reading;
 pub mod sinumerik;
+mod tape;
 mod token;
 pub mod words;
 
@@ -155,6 +156,7 @@ fn name_characters(source: &Source, findings: &mut Vec<Diagnostic>) {
 fn checked(found: Vec<Diagnostic>, source: &Source, dialect: &Dialect) -> Vec<Diagnostic> {
     let mut findings = reading::hidden(source);
     findings.extend(found);
+    findings.extend(tape::lost_lines(source, dialect.language));
     name_characters(source, &mut findings);
     if findings.len() > MAX_FINDINGS {
         findings.truncate(MAX_FINDINGS);

@@ -54,6 +54,8 @@ pub struct Description {
     pub saved_unit: Option<Known<&'static str>>,
     /// Increments into which the control divides a millimeter.
     pub increments_per_mm: Option<Known<u32>>,
+    /// True if a tool change moves axes.
+    pub tool_change_moves: Option<Known<bool>>,
     /// Data of the files that the machine file does not carry, each with its line.
     pub notes: Vec<String>,
 }
@@ -108,6 +110,7 @@ impl DescriptionRequest {
         }
         let (notes, saved_unit) = (self.facts.notes.clone(), self.facts.saved_unit.clone());
         let increments_per_mm = self.facts.increments_per_mm.clone();
+        let tool_change_moves = self.facts.tool_change_moves.clone();
         Ok(Description {
             name: self.name.clone(),
             template,
@@ -116,6 +119,7 @@ impl DescriptionRequest {
             axes,
             saved_unit,
             increments_per_mm,
+            tool_change_moves,
             notes,
         })
     }

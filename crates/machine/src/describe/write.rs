@@ -61,6 +61,11 @@ pub fn text(description: &Description) -> String {
         let from = format!("positions are rounded to them; {}", origin(count));
         line(&mut out, &format!("increments_per_mm = {}", count.value), &from);
     }
+    if let Some(moves) = &description.tool_change_moves {
+        let _ = writeln!(out, "\n[[opaque]]");
+        line(&mut out, "name = \"M6\"", "tool change");
+        line(&mut out, &format!("moves = {}", moves.value), &origin(moves));
+    }
     unmeasured(&mut out, description);
     if !description.notes.is_empty() {
         let _ = writeln!(out, "\n# Read in the data of the control, and not in this file:");

@@ -42,6 +42,18 @@ impl Control {
         self.opaque.iter().find(fits).map(|entry| entry.moves)
     }
 
+    /// True if an entry may name a G or M code.
+    #[must_use]
+    pub fn has_opaque_codes(&self) -> bool {
+        self.opaque.iter().any(|entry| matches!(entry.name.as_bytes(), [b'G' | b'M', b'0'..=b'9' | b'*', ..]))
+    }
+
+    /// Returns whether a tool change may move axes: unless the machine file names M6 with `moves = false`.
+    #[must_use]
+    pub fn tool_change_moves(&self) -> bool {
+        self.opaque_moves("M6") != Some(false)
+    }
+
     /// Returns whether the words of an axis (its name in upper case) are passed on.
     #[must_use]
     pub fn passes_axis(&self, name: &str) -> bool {
@@ -62,7 +74,7 @@ impl Control {
 /// Reads `opaque`, `search_path`, `initial_codes`, `allow_synchronised` and `transverse_axis` of `[control]`.
 pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     for name in section.texts("opaque").unwrap_or_default() {
-        control.opaque.push(Opaque { name: name.to_ascii_uppercase(), moves: true });
+        control.opaque.push(Opaque { name: called(name), moves: true });
     }
     control.initial_codes = section.texts("initial_codes").unwrap_or_default();
     control.search_path = section.texts("search_path").unwrap_or_default();
@@ -111,10 +123,24 @@ pub(super) fn read_axes(section: &mut Section<'_>, control: &mut Control, chain:
     }
 }
 
+/// The name of an entry: upper case, and a code without leading zeros (`M06` is M6).
+fn called(name: impl AsRef<str>) -> String {
+    let name = name.as_ref().to_ascii_uppercase();
+    let number = name.strip_prefix(['G', 'M']).filter(|rest| rest.starts_with(|first: char| first.is_ascii_digit()));
+    match number {
+        Some(number) if number.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.') => {
+            let short = number.trim_start_matches('0');
+            let short = if short.is_empty() || short.starts_with('.') { format!("0{short}") } else { short.to_owned() };
+            format!("{}{short}", &name[..1])
+        }
+        _ => name,
+    }
+}
+
 /// Reads `[[opaque]]`: `name` and `moves`.
 pub(super) fn read_sections(sections: Vec<Section<'_>>, control: &mut Control, findings: &mut Vec<Diagnostic>) {
     for mut section in sections {
-        let name = section.required("name", "\"TOOLCHANGE\"", Section::text).map(str::to_ascii_uppercase);
+        let name = section.required("name", "\"TOOLCHANGE\"", Section::text).map(called);
         let moves = section.boolean("moves").unwrap_or(true);
         if let Some(name) = name {
             // A separate entry takes precedence over the short list.

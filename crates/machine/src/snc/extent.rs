@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::motion_mode::MotionMode;
-use super::{Element, Kind, Move, Origin};
+use super::{Element, Kind, Move, Origin, Word, WordValue};
 use ncfix_base::geometry::{AXES, Arc, Axis, AxisSet, AxisVector, Matrix, Vector};
 
 /// Angle between points of an arc in a tilted plane, rad: the path exceeds them by a thousandth of the radius.
@@ -30,8 +30,17 @@ pub struct PathExtent {
     heads: BTreeSet<(u16, Option<u16>)>,
     /// First feed move that ends at an unknown position, and its axes.
     unknown: Option<(Origin, AxisSet)>,
+    /// True from a tool change until Z is stated.
+    is_changed: bool,
+    /// First feed move of that time, its axes and the tool there: an approach, if Z is stated by a rapid move or with another tool length.
+    approach: Option<(Origin, AxisSet, Vector)>,
     /// First feed move at which the position of axes other than X, Y and Z is not known, and these axes, whether a machine has them or not.
     unstated: Option<(Origin, AxisSet)>,
+}
+
+/// True for the word that changes the tool.
+fn is_change(word: &Word) -> bool {
+    word.letter == b'M' && word.extension.is_none() && word.value == WordValue::Number(6.0)
 }
 
 /// Positions and tools of one kind of moves.
@@ -129,6 +138,8 @@ impl Default for PathExtent {
             head: 0,
             heads: BTreeSet::new(),
             unknown: None,
+            is_changed: false,
+            approach: None,
             unstated: None,
         }
     }
@@ -142,9 +153,27 @@ impl PathExtent {
             Kind::Setup(setup) => {
                 (self.tool_mm, self.zero, self.head) = (setup.tool_mm, setup.zero, setup.head);
             }
-            Kind::Lost(axes) => self.known = self.known.difference(*axes),
+            Kind::Lost(axes) => {
+                self.known = self.known.difference(*axes);
+                if self.approach.is_some() {
+                    self.end_approach(false);
+                }
+            }
+            Kind::Before(words) | Kind::After(words) if words.iter().any(is_change) => self.change_tool(),
             _ => {}
         }
+    }
+
+    /// Ends the approach after a tool change; if it was none, it counts as a cut.
+    fn end_approach(&mut self, is_approach: bool) {
+        let taken = self.approach.take().filter(|_| !is_approach);
+        self.unknown = self.unknown.or(taken.map(|(origin, axes, _)| (origin, axes)));
+        self.is_changed = false;
+    }
+
+    fn change_tool(&mut self) {
+        self.end_approach(false);
+        self.is_changed = true;
     }
 
     /// Returns the last position, mm and rad; that of unknown axes has no meaning.
@@ -182,8 +211,18 @@ impl PathExtent {
         }
         reach.tool(self.tool_mm);
         let unknown = AxisSet::XYZ.difference(motion.known);
-        if is_feed && self.unknown.is_none() && unknown != AxisSet::EMPTY {
-            self.unknown = Some((origin, unknown));
+        if !unknown.contains(Axis::Z) {
+            let has_other_length = self.approach.is_some_and(|(_, _, tool_mm)| tool_mm != self.tool_mm);
+            self.end_approach(!is_feed || has_other_length);
+        }
+        if is_feed && unknown != AxisSet::EMPTY {
+            let is_height_alone = unknown == [Axis::Z].into_iter().collect();
+            if self.is_changed && is_height_alone && motion.arc.is_none() {
+                self.approach = self.approach.or(Some((origin, unknown, self.tool_mm)));
+            } else {
+                self.end_approach(false);
+                self.unknown = self.unknown.or(Some((origin, unknown)));
+            }
         }
         let unstated = AxisSet::ALL.difference(AxisSet::XYZ).difference(motion.known);
         if is_feed && self.unstated.is_none() && unstated != AxisSet::EMPTY {
@@ -196,10 +235,10 @@ impl PathExtent {
     }
 
     /// Returns the first feed move after which the position of a linear axis is not known, and these axes: neither the program nor a start position states it,
-    /// or something outside the stream has moved them.
+    /// or something outside the stream has moved them. A straight feed move in the plane between a tool change and the approach in Z is no cut.
     #[must_use]
     pub fn unknown(&self) -> Option<(Origin, AxisSet)> {
-        self.unknown
+        self.unknown.or(self.approach.map(|(origin, axes, _)| (origin, axes)))
     }
 
     /// Returns the first feed move at which the position of some of these axes is not known, and these axes. They are taken to be at 0.

@@ -353,7 +353,7 @@ fn lost_axes(element: &Element, machine: &Machine) -> AxisSet {
         Kind::Before(words) | Kind::After(words) => words.iter().any(is_change),
         _ => false,
     };
-    if is_lost { AxisSet::ALL } else { AxisSet::EMPTY }
+    if is_lost && machine.control.tool_change_moves() { AxisSet::ALL } else { AxisSet::EMPTY }
 }
 
 #[cfg(test)]

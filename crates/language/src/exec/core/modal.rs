@@ -7,6 +7,17 @@ use ncfix_base::geometry::Plane;
 use ncfix_base::units::MM_PER_INCH;
 use ncfix_machine::snc::FeedUnit;
 
+/// Reason of a missing feed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum FeedLack {
+    /// No F word so far.
+    Never,
+    /// The last F word has the value 0.
+    Zero,
+    /// The last F word is in another unit.
+    OtherUnit,
+}
+
 /// State of the groups common to all languages; `M` is the motion mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::exec) struct Modes<M> {
@@ -20,6 +31,8 @@ pub(in crate::exec) struct Modes<M> {
     pub(in crate::exec) inch: bool,
     /// The feed in mm and in units of `feed_unit`; 0 if none yet.
     pub(in crate::exec) feed: f64,
+    /// Why there is no feed, if `feed` is 0.
+    lack: FeedLack,
     /// Unit of F.
     pub(in crate::exec) feed_unit: FeedUnit,
     /// Last spindle speed.
@@ -29,7 +42,16 @@ pub(in crate::exec) struct Modes<M> {
 impl<M> Modes<M> {
     /// Absolute, millimeters, no feed.
     pub(in crate::exec) fn new(motion: M, plane: Plane) -> Self {
-        Modes { motion, plane, incremental: false, inch: false, feed: 0.0, feed_unit: FeedUnit::default(), speed: None }
+        Modes {
+            motion,
+            plane,
+            incremental: false,
+            inch: false,
+            feed: 0.0,
+            lack: FeedLack::Never,
+            feed_unit: FeedUnit::default(),
+            speed: None,
+        }
     }
 
     /// mm per programmed length unit.
@@ -41,7 +63,33 @@ impl<M> Modes<M> {
     pub(in crate::exec) fn select_feed_unit(&mut self, unit: FeedUnit) {
         if unit != self.feed_unit {
             self.feed_unit = unit;
-            self.feed = 0.0;
+            self.drop_feed();
+        }
+    }
+
+    /// Drops the feed, because a code for its unit has ended it.
+    pub(in crate::exec) fn drop_feed(&mut self) {
+        if self.feed > 0.0 {
+            self.lack = FeedLack::OtherUnit;
+        }
+        self.feed = 0.0;
+    }
+
+    /// Sets the feed of an F word, in mm.
+    pub(in crate::exec) fn set_feed(&mut self, feed: f64) {
+        self.feed = feed;
+        self.lack = FeedLack::Zero;
+    }
+
+    /// Why a feed move has no feed, and what to do.
+    pub(in crate::exec) fn no_feed(&self) -> (&'static str, &'static str) {
+        match self.lack {
+            FeedLack::Never => ("feed move before any F word", "program F before it or in it"),
+            FeedLack::Zero => ("feed move with F0", "program F with a value above 0 before it or in it"),
+            FeedLack::OtherUnit => (
+                "feed move without F after a code that changes the unit of F",
+                "program F in the new unit before it or in it",
+            ),
         }
     }
 }

@@ -15,15 +15,27 @@ pub(in crate::exec) struct Position {
     pub(in crate::exec) known: AxisSet,
     /// Unknown axes that a probe has stopped: a motion to a stated position would leave the measured place.
     pub(in crate::exec) probed: AxisSet,
+    /// Axes that a tool change has made unknown.
+    by_change: AxisSet,
+    /// Axes along which the tool length has changed without a motion.
+    by_length: AxisSet,
 }
 
 impl Position {
+    const NOWHERE: Position = Position {
+        command: AxisVector::ZERO,
+        known: AxisSet::EMPTY,
+        probed: AxisSet::EMPTY,
+        by_change: AxisSet::EMPTY,
+        by_length: AxisSet::EMPTY,
+    };
+
     /// The state before the first block: given by the caller, or as far as the machine states it.
     pub(in crate::exec) fn at_start(start: Option<AxisVector>, machine: &Machine) -> Self {
         if let Some(command) = start {
-            return Position { command, known: machine.axis_set(), probed: AxisSet::EMPTY };
+            return Position { command, known: machine.axis_set(), ..Position::NOWHERE };
         }
-        let mut position = Position { command: AxisVector::ZERO, known: AxisSet::EMPTY, probed: AxisSet::EMPTY };
+        let mut position = Position::NOWHERE;
         for axis in machine.axis_set().iter() {
             if let Some(start_rad) = machine.axis(axis).and_then(|data| data.start_rad) {
                 position.command[axis] = start_rad;
@@ -43,13 +55,55 @@ impl Position {
         }
         self.known = self.known.difference(lost);
         self.probed = self.probed.difference(lost);
+        self.by_change = self.by_change.difference(lost);
+        self.by_length = self.by_length.difference(lost);
         lost
+    }
+
+    /// Makes all positions unknown: a tool change may have moved the axes.
+    pub(in crate::exec) fn forget_by_change(&mut self) {
+        // Axes that nothing has stated were not known without the change either.
+        self.by_change = self.by_change.union(self.known);
+        (self.known, self.by_length, self.probed) = (AxisSet::EMPTY, AxisSet::EMPTY, AxisSet::EMPTY);
+    }
+
+    /// Makes axes unknown along which the length of the tool has changed without a motion.
+    pub(in crate::exec) fn forget_by_length(&mut self, axes: AxisSet) {
+        let lost = axes.intersection(self.known);
+        self.known = self.known.difference(lost);
+        self.by_change = self.by_change.difference(lost);
+        self.by_length = self.by_length.union(lost);
+    }
+
+    /// Leaves only these positions known.
+    pub(in crate::exec) fn keep(&mut self, known: AxisSet) {
+        let lost = self.known.difference(known);
+        self.known = known;
+        self.by_change = self.by_change.difference(lost);
+        self.by_length = self.by_length.difference(lost);
+    }
+
+    /// The advice for an axis of unknown position, by the reason.
+    pub(in crate::exec) fn advice(&self, axis: Axis) -> &'static str {
+        match () {
+            () if self.probed.contains(axis) => MEASURE_APART,
+            () if self.by_change.contains(axis) => AFTER_CHANGE,
+            () => BEGIN_ABSOLUTE,
+        }
     }
 
     /// The fault for an axis whose position the program has not stated.
     pub(in crate::exec) fn unknown(&self, span: Span, axis: Axis) -> Fault {
-        let probed = [axis].into_iter().collect::<AxisSet>().intersection(self.probed);
-        fault(Code::UNKNOWN_START, span, format!("the position of {axis} is not known yet"), advice(probed))
+        if self.by_length.contains(axis) {
+            let message = format!(
+                "the position of {axis} is not known: the tool length has changed along it, and a parameter of the control decides whether {axis} has followed"
+            );
+            let help = format!(
+                "program an absolute position of {axis} with G43 or after it; the parameter of a Fanuc is 5006, bit 6 (TOS)"
+            );
+            return fault(Code::UNKNOWN_START, span, message, help);
+        }
+        fault(Code::UNKNOWN_START, span, format!("the position of {axis} is not known yet"), self.advice(axis))
     }
 }
 
@@ -64,10 +118,8 @@ pub(in crate::exec) const BEGIN_ABSOLUTE: &str = "program an absolute position o
 /// Advice for a position at which only the control knows that it stands: a motion before it would change what is measured or set.
 pub(in crate::exec) const MEASURE_APART: &str = "only the control knows this position: measure and set the zero or the length in a program of its own that is not corrected, and remove the blocks from this one; a motion before the block would set another value";
 
-/// The fault for an axis whose position the program has not stated.
-pub(in crate::exec) fn unknown_start(span: Span, axis: Axis) -> Fault {
-    fault(Code::UNKNOWN_START, span, format!("the position of {axis} is not known yet"), BEGIN_ABSOLUTE)
-}
+/// Advice for an axis that a tool change has made unknown.
+const AFTER_CHANGE: &str = "the tool change before it may have moved the axes: program an absolute position of this axis after it; if the change moves no axis, state it in the machine file: [[opaque]] with name = \"M6\" and moves = false";
 
 #[cfg(test)]
 mod tests {
@@ -75,8 +127,20 @@ mod tests {
     use ncfix_base::geometry::{AXES, Matrix};
 
     #[test]
+    fn the_advice_names_a_tool_change_only_for_axes_that_were_known() {
+        let mut position = Position { known: AxisSet::XYZ, ..Position::NOWHERE };
+        position.forget_by_change();
+        assert!(position.advice(Axis::Z).contains("M6"));
+        assert_eq!(position.advice(Axis::A), BEGIN_ABSOLUTE);
+        // Stated again, and lost for another reason.
+        position.known = AxisSet::XYZ;
+        position.keep(AxisSet::EMPTY);
+        assert_eq!(position.advice(Axis::Z), BEGIN_ABSOLUTE);
+    }
+
+    #[test]
     fn axes_that_are_mixed_are_lost_together() {
-        let all = Position { command: AxisVector::ZERO, known: AXES.into_iter().collect(), probed: AxisSet::EMPTY };
+        let all = Position { known: AXES.into_iter().collect(), ..Position::NOWHERE };
         let lost_of = |axis: Axis, turns: bool, frame: &Frame| {
             let mut position = all;
             let lost = position.forget([axis].into_iter().collect(), turns, frame);

@@ -252,7 +252,7 @@ pub(super) fn circular(channel: &mut Channel<'_>, circle: Circle, to: AxisVector
         channel.settings.strict,
         &mut channel.feed_warned,
         &mut channel.outlet,
-        channel.modal.modes.feed,
+        (channel.modal.modes.feed, channel.modal.modes.no_feed()),
         span,
     )?;
     let turns = circle.sweep_rad / TAU;

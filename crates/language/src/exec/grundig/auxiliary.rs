@@ -29,7 +29,7 @@ pub(super) fn feed_and_speed(
         if feed < 0.0 {
             return Err(bad_value(span, "a feed below 0", "write a feed above 0"));
         }
-        modal.modes.feed = if modal.modes.inch { feed * MM_PER_INCH } else { feed };
+        modal.modes.set_feed(if modal.modes.inch { feed * MM_PER_INCH } else { feed });
         block.feed_named = true;
     } else {
         block.feed_named = false;
@@ -95,7 +95,7 @@ pub(super) fn select_head(channel: &mut Channel<'_>, words: &[(u32, Span)], gath
     let Some(head) = head::selected(channel.settings.machine, words.iter().copied(), block)? else { return Ok(()) };
     channel.modal.tool.head = head;
     channel.outlet.kinematics = None;
-    channel.modal.position.known = AxisSet::EMPTY;
+    channel.modal.position.keep(AxisSet::EMPTY);
     channel.outlet.push(Kind::Lost(AxisSet::ALL));
     setup::refresh_setup(channel)
 }

@@ -166,7 +166,10 @@ impl Interpreter<'_> {
 /// The diagnostic for further programs of the transfer that no call reaches.
 fn left_out(program: &Program, main: usize) -> Option<Diagnostic> {
     let is_program = |part: &words::Part| part.kind == PartKind::Program && !part.blocks.is_empty();
-    let (_, other) = program.parts.iter().enumerate().find(|(index, part)| *index != main && is_program(part))?;
+    // Blocks after a mark without a header are reported with the text.
+    let is_other =
+        |(index, part): &(usize, &words::Part)| *index != main && is_program(part) && !part.headers.is_empty();
+    let (_, other) = program.parts.iter().enumerate().find(is_other)?;
     let calls = |word: &words::Word| {
         word.address == Address::Letter(b'G') && matches!(word.value, Value::Number { value, .. } if value == 23.0)
     };

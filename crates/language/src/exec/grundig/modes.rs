@@ -128,7 +128,7 @@ pub(super) fn reference(
     if lost.is_empty() {
         return Err(bad_value(span, "G74 has no axis word", "write for example G74 Z-1 L1"));
     }
-    modal.position.known = modal.position.known.difference(lost);
+    modal.position.keep(modal.position.known.difference(lost));
     outlet.push(Kind::Verbatim(text.into_bytes()));
     outlet.push(Kind::Lost(lost));
     Ok(())
@@ -151,7 +151,7 @@ pub(super) fn withdraw(
         let value = item.value * modal.modes.scale();
         text.push_str(&format!(" {}{}", name(item.letter, item.index), (value * 1e9).round() / 1e9));
     }
-    modal.position.known = modal.position.known.difference(AxisSet::XYZ);
+    modal.position.keep(modal.position.known.difference(AxisSet::XYZ));
     outlet.push(Kind::Verbatim(text.into_bytes()));
     outlet.push(Kind::Lost(AxisSet::XYZ));
     Ok(())

@@ -44,7 +44,7 @@ pub(super) fn refresh_setup(channel: &mut Channel<'_>) -> Result<(), Fault> {
     let lost = lengthened(&channel.standing.setup, &setup);
     if !lost.is_empty() {
         // The length in the control may differ: no move may rely on the tip position for this length.
-        channel.modal.position.known = channel.modal.position.known.difference(lost);
+        channel.modal.position.keep(channel.modal.position.known.difference(lost));
         channel.outlet.push(Kind::Lost(lost));
     }
     if setup.frame.linear() != channel.standing.setup.frame.linear() {

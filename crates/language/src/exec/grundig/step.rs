@@ -80,7 +80,13 @@ pub(super) fn rapid_line(channel: &mut Channel<'_>, to: &AxisVector, named: Axis
 /// One straight feed line.
 pub(super) fn feed_line(channel: &mut Channel<'_>, to: &AxisVector, named: AxisSet, feed: f64) -> Result<(), Fault> {
     let span = channel.outlet.origin.span;
-    check_feed(channel.settings.strict, &mut channel.feed_warned, &mut channel.outlet, feed, span)?;
+    check_feed(
+        channel.settings.strict,
+        &mut channel.feed_warned,
+        &mut channel.outlet,
+        (feed, channel.modal.modes.no_feed()),
+        span,
+    )?;
     elementary(channel, to, named, false, feed, |_| Ok(Shape::Line))
 }
 
@@ -222,13 +228,13 @@ pub(super) fn check_feed(
     strict: bool,
     feed_warned: &mut bool,
     outlet: &mut MotionSink<'_>,
-    feed: f64,
+    (feed, lack): (f64, (&'static str, &'static str)),
     span: Span,
 ) -> Result<(), Fault> {
     if feed > 0.0 {
         return Ok(());
     }
-    let (message, help) = ("feed move before any F word", "program F before it or in it");
+    let (message, help) = lack;
     if strict {
         return Err(fault(Code::MISSING_FEED, span, message, help));
     }

@@ -5,7 +5,6 @@ use super::gathered::{Found, Gathered};
 use super::modal::Modal;
 use super::modal::{Point, plus};
 use crate::exec::core::fault::{Fault, bad_value, fault};
-use crate::exec::core::position::BEGIN_ABSOLUTE;
 use crate::exec::core::rollover;
 use crate::exec::core::standing::InForce;
 use crate::exec::core::step::Flat;
@@ -79,9 +78,7 @@ pub(super) fn check_known(strict: bool, modal: &Modal, axis: Axis, span: Span) -
     if !strict || modal.position.known.contains(axis) {
         return Ok(());
     }
-    let message = format!("the position of {axis} is not known yet");
-    let help = BEGIN_ABSOLUTE;
-    Err(fault(Code::UNKNOWN_START, span, message, help))
+    Err(modal.position.unknown(span, axis))
 }
 
 /// Checks both axes of the plane.

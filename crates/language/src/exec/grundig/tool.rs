@@ -8,7 +8,6 @@ use crate::exec::core::contour::{FeedAt, Reach, Side};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::tool::{ToolSize, without_value};
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{Kind, WordValue};
 
@@ -39,7 +38,9 @@ pub(super) fn tool(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result
                 let message = format!("a tool change (M{number}) under G141");
                 return Err(fault(Code::FORBIDDEN_STATE, code.span, message, "end G141 with G40 before it"));
             }
-            channel.modal.position.known = AxisSet::EMPTY;
+            if channel.settings.machine.control.tool_change_moves() {
+                channel.modal.position.forget_by_change();
+            }
         }
         activate(channel, code.span)?;
     }

@@ -22,6 +22,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::Span;
 use ncfix_dialect::CodeEffect;
+use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Kind, Word, WordValue};
 
 /// Letters that M codes of LinuxCNC take: number, letters.
@@ -41,6 +42,9 @@ const RS274_WORDS: &[(u32, &[u8])] = &[
     (68, b"EQ"),
 ];
 
+/// Largest number of an M code with one meaning on all controls; the machine builder assigns the others.
+pub(super) const LAST_STANDARD_M: u32 = 30;
+
 /// The modal group of the M codes of the user.
 const USER_GROUP: u8 = 10;
 
@@ -56,6 +60,18 @@ fn rs274_group(number: u32) -> Option<u8> {
         100..=199 => USER_GROUP,
         _ => return None,
     })
+}
+
+/// `true` if only the machine builder knows the words of an M code.
+pub(super) fn is_of_builder(channel: &Channel<'_>, number: u32) -> bool {
+    let is_standard = match channel.is_rs274() {
+        true => rs274_group(number).is_some(),
+        false => {
+            let has_output = matches!(number, 59 | 69) && channel.settings.machine.control.iso.is_haas();
+            number <= LAST_STANDARD_M || has_output || refused(number, Span::default()).is_err()
+        }
+    };
+    !is_standard && channel.settings.machine.head_of_word(number).is_none()
 }
 
 /// `true` if an M code names one input or output by P or, for an analog one, by E.
@@ -129,8 +145,12 @@ pub(super) fn m_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<
     let mut groups = 0_u16;
     for &(number, span) in &gathered.m_codes {
         let is_of_head = channel.settings.machine.head_of_word(number).is_some();
-        let Some(group) = rs274_group(number).or(is_of_head.then_some(USER_GROUP)) else {
-            return Err(bad_value(span, format!("M{number} is unknown"), "check the number"));
+        let is_known = || is_of_head || channel.settings.machine.control.opaque_moves(&format!("M{number}")).is_some();
+        let Some(group) = rs274_group(number).or_else(|| is_known().then_some(USER_GROUP)) else {
+            let help = format!(
+                "check the number; if the control executes it, name it in the machine file: control.opaque = [\"M{number}\"]"
+            );
+            return Err(bad_value(span, format!("M{number} is unknown"), &help));
         };
         // M7 and M8 are compatible.
         let is_double = groups & 1 << group != 0 && group != 8;
@@ -177,7 +197,7 @@ fn fanuc_m(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<(), Fau
                 return Err(fault(Code::BAD_COMPENSATION, span, message, help));
             }
             channel.block.before.push(word(number));
-            change_tool(channel.language, &mut channel.modal);
+            change_tool(channel.language, channel.settings.machine, &mut channel.modal);
         }
         // No axis may move between it and the cycle, before which it is written with its speed.
         29 if !channel.settings.strict || channel.settings.keeps_tapping => {
@@ -201,9 +221,11 @@ pub(super) fn lose_by_functions(modal: &mut Modal, outlet: &mut MotionSink<'_>, 
 }
 
 /// Puts the selected tool into the spindle; a tool change may have moved the axes.
-fn change_tool(language: Language, modal: &mut Modal) {
+fn change_tool(language: Language, machine: &Machine, modal: &mut Modal) {
     modal.tool.change();
-    modal.forget(AxisSet::ALL);
+    if machine.control.tool_change_moves() {
+        modal.position.forget_by_change();
+    }
     if language == Language::Rs274 {
         modal.spindle = 5;
     }
@@ -264,7 +286,7 @@ fn rs274_m(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, span: Sp
             }
             channel.block.before.push(word(number));
             look_where_axes_are(&mut channel.modal, &mut channel.outlet, gathered);
-            change_tool(channel.language, &mut channel.modal);
+            change_tool(channel.language, channel.settings.machine, &mut channel.modal);
         }
         61 => {
             let tool = gathered.raw(b'Q').map(|value| whole(value, gathered.span_of(b'Q'), "Q")).transpose()?;

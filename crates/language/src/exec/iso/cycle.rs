@@ -113,7 +113,21 @@ pub(super) fn cycle_at(
             target::check_stated(channel.settings.strict, &channel.modal, axis, gathered.span)?;
         }
     }
-    target::check_stated(channel.settings.strict, &channel.modal, applicate, gathered.span)?;
+    if let Err(found) = target::check_stated(channel.settings.strict, &channel.modal, applicate, gathered.span) {
+        // The block states the place of its hole: the next hole has no fault of its own.
+        if !incremental && !is_polar && pattern.is_none() && channel.special.polar.is_none() {
+            let mut place = here;
+            for (axis, word) in [abscissa, ordinate].into_iter().zip(words) {
+                place[axis] = word.unwrap_or(place[axis]);
+            }
+            let setup = Shared::clone(&channel.standing.setup);
+            if let Ok(command) = step::reach(&channel.modal, &setup, named, &place, span) {
+                channel.modal.position.command = command;
+                channel.modal.position.known = channel.modal.position.known.union(named);
+            }
+        }
+        return Err(found);
+    }
     let mut others = gathered.axes.difference([abscissa, ordinate, applicate].into_iter().collect());
     let mut end = here;
     for axis in others.iter() {

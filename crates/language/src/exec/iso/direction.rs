@@ -10,7 +10,6 @@ use super::codes::Group;
 use super::gathered::Gathered;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::path::Path;
-use crate::exec::core::position::unknown_start;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
 use ncfix_base::source::Span;
@@ -87,7 +86,7 @@ pub(super) fn orient(
     };
     // Two axis positions give the same direction; the selected one depends on the current position.
     if let Some(axis) = kinematics.rotary_axes().find(|&axis| !path.start_known.contains(axis) && settings.strict) {
-        return Err(unknown_start(span, axis));
+        return Err(modal.position.unknown(span, axis));
     }
     let mut axes: Vec<Axis> = kinematics.rotary_axes().collect();
     let in_table = |axis: &Axis| settings.machine.topology.workpiece.contains(axis);

@@ -148,13 +148,22 @@ impl Interpreter<'_> {
         }
         let is_left = |(part, entered): &(&crate::syntax::words::Part, &bool)| !**entered && !part.blocks.is_empty();
         let Some((part, _)) = program.parts.iter().zip(&self.own.entered).find(is_left) else { return };
-        let span = part.headers.first().copied().unwrap_or_default();
-        let shown = String::from_utf8_lossy(program.source.slice(span)).into_owned();
-        let message = format!(
-            "the program {shown} is ignored: only the first one of a file is executed, and it does not call this one"
-        );
-        let place = Place { file: program.source.id(), span };
-        let help = "put each main program into its own file";
+        let header = part.headers.first().copied();
+        let first = program.blocks.range(part.blocks.clone()).iter().next().map(|block| block.span);
+        let (message, help) = match header {
+            Some(header) => {
+                let shown = String::from_utf8_lossy(program.source.slice(header)).into_owned();
+                let message = format!(
+                    "the program {shown} is ignored: only the first one of a file is executed, and it does not call this one"
+                );
+                (message, "put each main program into its own file")
+            }
+            None => (
+                "this line and those after it are ignored: the % before it ends the program".to_owned(),
+                "remove the lines, or the % if the program continues after it",
+            ),
+        };
+        let place = Place { file: program.source.id(), span: header.or(first).unwrap_or_default() };
         self.ledger.report(Diagnostic::at(Code::MORE_PROGRAMS, place, message, help));
     }
 

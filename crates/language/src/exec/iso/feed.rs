@@ -69,7 +69,7 @@ pub(super) fn feed_mode(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
     channel.modal.modes.select_feed_unit(mode);
     if channel.is_rs274() {
         // LinuxCNC resets F at each of these codes.
-        channel.modal.modes.feed = 0.0;
+        channel.modal.modes.drop_feed();
     }
     channel.push(Kind::Keep(word));
     Ok(())
@@ -82,7 +82,7 @@ pub(super) fn feed(modal: &mut Modal, gathered: &Gathered) -> Result<(), Fault> 
         return Err(bad_value(gathered.span_of(b'F'), message, "program F with a positive value"));
     }
     let scale = if modal.modes.feed_unit == FeedUnit::InverseTime { 1.0 } else { modal.modes.scale() };
-    modal.modes.feed = value * scale;
+    modal.modes.set_feed(value * scale);
     Ok(())
 }
 
@@ -110,7 +110,14 @@ pub(super) fn speed(
 
 pub(super) fn tool_word(modal: &mut Modal, outlet: &mut MotionSink<'_>, gathered: &Gathered) -> Result<(), Fault> {
     let Some(value) = gathered.raw(b'T') else { return Ok(()) };
-    let number = whole(value, gathered.span_of(b'T'), "T")?;
+    let span = gathered.span_of(b'T');
+    let number = whole(value, span, "T").map_err(|found| {
+        if value < 0.0 {
+            return found;
+        }
+        let help = "write the number of the tool alone; T1.1 is the tool and the offset of a Fagor, whose programs ncfix does not read";
+        bad_value(span, found.message.clone(), help)
+    })?;
     modal.tool.selected = Some(number);
     outlet.push(Kind::Tool(WordValue::Number(f64::from(number))));
     Ok(())

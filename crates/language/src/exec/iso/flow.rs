@@ -8,6 +8,7 @@ use super::expression::Scope;
 use super::gather::gather;
 use super::gathered::Gathered;
 use super::level::{Action, Level, Loaded};
+use super::opaque;
 use super::order;
 use super::passes::Passes;
 use super::request::{Request, request};
@@ -110,6 +111,9 @@ fn execute(
     words: &[Word],
 ) -> Result<Action, Fault> {
     let requested = request(channel.settings.machine, channel.language, level, words);
+    if requested.is_none() && opaque::pass_block(&loaded.program, level.program, channel, words, block.span)? {
+        return Ok(Action::Next);
+    }
     let has_assignments = words.iter().any(is_assignment);
     if has_assignments && channel.language == Language::Fanuc {
         check_beside(words, channel.language)?;

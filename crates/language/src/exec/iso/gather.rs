@@ -154,7 +154,12 @@ fn g_code(scope: &Scope<'_, '_>, value: f64, span: Span, out: &mut Gathered) -> 
         }
         None => {
             let message = format!("{name} is unknown");
-            let help = homing_help(tenths).unwrap_or("check the code, and --dialect");
+            let help = match homing_help(tenths) {
+                Some(help) => help.to_owned(),
+                None => format!(
+                    "check the code, and --dialect; if the machine builder defines it, name it in the machine file: control.opaque = [\"{name}\"]"
+                ),
+            };
             Err(fault(Code::NOT_SUPPORTED, span, message, help))
         }
     }

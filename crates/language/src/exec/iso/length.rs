@@ -126,14 +126,18 @@ fn fanuc_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
     channel.modal.length_ended = false;
     if !is_off && !channel.modal.has_h {
         let message = format!("{} without H: the control would use the H of an earlier program", name_of(code));
-        let help = "write the number of the offset with it, for example G43 H1";
+        let number = channel.modal.tool.active.filter(|number| *number > 0).unwrap_or(1);
+        let help = format!(
+            "write the number of the offset with it, for example {} H{number}; a program of LinuxCNC, where G43 takes the tool in the spindle, needs a machine file with controller = \"rs274\"",
+            name_of(code)
+        );
         without_value(
             channel.settings.requires_values,
             &mut channel.outlet.warnings,
             span,
             &message,
             "length 0",
-            help,
+            &help,
         )?;
     }
     let (table, assumed) = if is_off {

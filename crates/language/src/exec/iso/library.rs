@@ -53,10 +53,10 @@ impl Interpreter<'_> {
                 (format!("O{short:04} ({count} times)"), found)
             }
         };
-        found.ok_or_else(|| self.not_found(&shown, call.span))
+        found.ok_or_else(|| self.not_found(&shown, call.span, call.is_of_code))
     }
 
-    fn not_found(&mut self, shown: &str, span: Span) -> Fault {
+    fn not_found(&mut self, shown: &str, span: Span, is_of_code: bool) -> Fault {
         let message =
             self.library.refusal().unwrap_or_else(|| format!("{shown} is neither in this file nor in its folder"));
         // `O7777 (2 times)` is in the file O7777.
@@ -66,10 +66,12 @@ impl Interpreter<'_> {
             (_, Some(number)) => format!("the file {name}, {name}.NC or {number}.NC"),
             (_, None) => "its file".to_owned(),
         };
-        let help = format!(
-            "put {files} next to the program, or add its folder to control.search_path; name a program that the control runs \
-             itself under [[opaque]]"
-        );
+        let own = if is_of_code {
+            "if the control runs it itself, remove its code from control.macro_codes and name the code in control.opaque"
+        } else {
+            "name a program that the control runs itself under [[opaque]]"
+        };
+        let help = format!("put {files} next to the program, or add its folder to control.search_path; {own}");
         fault(Code::NO_SUBPROGRAM, span, message, help)
     }
 

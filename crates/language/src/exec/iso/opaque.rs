@@ -1,15 +1,138 @@
-//! Calls of programs that the control runs by itself: they are passed through with evaluated values.
+//! Calls of programs that the control runs by itself, and blocks of codes of the machine builder: they are passed through with evaluated values.
 
 use super::text;
 use std::fmt::Write as _;
 
 use super::arguments::letter_of;
+use super::assign::is_assignment;
+use super::auxiliary;
 use super::call::{Call, CallKind, Callee};
+use super::channel::Channel;
+use super::codes::group_of;
+use super::cycle;
+use super::expression::Scope;
+use super::haas_codes;
 use super::level::Interpreter;
 use crate::exec::core::fault::{Fault, at};
+use crate::syntax::words::{Address, Program, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
+use ncfix_base::source::Span;
+use ncfix_dialect::Dialect;
 use ncfix_machine::snc::{FeedUnit, Kind};
+
+/// Words that belong to a motion or to the modes of a block, whatever its M code is.
+const OF_EVERY_BLOCK: &[u8] = b"XYZABCUVWIJKRFSTN";
+
+/// The code of the machine builder that takes the words of a block, `true` if it moves axes, and `true` if it is the only code of the block.
+///
+/// The machine file names it in `opaque`. A G code takes all words of its block. An M code takes them if it begins the block and one of them can belong
+/// to nothing else; otherwise the axis words of its block are a motion, as always.
+fn code_with_words(channel: &Channel<'_>, dialect: &Dialect, words: &[Word]) -> Option<(String, bool, bool)> {
+    let control = &channel.settings.machine.control;
+    let is_letter =
+        |word: &&Word, letters: &[u8]| matches!(word.address, Address::Letter(letter) if letters.contains(&letter));
+    // Only codes that ncfix does not know: their names are compared, which the usual blocks must not pay for.
+    let is_unknown = |letter: u8, value: f64| {
+        if letter == b'M' {
+            return auxiliary::is_of_builder(channel, value as u32);
+        }
+        let tenths = (value * 10.0).round() as u16;
+        let is_known = group_of(tenths, channel.language).is_some()
+            || dialect.codes().g_tenths(usize::from(tenths)).is_some()
+            || haas_codes::code_of(tenths).is_some() && control.iso.is_haas()
+            || tenths == 530;
+        !is_known
+    };
+    let named = words.iter().enumerate().find_map(|(place, word)| {
+        let (Address::Letter(letter @ (b'G' | b'M')), Value::Number { value, .. }) = (word.address, word.value) else {
+            return None;
+        };
+        if !is_unknown(letter, value) {
+            return None;
+        }
+        let name = format!("{}{value}", char::from(letter));
+        Some((place, letter, control.opaque_moves(&name)?, name))
+    });
+    let (place, letter, moves, name) = named?;
+    let codes = words.iter().filter(|word| is_letter(word, b"GM")).count();
+    if letter == b'G' {
+        return Some((name, moves, codes == 1));
+    }
+    let takes = place == 0
+        && codes == 1
+        && !cycle::is_cycle(channel.modal.modes.motion, channel.is_rs274())
+        && words.iter().any(|word| !is_letter(&word, OF_EVERY_BLOCK) && !is_letter(&word, b"GM"));
+    takes.then_some((name, moves, true))
+}
+
+/// Passes on a block whose words a code of the machine builder takes. Returns `true` if it did.
+pub(super) fn pass_block(
+    program: &Program,
+    index: usize,
+    channel: &mut Channel<'_>,
+    words: &[Word],
+    span: Span,
+) -> Result<bool, Fault> {
+    if !channel.settings.machine.control.has_opaque_codes() || words.iter().any(is_assignment) {
+        return Ok(false);
+    }
+    let Some((name, moves, is_alone)) = code_with_words(channel, program.dialect, words) else { return Ok(false) };
+    if !is_alone {
+        let message = format!("{name} takes all words of its block, and the block has another code");
+        return Err(at(span, Code::MUST_STAND_ALONE, message, &format!("give {name} its own block")));
+    }
+    let control = &channel.settings.machine.control;
+    let is_axis = |word: &Word| matches!(word.address, Address::Letter(b'X'..=b'Z' | b'A'..=b'C' | b'U'..=b'W'));
+    if channel.modal.modes.inch && control.output_inch != Some(true) && words.len() > 1 {
+        let message = format!("the words of {name} are in inches, and the output is metric");
+        return Err(at(span, Code::NOT_SUPPORTED, message, "program it under G21"));
+    }
+    if channel.standing.setup != channel.standing.shown {
+        let message =
+            format!("{name} would run without the shifts and rotations in force, which the output does not have");
+        let help = "program it while only a settable zero offset is in force";
+        return Err(at(span, Code::NOT_SUPPORTED, message, help));
+    }
+    if !moves && words.iter().any(is_axis) {
+        let message = format!("{name} has axis words, and the machine file states that it moves no axis");
+        return Err(at(span, Code::NOT_SUPPORTED, message, "set moves = true in its entry [[opaque]]"));
+    }
+    if moves && channel.modal.contour.compensates() {
+        let message = format!("{name}, which the control itself executes, while radius compensation is on");
+        let help = "program G40 with a motion in the plane before it";
+        return Err(at(span, Code::BAD_COMPENSATION, message, help));
+    }
+    let mut passed = String::new();
+    for word in words {
+        match (word.address, word.value) {
+            (Address::Letter(letter), Value::Expr(_)) => {
+                let scope = Scope { program, index, channel, grid: None };
+                if let Some(value) = scope.word(word)? {
+                    text::append(channel.language, &mut passed, letter, value);
+                }
+            }
+            (_, Value::Expr(_)) => {
+                let message = format!("an expression in this word of {name} cannot be passed on");
+                return Err(at(word.span, Code::NOT_SUPPORTED, message, "write its value"));
+            }
+            _ => {
+                let written = program.source.slice(word.span).iter().filter(|byte| !byte.is_ascii_whitespace());
+                passed.push(' ');
+                passed.extend(written.map(|&byte| char::from(byte.to_ascii_uppercase())));
+            }
+        }
+    }
+    if moves && channel.modal.modes.feed_unit != FeedUnit::InverseTime {
+        channel.outlet.feed_for_call(channel.modal.modes.feed);
+    }
+    channel.push(Kind::Verbatim(passed.trim_start().as_bytes().to_vec()));
+    if moves {
+        let lost = channel.modal.forget(AxisSet::ALL);
+        channel.push(Kind::Lost(lost));
+    }
+    Ok(true)
+}
 
 impl Interpreter<'_> {
     /// Passes a call through if the machine file names the program. Returns `true` if it did.
@@ -53,7 +176,8 @@ impl Interpreter<'_> {
     fn text_of(&self, call: &Call) -> Result<String, Fault> {
         if call.is_of_code {
             let message = "a code that calls a program that the control itself executes cannot be passed on";
-            return Err(at(call.span, Code::NOT_SUPPORTED, message, "remove the code from control.macro_codes"));
+            let help = "remove the code from control.macro_codes, and name the code itself in control.opaque, for example opaque = [\"M165\"]";
+            return Err(at(call.span, Code::NOT_SUPPORTED, message, help));
         }
         let mut text = match (call.kind, &call.callee) {
             (_, Callee::Sub(name)) => format!("o<{name}> call"),

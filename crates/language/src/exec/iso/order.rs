@@ -28,9 +28,6 @@ use crate::exec::core::motion_sink::MotionSink;
 use ncfix_base::diagnostic::Code;
 use ncfix_machine::snc::Kind;
 
-/// Largest number of an M code with one meaning on all controls; the machine builder assigns the others.
-const LAST_STANDARD_M: u32 = 30;
-
 /// Executes a block's words.
 pub(super) fn execute(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
     channel.block.before.clear();
@@ -47,10 +44,10 @@ pub(super) fn execute(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Res
         None => Ok(()),
         Some((letter, span)) => {
             let message = format!("{letter} has no effect in this block");
-            let of_builder = gathered.m_codes.iter().find(|(number, _)| *number > LAST_STANDARD_M);
+            let of_builder = gathered.m_codes.iter().find(|(number, _)| *number > auxiliary::LAST_STANDARD_M);
             let help = match of_builder.filter(|_| !channel.is_rs274()) {
                 Some((number, _)) => format!(
-                    "remove the word; if M{number} calls a macro, write its program in control.macro_codes = {{ M{number} = 9010 }}"
+                    "remove the word; if M{number} takes it, name the code in control.opaque = [\"M{number}\"] and begin the block with it; if it calls a macro, write its program in control.macro_codes = {{ M{number} = 9010 }}"
                 ),
                 None => "remove the word, or add the code that it belongs to".to_owned(),
             };

@@ -20,12 +20,11 @@ pub(super) fn refresh_setup(channel: &mut Channel<'_>) {
         &mut channel.modal.position.command,
     );
     if !channel.is_rs274() {
-        channel.modal.position.known =
-            channel.modal.position.known.difference(lengthened(&channel.standing.setup, &setup));
+        channel.modal.position.forget_by_length(lengthened(&channel.standing.setup, &setup));
     }
     let (old, new) = (&channel.standing.setup.frame, &setup.frame);
     if old.linear() != new.linear() {
-        channel.modal.position.known = known_behind(channel.modal.position.known, old, new);
+        channel.modal.position.keep(known_behind(channel.modal.position.known, old, new));
     }
     if *channel.standing.shown != shown {
         channel.standing.shown = Arc::new(shown);

@@ -225,7 +225,7 @@ pub(super) fn check_feed(
     }
     let (message, help) = match modal.modes.feed_unit {
         FeedUnit::InverseTime => ("a feed move in G93 without F", "program F in each block with G93"),
-        _ => ("feed move before any F word", "program F before it or in it"),
+        _ => modal.modes.no_feed(),
     };
     if settings.strict {
         outlet.warnings.push(fault(Code::MISSING_FEED, step.span, message, help));

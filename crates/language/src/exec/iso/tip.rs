@@ -75,7 +75,7 @@ pub(super) fn switch_tip(channel: &mut Channel<'_>, code: u16, gathered: &Gather
     // Each linear coordinate depends on all axes.
     let needed: AxisSet = LINEAR_AXES.into_iter().take(3).chain(kinematics.rotary_axes()).collect();
     if !needed.difference(modal.position.known).is_empty() {
-        modal.position.known = modal.position.known.intersection(ROTARY_AXES.into_iter().collect());
+        modal.position.keep(modal.position.known.intersection(ROTARY_AXES.into_iter().collect()));
     }
     Ok(())
 }
@@ -127,7 +127,7 @@ pub(super) fn forget_moved_tip(
     let before = kinematics.on_workpiece(axes, tool_mm);
     let now = kinematics.on_workpiece(axes, &standing.setup.tool_mm);
     for axis in AxisSet::XYZ.iter().filter(|&axis| (before[axis] - now[axis]).abs() > SAME_PLACE_MM) {
-        modal.position.known.remove(axis);
+        modal.position.keep(modal.position.known.difference([axis].into_iter().collect()));
     }
     if modal.turning.is_some() {
         modal.position.command = now;

@@ -19,7 +19,7 @@ pub(super) fn feed_and_speed(modal: &mut Modal, gathered: &mut Gathered) {
     thread::lead_change(modal, gathered);
     if let Some((feed, _)) = gathered.feed {
         let is_inch = modal.inch_feed && modal.modes.feed_unit != FeedUnit::InverseTime;
-        modal.modes.feed = if is_inch { feed * MM_PER_INCH } else { feed };
+        modal.modes.set_feed(if is_inch { feed * MM_PER_INCH } else { feed });
     }
     if let Some((speed, _)) = gathered.speed {
         modal.modes.speed = Some(speed);

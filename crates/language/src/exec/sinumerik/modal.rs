@@ -239,9 +239,15 @@ impl Modal {
         self.tangent = left.tangent;
     }
 
-    /// Makes the position unknown: a tool change has moved the machine.
+    /// Makes the position unknown: something has moved the machine.
     pub(super) fn forget_position(&mut self) {
         self.forget(AxisSet::ALL);
+    }
+
+    /// Makes the position unknown: a tool change has moved the machine.
+    pub(super) fn forget_by_change(&mut self) {
+        self.forget_position();
+        self.position.forget_by_change();
     }
 
     /// Makes the position of axes unknown. Axes that a frame or transformation mixes become unknown together. Returns all unknown axes.

@@ -39,12 +39,8 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
     rotary::check_either(&ways, rapid, context)?;
     let is_driven = thread.is_some_and(|thread| thread.code.is_spindle_driven());
     if !rapid && !is_driven && modal.modes.feed <= 0.0 && context.strict {
-        return Err(fault(
-            Code::MISSING_FEED,
-            context.span,
-            "feed move before any F word",
-            "program F before it or in it",
-        ));
+        let (message, help) = modal.modes.no_feed();
+        return Err(fault(Code::MISSING_FEED, context.span, message, help));
     }
     if thread.is_none() {
         arc::check_words(gathered, kind)?;

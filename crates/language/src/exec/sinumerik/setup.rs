@@ -15,11 +15,11 @@ pub(super) fn refresh_setup(modal: &mut Modal, standing: &mut InForce, outlet: &
     let setup = modal.setup();
     keep_pose(&standing.setup, &setup, outlet.kinematics.as_deref(), &mut modal.position.command);
     let lost = lengthened(&standing.setup, &setup);
-    modal.position.known = modal.position.known.difference(lost);
+    modal.position.keep(modal.position.known.difference(lost));
     modal.moved_by_plane = modal.moved_by_plane.difference(lost);
     let (old, new) = (&standing.setup.frame, &setup.frame);
     if old.linear() != new.linear() {
-        modal.position.known = known_behind(modal.position.known, old, new);
+        modal.position.keep(known_behind(modal.position.known, old, new));
         let is_other = |axis: &Axis| old.unapply_row(*axis) != new.unapply_row(*axis);
         modal.stale = modal.stale.union(AxisSet::XYZ.iter().filter(is_other).collect());
     }

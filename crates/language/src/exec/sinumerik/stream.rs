@@ -68,8 +68,8 @@ pub(super) fn send(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -
     let step = &path.motion;
     let is_driven = matches!(step.motion_mode, MotionMode::Thread(thread) if thread.code.is_spindle_driven());
     if !step.rapid && !is_driven && step.feed <= 0.0 && !std::mem::replace(&mut channel.feed_warned, true) {
-        let message = "feed move before any F word";
-        channel.outlet.warnings.push(fault(Code::FEED_ASSUMED, span, message, "program F before it or in it"));
+        let (message, help) = channel.modal.modes.no_feed();
+        channel.outlet.warnings.push(fault(Code::FEED_ASSUMED, span, message, help));
     }
     orientation::orient(&channel.settings, &mut channel.modal, &mut channel.outlet, gathered, &mut path)?;
     let node = spline::node(gathered, &channel.modal)?;

@@ -29,7 +29,9 @@ pub(super) fn tool(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result
     if changed.is_some() || gathered.tool_change {
         channel.modal.edge = channel.settings.machine.control.edge_after_tool_change;
         channel.modal.edge_stated = true;
-        channel.modal.forget_position();
+        if channel.settings.machine.control.tool_change_moves() {
+            channel.modal.forget_by_change();
+        }
     }
     if let Some((edge, span)) = gathered.edge {
         channel.modal.edge = edge;

@@ -128,7 +128,7 @@ fn switch(modal: &mut Modal, standing: &InForce, outlet: &mut MotionSink<'_>, is
     // Each linear coordinate depends on all axes.
     let needed: AxisSet = LINEAR_AXES.into_iter().take(3).chain(kinematics.rotary_axes()).collect();
     if !needed.difference(modal.position.known).is_empty() {
-        modal.position.known = modal.position.known.intersection(ROTARY_AXES.into_iter().collect());
+        modal.position.keep(modal.position.known.intersection(ROTARY_AXES.into_iter().collect()));
     }
     modal.programmed = modal.setup().programmed(&modal.position.command);
 }

@@ -6,9 +6,9 @@ use nom::combinator::{map, opt, verify};
 use nom::sequence::preceded;
 
 use super::parser::Parser;
-use super::token::{Input, Parsed, angled, blank, blanks, byte, find_byte, is_blank, is_end, one, small_number};
+use super::token::{Input, Parsed, angled, blank, blanks, byte, is_blank, is_end, one, small_number};
 use super::tree::{Part, PartKind};
-use crate::syntax::MAX_PARTS;
+use crate::syntax::{MAX_PARTS, tape};
 use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 
@@ -41,59 +41,25 @@ fn letter_n(input: Input<'_>) -> Parsed<'_, ()> {
 
 /// Production `tape` (fanuc): the relevant bytes of a tape, between its leader and its trailer.
 ///
-/// Text before the first `%` and after the last one belongs to no program. A file with a single `%` at its end has no leader.
+/// Text before the first `%` and after the last one belongs to no program. A file with a single `%` at its end has no leader. The comments before the
+/// first `%` of RS274/NGC stay.
 pub(super) fn tape(bytes: &[u8], line_end: u8, language: Language) -> (usize, usize) {
     let all = (0, bytes.len());
     if language == Language::Grundig {
         return all;
     }
     // Only the first, the second and the last mark matter; a file may consist of marks only.
-    let (mut first, mut second, mut last) = (None, None, None);
-    let mut at = 0;
-    while let Some(step) = find_byte(&bytes[at..], b'%') {
-        let place = at + step;
-        at = place + 1;
-        // It begins a line where nothing but blanks stands between the end of the line before and it.
-        let before = bytes[..place].iter().rposition(|&byte| byte == line_end || !is_blank(byte));
-        let start = match before {
-            None => 0,
-            Some(before) if bytes[before] == line_end => before + 1,
-            Some(_) => continue,
-        };
-        let end = find_byte(&bytes[place..], line_end).map_or(bytes.len(), |length| place + length);
-        let mark = (start, end);
-        if first.is_some() {
-            second = second.or(Some(mark));
-        }
-        first = first.or(Some(mark));
-        last = Some(mark);
-    }
-    let (Some(first), Some(last)) = (first, last) else { return all };
-    let mut before = bytes[..first.0].split(|&byte| byte == line_end).map(blanks);
-    let has_leader = match language {
-        Language::Rs274 => before.all(<[u8]>::is_empty),
-        _ => !before.any(is_block),
-    };
-    let start = if has_leader { first.0 } else { 0 };
-    let Some(second) = second else {
+    let mut marks = tape::marks(bytes, line_end);
+    let Some(first) = marks.next() else { return all };
+    let has_leader = tape::is_leader(&bytes[..first.0], line_end, language);
+    let start = if has_leader && language != Language::Rs274 { first.0 } else { 0 };
+    let Some(second) = marks.next() else {
         // The mark opens the program, unless a program precedes it.
         return (start, if has_leader { bytes.len() } else { first.1 });
     };
     // RS274/NGC reads one program, from the first to the second mark.
-    let end = if language == Language::Rs274 && has_leader { second.1 } else { last.1 };
-    (start, end)
-}
-
-/// `true` if a line before the first `%` is a block of a program and not a leader: it begins with a word and its value.
-fn is_block(line: &[u8]) -> bool {
-    match line {
-        [b'#', ..] => true,
-        [b':' | b'O' | b'o', rest @ ..] => blanks(rest).first().is_some_and(u8::is_ascii_digit),
-        [letter, rest @ ..] if letter.is_ascii_alphabetic() => {
-            matches!(blanks(rest).first(), Some(b'0'..=b'9' | b'.' | b'-' | b'+' | b'#' | b'['))
-        }
-        _ => false,
-    }
+    let end = if language == Language::Rs274 && has_leader { second } else { marks.last().unwrap_or(second) };
+    (start, end.1)
 }
 
 impl Parser {

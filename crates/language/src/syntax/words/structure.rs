@@ -60,7 +60,7 @@ impl Program {
             _ => false,
         };
         self.blocks.range(part.blocks.clone()).iter().all(|block| match block.body {
-            Body::Empty => true,
+            Body::Empty | Body::Printing(_) => true,
             Body::Words => self.words_of(block).iter().all(is_still),
             _ => false,
         })

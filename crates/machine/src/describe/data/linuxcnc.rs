@@ -21,6 +21,19 @@ fn is(text: &str) -> bool {
     has("[EMC]") || (has("[TRAJ]") && has("[KINS]"))
 }
 
+/// Keys of `[EMCIO]` that let a tool change move axes.
+const CHANGE_MOVES: [&str; 3] = ["TOOL_CHANGE_POSITION", "TOOL_CHANGE_QUILL_UP", "TOOL_CHANGE_AT_G30"];
+
+/// True if the file replaces M6 by a program, which may move axes.
+fn remaps_change(text: &str) -> bool {
+    let is_remap = |line: &str| {
+        let line = line.trim().to_ascii_uppercase();
+        let value = line.strip_prefix("REMAP").map(str::trim_start).and_then(|rest| rest.strip_prefix('='));
+        value.is_some_and(|value| matches!(value.split_whitespace().next(), Some("M6" | "M06")))
+    };
+    text.lines().any(is_remap)
+}
+
 /// Values of the file by section and key, in upper case, with their lines.
 fn values(text: &str) -> BTreeMap<(String, String), (&str, usize)> {
     let (mut section, mut out) = (String::new(), BTreeMap::new());
@@ -92,6 +105,12 @@ fn read(name: &str, text: &str, facts: &mut ControlFacts) -> Result<(), String> 
     }
     if coordinates.is_empty() {
         facts.notes.push(format!("{name} has no COORDINATES in [TRAJ]: no limits are taken"));
+    }
+    let is_off = |value: &str| matches!(value.to_ascii_uppercase().as_str(), "0" | "NO" | "FALSE" | "");
+    let moves = CHANGE_MOVES.iter().any(|key| get("EMCIO", key).is_some_and(|(value, _)| !is_off(value)));
+    if !moves && !remaps_change(text) && !text.to_ascii_uppercase().contains("#INCLUDE") {
+        let without = format!("[EMCIO] has none of {}", CHANGE_MOVES.join(", "));
+        facts.tool_change_moves = Some(known(false, (name, 1), &without));
     }
     if let Some((value, line)) = get("KINS", "KINEMATICS") {
         facts.notes.push(format!(

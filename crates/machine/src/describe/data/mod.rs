@@ -38,6 +38,8 @@ pub struct ControlFacts {
     pub saved_unit: Option<Known<&'static str>>,
     /// Increments into which the control divides a millimeter.
     pub increments_per_mm: Option<Known<u32>>,
+    /// True if a tool change moves axes.
+    pub tool_change_moves: Option<Known<bool>>,
     /// Data that the machine file does not carry, and data that the file lacks.
     pub notes: Vec<String>,
 }

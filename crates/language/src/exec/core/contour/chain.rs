@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use super::check::NARROW;
 use super::curve::{Curve, Flat, SAME_MM};
 use super::link::{Link, Role};
 use super::moving::Item;
@@ -237,7 +238,7 @@ impl Chain {
         findings.push(first.moving.fault(
             Code::CONTOUR_NOT_FOLLOWED,
             message,
-            "use a smaller tool, or change the contour; the look-ahead is control.compensation_look_ahead",
+            &format!("{NARROW}; the look-ahead is control.compensation_look_ahead"),
         ));
         for link in std::mem::take(&mut self.waiting) {
             self.links.push_back(link);

@@ -37,6 +37,9 @@ pub(super) fn polynomial(moving: &Moving) -> Fault {
     )
 }
 
+/// Advice for a contour that is narrower than the tool.
+pub(super) const NARROW: &str = "use a smaller tool, or change the contour; if the program already has the tool center path and G41 or G42 is for wear alone, set radius_mm of the tool in the machine file to the wear, or to 0";
+
 pub(super) fn too_narrow(moving: &Moving, contour: &Curve, beside: f64) -> Fault {
     let radius = if let Curve::Arc { radius, .. } = *contour { radius } else { 0.0 };
     moving.fault(
@@ -45,6 +48,6 @@ pub(super) fn too_narrow(moving: &Moving, contour: &Curve, beside: f64) -> Fault
             "this inner arc of radius {radius:.4} mm is too narrow for a tool center at a distance of {:.4} mm",
             beside.abs()
         ),
-        "use a smaller tool, or a wider arc",
+        NARROW,
     )
 }

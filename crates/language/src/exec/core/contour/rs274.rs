@@ -8,6 +8,7 @@ use super::moving::Switch;
 use super::tracking::unreachable;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use super::check::NARROW;
 use super::compensation::Compensation;
 use super::contour_request::Rules;
 use super::curve::{Curve, SAME_MM, add, cross, distance, dot, left, scaled, sub, unit};
@@ -274,6 +275,6 @@ fn too_narrow(moving: &Moving, beside: f64) -> Fault {
     moving.fault(
         Code::CONTOUR_NOT_FOLLOWED,
         format!("this arc is too narrow for a tool center at a distance of {:.4} mm", beside.abs()),
-        "use a smaller tool, or a wider arc",
+        NARROW,
     )
 }

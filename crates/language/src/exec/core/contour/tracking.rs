@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use super::check::NARROW;
 use super::curve::{Curve, Flat, SAME_MM, add, distance, dot, left, scaled, sub, unit};
 use super::link::MOST_WAITING;
 use super::moving::{Item, Moving};
@@ -223,6 +224,6 @@ pub(super) fn unreachable(moving: &Moving) -> Fault {
     moving.fault(
         Code::CONTOUR_NOT_FOLLOWED,
         "the tool cannot reach this element at its inner corner without damaging the contour",
-        "use a smaller tool, or change the contour",
+        NARROW,
     )
 }
