@@ -1,6 +1,6 @@
 //! The corrected moves of one original move: their selection, and their residual error.
 
-use ncfix_base::geometry::{AXES, AxisVector, Vector};
+use ncfix_base::geometry::{AXES, AxisVector, ROTARY_AXES, Vector};
 use ncfix_machine::machine::{Kinematics, TipPath};
 use ncfix_model::Model;
 
@@ -20,6 +20,9 @@ const SAME_END_SHARE: f64 = 1e-3;
 const NEARER_MM: f64 = 0.002;
 /// Largest distance of an end that still counts as reached if the next move leads away from it, mm.
 pub(super) const MEANT_END_MM: f64 = 0.5;
+/// A block that moves less than this repeats a position that was rounded: mm, and rad (0.001°).
+const ROUNDING_MM: f64 = 1e-3;
+const ROUNDING_RAD: f64 = 1.75e-5;
 /// Minimum length of a complete group as a share of the original move; a full circle begins at its end.
 const LEAST_SHARE: f64 = 0.5;
 /// A group longer than the original move by this factor is another path.
@@ -89,6 +92,16 @@ impl MoveGroup<'_> {
                 return Err(Parting::alone(self.step, why));
             };
             let is_first = !self.has_begun;
+            let begins = corrected.peek().is_some_and(|next| !next.continues);
+            if is_first
+                && begins
+                && self.is_rounding(&piece)
+                && let Some(mut next) = corrected.next()
+            {
+                next.acts.splice(..0, piece.acts);
+                corrected.put_back(next);
+                continue;
+            }
             // Both programs begin at a place that none of them states: the error there, relative to a touched zero, is no difference of the programs.
             if is_first && !self.step.is_counted {
                 let standing =
@@ -245,6 +258,18 @@ impl MoveGroup<'_> {
     /// Offset of the tool from the place of the original move at `parameter` at the end of a piece.
     fn offset(&self, piece: &ComparedMove<'_>, parameter: f64) -> Offset {
         self.beside(piece).end_offset(parameter)
+    }
+
+    /// `true` for a rapid motion of less than the rounding of a block before a longer one of the original: the selection of a tilted plane that the block before
+    /// it has reached already (G53.1).
+    fn is_rounding(&self, piece: &ComparedMove<'_>) -> bool {
+        let (start, end) = (&piece.route.start, &piece.route.end);
+        let turned = ROTARY_AXES.into_iter().map(|axis| (end[axis] - start[axis]).abs()).fold(0.0, f64::max);
+        let is_plain = piece.rapid && self.step.rapid && !piece.continues && !piece.on_the_spot && !piece.in_cycle;
+        is_plain
+            && turned < ROUNDING_RAD
+            && piece.route.size_mm() < ROUNDING_MM
+            && self.step.route.size_mm() > SAME_END_MM
     }
 
     /// An offset as a distance, mm: the smaller of its own length and its difference from the initial offset.
