@@ -197,7 +197,55 @@ pub(crate) fn is_inch(source: &Source, dialect: &Dialect) -> bool {
 
 /// True if the last G20 or G21 outside of comments is G20.
 fn last_unit(bytes: &[u8]) -> Option<bool> {
-    let (mut found, mut at) = (None, 0);
+    let mut found = None;
+    each_g(bytes, |code, _| match code {
+        20 => found = Some(true),
+        21 => found = Some(false),
+        _ => {}
+    });
+    found
+}
+
+/// Warnings of states that a program of RS274/NGC takes over from the control, and that neither it nor the startup code states: the unit of lengths, and where
+/// a drilling cycle ends.
+pub(crate) fn assumed_start(
+    source: &Source,
+    dialect: &Dialect,
+    machine: &ncfix_machine::machine::Machine,
+) -> Vec<Diagnostic> {
+    if dialect.language != Language::Rs274 {
+        return Vec::new();
+    }
+    let (mut has_unit, mut has_return, mut motion, mut cycle) = (false, false, None, None);
+    let mut note = |code: u32, at: Option<usize>| match code {
+        20 | 21 => has_unit = true,
+        98 | 99 => has_return |= cycle.is_none(),
+        0..=3 => motion = motion.or(at),
+        73 | 81..=83 | 85 | 86 | 88 | 89 => cycle = cycle.or(at),
+        _ => {}
+    };
+    each_g(machine.control.iso.startup_code.as_bytes(), |code, _| note(code, None));
+    each_g(source.bytes(), |code, at| note(code, Some(at)));
+    let warn = |at: usize, message: &str, help: &str| {
+        let span = u32::try_from(at).map_or_else(|_| Span::default(), |start| Span { start, end: start + 1 });
+        Diagnostic::at(Code::START_ASSUMED, Place { file: source.id(), span }, message, help)
+    };
+    let unit = motion.filter(|_| !has_unit).map(|at| {
+        let message = "neither the program nor control.startup_code states G20 or G21: millimeters are assumed";
+        let help = "write G21 or G20 at the beginning of the program, or state startup_code in [control]: the control keeps the unit of an earlier program";
+        warn(at, message, help)
+    });
+    let retraction = cycle.filter(|_| !has_return).map(|at| {
+        let message = "neither the program nor control.startup_code states G98 or G99 before this drilling cycle: G99 is assumed, so the tool moves to the next hole at R";
+        let help = "write G98 (return to the initial level) or G99 (to R) before the cycle, or state startup_code in [control]";
+        warn(at, message, help)
+    });
+    unit.into_iter().chain(retraction).collect()
+}
+
+/// Calls `each` with every whole G code outside of comments, and its place.
+fn each_g(bytes: &[u8], mut each: impl FnMut(u32, usize)) {
+    let mut at = 0;
     while let Some(&byte) = bytes.get(at) {
         at += 1;
         let end = match byte {
@@ -207,10 +255,9 @@ fn last_unit(bytes: &[u8]) -> Option<bool> {
                 let rest = bytes[at..].trim_ascii_start();
                 let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
                 let is_whole = rest.get(digits) != Some(&b'.');
-                match &rest[rest[..digits].iter().take_while(|byte| **byte == b'0').count()..digits] {
-                    b"20" if is_whole => found = Some(true),
-                    b"21" if is_whole => found = Some(false),
-                    _ => {}
+                let code = std::str::from_utf8(&rest[..digits]).ok().and_then(|digits| digits.parse().ok());
+                if let Some(code) = code.filter(|_| is_whole) {
+                    each(code, at - 1);
                 }
                 continue;
             }
@@ -218,7 +265,6 @@ fn last_unit(bytes: &[u8]) -> Option<bool> {
         };
         at = end.map_or(bytes.len(), |end| at + end);
     }
-    found
 }
 
 /// Reads the bytes of a program.

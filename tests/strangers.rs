@@ -194,6 +194,33 @@ fn a_scale_from_circles_of_unknown_length_is_relative() {
     }
 }
 
+/// LinuxCNC keeps G20 and G98 of an earlier program; grblHAL documents that it starts with G98.
+#[test]
+fn a_state_that_the_control_keeps_is_named() {
+    let machine = |controller: &str, startup: &str| {
+        format!(
+            "{}\n[control]\nstartup_code = \"{startup}\"\n",
+            mill(controller).replace("wAFXYZSt", "wFXYZSt").split("\n[axis.A]").next().unwrap()
+        ) + "\n[zero_offset.G54]\nX_mm = 0\nY_mm = 0\nZ_mm = 0\n"
+    };
+    let holes = |unit: &str, mode: &str| {
+        format!("{unit}G90 G17 G54\nS1000 M3\nG0 X0 Y0 Z30\n{mode}G81 X10 Y10 Z-3 R2 F100\nX290\nG80\nM2\n")
+    };
+    let fix = |machine: String, program: String| {
+        let shop = Shop::new().file("m.toml", machine).file("p.ngc", program);
+        let run = shop.run(["p.ngc", "-o", "out.ngc", "--machine", "m.toml"]).exits(0);
+        (run.stderr.matches("warning[W0240]").count(), run.stderr, shop.text("out.ngc"))
+    };
+    let (count, said, _) = fix(machine("linuxcnc", ""), holes("", ""));
+    assert!(count == 2 && said.contains("G20 or G21") && said.contains("p.ngc:4"), "{said}");
+    for (startup, unit, mode) in [("", "G21 ", "G98 "), ("G21 G98", "", ""), ("G98", "G20 (no mm) ", "")] {
+        let (count, said, _) = fix(machine("linuxcnc", startup), holes(unit, mode));
+        assert_eq!(count, 0, "{startup}: {said}");
+    }
+    let (count, said, out) = fix(machine("grblHAL", ""), holes("G21 ", ""));
+    assert!(count == 0 && out.contains("G98 G81"), "{said}\n{out}");
+}
+
 /// X is 30 µm/m too long. The same line with the opposite sign contradicts it, whatever the model.
 #[test]
 fn a_file_that_contradicts_the_others_is_refused_by_name() {

@@ -232,6 +232,10 @@ impl<'a> Correction<'a> {
             (opened, hash.unwrap_or_else(|| short_hash([bytes])))
         });
         let opened = opened?.filter(|_| !found.has_errors());
+        if let Some(opened) = &opened {
+            let assumed = run::assumed_start(&opened.source, opened.dialect, &self.machine.machine);
+            found.extend(assumed, std::slice::from_ref(&opened.source));
+        }
         Ok(opened.map(|opened| Prepared { correction: self, opened, hash, threads }))
     }
 

@@ -70,6 +70,7 @@ impl Transfer {
         }
         let source = program.source();
         run::keep_unit(source, opened.dialect, true, &mut machine.machine);
+        found.extend(run::assumed_start(source, opened.dialect, &machine.machine), std::slice::from_ref(source));
         let bytes = (source, short_hash([source.bytes()]));
         let writing = Writing::new(correction, program.reading().start, opened.dialect.name, &machine, bytes)?;
         let limits = DosingLimits {

@@ -41,7 +41,7 @@ pub(in crate::cli) struct PlanArguments {
     #[command(flatten)]
     /// Machine file and set-up files.
     pub(in crate::cli) machine: MachineChoice,
-    /// Preset, file of parameters or terms that the measurement must determine; those it cannot are reported
+    /// Preset or file of parameters that the measurement must determine; those it cannot are reported
     #[arg(long, value_name = "PRESET|FILE")]
     pub(in crate::cli) model: Option<String>,
     /// Existing measurement or plan, used together with this one to determine the model; repeatable

@@ -56,6 +56,8 @@ pub struct Description {
     pub increments_per_mm: Option<Known<u32>>,
     /// True if a tool change moves axes.
     pub tool_change_moves: Option<Known<bool>>,
+    /// Words in force before the first block.
+    pub startup_code: Option<Known<String>>,
     /// Data of the files that the machine file does not carry, each with its line.
     pub notes: Vec<String>,
 }
@@ -111,6 +113,7 @@ impl DescriptionRequest {
         let (notes, saved_unit) = (self.facts.notes.clone(), self.facts.saved_unit.clone());
         let increments_per_mm = self.facts.increments_per_mm.clone();
         let tool_change_moves = self.facts.tool_change_moves.clone();
+        let startup_code = self.facts.startup_code.clone();
         Ok(Description {
             name: self.name.clone(),
             template,
@@ -120,6 +123,7 @@ impl DescriptionRequest {
             saved_unit,
             increments_per_mm,
             tool_change_moves,
+            startup_code,
             notes,
         })
     }

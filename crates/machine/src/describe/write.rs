@@ -47,7 +47,8 @@ pub fn text(description: &Description) -> String {
         axis_section(&mut out, axis);
     }
     let has_three = THREE_DECIMALS.contains(&control.value.to_ascii_lowercase().as_str());
-    if has_three || description.saved_unit.is_some() || description.increments_per_mm.is_some() {
+    let has_words = description.startup_code.is_some() || description.saved_unit.is_some();
+    if has_three || has_words || description.increments_per_mm.is_some() {
         let _ = writeln!(out, "\n[control]");
     }
     if has_three {
@@ -56,6 +57,10 @@ pub fn text(description: &Description) -> String {
     if let Some(unit) = &description.saved_unit {
         let from = format!("unit of .var and tool.tbl; {}", origin(unit));
         line(&mut out, &format!("saved_unit = \"{}\"", unit.value), &from);
+    }
+    if let Some(code) = &description.startup_code {
+        let from = format!("in force before the first block; {}", origin(code));
+        line(&mut out, &format!("startup_code = {}", quoted(&code.value)), &from);
     }
     if let Some(count) = &description.increments_per_mm {
         let from = format!("positions are rounded to them; {}", origin(count));

@@ -103,6 +103,18 @@ pub(super) fn has_conditions(name: &str) -> bool {
     controller(name).is_none_or(|row| !WITHOUT_CONDITIONS.contains(&row.name))
 }
 
+/// True if a control with canned cycles starts with G98, other than LinuxCNC (grblHAL, gcode.c: the retraction mode is G98 by default).
+pub(super) fn starts_with_g98(name: &str) -> bool {
+    controller(name).is_some_and(|row| row.name == "grblhal")
+}
+
+/// True if words at the start state whether a drilling cycle ends at the initial level or at R.
+pub(super) fn states_retraction(words: &str) -> bool {
+    let plain: String =
+        words.chars().filter(|letter| !letter.is_whitespace()).map(|letter| letter.to_ascii_uppercase()).collect();
+    plain.contains("G98") || plain.contains("G99")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

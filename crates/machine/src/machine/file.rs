@@ -10,7 +10,7 @@ use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, Plane, Vector};
 use ncfix_base::source::Source;
 
 use super::condition::file::PLAUSIBLE_C;
-use super::controller::{ControllerMeaning, controller, has_conditions};
+use super::controller::{ControllerMeaning, controller, has_conditions, starts_with_g98, states_retraction};
 use super::zero_offset::{ZeroOffsets, check_name, common_name, read_zero_offsets};
 use super::{ActiveTables, AxisData, Control, Lever, Machine, ToolChange, Topology};
 use super::{active, head, measured, opaque, orientation, servo, setting, strain, tool, uncertainty};
@@ -64,6 +64,9 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     let chain = known.unwrap_or(AxisSet::EMPTY);
     let mut control = read_control(root.section("control"), (&controller, heading.is_haas), chain, &mut findings);
     control.has_conditions = heading.has_conditions;
+    if heading.starts_with_g98 && !states_retraction(&control.iso.startup_code) {
+        control.iso.startup_code = format!("G98 {}", control.iso.startup_code).trim_end().to_owned();
+    }
     opaque::read_sections(root.sections("opaque"), &mut control, &mut findings);
     let axis_set = known.unwrap_or_else(|| AXES.into_iter().collect());
     let ZeroOffsets { offsets: zero_offsets, datums, .. } =
@@ -188,6 +191,7 @@ struct MachineHeading {
     /// True if `controller` is a Haas, which speaks the language of a Fanuc.
     is_haas: bool,
     has_conditions: bool,
+    starts_with_g98: bool,
     reference_temperature_c: f64,
     active_tables: ActiveTables,
     axis_order: Vec<Axis>,
@@ -200,6 +204,7 @@ fn read_heading(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Mac
     let meaning = controller(written_controller).map(|row| row.meaning);
     let is_haas = meaning == Some(ControllerMeaning::Haas);
     let has_conditions = has_conditions(written_controller);
+    let starts_with_g98 = starts_with_g98(written_controller);
     let controller = match meaning {
         Some(ControllerMeaning::Language(language)) => language,
         Some(ControllerMeaning::Haas) => FANUC,
@@ -226,6 +231,7 @@ fn read_heading(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Mac
         controller,
         is_haas,
         has_conditions,
+        starts_with_g98,
         reference_temperature_c,
         active_tables,
         axis_order,

@@ -15,7 +15,7 @@ pub(crate) fn next_sentence(next: &NextMeasurement) -> String {
         "it does not separate the first two explanations".to_owned()
     };
     format!(
-        "{} (its {} readings decide {:.0} % of the open question; {difference})",
+        "{} (its {} readings should remove {:.0} % of the ambiguity; {difference})",
         next.command,
         grouped(next.readings as u64),
         100.0 * next.resolves

@@ -179,13 +179,13 @@ impl DiagnosisReport {
         let nothing = self.found.no_cause_probability.unwrap_or(0.0);
         if nothing >= LEAST_SHOWN && nothing >= largest.probability.unwrap_or(1.0) {
             return format!(
-                "Nothing is certain: noise alone explains the readings as well ({}); the largest possible cause",
+                "Nothing is certain: noise alone explains the readings as well ({}); the largest candidate",
                 probability(nothing)
             );
         }
         let noise =
             if nothing >= LEAST_SHOWN { format!(" (noise alone: {})", probability(nothing)) } else { String::new() };
-        format!("No cause is certain{noise}; the largest possible one")
+        format!("No cause is certain{noise}; the largest candidate")
     }
 
     /// Returns a sentence if another explanation is more probable than those that contain a cause: then its readings do not decide.
@@ -361,7 +361,7 @@ impl DiagnosisReport {
             .map(|one| format!("{} ({} {unit})", one.driver, significant(one.rms_um)))
             .collect();
         format!(
-            "{} {unit} RMS are beyond the noise and not explained{}{}.",
+            "An unexplained residual of {} {unit} RMS exceeds the noise{}{}.",
             significant(self.found.unexplained.rms_um),
             if with.is_empty() { "" } else { "; they depend on " },
             with.join(", ")

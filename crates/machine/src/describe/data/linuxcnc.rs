@@ -112,6 +112,9 @@ fn read(name: &str, text: &str, facts: &mut ControlFacts) -> Result<(), String> 
         let without = format!("[EMCIO] has none of {}", CHANGE_MOVES.join(", "));
         facts.tool_change_moves = Some(known(false, (name, 1), &without));
     }
+    if let Some((value, line)) = get("RS274NGC", "RS274NGC_STARTUP_CODE").filter(|(value, _)| !value.is_empty()) {
+        facts.startup_code = Some(known(value.to_owned(), (name, line), "[RS274NGC] RS274NGC_STARTUP_CODE"));
+    }
     if let Some((value, line)) = get("KINS", "KINEMATICS") {
         facts.notes.push(format!(
             "{name}:{line} KINEMATICS = {value}: pivots of a five-axis module are in its HAL pins, not in the INI"

@@ -40,6 +40,8 @@ pub struct ControlFacts {
     pub increments_per_mm: Option<Known<u32>>,
     /// True if a tool change moves axes.
     pub tool_change_moves: Option<Known<bool>>,
+    /// Words in force before the first block.
+    pub startup_code: Option<Known<String>>,
     /// Data that the machine file does not carry, and data that the file lacks.
     pub notes: Vec<String>,
 }

@@ -48,6 +48,8 @@ pub(super) const PROBE: Cause = Cause {
     propose: probe,
 };
 
+/// Spread of points along an axis that shows a scale, mm.
+const SPREAD_MM: f64 = 10.0;
 /// Maximum number of set-ups. With more, no set-up gets unknowns of its own.
 const MOST: usize = 40;
 /// Columns with the temperatures of instrument and artifact.
@@ -208,7 +210,8 @@ fn scale(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
             push(out, &SCALE, name.trim_end(), vec![vec![part(Through::Reading(false), of)]], &["setup"]);
         }
     }
-    if has_others {
+    // A plate alone shows it by equal scales of two axes: two machine errors are rarely equal.
+    if has_others || (plates.len() == 1 && spans_a_plane(scene)) {
         artefacts(scene, plates, out);
     }
     for name in OWN {
@@ -244,6 +247,17 @@ fn scale(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     for one in out.iter_mut().filter(|one| one.cause.name == SCALE.name) {
         one.sensor = one.drivers.iter().find(|name| name.starts_with("T_")).cloned();
     }
+}
+
+/// True if the points of artifacts spread along two linear axes or more.
+fn spans_a_plane(scene: &Scene<'_>) -> bool {
+    let is_plate =
+        |row: &&SceneRow| scene.sets.get(row.set).is_some_and(|set| set.kind.measurand == Measurand::Displacement);
+    let spreads = super::linear(scene).filter(|axis| {
+        let mut places = scene.rows.iter().filter(is_plate).map(|row| row.position[*axis]);
+        places.next().is_some_and(|first| places.any(|place| (place - first).abs() > SPREAD_MM))
+    });
+    spreads.count() > 1
 }
 
 /// Set-ups of artifacts.

@@ -213,7 +213,7 @@ fn doubtful(doubt: &ExtrapolationRisk) -> String {
     }
     let (verb, does) = if doubt.rivals.len() > 1 { ("have", "together ") } else { ("has", "") };
     format!(
-        "{} {does}{verb} the same effect on the readings, but another one at other positions or times, so a correction could increase the error; to separate them: {}",
+        "{} {does}{verb} the same effect on these readings, but a different effect at other positions or times, so a correction could increase the error; to separate them: {}",
         doubt.rivals.join(" and "),
         doubt.separate_by
     )
