@@ -270,7 +270,7 @@ fn what_the_data_held_out_denies_is_rejected_with_its_gain() {
     assert!(number(rejected, "gain") < 0.01 && number(rejected, "p") < 1e-3, "{rejected}");
     let page = shop.text("page.html");
     let row = rows(&parsed(&page)).into_iter().find(|row| row.len() == 5 && row[0] == own).unwrap();
-    assert!(row[2].contains("held out") && percent(&row[4]) < 1.0, "{row:?}");
+    assert!(row[2].contains("held-out") && percent(&row[4]) < 1.0, "{row:?}");
 }
 
 /// A level over one axis: angles only, a slope of 20 µrad over 600 mm and a spread that is no noise of a generator but an irrational step.
