@@ -208,7 +208,7 @@ fn set_tool(channel: &mut Channel<'_>, gathered: &Gathered, l: i64, number: u32,
         10 => (channel.modal.frame(), channel.modal.shown().frame),
         11 => {
             let frame = target::frame_of(channel.settings.machine, &channel.written, System(9));
-            (frame.clone(), frame)
+            (frame, frame)
         }
         _ => (Frame::identity(), Frame::identity()),
     };

@@ -21,6 +21,10 @@ pub enum ModelTerm {
     Changes(Vec<Change>, Vec<TermAmount>),
 }
 
+/// The terms as parts of the model, each with the reason if it cannot be fitted; and the factors by which those that become shapes of the file enlarge the
+/// uncertainties of the parameters.
+pub type StatedModel = (Vec<Result<ModelTerm, String>>, Vec<(ParameterName, f64)>);
+
 /// Fits stated terms to all readings of a scene, together with the parameters `beside` of a model; `bare` contains the readings without any model.
 /// Returns for each term its part of the model, or the reason why it cannot be fitted; and the factors by which the terms that become shapes of the file
 /// enlarge the uncertainties of the parameters.
@@ -31,7 +35,7 @@ pub fn stated_model(
     causes: &Causes,
     scene: &Scene<'_>,
     bare: &Scene<'_>,
-) -> (Vec<Result<ModelTerm, String>>, Vec<(ParameterName, f64)>) {
+) -> StatedModel {
     let has_names = stated.iter().any(|one| matches!(one.statement, StatedContent::Named(..)));
     let mut field = if has_names { Field::new(scene, propose(causes, scene)) } else { Field::new(scene, Vec::new()) };
     let used = scene.sets.len();
