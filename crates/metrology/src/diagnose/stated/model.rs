@@ -23,7 +23,7 @@ pub enum ModelTerm {
 
 /// The terms as parts of the model, each with the reason if it cannot be fitted; and the factors by which those that become shapes of the file enlarge the
 /// uncertainties of the parameters.
-pub type StatedModel = (Vec<Result<ModelTerm, String>>, Vec<(ParameterName, f64)>);
+pub(super) type StatedModel = (Vec<Result<ModelTerm, String>>, Vec<(ParameterName, f64)>);
 
 /// Fits stated terms to all readings of a scene, together with the parameters `beside` of a model; `bare` contains the readings without any model.
 /// Returns for each term its part of the model, or the reason why it cannot be fitted; and the factors by which the terms that become shapes of the file
