@@ -96,6 +96,9 @@ impl InstrumentFile {
     }
 }
 
+/// A question to a person, who may have no answer.
+pub(crate) type QuestionToPerson<'a, E> = &'a mut dyn FnMut(&str) -> Result<Option<String>, E>;
+
 /// Files of one command, with the same answers: all are written, or none.
 pub(crate) struct InstrumentFiles(Vec<InstrumentFile>);
 
@@ -124,7 +127,7 @@ impl InstrumentFiles {
         &self,
         (format, stated): (Option<&str>, &ImportAnswers),
         machine: &Machine,
-        mut ask: Option<&mut dyn FnMut(&str) -> Result<Option<String>, E>>,
+        mut ask: Option<QuestionToPerson<'_, E>>,
         findings: &mut Diagnostics,
     ) -> Result<Option<Vec<ImportedReadings>>, E> {
         let mut all = Vec::new();

@@ -46,8 +46,7 @@ fn import(arguments: &ImportArguments, findings: &mut Findings) -> Result<Option
         && std::io::stderr().is_terminal()
         && !paths.iter().any(|path| input::is_standard_stream(path));
     let mut by_person = ask;
-    let asker: Option<&mut dyn FnMut(&str) -> Result<Option<String>, Stop>> =
-        if is_asked { Some(&mut by_person) } else { None };
+    let asker: Option<QuestionToPerson<'_, Stop>> = if is_asked { Some(&mut by_person) } else { None };
     let stated = (arguments.format.as_deref(), &arguments.answers.0);
     let Some(all) = files.understood(stated, &machine, asker, findings)? else { return Ok(None) };
     let shown = files.preview(&all);
