@@ -10,7 +10,7 @@ use crate::cli::exit_code::ExitCode;
 use crate::cli::findings::Findings;
 use crate::cli::stop::Stop;
 use crate::cli::{input, machine_choice, print, progress, say, tell};
-use crate::import::{InstrumentFiles, is_yes};
+use crate::import::{InstrumentFiles, QuestionToPerson, is_yes};
 use crate::registry::Registry;
 use ncfix_base::diagnostic::Code;
 use ncfix_instruments::preview::list;
