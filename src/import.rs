@@ -181,7 +181,7 @@ impl InstrumentFiles {
         self.iter().take(1).for_each(|file| file.ask_without_machine(format, answers, demo, findings));
     }
 
-    /// What was understood of all files, each below its name if there are several.
+    /// The preview of all files, each below its name if there are several.
     pub(crate) fn preview(&self, all: &[ImportedReadings]) -> String {
         let name = |file: &InstrumentFile| if file.several { format!("{}\n", file.name) } else { String::new() };
         self.iter().zip(all).map(|(file, readings)| name(file) + &preview(readings)).collect()

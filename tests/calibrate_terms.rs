@@ -94,7 +94,7 @@ fn stated_terms_and_parameters_are_fitted_together() {
 #[test]
 fn the_uncertainty_of_a_parameter_includes_the_terms_beside_it() {
     let shop = shop();
-    let model = arguments("EXX1,EXXb,EC0X,EXX ~ Y^2");
+    let model = arguments("EXX1,EXXb,EC0X,EXX ~ Y^2,thermal-drift Z");
     let report = shop.run(model.into_iter().chain(["--json"])).exits(0).json();
     let all = report["parameters"].as_array().unwrap();
     let sigma = |name: &str| number(all.iter().find(|one| one["name"] == name).unwrap(), "sigma");

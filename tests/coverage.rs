@@ -376,7 +376,7 @@ fn a_cut_at_an_unknown_position_is_named() {
     assert!(!fix(&shop(MEASURED, begins), "--start X0,Y0,Z0").stderr.contains("W0322"));
 }
 
-/// Postprocessors write the way to the first cut behind a tool change as feed moves in the plane, and state Z after it.
+/// Postprocessors write the way to the first cut after a tool change as feed moves in the plane, and state Z after it.
 #[test]
 fn an_approach_after_a_tool_change_is_no_cut() {
     let begin = "G90 G71 G0 X100 Y50 Z700 A0 C0\nT1 M6\nG0 A0 C0\nG1 X120 Y60 F650\n";

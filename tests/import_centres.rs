@@ -45,7 +45,7 @@ fn a_list_of_centers_is_a_probing() {
         .file("numbered.csv", format!("No;C [deg];Xm [mm];Ym [mm];Zm [mm];dia [mm]\n{numbered}"))
         .file("named.csv", format!("ball;C;X;Y;Z\n{named}"));
     let run = import(&shop, "numbered.csv", "rotary.toml", &["--tool", "0"]).exits(0);
-    for part in ["format: ball-centres", "no column names the ball", "columns that are not read: dia [mm]"] {
+    for part in ["format: ball-centres", "no column names the ball", "columns that are not read: No, dia [mm]"] {
         assert!(run.stderr.contains(part), "{part}: {}", run.stderr);
     }
     demand_place(&shop);

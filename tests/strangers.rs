@@ -204,7 +204,7 @@ fn a_state_that_the_control_keeps_is_named() {
         ) + "\n[zero_offset.G54]\nX_mm = 0\nY_mm = 0\nZ_mm = 0\n"
     };
     let holes = |unit: &str, mode: &str| {
-        format!("{unit}G90 G17 G54\nS1000 M3\nG0 X0 Y0 Z30\n{mode}G81 X10 Y10 Z-3 R2 F100\nX290\nG80\nM2\n")
+        format!("{unit}G90 G17 G54\nS1000 M3\nG0 X0 Y0 Z6\n{mode}G81 X1 Y1 Z-3 R2 F10\nX9\nG80\nM2\n")
     };
     let fix = |machine: String, program: String| {
         let shop = Shop::new().file("m.toml", machine).file("p.ngc", program);

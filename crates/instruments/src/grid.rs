@@ -342,7 +342,7 @@ fn read(text: &DecodedText, separator: Separator) -> Result<GridTable, Box<Diagn
     Ok(GridTable { separator, decimal, headings, heading_line, rows, before, skipped })
 }
 
-/// Names the tables of a report in Markdown that have targets, for an advice; empty if there is none.
+/// Names the tables of a report in Markdown that have targets, for an advice; empty without such tables.
 fn tables_of_targets(text: &DecodedText) -> String {
     /// Words of a heading with targets, and most tables that are named.
     const WORDS: [&str; 5] = ["target", "tgt", "soll", "cible", "nominal"];

@@ -227,7 +227,7 @@ fn klipper_points(text: &DecodedText) -> Result<Vec<Probed>, (String, usize)> {
     let (mut keys, mut lines_of) = (BTreeMap::new(), BTreeMap::new());
     let (mut is_mesh, mut is_points) = (false, false);
     for (number, line, _) in text.lines() {
-        // Klipper writes the part that it saves behind this mark; a section that was copied may lack it.
+        // Klipper writes the part that it saves after this mark; a section that was copied may lack it.
         let body = line.strip_prefix("#*#").unwrap_or(line).trim();
         if body.starts_with('[') {
             if is_mesh && !rows.is_empty() {

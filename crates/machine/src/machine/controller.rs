@@ -103,9 +103,12 @@ pub(super) fn has_conditions(name: &str) -> bool {
     controller(name).is_none_or(|row| !WITHOUT_CONDITIONS.contains(&row.name))
 }
 
-/// True if a control with canned cycles starts with G98, other than LinuxCNC (grblHAL, gcode.c: the retraction mode is G98 by default).
+/// Controls with RS274/NGC that start with G98, other than LinuxCNC (grblHAL, gcode.c: the retraction mode is G98 by default).
+const START_WITH_G98: [&str; 1] = ["grblhal"];
+
+/// True if drilling cycles of a control end at the initial level until a program says otherwise.
 pub(super) fn starts_with_g98(name: &str) -> bool {
-    controller(name).is_some_and(|row| row.name == "grblhal")
+    controller(name).is_some_and(|row| START_WITH_G98.contains(&row.name))
 }
 
 /// True if words at the start state whether a drilling cycle ends at the initial level or at R.

@@ -107,7 +107,7 @@ impl<'a> Readings<'a> {
         })
     }
 
-    /// The same for rows that are not in the order of the motion: only columns state directions.
+    /// Directions of rows that are not in the order of the motion: only columns state them.
     #[must_use]
     pub fn in_no_order(self) -> Readings<'a> {
         Readings { is_in_order: false, ..self }
