@@ -5,8 +5,8 @@
 //! result is a proposal; a full fit determines its gain.
 //!
 //! Evenly spaced places cannot distinguish a period from its aliases, so periods below two steps are excluded. Uneven steps can distinguish them. Uneven by a
-//! small share of a step, they leave a slow wave an alias that explains nearly as much. So a period below two steps must explain more than any slow wave, which
-//! is a smooth shape and no period.
+//! small share of a step, they leave a slow wave an alias that explains nearly as much. So a period below two steps must explain clearly more than any slow wave,
+//! which is a smooth shape and no period.
 
 use std::f64::consts::TAU;
 use std::fmt;
@@ -23,6 +23,8 @@ const LENGTH: usize = 4 * BINS;
 const FEWEST: f64 = 3.0;
 /// Number of cycles over the travel of the slowest wave that is compared with short ones: half a cycle, a bow.
 const SLOWEST: f64 = 0.5;
+/// A slow wave explains as much as a short one from this share on: the frequencies of the transform miss its peak by up to an eighth of a cycle.
+const AS_MUCH: f64 = 0.9;
 /// Maximum: half a bin is a tenth of a radian.
 const MOST: f64 = 250.0;
 /// Number of distinguishable periods per cycle over the travel.
@@ -144,7 +146,7 @@ impl Sweep {
         let most_of =
             |range: std::ops::Range<usize>| gains.get(range).unwrap_or_default().iter().copied().fold(0.0, f64::max);
         let is_short = STEP * best > 0.5 * self.steps;
-        let is_slow = most_of((SLOWEST / STEP) as usize..first()) >= most_of(first()..gains.len());
+        let is_slow = most_of((SLOWEST / STEP) as usize..first()) >= AS_MUCH * most_of(first()..gains.len());
         (!is_short || !is_slow).then(|| self.travel / (STEP * best))
     }
 
