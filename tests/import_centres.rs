@@ -78,3 +78,18 @@ fn what_a_list_of_centers_leaves_open_is_asked() {
     import(&shop, "plain.csv", "tool.toml", &["--tool", "0"]).exits(4).says("E0617");
     import(&shop, "plain.csv", "tool.toml", &["--tool", "0", "--as", "ball-centres"]).exits(0);
 }
+
+/// A column that gives each row its unit is not passed over: the rows may be in mm and in inches.
+#[test]
+fn a_unit_in_each_row_is_no_column_to_pass_over() {
+    let mut noise = Noise(43);
+    let centers = rows(&mut noise, |k, c, [x, y, z]| {
+        format!("b1;{c};{x:.4};{y:.4};{z:.4};{}", if k % 2 == 0 { "mm" } else { "inch" })
+    });
+    let shop = rotary()
+        .file("centers.csv", format!("ball;C [deg];X;Y;Z;unit\n{centers}"))
+        .file("displaced.csv", "X,Y,Z,dx,unit\n0,0,0,0.001,mm\n100,0,0,0.002,inch\n200,0,0,0.003,mm\n");
+    for name in ["centers.csv", "displaced.csv"] {
+        import(&shop, name, "rotary.toml", &["--tool", "0", "--unit", "mm"]).exits(4).says("'unit' is not read");
+    }
+}

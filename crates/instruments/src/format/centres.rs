@@ -9,7 +9,7 @@ use ncfix_base::geometry::Axis;
 
 use super::nominal_actual::position_unit;
 use super::{InstrumentFormat, axis_columns};
-use crate::grid::{self, GridTable};
+use crate::grid::{self, GridHeading, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
 use crate::unit::ReadingUnit;
@@ -180,18 +180,11 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
             || columns.rotary.iter().any(|(own, _)| *own == index)
             || [columns.ball, columns.run].contains(&Some(index))
     };
-    let unread: Vec<&str> = table
-        .headings
-        .iter()
-        .enumerate()
-        .filter(|(index, heading)| {
-            !used(*index) && !words::is_driver(&heading.written) && !["-", ""].contains(&heading.written.as_str())
-        })
-        .map(|(_, heading)| heading.written.as_str())
-        .collect();
-    if !unread.is_empty() {
-        inquiry.note(format!("columns that are not read: {}", unread.join(", ")), line);
-    }
+    let headings = table.headings.iter().enumerate();
+    let is_unread = |index: usize, written: &str| !used(index) && !["-", ""].contains(&written);
+    let unread: Vec<&GridHeading> =
+        headings.filter(|(index, own)| is_unread(*index, &own.written)).map(|(_, own)| own).collect();
+    inquiry.unread(&unread, line)?;
     let mut largest = 0.0_f64;
     for row in &table.rows {
         for column in columns.linear {

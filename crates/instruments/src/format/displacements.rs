@@ -5,7 +5,7 @@
 use ncfix_base::geometry::Axis;
 
 use super::{InstrumentFormat, axis_columns};
-use crate::grid::{self, GridTable};
+use crate::grid::{self, GridHeading, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
 use crate::text::DecodedText;
@@ -65,16 +65,9 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     let used = |index: usize| {
         axes.iter().any(|(own, _)| *own == index) || values.iter().any(|(own, _)| *own == index) || run == Some(index)
     };
-    let unread: Vec<&str> = table
-        .headings
-        .iter()
-        .enumerate()
-        .filter(|(index, heading)| !used(*index) && !words::is_driver(&heading.written))
-        .map(|(_, heading)| heading.written.as_str())
-        .collect();
-    if !unread.is_empty() {
-        inquiry.note(format!("columns that are not read: {}", unread.join(", ")), line);
-    }
+    let headings = table.headings.iter().enumerate();
+    let unread: Vec<&GridHeading> = headings.filter(|(index, _)| !used(*index)).map(|(_, own)| own).collect();
+    inquiry.unread(&unread, line)?;
     let mut largest = 0.0_f64;
     for row in &table.rows {
         for (column, _) in &values {

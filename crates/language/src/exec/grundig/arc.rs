@@ -248,13 +248,7 @@ fn center(
 /// A circular motion, one move per turn; other axes have their share of each.
 pub(super) fn circular(channel: &mut Channel<'_>, circle: Circle, to: AxisVector, named: AxisSet) -> Result<(), Fault> {
     let span = channel.outlet.origin.span;
-    step::check_feed(
-        channel.settings.strict,
-        &mut channel.feed_warned,
-        &mut channel.outlet,
-        (channel.modal.modes.feed, channel.modal.modes.no_feed()),
-        span,
-    )?;
+    step::check_feed(channel, channel.modal.modes.feed, span)?;
     let turns = circle.sweep_rad / TAU;
     let mut whole = turns.floor();
     if turns - whole > 1.0 - NO_REST {

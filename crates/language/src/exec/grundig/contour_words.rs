@@ -211,13 +211,7 @@ fn begin_open(channel: &mut Channel<'_>, element: Element, choice: Choice, span:
     let rapid = channel.modal.modes.motion == MotionKind::Rapid;
     let done = match element {
         Element::Arc { center, clockwise } => {
-            step::check_feed(
-                channel.settings.strict,
-                &mut channel.feed_warned,
-                &mut channel.outlet,
-                (feed, channel.modal.modes.no_feed()),
-                span,
-            )?;
+            step::check_feed(channel, feed, span)?;
             let circle = Circle { clockwise, center: plane_coordinates(&channel.modal, center), sweep_rad: 0.0 };
             arc::one_arc(channel, circle, &to, AxisSet::EMPTY)
         }

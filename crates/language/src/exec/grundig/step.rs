@@ -79,14 +79,7 @@ pub(super) fn rapid_line(channel: &mut Channel<'_>, to: &AxisVector, named: Axis
 
 /// One straight feed line.
 pub(super) fn feed_line(channel: &mut Channel<'_>, to: &AxisVector, named: AxisSet, feed: f64) -> Result<(), Fault> {
-    let span = channel.outlet.origin.span;
-    check_feed(
-        channel.settings.strict,
-        &mut channel.feed_warned,
-        &mut channel.outlet,
-        (feed, channel.modal.modes.no_feed()),
-        span,
-    )?;
+    check_feed(channel, feed, channel.outlet.origin.span)?;
     elementary(channel, to, named, false, feed, |_| Ok(Shape::Line))
 }
 
@@ -224,22 +217,16 @@ pub(super) fn may_split(strict: bool, rapid_order: RapidOrder, modal: &Modal, ax
 }
 
 /// Checks that a feed motion has a feed.
-pub(super) fn check_feed(
-    strict: bool,
-    feed_warned: &mut bool,
-    outlet: &mut MotionSink<'_>,
-    (feed, lack): (f64, (&'static str, &'static str)),
-    span: Span,
-) -> Result<(), Fault> {
+pub(super) fn check_feed(channel: &mut Channel<'_>, feed: f64, span: Span) -> Result<(), Fault> {
     if feed > 0.0 {
         return Ok(());
     }
-    let (message, help) = lack;
-    if strict {
+    let (message, help) = channel.modal.modes.no_feed();
+    if channel.settings.strict {
         return Err(fault(Code::MISSING_FEED, span, message, help));
     }
-    if !std::mem::replace(feed_warned, true) {
-        outlet.warnings.push(fault(Code::FEED_ASSUMED, span, message, help));
+    if !std::mem::replace(&mut channel.feed_warned, true) {
+        channel.outlet.warnings.push(fault(Code::FEED_ASSUMED, span, message, help));
     }
     Ok(())
 }
