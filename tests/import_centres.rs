@@ -86,10 +86,17 @@ fn a_unit_in_each_row_is_no_column_to_pass_over() {
     let centers = rows(&mut noise, |k, c, [x, y, z]| {
         format!("b1;{c};{x:.4};{y:.4};{z:.4};{}", if k % 2 == 0 { "mm" } else { "inch" })
     });
+    // Five touches of each of two balls, 10 mm from their centers.
+    let of_ball = |name: &str, x: f64| {
+        let sides = [(10, 0, 0), (-10, 0, 0), (0, 10, 0), (0, -10, 0), (0, 0, 10)];
+        sides.map(|(dx, dy, dz)| format!("{name};{};{};{};mm\n", x + f64::from(dx), 100 + dy, 50 + dz)).concat()
+    };
+    let touches = format!("ball;X;Y;Z;unit\n{}{}", of_ball("b1", 100.0), of_ball("b2", 200.0));
     let shop = rotary()
         .file("centers.csv", format!("ball;C [deg];X;Y;Z;unit\n{centers}"))
+        .file("touches.csv", touches)
         .file("displaced.csv", "X,Y,Z,dx,unit\n0,0,0,0.001,mm\n100,0,0,0.002,inch\n200,0,0,0.003,mm\n");
-    for name in ["centers.csv", "displaced.csv"] {
+    for name in ["centers.csv", "touches.csv", "displaced.csv"] {
         import(&shop, name, "rotary.toml", &["--tool", "0", "--unit", "mm"]).exits(4).says("'unit' is not read");
     }
 }
