@@ -1,106 +1,20 @@
 //! `ncfix feed` and `ncfix resume` as a person uses them: the built program, a pseudo-terminal, a simulated control at its other end.
 
 use std::fs::File;
-use std::io::{Read, Write};
-use std::net::TcpListener;
 use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
-use std::thread::{self, JoinHandle};
+use std::thread;
 use std::time::{Duration, Instant};
 
-use serialport::{SerialPort as _, TTYPort};
-
-use super::controls::{Control, Faults, Grbl};
+use super::controls::{Faults, Grbl, Wired};
 use super::support::{Shop, machine};
 
 /// Nothing here takes longer.
 const LONG: Duration = Duration::from_secs(60);
 
-/// A simulated control at a pseudo-terminal, in real time.
-pub(crate) struct Bench {
-    pub(crate) name: String,
-    pub(crate) shared: Arc<Mutex<Grbl>>,
-    is_over: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
-}
-
-impl Bench {
-    pub(crate) fn new(control: Grbl) -> Bench {
-        let (mut master, slave) = TTYPort::pair().unwrap();
-        let name = slave.name().unwrap();
-        // Its other end is opened by the program under test.
-        drop(slave);
-        master.set_timeout(Duration::from_micros(300)).unwrap();
-        Bench::at(control, name, move || Some(master))
-    }
-
-    /// The same over TCP: of a pseudo-terminal the program under test would inherit this end, too, and no cable could be cut.
-    pub(crate) fn at_tcp(control: Grbl) -> Bench {
-        let server = TcpListener::bind("127.0.0.1:0").unwrap();
-        let name = format!("tcp:{}", server.local_addr().unwrap());
-        Bench::at(control, name, move || {
-            let (stream, _) = server.accept().ok()?;
-            stream.set_read_timeout(Some(Duration::from_micros(300))).ok()?;
-            Some(stream)
-        })
-    }
-
-    fn at<P: Read + Write>(control: Grbl, name: String, open: impl FnOnce() -> Option<P> + Send + 'static) -> Bench {
-        let shared = Arc::new(Mutex::new(control));
-        let is_over = Arc::new(AtomicBool::new(false));
-        let (control, over) = (Arc::clone(&shared), Arc::clone(&is_over));
-        let from = Instant::now();
-        let thread = thread::spawn(move || {
-            let mut port = open().unwrap();
-            let mut bytes = [0; 4096];
-            let mut said: Vec<u8> = Vec::new();
-            while !over.load(Ordering::Relaxed) {
-                // As long as nobody has opened the other end this fails.
-                let count = port.read(&mut bytes).unwrap_or(0);
-                let mut control = control.lock().unwrap();
-                let now_s = from.elapsed().as_secs_f64();
-                bytes[..count].iter().for_each(|byte| control.hear(*byte, now_s));
-                control.tick(now_s);
-                said.extend(control.say());
-                drop(control);
-                if !said.is_empty()
-                    && let Ok(count) = port.write(&said)
-                {
-                    said.drain(..count);
-                }
-                if count == 0 && said.is_empty() {
-                    thread::sleep(Duration::from_micros(100));
-                }
-            }
-        });
-        Bench { name, shared, is_over, thread: Some(thread) }
-    }
-
-    pub(crate) fn executed(&self) -> Vec<String> {
-        let control = self.shared.lock().unwrap();
-        control.executed().iter().map(|line| String::from_utf8(line.clone()).unwrap()).collect()
-    }
-
-    /// Waits until so many lines are carried out.
-    pub(crate) fn wait_for(&self, count: usize) {
-        let from = Instant::now();
-        while self.executed().len() < count {
-            assert!(from.elapsed() < LONG, "{} lines", self.executed().len());
-            thread::sleep(Duration::from_millis(2));
-        }
-    }
-}
-
-impl Drop for Bench {
-    fn drop(&mut self) {
-        self.is_over.store(true, Ordering::Relaxed);
-        let _ = self.thread.take().unwrap().join();
-    }
-}
-
-fn grbl(busy_s: f64) -> Bench {
-    Bench::new(Grbl::new(&Faults::default(), busy_s))
+fn grbl(busy_s: f64) -> Wired<Grbl> {
+    Wired::at_line(Grbl::new(&Faults::default(), busy_s))
 }
 
 /// Passes over a plate, between them rapid moves above it.
@@ -219,7 +133,7 @@ fn a_refusal_a_reset_and_a_cut_cable_have_their_status() {
     let mill = machine("knee_mill");
     // All that was sent has room in its planner, so each line has its answer although the axes are held.
     let refusal = Faults { refuses: Some(30), ..Faults::default() };
-    let refusing = Bench::new(Grbl::new(&refusal, 0.0005).of_a_hundred_blocks());
+    let refusing = Wired::at_line(Grbl::new(&refusal, 0.0005).of_a_hundred_blocks());
     let shop = Shop::new().file("part.ngc", passes(8));
     let run = shop.run(["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &refusing.name]);
     assert!(
@@ -230,7 +144,7 @@ fn a_refusal_a_reset_and_a_cut_cable_have_their_status() {
     let plan = shop.run(["resume", "part.ngc.journal", "--clearance", "60mm"]);
     assert!(plan.code == 0 && plan.stdout.contains("acknowledged  up to 29 "), "{plan:?}");
     // A full planner takes nothing while the axes are held: which line was refused is not sure, as lines behind it have no answer.
-    let refusing = Bench::new(Grbl::new(&refusal, 0.02));
+    let refusing = Wired::at_line(Grbl::new(&refusal, 0.02));
     let shop = Shop::new().file("part.ngc", passes(8));
     let run = shop.run(["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &refusing.name]);
     assert!(
@@ -238,11 +152,11 @@ fn a_refusal_a_reset_and_a_cut_cable_have_their_status() {
         "{run:?}"
     );
     assert!(run.stderr.contains("refused line 30, or one from 29 on"), "{run:?}");
-    let resetting = Bench::new(Grbl::new(&Faults { reset_s: Some(0.8), ..Faults::default() }, 0.05));
+    let resetting = Wired::at_line(Grbl::new(&Faults { reset_s: Some(0.8), ..Faults::default() }, 0.05));
     let shop = Shop::new().file("part.ngc", passes(8));
     let run = shop.run(["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &resetting.name]);
     assert!(run.code == 6 && run.stderr.contains("the job is lost"), "{run:?}");
-    let bench = Bench::at_tcp(Grbl::new(&Faults::default(), 0.02));
+    let bench = Wired::at_network(Grbl::new(&Faults::default(), 0.02));
     let shop = Shop::new().file("part.ngc", passes(8));
     let mut child = start(&shop, &["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &bench.name]);
     bench.wait_for(10);
@@ -313,7 +227,7 @@ fn the_journal_of_a_broken_job_is_not_overwritten() {
 }
 
 /// A job that is killed, and the plan for it.
-fn killed(shop: &Shop, bench: &Bench, mill: &str, after: usize) -> serde_json::Value {
+fn killed(shop: &Shop, bench: &Wired<Grbl>, mill: &str, after: usize) -> serde_json::Value {
     let arguments = ["feed", "part.ngc", "--machine", mill, "--link", "grbl", "--port", &bench.name];
     let mut child = start(shop, &arguments);
     bench.wait_for(after);
@@ -333,7 +247,7 @@ fn killed(shop: &Shop, bench: &Bench, mill: &str, after: usize) -> serde_json::V
 }
 
 /// The executed lines, as soon as the control executes no more: on a busy computer it is still at the lines of a job that was killed.
-fn at_rest(bench: &Bench) -> Vec<String> {
+fn at_rest(bench: &Wired<Grbl>) -> Vec<String> {
     let (mut executed, mut quiet) = (bench.executed(), 0);
     while quiet < 6 {
         thread::sleep(Duration::from_millis(300));
@@ -431,7 +345,7 @@ fn a_control_in_alarm_does_not_use_up_the_journal_of_a_broken_job() {
     let bench = grbl(0.005);
     let shop = Shop::new().file("part.ngc", passes(20));
     let plan = killed(&shop, &bench, &mill, 137);
-    let alarmed = Bench::new(Grbl::new(&Faults::default(), 0.005).in_alarm());
+    let alarmed = Wired::at_line(Grbl::new(&Faults::default(), 0.005).in_alarm());
     let number = plan["plan"].as_str().unwrap();
     let run =
         shop.run(["resume", "part.ngc.journal", "--port", &alarmed.name, "--confirm", number, "--clearance", "60mm"]);

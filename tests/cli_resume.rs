@@ -2,8 +2,8 @@
 //!
 //! Journals here are those of real transfers to a simulated control, cut off where the text says.
 
-use super::cli_feed::{Bench, corrected, passes, signal, start};
-use super::controls::{Faults, Grbl};
+use super::cli_feed::{corrected, passes, signal, start};
+use super::controls::{Faults, Grbl, Wired};
 use super::support::{Run, Shop, machine, repository};
 
 /// Above the 50 mm of [`passes`].
@@ -14,8 +14,8 @@ fn grbl(busy_s: f64) -> Grbl {
 }
 
 /// A job whose sender is killed, and whose control loses its current, when so many lines were carried out; the plan for it.
-fn broken(control: Grbl, link: &str, after: usize) -> (Shop, Bench, serde_json::Value) {
-    let bench = Bench::new(control);
+fn broken(control: Grbl, link: &str, after: usize) -> (Shop, Wired<Grbl>, serde_json::Value) {
+    let bench = Wired::at_line(control);
     let shop = Shop::new().file("part.ngc", passes(40));
     let mill = machine("knee_mill");
     let mut child = start(&shop, &["feed", "part.ngc", "--machine", &mill, "--link", link, "--port", &bench.name]);
@@ -85,7 +85,7 @@ fn where_the_control_states_no_depth_only_what_it_said_when_it_stood_still_is_su
     );
     // Slow enough for reports between the lines, however busy the computer is.
     for (control, expected) in [(grbl(0.01).that_tells_no_sizes(), 26), (grbl(0.01), 31)] {
-        let bench = Bench::new(control);
+        let bench = Wired::at_line(control);
         let shop = Shop::new().file("part.ngc", passes(40)).file(own, text);
         let mill = machine("knee_mill");
         let mut child = start(&shop, &["feed", "part.ngc", "--machine", &mill, "--link", own, "--port", &bench.name]);
@@ -108,7 +108,7 @@ fn a_control_that_is_not_idle_gets_no_line_of_a_job_that_is_taken_up_again() {
     for (state, word) in
         [("Run", "let it end"), ("Hold:0", "cycle start"), ("Door:0", "door"), ("Check", "$C"), ("Sleep", "sleeps")]
     {
-        let busy = Bench::new(grbl(0.002).that_says(state));
+        let busy = Wired::at_line(grbl(0.002).that_says(state));
         let run = shop.run([
             "resume",
             "part.ngc.journal",
@@ -175,7 +175,7 @@ fn a_link_without_a_question_needs_a_person_who_looked() {
 
 /// A job that is cut off when so many lines were acknowledged.
 pub(crate) fn cut_off(program: &str, acknowledged: usize) -> Shop {
-    let bench = Bench::new(grbl(0.0002));
+    let bench = Wired::at_line(grbl(0.0002));
     let shop = Shop::new().file("part.ngc", program);
     let mill = machine("knee_mill");
     shop.run(["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &bench.name]).exits(0);
@@ -239,7 +239,7 @@ fn a_program_of_one_depth_is_not_taken_up_again_without_a_clearance() {
     let other = shop.run(["resume", "part.ngc.journal", "--clearance", "6mm", "--confirm", number]);
     assert!(other.code == 2 && other.stderr.contains("not the plan number"), "{other:?}");
     // It is carried out as it was shown.
-    let bench = Bench::new(grbl(0.0002));
+    let bench = Wired::at_line(grbl(0.0002));
     shop.run(["resume", "part.ngc.journal", "--clearance", "5mm", "--confirm", number, "--port", &bench.name]).exits(0);
     assert_eq!(bench.executed()[..lines.len()], lines);
 }

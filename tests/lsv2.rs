@@ -2,16 +2,14 @@
 
 use std::io::{Read, Write};
 use std::net::TcpListener;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
-use std::thread::{self, JoinHandle};
+use std::sync::Arc;
+use std::thread;
 use std::time::{Duration, Instant};
 
 use ncfix_base::source::{FileId, Source};
 use ncfix_dnc::feed::{Ended, Event, Halt, PROFILES, Patience, Profile, Sender};
-use serialport::{SerialPort as _, TTYPort};
 
-use super::controls::{self, Cable, Control as _, Faults, Lsv2, Notes, Odd, Planned};
+use super::controls::{self, Cable, Control as _, Faults, Lsv2, Notes, Odd, Planned, Wired};
 use super::support::{Run, Shop, machine};
 
 const PATH: &str = "TNC:\\NCFIX.PM";
@@ -402,73 +400,10 @@ fn a_program_that_cannot_be_made_to_its_end_is_not_sent() {
     assert!(!sender.may_have_run() && cable.control.files.is_empty());
 }
 
-/// The control at a port, in real time.
-struct Bench {
-    name: String,
-    shared: Arc<Mutex<Lsv2>>,
-    is_over: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
-}
-
-impl Bench {
-    fn at_network(control: Lsv2) -> Bench {
-        let server = TcpListener::bind("127.0.0.1:0").unwrap();
-        let name = format!("tcp:{}", server.local_addr().unwrap());
-        Bench::at(control, name, move || {
-            let (stream, _) = server.accept().ok()?;
-            stream.set_read_timeout(Some(Duration::from_micros(300))).ok()?;
-            Some(stream)
-        })
-    }
-
-    fn at_line(control: Lsv2) -> Bench {
-        let (mut master, slave) = TTYPort::pair().unwrap();
-        let name = slave.name().unwrap();
-        drop(slave);
-        master.set_timeout(Duration::from_micros(300)).unwrap();
-        Bench::at(control, name, move || Some(master))
-    }
-
-    fn at<P: Read + Write>(control: Lsv2, name: String, open: impl FnOnce() -> Option<P> + Send + 'static) -> Bench {
-        let shared = Arc::new(Mutex::new(control));
-        let is_over = Arc::new(AtomicBool::new(false));
-        let (control, over) = (Arc::clone(&shared), Arc::clone(&is_over));
-        let from = Instant::now();
-        let thread = thread::spawn(move || {
-            let mut port = open().unwrap();
-            let (mut bytes, mut said) = ([0; 4096], Vec::new());
-            while !over.load(Ordering::Relaxed) {
-                let count = port.read(&mut bytes).unwrap_or(0);
-                let mut control = control.lock().unwrap();
-                let now_s = from.elapsed().as_secs_f64();
-                bytes[..count].iter().for_each(|byte| control.hear(*byte, now_s));
-                control.tick(now_s);
-                said.extend(control.say());
-                drop(control);
-                if !said.is_empty()
-                    && let Ok(count) = port.write(&said)
-                {
-                    said.drain(..count);
-                }
-                if count == 0 && said.is_empty() {
-                    thread::sleep(Duration::from_micros(100));
-                }
-            }
-        });
-        Bench { name, shared, is_over, thread: Some(thread) }
-    }
-
-    fn text(&self, path: &str) -> Vec<String> {
-        let control = self.shared.lock().unwrap();
-        control.files[path].iter().map(|line| String::from_utf8(line.clone()).unwrap()).collect()
-    }
-}
-
-impl Drop for Bench {
-    fn drop(&mut self) {
-        self.is_over.store(true, Ordering::Relaxed);
-        let _ = self.thread.take().unwrap().join();
-    }
+/// Lines of a file in the control.
+fn file(control: &Wired<Lsv2>, path: &str) -> Vec<String> {
+    let control = control.shared.lock().unwrap();
+    control.files[path].iter().map(|line| String::from_utf8(line.clone()).unwrap()).collect()
 }
 
 const PART: &str = "%PM9013\nN9013 (PLATE)\nN1 G17 G71 G90\nN2 G54\nN3 S800 M3\nN4 G0 X10 Y10 Z50\nN5 G1 Z-1 F1500\nN6 G1 X60\nN7 G0 Z50\nN8 M30\n";
@@ -482,7 +417,7 @@ fn feed(shop: &Shop, port: &str, more: &[&str]) -> Run {
 #[test]
 fn the_program_speaks_lsv2_over_tcp_and_over_a_pseudo_terminal() {
     for (link, bench) in
-        [("lsv2", Bench::at_network(Lsv2::over_network(0.3))), ("lsv2-serial", Bench::at_line(Lsv2::over_line(0.3)))]
+        [("lsv2", Wired::at_network(Lsv2::over_network(0.3))), ("lsv2-serial", Wired::at_line(Lsv2::over_line(0.3)))]
     {
         let shop = Shop::new().file("part.pm", PART);
         let run = feed(&shop, &bench.name, &["--link", link, "--json"]);
@@ -508,7 +443,7 @@ fn the_program_speaks_lsv2_over_tcp_and_over_a_pseudo_terminal() {
             all.iter().map(|line| plain(line)).filter(|line| !line.is_empty()).collect()
         };
         let expected = lines(corrected.lines().map(str::to_owned).collect());
-        let found = lines(bench.text("TNC:\\PART.PM"));
+        let found = lines(file(&bench, "TNC:\\PART.PM"));
         assert_eq!(found[..2], ["%PM9013", "N9013"], "{link}");
         assert!(found.len() > 8 && expected.ends_with(&found[4..]), "{link}: {found:?} {expected:?}");
         assert!(found[0].starts_with("%PM"), "{found:?}");
@@ -522,14 +457,14 @@ fn a_refused_file_leaves_a_journal_that_a_new_job_replaces() {
     let shop = Shop::new().file("part.pm", PART);
     let mut full = Lsv2::over_network(0.01);
     full.odd = Some(("S_FL", 0, Odd::Error(53)));
-    let run = feed(&shop, &Bench::at_network(full).name, &["--link", "lsv2"]);
+    let run = feed(&shop, &Wired::at_network(full).name, &["--link", "lsv2"]);
     assert!(run.code == 6 && run.stderr.contains("no free space") && run.stderr.contains("was deleted"), "{run:?}");
     assert!(run.stderr.contains("was not started") && !run.stderr.contains("ncfix resume"), "{run:?}");
     assert!(shop.text("part.pm.journal").contains(" E not started, lost: "));
     let resumed = shop.run(["resume", "part.pm.journal"]);
     assert!(resumed.code == 2 && resumed.stderr.contains("no line of the job"), "{resumed:?}");
     // The control is cut off during the run: it has the program, and it is not known how far it came.
-    let bench = Bench::at_network(with(Lsv2::over_network(1.0), |control| control.starts_after_s = Some(0.2)));
+    let bench = Wired::at_network(with(Lsv2::over_network(1.0), |control| control.starts_after_s = Some(0.2)));
     let shared = Arc::clone(&bench.shared);
     let name = bench.name.clone();
     let cutter = thread::spawn(move || {

@@ -10,6 +10,7 @@ mod marlin;
 pub(crate) mod part;
 mod rsh;
 mod tape;
+mod wired;
 
 pub(crate) use block::Blockwise;
 pub(crate) use grbl::Grbl;
@@ -17,6 +18,7 @@ pub(crate) use lsv2::{Lsv2, Odd};
 pub(crate) use marlin::Marlin;
 pub(crate) use rsh::Rsh;
 pub(crate) use tape::Reader;
+pub(crate) use wired::Wired;
 
 use std::collections::VecDeque;
 use std::io;
