@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
+use ncfix_metrology::diagnose::explain::assumptions::{ASSUMPTIONS, Size};
+
 use crate::support::{Shop, repository};
 
 /// A part of a page that is done, in its order.
@@ -337,4 +339,26 @@ fn every_file_of_a_page_is_named_above_it() {
             }
         }
     }
+}
+
+#[test]
+fn the_table_of_usual_sizes_is_that_of_the_program() {
+    let page = text("docs/explanation/diagnosis.md");
+    let rows = page.lines().skip_while(|line| !line.starts_with("| error | usual size | odds |")).skip(2);
+    let row =
+        |line: &str| -> Vec<String> { line.trim_matches('|').split('|').map(|cell| cell.trim().to_owned()).collect() };
+    let mut written: Vec<String> =
+        rows.take_while(|line| line.starts_with('|')).map(|line| row(line)[1..].join(" | ")).collect();
+    let size = |size: Size| match size {
+        Size::Um(um) => format!("{um} µm"),
+        Size::Urad(urad) => format!("{urad} µrad"),
+        Size::UmPerM(um) => format!("{um} µm/m"),
+        Size::Ms(ms) => format!("{ms} ms"),
+        Size::UmPerMs2(um) => format!("{um} µm per m/s²"),
+    };
+    let mut used: Vec<String> =
+        ASSUMPTIONS.iter().map(|one| format!("{} | {} | {}", size(one.size), one.odds, one.source)).collect();
+    written.sort();
+    used.sort();
+    assert_eq!(written, used);
 }
