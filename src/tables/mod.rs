@@ -310,6 +310,9 @@ impl Tables {
 /// The machine without the tables that are active in its control: new tables apply to the machine itself, and checked tables are evaluated alone.
 pub(crate) fn itself(machine: &Machine) -> Machine {
     let mut machine = machine.clone();
+    if machine.machine.active_tables.is_offline {
+        return machine;
+    }
     let multiplication = machine.machine.active_tables.multiplication;
     machine.machine.active_tables = ActiveTables { multiplication, ..ActiveTables::default() };
     machine
