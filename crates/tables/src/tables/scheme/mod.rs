@@ -3,6 +3,7 @@
 mod assembly;
 mod auto;
 mod exact;
+mod fewer;
 mod fit;
 mod functions;
 mod matrix;
@@ -22,6 +23,8 @@ use ncfix_machine::machine::State;
 use ncfix_model::Accumulator;
 
 pub use auto::{AIM, Tried, choose, choose_with};
+pub use fewer::{CountedResidual, fewer};
+pub use functions::{LeftOut, left_out};
 pub use reversal::{Reversal, reversals};
 
 /// A request for tables.
