@@ -37,13 +37,13 @@ pub(crate) struct RealtimeCorrection {
     pub(crate) kernel: KernelResult,
     /// The counts of the answers.
     pub(crate) counts: CycleCounts,
-    /// How its kernels are made.
+    /// The source of its kernels.
     source: KernelSource,
     /// Updates the kernel until it is dropped.
     updater: Option<Updater>,
 }
 
-/// How kernels are made: for the machine in its newest condition.
+/// Source of kernels: the machine in its newest condition.
 struct KernelSource {
     machine: Arc<Mutex<Machine>>,
     recipe: KernelRecipe,

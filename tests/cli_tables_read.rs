@@ -219,7 +219,7 @@ fn tables_that_no_control_uses_are_added_to_programs() {
         text.split_whitespace().find(|word| word.starts_with('X')).unwrap_or_default().to_owned()
     };
     assert_eq!(x_of("offline_tables"), "X100.02");
-    // A control that adds it itself has to be told 0.02 mm less.
+    // A control that adds it itself gets 0.02 mm less.
     assert_eq!(x_of("active_tables"), "X99.98");
     let shop = shop_with(&shop, "m.toml", &with("offline_tables = [\"CEC.INI\"]"));
     let shown = shop.run(["machine", "show", "m.toml"]).exits(0).stdout;

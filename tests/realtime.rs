@@ -300,8 +300,8 @@ fn another_tool_and_a_reference_run_are_lines_too() {
 fn a_tool_whose_correction_is_too_large_ends_the_run() {
     let run =
         tilted_shop().run_with_input(["realtime", "--machine", "m.toml"], b"X0 Y0 Z300\ntool 10000\nX0\n").exits(4);
-    run.says("E0303").says("E0801").says("1 set-points before it were answered");
     assert_eq!(run.stdout.lines().count(), 2, "{}", run.stdout);
+    run.says("E0303").says("E0801").says("1 set-points before it were answered");
 }
 
 #[test]

@@ -19,7 +19,7 @@ const POSES: usize = 500;
 /// Mean tip error of a group over the travel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroupShare {
-    /// What the group is.
+    /// Name of the group.
     pub name: &'static str,
     /// Its axes.
     pub axes: Vec<Axis>,
@@ -29,7 +29,7 @@ pub struct GroupShare {
     pub share: f64,
 }
 
-/// What carries an error, as far as its label is the name of a component.
+/// The carrier of an error, as far as its label is the name of a component.
 fn carrier(effect: &dyn Effect) -> Option<Carrier> {
     effect.label().parse::<ErrorName>().ok().map(|name| name.carrier)
 }

@@ -33,7 +33,7 @@ pub fn list(machine: Option<&Machine>) -> String {
 }
 
 /// Returns the parameters of a preset with their values in a machine file, and further content of the file. With the errors of a later calibration,
-/// such as with compensation, also those and what is left of each parameter (Esmaeili 2021, Table 7-2), and the share that was removed (eq. 38).
+/// such as with compensation, also those, the ratio of the values (Esmaeili 2021, Table 7-2), and the share of the size that was removed (eq. 38).
 #[must_use]
 pub fn page(
     preset: &Preset,

@@ -137,7 +137,7 @@ impl TablesReport {
         page
     }
 
-    /// Adds the kinds of compensation, the largest sums, what is left out, and the residuals with fewer tables.
+    /// Adds the kinds of compensation, the largest sums, the parts that are left out, and the residuals with fewer tables.
     fn limits_page(&self, page: &mut String) {
         if !self.found.kinds.is_empty() {
             let _ = writeln!(page, "kinds of ISO/TR 16907: {}", self.found.kinds.join(" "));

@@ -7,7 +7,7 @@ use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector};
 /// Maximum bytes of a line: nine numbers need far less.
 const LONGEST: u64 = 4096;
 
-/// What a line says.
+/// Content of a line.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ControlLine {
     /// A set-point, mm and rad.

@@ -111,7 +111,7 @@ pub struct LeftOut {
     pub largest: f64,
 }
 
-/// What tables of error functions lack, one entry for each motion error with a second axis.
+/// The parts that tables of error functions lack, one entry for each motion error with a second axis.
 #[must_use]
 pub fn left_out(task: &Task<'_>) -> Vec<LeftOut> {
     let part = |(name, function, _): (ErrorName, Option<&EntryFunction>, f64)| {
