@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::tables::check::{Check, Errors};
-use crate::tables::scheme::{CountedResidual, LeftOut, Tried};
+use crate::tables::scheme::{CountedResidual, SecondAxisPart, Tried};
 use crate::tables::{Lookup, Sense, Tables, kinds};
 use ncfix_base::geometry::Vector;
 use ncfix_base::units::{UnitKey, um_from_mm, urad_from_rad};
@@ -86,8 +86,8 @@ pub struct FewerRow {
     pub rms_um: f64,
 }
 
-impl From<&LeftOut> for MissingPart {
-    fn from(part: &LeftOut) -> MissingPart {
+impl From<&SecondAxisPart> for MissingPart {
+    fn from(part: &SecondAxisPart) -> MissingPart {
         let (unit, largest) = if part.name.direction.is_rotation() {
             (UnitKey::Urad, urad_from_rad(part.largest))
         } else {

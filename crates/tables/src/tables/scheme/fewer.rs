@@ -4,8 +4,9 @@
 //! The least useful table, or pair of tables that are multiplied, is dropped again and again: the one without which the residual is smallest. This
 //! greedy order is not always the best set of a size, but each residual is that of the tables that are left, as they are.
 
+use super::Task;
 use super::auto::{groups, subset};
-use super::{Task, mesh};
+use super::mesh::{self, CountedResidual};
 use crate::tables::check::{CheckedPose, left, stands};
 use crate::tables::{Control, Tables};
 use ncfix_base::geometry::Axis;
@@ -16,15 +17,6 @@ const POSES: usize = 400;
 const SEED: u64 = 0x4645_5745_5200;
 /// Number of tables or pairs up to which the search is made: its time grows with the square.
 const MOST_GROUPS: usize = 80;
-
-/// The residual with a number of tables, or of nodes along each axis of a grid.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CountedResidual {
-    /// Number of tables, or of nodes along each axis.
-    pub count: usize,
-    /// Root mean square of the tip error over the region, mm.
-    pub rms_mm: f64,
-}
 
 /// The residuals with all tables and with fewer, in descending order of their number; for a grid those of 2, 3, 4 … nodes along each axis up to its
 /// own. Empty for other kinds of tables, or for a great many.

@@ -102,7 +102,7 @@ fn over_second(task: &Task<'_>, function: &EntryFunction, (axis, at): (Axis, f64
 
 /// A part of a motion error that error functions lack: it depends on a second axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LeftOut {
+pub struct SecondAxisPart {
     /// The error.
     pub name: ErrorName,
     /// Its second axis.
@@ -113,13 +113,13 @@ pub struct LeftOut {
 
 /// The parts that tables of error functions lack, one entry for each motion error with a second axis.
 #[must_use]
-pub fn left_out(task: &Task<'_>) -> Vec<LeftOut> {
+pub fn left_out(task: &Task<'_>) -> Vec<SecondAxisPart> {
     let part = |(name, function, _): (ErrorName, Option<&EntryFunction>, f64)| {
         let (function, axis) = (function?, name.axis()?);
         let second = function.with()?;
         let positions = super::assembly::positions(axis, task.region, task.points);
         let far = positions.iter().map(|&at| over_second(task, function, (axis, at)).1).fold(0.0, f64::max);
-        (far > 0.0).then_some(LeftOut { name, second, largest: far })
+        (far > 0.0).then_some(SecondAxisPart { name, second, largest: far })
     };
     task.errors.parts().into_iter().filter_map(part).collect()
 }

@@ -4,7 +4,6 @@
 //! number of nodes. The smallest grid whose sum is within the tolerance is then verified, with the interpolation of the control, at separate poses.
 //! The residual error is compared with the tolerance, not its change from one grid to the next (eq. 11), which ends the search too early.
 
-use super::fewer::CountedResidual;
 use super::{AIM, Holds, Scheme, Task};
 use crate::tables::check::left;
 use crate::tables::region::Region;
@@ -31,6 +30,15 @@ const MOST_NODES: usize = 200;
 const MOST_VALUES: usize = 1_000_000;
 /// Number of nodes along each axis up to which residuals are listed.
 const MOST_SHOWN: usize = 40;
+
+/// The residual with a number of tables, or of nodes along each axis of a grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CountedResidual {
+    /// Number of tables, or of nodes along each axis.
+    pub count: usize,
+    /// Root mean square of the tip error over the region, mm.
+    pub rms_mm: f64,
+}
 
 fn grid(task: &Task<'_>) -> Result<Tables, String> {
     with_mesh(task, |mesh, region| smallest_grid(mesh, region))

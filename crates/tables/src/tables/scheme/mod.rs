@@ -23,8 +23,9 @@ use ncfix_machine::machine::State;
 use ncfix_model::Accumulator;
 
 pub use auto::{AIM, Tried, choose, choose_with};
-pub use fewer::{CountedResidual, fewer};
-pub use functions::{LeftOut, left_out};
+pub use fewer::fewer;
+pub use functions::{SecondAxisPart, left_out};
+pub use mesh::CountedResidual;
 pub use reversal::{Reversal, reversals};
 
 /// A request for tables.
