@@ -3,6 +3,7 @@
 use std::fs::{self, File};
 use std::io::{BufReader, Read, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use crate::condition;
@@ -10,12 +11,13 @@ use crate::diagnostics::Diagnostics;
 use crate::error::Error;
 use crate::machine::Machine;
 use crate::options::ConditionFiles;
+use crate::tool::ToolVector;
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_base::geometry::AxisSet;
+use ncfix_base::geometry::{AxisSet, Vector};
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_report::number::grouped;
 use ncfix_tables::realtime::ring::{Overrun, Ring};
-use ncfix_tables::realtime::set_points::{NoSetPoint, SetPointLines};
+use ncfix_tables::realtime::set_points::{ControlLine, NoSetPoint, SetPointLines};
 use ncfix_tables::realtime::{
     Agreement, Cycle, CycleCounts, Dosing, Kernel, KernelRecipe, Publisher, ServingEnd, Updater, handover, serve,
 };
@@ -35,8 +37,19 @@ pub(crate) struct RealtimeCorrection {
     pub(crate) kernel: KernelResult,
     /// The counts of the answers.
     pub(crate) counts: CycleCounts,
+    /// The source of its kernels.
+    source: KernelSource,
     /// Updates the kernel until it is dropped.
-    _updater: Updater,
+    updater: Option<Updater>,
+}
+
+/// Source of kernels: the machine in its newest condition.
+struct KernelSource {
+    machine: Arc<Mutex<Machine>>,
+    recipe: KernelRecipe,
+    period: Duration,
+    files: ConditionFiles,
+    complain: Complain,
 }
 
 impl RealtimeCorrection {
@@ -55,8 +68,26 @@ impl RealtimeCorrection {
         let (publisher, subscriber) = handover(kernel);
         let control = &machine.machine.control;
         let cycle = Cycle::new(subscriber, dosing, control.increment_mm, control.increment_rad);
-        let updater = renew(publisher, period, files, (machine, recipe), complain);
-        Some(RealtimeCorrection { cycle, axes, kernel: result, counts: CycleCounts::default(), _updater: updater })
+        let source = KernelSource { machine: Arc::new(Mutex::new(machine)), recipe, period, files, complain };
+        let updater = Some(source.renew(publisher));
+        Some(RealtimeCorrection { cycle, axes, kernel: result, counts: CycleCounts::default(), source, updater })
+    }
+
+    /// Changes to another tool: kernels for the old one are no longer made. The new one is in force from the next set-point on, and the correction
+    /// goes to it in doses. `false` if there are errors.
+    fn change_tool(&mut self, tool: ToolVector, found: &mut Diagnostics) -> bool {
+        // The thread has ended before the condition of the machine is used.
+        self.updater = None;
+        let made = {
+            let machine = self.source.machine.lock().unwrap_or_else(PoisonError::into_inner);
+            self.source.recipe.tool_mm = tool.vector_mm(&machine.machine);
+            make(&self.source.recipe, &machine, found)
+        };
+        let Some((kernel, _)) = made else { return false };
+        let (publisher, subscriber) = handover(kernel);
+        self.cycle.replace(subscriber);
+        self.updater = Some(self.source.renew(publisher));
+        true
     }
 
     /// Answers the lines of a text, each immediately, or those that arrive together at once; a line that is not a set-point ends it.
@@ -71,8 +102,27 @@ impl RealtimeCorrection {
         writeln!(out, "{titles}").and_then(|()| out.flush()).map_err(failed)?;
         let mut lines = SetPointLines::new(BufReader::new(input), self.axes);
         loop {
-            let set_point = match lines.next_set_point() {
-                Ok(Some(set_point)) => set_point,
+            let set_point = match lines.next_line() {
+                Ok(Some(ControlLine::SetPoint(set_point))) => set_point,
+                Ok(Some(ControlLine::Reset)) => {
+                    self.cycle.reset();
+                    continue;
+                }
+                Ok(Some(ControlLine::Tool(numbers))) => {
+                    let tool = match numbers[..] {
+                        [x, y, z] => ToolVector::Tip(Vector::new(x, y, z)),
+                        _ => ToolVector::Length(numbers.first().copied().unwrap_or_default()),
+                    };
+                    let mut found = Diagnostics::default();
+                    let is_made = self.change_tool(tool, &mut found);
+                    (self.source.complain)(&found);
+                    if is_made {
+                        continue;
+                    }
+                    out.flush().map_err(failed)?;
+                    let message = "the tool of the set-points has no kernel".to_owned();
+                    return Ok(Some(Diagnostic::nowhere(Code::BAD_SET_POINT, message, self.held())));
+                }
                 Ok(None) => break,
                 Err(NoSetPoint::Unreadable(error)) => {
                     return Err(Error::usage(format!("cannot read standard input: {error}")));
@@ -80,11 +130,7 @@ impl RealtimeCorrection {
                 Err(NoSetPoint::Wrong { line, column, what }) => {
                     out.flush().map_err(failed)?;
                     let message = format!("standard input:{line}:{column}: {what}");
-                    let help = format!(
-                        "{} set-points before it were answered, none after it; the control must hold its last correction",
-                        grouped(self.counts.set_points)
-                    );
-                    return Ok(Some(Diagnostic::nowhere(Code::BAD_SET_POINT, message, help)));
+                    return Ok(Some(Diagnostic::nowhere(Code::BAD_SET_POINT, message, self.held())));
                 }
             };
             let answer = self.counts.step(&mut self.cycle, &set_point);
@@ -100,6 +146,14 @@ impl RealtimeCorrection {
         }
         out.flush().map_err(failed)?;
         Ok(None)
+    }
+
+    /// The help text of a run that ends at a line.
+    fn held(&self) -> String {
+        format!(
+            "{} set-points before it were answered, none after it; the control must hold its last correction",
+            grouped(self.counts.set_points)
+        )
     }
 
     /// Opens the rings in a file, each with `records` records.
@@ -178,37 +232,40 @@ fn make(recipe: &KernelRecipe, machine: &Machine, found: &mut Diagnostics) -> Op
     made
 }
 
-/// Reads the condition again in every period, in a separate thread. An unusable condition is reported, and the kernel in use stays.
-fn renew(
-    publisher: Publisher,
-    period: Duration,
-    choice: ConditionFiles,
-    (mut machine, recipe): (Machine, KernelRecipe),
-    complain: Complain,
-) -> Updater {
-    let files = machine.files.len();
-    let mut last = machine.state.clone();
-    Updater::start(publisher, period, move || {
-        if choice.files.is_empty() {
-            return None;
-        }
-        machine.files.truncate(files);
-        let mut found = Diagnostics::default();
-        let read = condition::apply(&choice, &mut machine, &mut found);
-        let is_usable = matches!(read, Ok(true));
-        if is_usable && machine.state == last {
-            return None;
-        }
-        let made = if is_usable { make(&recipe, &machine, &mut found) } else { None };
-        if made.is_none() {
-            let why = read.err().map_or_else(|| "the state cannot be used".to_owned(), |error| error.to_string());
-            found.add(not_renewed(&why), &[]);
-            complain(&found);
-        }
-        // A refused condition is not tried again until the state changes.
-        last.clone_from(&machine.state);
-        made.map(|(kernel, _)| kernel)
-    })
+impl KernelSource {
+    /// Reads the condition again in every period, in a separate thread. An unusable condition is reported, and the kernel in use stays.
+    fn renew(&self, publisher: Publisher) -> Updater {
+        let (shared, choice, recipe, complain) =
+            (Arc::clone(&self.machine), self.files.clone(), self.recipe, self.complain);
+        let mut machine = self.machine.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let files = machine.files.len();
+        let mut last = machine.state.clone();
+        Updater::start(publisher, self.period, move || {
+            if choice.files.is_empty() {
+                return None;
+            }
+            machine.files.truncate(files);
+            let mut found = Diagnostics::default();
+            let read = condition::apply(&choice, &mut machine, &mut found);
+            let is_usable = matches!(read, Ok(true));
+            if is_usable && machine.state == last {
+                return None;
+            }
+            let made = if is_usable { make(&recipe, &machine, &mut found) } else { None };
+            if made.is_some() {
+                let mut current = shared.lock().unwrap_or_else(PoisonError::into_inner);
+                current.clone_from(&machine);
+                current.files.truncate(files);
+            } else {
+                let why = read.err().map_or_else(|| "the state cannot be used".to_owned(), |error| error.to_string());
+                found.add(not_renewed(&why), &[]);
+                complain(&found);
+            }
+            // A refused condition is not tried again until the state changes.
+            last.clone_from(&machine.state);
+            made.map(|(kernel, _)| kernel)
+        })
+    }
 }
 
 fn not_renewed(why: &str) -> Diagnostic {

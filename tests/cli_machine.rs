@@ -88,3 +88,45 @@ fn a_preset_that_makes_no_sense_says_why() {
     run.says("mayer-13").says("two rotary axes, and this one has none");
     Shop::new().run(["machine", "presets", "13", "--machine", &machine("demo")]).exits(2).says("mayer-13, 84, 12");
 }
+
+/// A five-axis machine whose errors are constants: 20 µm of X, and C offset by 80 µm: the tip is off by as much at every pose.
+const CONSTANT: &str = "[machine]\nname = \"m\"\ntopology = \"wCBFXYZSt\"\ncontroller = \"sinumerik\"\n\
+    [axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [-200, 200]\n[axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [-200, 200]\n\
+    [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-200, 200]\n[axis.B]\ndirection = [0, -1, 0]\ntravel_deg = [-90, 90]\n\
+    [axis.C]\ndirection = [0, 0, -1]\n[spindle]\norigin_mm = [0, 0, 0]\naxis = [0, 0, 1]\n\
+    [[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0.02]\n[location]\nEX0C = 80\n";
+
+/// Lei and Hsu 2003, ch. 5, have 80 % from the rotary axes and 20 % from the linear ones.
+#[test]
+fn the_share_of_the_rotary_axes_is_shown() {
+    let shop = Shop::new().file("m.toml", CONSTANT);
+    let shown = shop.run(["machine", "show", "m.toml"]).exits(0).stdout;
+    let row = |name: &str| -> Vec<String> {
+        let line = shown.lines().find(|line| line.starts_with(name)).unwrap_or_else(|| panic!("{name}: {shown}"));
+        line.split_whitespace().skip_while(|word| word.parse::<f64>().is_err()).map(str::to_owned).collect()
+    };
+    assert_eq!(row("rotary axes"), ["80.0", "µm", "80", "%"]);
+    assert_eq!(row("linear axes"), ["20.0", "µm", "20", "%"]);
+    // One group has no share to show.
+    let alone = CONSTANT.replace("EX0C = 80", "EX0C = 0");
+    let shown = Shop::new().file("m.toml", alone).run(["machine", "show", "m.toml"]).exits(0).stdout;
+    assert!(!shown.contains("share of the tip error"), "{shown}");
+}
+
+/// Esmaeili 2021, Table 7-2: EZOS 55.6 → -7.4 µm, a ratio of -0.13; eq. 38: (55.6 - 7.4) / 55.6 = 87 %.
+#[test]
+fn what_is_left_of_each_parameter_is_shown() {
+    let file = |ey0s: f64, eb0z: f64| {
+        let text = std::fs::read_to_string(machine("esmaeili_huron")).unwrap();
+        text.replace("EY0S = 55.6", &format!("EY0S = {ey0s}")).replace("EB0Z = 22.0", &format!("EB0Z = {eb0z}"))
+    };
+    let shop = Shop::new().file("before.toml", file(55.6, 22.0)).file("after.toml", file(-7.4, 39.0));
+    let words = ["machine", "presets", "mayer-13", "--machine", "before.toml", "--after", "after.toml"];
+    let shown = shop.run(words).exits(0).stdout;
+    for (name, ratio, removed) in [("EY0S", "-0.13", "87"), ("EB0Z", "1.77", "-77"), ("EXX1", "1.00", "0")] {
+        let line = shown.lines().find(|line| line.starts_with(name)).unwrap();
+        let cells: Vec<&str> = line.split_whitespace().collect();
+        assert_eq!(cells[cells.len() - 3..], [ratio, removed, "%"], "{shown}");
+    }
+    shop.run(["machine", "presets", "--after", "after.toml"]).exits(2);
+}

@@ -159,3 +159,124 @@ fn options_that_contradict_are_refused() {
         .says("--points 200 or fewer");
     shop.run(make("cec", "fik", "CEC.INI", &["--points", "2000"])).exits(0);
 }
+
+/// 500 / 36 and 110 / 36 have more decimals than a file: the last node is up to a millionth per step before the end, never beyond it.
+#[test]
+fn a_table_never_goes_beyond_its_range() {
+    let bent = "[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0, 4e-5, 1e-8]\n\
+                [[motion]]\ncomponent = \"EXB\"\nkind = \"polynomial\"\ncoefficients = [0, 1e-2, 3e-3]\n";
+    let shop = shop(TURNING, bent);
+    let words = ["--json", "--range", "B=-55..55", "--range", "X=-200..150.1", "--range", "C=0..0"];
+    let made = shop.run(make("cec", "free", "CEC.INI", &words)).exits(0).json();
+    let rows = made["rows"].as_array().unwrap();
+    for (input, [low, high]) in [("X", [-200.0, 150.1]), ("B", [-55.0, 55.0]), ("Y", [-200.0, 200.0])] {
+        let mut over = rows.iter().filter(|row| row["input"] == input).peekable();
+        assert!(over.peek().is_some(), "{input}: {made}");
+        for row in over {
+            let [first, last] = [0, 1].map(|end: usize| row["range"][end].as_f64().unwrap());
+            assert!(first == low && last <= high && last > high - 40e-6, "{input}: {first} {last}");
+        }
+    }
+}
+
+/// A scale of X that grows with Y: 10 µm/m times (1 + 0.01 y). Over Y 0 to 400 the factor has the mean 3 and the ends 1 and 5: at X 500 the mean is
+/// 15 µm, and 10 µm are missing at the ends.
+const LEANING: &str = "[[motion]]\ncomponent = \"EXX\"\nkind = \"cross\"\ncoefficients = [0, 1e-5]\nwith = \"Y\"\n\
+                       with_coefficients = [1, 0.01]\n";
+
+#[test]
+fn functions_of_one_axis_hold_the_mean_over_a_second_one() {
+    let shop = shop(MILL, LEANING);
+    let made = shop.run(make("grundig", "functions", "g.txt", &["--check", "--json"])).exits(0).json();
+    let part = &made["left_out"][0];
+    assert_eq!((&part["error"], &part["second"], &part["unit"]), (&"EXX".into(), &"Y".into(), &"um".into()));
+    assert!((part["largest"].as_f64().unwrap() - 10.0).abs() < 1e-6, "{made}");
+    // Without tables 1e-5 x (1 + 0.01 y), with them 1e-5 x (0.01 y - 2): RMS of x 500/√3 µm·1e-2, of the factors √(1 + 2·2 + 16/3) and 2/√3.
+    let x = 500.0 / 3_f64.sqrt() * 1e-2;
+    for (kind, factor) in [("before", (1.0 + 4.0 + 16.0 / 3.0_f64).sqrt()), ("tables", 2.0 / 3_f64.sqrt())] {
+        let rms = made["check"][kind]["rms_um"].as_f64().unwrap();
+        assert!((rms / (x * factor) - 1.0).abs() < 0.06, "{kind}: {rms} {}", x * factor);
+    }
+    let text = shop.text("g.txt");
+    let last = text.lines().rfind(|line| line.starts_with("S1")).unwrap();
+    assert!(last.contains("P500") && (last.contains("T1=15") || last.contains("T1=-15")), "{last}");
+    let shown = shop.run(make("grundig", "functions", "g.txt", &[])).exits(0).stdout;
+    assert!(shown.contains("EXX also depends on Y") && shown.contains("up to 10"), "{shown}");
+}
+
+/// Spaan, Fig. 4.1: the roll of Y differs by 10 µrad over X, which he neglects.
+#[test]
+fn the_machine_of_spaan_has_its_18_functions() {
+    let (shop, maho) = (Shop::new(), crate::support::machine("maho700s"));
+    let words =
+        ["tables", "--machine", &maho, "--format", "grundig", "--scheme", "functions", "--load", "0", "-o", "g.txt"];
+    let run = shop.run(words).exits(0);
+    assert!(run.stdout.contains("not in these tables: EAY also depends on X"), "{}", run.stdout);
+    assert!(run.stdout.contains("up to 5.00 µrad away"), "{}", run.stdout);
+    let text = shop.text("g.txt");
+    assert!(["S1", "S2", "S3"].iter().all(|axis| text.lines().any(|line| line.starts_with(axis))), "{text}");
+}
+
+/// Scales of 40, 20 and 10 µm/m over 500, 400 and 300 mm: 20, 8 and 3 µm at the ends, each over √3 as RMS. Z is dropped first, then Y, then X.
+const SCALES: &str = "[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0, 4e-5]\n\
+                      [[motion]]\ncomponent = \"EYY\"\nkind = \"polynomial\"\ncoefficients = [0, 2e-5]\n\
+                      [[motion]]\ncomponent = \"EZZ\"\nkind = \"polynomial\"\ncoefficients = [0, 1e-5]\n";
+
+#[test]
+fn the_residual_with_fewer_tables_drops_the_least_useful_first() {
+    let shop = shop(MILL, SCALES);
+    let made = shop.run(make("cec", "fik", "CEC.INI", &["--check", "--json"])).exits(0).json();
+    let rows: Vec<(u64, f64)> = made["fewer"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|row| (row["count"].as_u64().unwrap(), row["rms_um"].as_f64().unwrap()))
+        .collect();
+    let [x, y, z] = [20.0, 8.0, 3.0].map(|most: f64| most / 3_f64.sqrt());
+    let expected = [(3, 0.0), (2, z), (1, y.hypot(z)), (0, x.hypot(y).hypot(z))];
+    assert_eq!(rows.len(), expected.len(), "{made}");
+    for ((count, rms), (wanted, um)) in rows.iter().zip(expected) {
+        assert!(*count == wanted && (rms - um).abs() < 0.08 * um + 0.01, "{count}: {rms} {um}");
+    }
+    let shown = shop.run(make("cec", "fik", "CEC.INI", &["--check", "--report", "r.html"])).exits(0).stdout;
+    assert!(shown.contains("residual over the number of tables"), "{shown}");
+    assert!(shop.text("r.html").contains("Residual over the number of tables"));
+    // Only with the check: it takes time.
+    let plain = shop.run(make("cec", "fik", "CEC.INI", &[])).exits(0);
+    assert!(!plain.stdout.contains("residual over"), "{}", plain.stdout);
+}
+
+/// Esmaeili 2021, Fig. 4.5: linear interpolation of c·x² leaves c·h²/√30 RMS, h the distance of the nodes.
+#[test]
+fn the_residual_over_the_nodes_of_a_grid_is_that_of_linear_interpolation() {
+    let bent = "[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0, 0, 4e-8]\n";
+    let words = ["--check", "--json", "--tolerance", "0.2um"];
+    let made = shop(MILL, bent).run(make("fanuc", "grid", "g.csv", &words)).exits(0).json();
+    let rows = made["fewer"].as_array().unwrap();
+    // 5 nodes: 0.114 µm, 4 nodes 0.203 µm, and the aim is 0.19 µm.
+    assert_eq!(rows.len(), 4, "{made}");
+    for row in rows {
+        let (count, rms) = (row["count"].as_f64().unwrap(), row["rms_um"].as_f64().unwrap());
+        let um = 4e-5 * (500.0 / (count - 1.0)).powi(2) / 30_f64.sqrt();
+        assert!((rms / um - 1.0).abs() < 0.1, "{count}: {rms} {um}");
+    }
+    assert_eq!(made["kinds"], serde_json::json!(["L-VOL"]));
+}
+
+/// 40 µm/m over 500 mm are 0.02 mm, for which the limit of the sum in the control must suffice (Esmaeili 2021, Fig. 5.2).
+#[test]
+fn the_largest_sum_of_an_axis_and_the_kinds_are_said() {
+    let shop = shop(MILL, SCALES);
+    let shown = shop.run(make("cec", "fik", "CEC.INI", &[])).exits(0).stdout;
+    for text in ["of an axis: X 0.0200 mm, Y 0.0080 mm, Z 0.0030 mm\n", "MD32720", "kinds of ISO/TR 16907: L-POS\n"] {
+        assert!(shown.contains(text), "{text}: {shown}");
+    }
+    assert!(shop.text("CEC.INI").contains("; largest sum of the corrections of an axis: X 0.0200 mm, Y 0.0080 mm"));
+    // Two tables of one axis are added: X over X, and X over Y by a squareness of 50 µrad over 400 mm.
+    let square = format!("{SCALES}[location]\nEC0Y = -50\n");
+    let made = self::shop(MILL, &square).run(make("cec", "fik", "CEC.INI", &["--json"])).exits(0).json();
+    let x =
+        made["sums"].as_array().unwrap().iter().find(|one| one["axis"] == "X").unwrap()["largest"].as_f64().unwrap();
+    assert!((x - 0.04).abs() < 5e-4, "{made}");
+    assert_eq!(made["kinds"], serde_json::json!(["L-POS", "L-STR", "L-SQR"]));
+}

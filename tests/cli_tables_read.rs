@@ -193,3 +193,71 @@ fn a_pose_shows_tables_in_a_row_of_their_own() {
     assert!((x(&motion) - 4.0).abs() < 1e-3 && (x("tables") + 10.0).abs() < 1e-2, "{shown}");
     assert!((shown["sum"]["position_um"][0].as_f64().unwrap() + 6.0).abs() < 1e-2, "{shown}");
 }
+
+/// Esmaeili 2021, Fig. 5.10: the functions of two sets over one axis are in one picture, each with its own line and name.
+#[test]
+fn two_sets_of_tables_are_drawn_in_one_picture() {
+    let set = |value: f64| format!("{}M17\n", table(0, "X1", [0.0, value], 0));
+    let shop = Shop::new().file("ONE.INI", set(0.01)).file("TWO.INI", set(-0.02));
+    shop.run(["tables", "--read", "ONE.INI", "--compare", "TWO.INI", "--svg", "both.svg"]).exits(0);
+    let picture = shop.text("both.svg");
+    roxmltree::Document::parse(&picture).unwrap();
+    assert_eq!((picture.matches(">first table 1<").count(), picture.matches(">second table 1<").count()), (1, 1));
+    assert_eq!(picture.matches("added to ").count(), 1, "two charts instead of one");
+}
+
+/// Esmaeili 2021, 4.6. X over Y, 0 to 0.04 mm over 400 mm: the program gets at Y200 what a control would add, 0.02 mm.
+#[test]
+fn tables_that_no_control_uses_are_added_to_programs() {
+    let set = format!("{}M17\n", table(0, "Y1", [0.0, 0.04], 0));
+    let part = "N10 G90 G94 G53 G1 X100 Y200 Z200 F1000\nN30 M30\n";
+    let shop = Shop::new().file("CEC.INI", set).file("part.mpf", part);
+    let x_of = |key: &str| -> String {
+        let shop = shop_with(&shop, "m.toml", &with(&format!("{key} = [\"CEC.INI\"]")));
+        shop.run(["part.mpf", "-o", "out.mpf", "--machine", "m.toml"]).exits(0);
+        let text = shop.text("out.mpf");
+        text.split_whitespace().find(|word| word.starts_with('X')).unwrap_or_default().to_owned()
+    };
+    assert_eq!(x_of("offline_tables"), "X100.02");
+    // A control that adds it itself gets 0.02 mm less.
+    assert_eq!(x_of("active_tables"), "X99.98");
+    let shop = shop_with(&shop, "m.toml", &with("offline_tables = [\"CEC.INI\"]"));
+    let shown = shop.run(["machine", "show", "m.toml"]).exits(0).stdout;
+    assert!(shown.contains("added to programs: CEC.INI"), "{shown}");
+    // The tables remove all of these errors: 0 to 40 µm evenly over Y 0 to 400, held at 0 below and at 40 µm above, RMS over the travel.
+    let made = shop.run(["tables", "--read", "CEC.INI", "--machine", "m.toml", "--check", "--json"]).exits(0).json();
+    let check = &made["check"];
+    let [before, left] = ["before", "tables"].map(|one| check[one]["rms_um"].as_f64().unwrap());
+    // Of 2000 mm, 400 mm have the mean square 1600/3 and 600 mm have 1600 µm².
+    let rms = (0.2 * 1600.0 / 3.0 + 0.3 * 1600.0_f64).sqrt();
+    assert!((before / rms - 1.0).abs() < 0.05 && left < 1e-3, "{before} {rms} {left}");
+}
+
+/// A reading of X100 at Y200 where the command would get 0.02 mm more: the tool is 0.02 mm short of what the scale says.
+#[test]
+fn tables_that_no_control_uses_are_subtracted_from_readings() {
+    let set = format!("{}M17\n", table(0, "Y1", [0.0, 0.04], 0));
+    let shop = Shop::new().file("CEC.INI", set).file("m.toml", with("offline_tables = [\"CEC.INI\"]"));
+    let shop = shop.file("read.csv", "X,Y,Z\n100,200,200\n-50,100,0\n");
+    shop.run(["correct-readings", "read.csv", "-o", "true.csv", "--machine", "m.toml"]).exits(0);
+    let text = shop.text("true.csv");
+    let x: Vec<f64> = text.lines().skip(1).map(|line| line.split(',').next().unwrap().parse().unwrap()).collect();
+    // Eq. 33: what was read minus the value of the table, at Y100 0.01 mm.
+    assert!((x[0] - 99.98).abs() < 2e-6 && (x[1] + 50.01).abs() < 2e-6, "{text}");
+}
+
+#[test]
+fn offline_tables_stand_alone() {
+    let set = format!("{}M17\n", table(0, "Y1", [0.0, 0.04], 0));
+    let part = "N10 G90 G94 G53 G1 X100 Y200 Z200 F1000\nN30 M30\n";
+    let shop = Shop::new().file("CEC.INI", set).file("part.mpf", part);
+    for (line, more, code) in [
+        ("offline_tables = [\"CEC.INI\"]", "[location]\nEC0Y = 20\n", "E0902"),
+        ("offline_tables = [\"CEC.INI\"]\nactive_tables = [\"CEC.INI\"]", "", "exclude each other"),
+        ("offline_tables = [\"NONE.INI\"]", "", "NONE.INI"),
+    ] {
+        let shop = shop_with(&shop, "m.toml", &(with(line) + more));
+        let run = shop.run(["part.mpf", "-o", "out.mpf", "--machine", "m.toml"]);
+        assert!(run.stderr.contains(code) && !shop.names().contains(&"out.mpf".to_owned()), "{}", run.stderr);
+    }
+}

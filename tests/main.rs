@@ -150,6 +150,7 @@ mod machines;
 mod maho;
 mod measured;
 mod memory;
+mod methods;
 mod milling;
 mod model;
 mod modes;

@@ -49,6 +49,7 @@ const CASES: &[(&[&str], &[&str])] = &[
     (&["drift", "--hours", "1"], &["all"]),
     (&["drift", "--variant", "pseudo-din"], &["all"]),
     (&["drift", "--variant", "random", "--hours", "3"], &["all"]),
+    (&["drift", "--variant", "steady", "--hours", "3"], &["all"]),
     (&["plate", "--tool", "100"], &["all"]),
     (&["load", "--force", "1000"], &["all"]),
     (&["load", "--variant", "plate", "--force", "1000", "--tool", "100"], &["all"]),

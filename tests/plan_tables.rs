@@ -190,6 +190,25 @@ fn spectra() {
     }
 }
 
+/// Spaan, Fig. 5.5: 6000 1/min for 24 h, then 24 h without; Figs. 8.6 and 8.7: a stop after 360 min.
+#[test]
+fn a_constant_speed_is_followed_by_as_long_a_standstill() {
+    let machine = loaded("maho700s");
+    let day = build("drift", &machine, &of("steady"));
+    assert_eq!(stages(&day), [(6000.0, 24 * 60), (0.0, 24 * 60)]);
+    // A reading every minute, and the one before the spindle starts.
+    assert_eq!(day.data.observations.len(), 2 * 24 * 60 + 1);
+    let short = build("drift", &machine, &Wishes { hours: Some(6.0), speed: Some(4500.0), ..of("steady") });
+    assert_eq!(stages(&short), [(4500.0, 360), (0.0, 360)]);
+    // The spindle is started once and stopped once: M3 with its speed, M5 alone.
+    let orders: Vec<usize> = short
+        .path
+        .iter()
+        .filter_map(|kind| if let Kind::Before(words) = kind { Some(words.len()) } else { None })
+        .collect();
+    assert_eq!(orders, [2, 1]);
+}
+
 #[test]
 fn plates_have_a_set_up_for_every_tool_and_place() {
     let machine = loaded("demo");

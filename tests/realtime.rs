@@ -254,6 +254,56 @@ fn every_line_has_its_correction() {
     assert_eq!(words.lines().collect::<Vec<_>>(), lines[..3]);
 }
 
+/// Z tilted about Y by 100 µrad moves the tip by 100 µrad times its height above the origin: Z 300 with a tool of 100 mm stands at 200, one of 250 mm
+/// at 50 mm.
+fn tilted_shop() -> Shop {
+    let axes = "[axis.X]\ndirection = [-1, 0, 0]\ntravel_mm = [-200, 200]\n[axis.Y]\ndirection = [0, -1, 0]\ntravel_mm = [-200, 200]\n\
+                [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [0, 400]\n";
+    let machine = format!(
+        "[machine]\nname = \"m\"\ntopology = \"wXYFZSt\"\ncontroller = \"sinumerik\"\n{axes}\
+         [spindle]\norigin_mm = [0, 0, 0]\naxis = [0, 0, 1]\n[location]\nEB0Z = 100\n"
+    );
+    Shop::new().file("m.toml", machine)
+}
+
+/// The corrections of X in µm, and the signals, of an answer to lines.
+fn x_of(stdout: &str) -> Vec<(f64, String)> {
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        (cells[0].parse().unwrap(), cells[cells.len() - 1].to_owned())
+    };
+    stdout.lines().skip(1).map(row).collect()
+}
+
+/// Spaan 1995, Fig. 6.2, processes 2 and 5.
+#[test]
+fn another_tool_and_a_reference_run_are_lines_too() {
+    let shop = tilted_shop();
+    let words = ["realtime", "--machine", "m.toml", "--tool", "100", "--dose-um", "off"];
+    let run = shop.run_with_input(words, b"X0 Y0 Z300\ntool 250\nX0\nX0\ntool 0,0,-100\nX0\n").exits(0);
+    let rows = x_of(&run.stdout);
+    assert_eq!(rows.len(), 4, "{}", run.stdout);
+    for ((x, signals), (expected, word)) in
+        rows.iter().zip([(-20.0, ""), (-5.0, "renewed"), (-5.0, ""), (-20.0, "renewed")])
+    {
+        assert!((x - expected).abs() < 0.01 && signals == word, "{}", run.stdout);
+    }
+    // The control has dropped its correction, which begins at zero again: at most 8 µm a set-point.
+    let words = ["realtime", "--machine", "m.toml", "--tool", "100", "--dose-um", "8"];
+    let rows = x_of(&shop.run_with_input(words, b"X0 Y0 Z300\nX0\nX0\nreset\nX0\nX0\nX0\n").exits(0).stdout);
+    let found: Vec<f64> = rows.iter().map(|(x, _)| x.round()).collect();
+    assert_eq!(found, [-8.0, -16.0, -20.0, -8.0, -16.0, -20.0]);
+}
+
+/// 100 µrad at 9.7 m is 0.97 mm: more than is allowed. No set-point after it has an answer.
+#[test]
+fn a_tool_whose_correction_is_too_large_ends_the_run() {
+    let run =
+        tilted_shop().run_with_input(["realtime", "--machine", "m.toml"], b"X0 Y0 Z300\ntool 10000\nX0\n").exits(4);
+    assert_eq!(run.stdout.lines().count(), 2, "{}", run.stdout);
+    run.says("E0303").says("E0801").says("1 set-points before it were answered");
+}
+
 #[test]
 fn five_axes_have_corrections_in_their_units() {
     let path = machine_path("esmaeili_xyz5");

@@ -241,10 +241,16 @@ fn read_with(
     let active = if named.is_empty() { None } else { table_files::active(&named, &machine, findings)? };
     match &active {
         Some((control, read)) => {
-            machine.active_tables.control = Some(Arc::new(control.clone()));
+            machine.active_tables.set(control.clone());
             parts.extend(read.iter().map(Source::bytes));
         }
         None => is_usable &= named.is_empty(),
+    }
+    if machine.active_tables.is_offline && errors.effects().next().is_some() {
+        let message = "the machine file states errors, and offline_tables may correct the same ones";
+        let help = "remove the errors, or the key; tables that the control uses belong in active_tables";
+        findings.add(Diagnostic::nowhere(Code::TABLES_DO_NOT_FIT, message, help), &[]);
+        is_usable = false;
     }
     files.extend(named);
     parts.extend(sources.iter().map(Source::bytes));

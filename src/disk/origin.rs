@@ -62,7 +62,8 @@ pub(crate) fn origins(source: &Source, found: FoundFile, setups: &[PathBuf]) -> 
     let folder = Path::new(source.name()).parent().unwrap_or(Path::new("."));
     for table in &machine.active_tables.files {
         let file = folder.join(table).display().to_string();
-        out.files.push(OriginFile { what: OriginFileKind::Tables, file, found: "machine.active_tables".to_owned() });
+        let key = if machine.active_tables.is_offline { "machine.offline_tables" } else { "machine.active_tables" };
+        out.files.push(OriginFile { what: OriginFileKind::Tables, file, found: key.to_owned() });
     }
     fill_in(&mut out.values, &machine);
     Ok(out)

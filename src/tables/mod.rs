@@ -52,6 +52,8 @@ pub struct TableOptions {
     pub axis_names: Vec<(Axis, String)>,
     /// The value of a table that is multiplied by another one; `None` for the setting of the machine file.
     pub multiplication: Option<Multiplication>,
+    /// `true` to compute the residuals with fewer tables too, which takes longer.
+    pub tries_fewer: bool,
 }
 
 impl Default for TableOptions {
@@ -66,6 +68,7 @@ impl Default for TableOptions {
             ranges_mm_deg: Vec::new(),
             axis_names: Vec::new(),
             multiplication: None,
+            tries_fewer: false,
         }
     }
 }
@@ -152,8 +155,9 @@ impl Tables {
         let schemes = &machine.registry.schemes;
         let scheme = scheme_of(schemes, &options.scheme)?;
         let request = request(machine, options)?;
-        let (points, tolerance_mm) = (options.points, options.tolerance_mm);
-        let made = match make(&request, &Filling { format, scheme, schemes, points, tolerance_mm }, result) {
+        let &TableOptions { points, tolerance_mm, tries_fewer, .. } = options;
+        let made = match make(&request, &Filling { format, scheme, schemes, points, tolerance_mm, tries_fewer }, result)
+        {
             Ok(made) => made,
             Err(why) => {
                 found.add(*why, &[]);
@@ -310,6 +314,9 @@ impl Tables {
 /// The machine without the tables that are active in its control: new tables apply to the machine itself, and checked tables are evaluated alone.
 pub(crate) fn itself(machine: &Machine) -> Machine {
     let mut machine = machine.clone();
+    if machine.machine.active_tables.is_offline {
+        return machine;
+    }
     let multiplication = machine.machine.active_tables.multiplication;
     machine.machine.active_tables = ActiveTables { multiplication, ..ActiveTables::default() };
     machine
@@ -374,6 +381,12 @@ fn notes(machine: &Machine, request: &TablesRequest<'_>, format: &Format, made: 
         format!("tip error over the volume, rms: {without:.3} um without, {with:.3} um with these tables"),
         format!("{}; measure before and after: a wrong sign doubles the errors", format.sign),
     ];
+    let sums = request.largest_sums(&made.tables);
+    if !made.tables.lookups.is_empty() && !sums.is_empty() {
+        let unit = |axis: &str| if axis.starts_with(['A', 'B', 'C']) { "deg" } else { "mm" };
+        let sums = sums.iter().map(|one| format!("{} {:.4} {}", one.axis, one.largest, unit(&one.axis)));
+        notes.push(format!("largest sum of the corrections of an axis: {}", sums.collect::<Vec<_>>().join(", ")));
+    }
     let ranges = request.asked_ranges();
     if !ranges.is_empty() {
         notes.push(format!("made for a part of the travel: {}", ranges.join(", ")));

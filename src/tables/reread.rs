@@ -84,6 +84,7 @@ impl Reread<'_> {
             result.machine.clone_from(&request.machine.name);
             if self.is_checked {
                 result.check = Some(request.check(&read.tables));
+                result.sums = request.largest_sums(&read.tables);
                 let other = read.tool_mm.filter(|own| (own - request.tool_mm).norm() > SAME_TOOL_MM);
                 result.made_for_tool_mm = other.map(|own| [own.x, own.y, own.z]);
             }

@@ -28,6 +28,7 @@ mod rotation;
 pub mod shares;
 pub mod source;
 pub mod uncertainty;
+pub mod volume_shares;
 pub mod write;
 
 pub use accumulator::Accumulator;

@@ -123,6 +123,13 @@ impl CalibrationReport {
                 "{:<width$}{:>9}{measured:>11}{most:>9}{left:>11}{left_most:>9}{sigma:>9}{efficiency:>11}  {unit}{held}",
                 one.name, one.readings
             );
+            if !one.repeated.is_empty() {
+                let sigmas = one.repeated.iter().map(|part| format!("{} {}", part.name, significant(part.sigma)));
+                let count: usize = one.repeated.iter().map(|part| part.repetitions).sum();
+                let sigmas = sigmas.collect::<Vec<_>>().join(", ");
+                let _ =
+                    writeln!(out, "  scatter of {count} repeated readings, pooled over the poses: σ {sigmas} {unit}");
+            }
             if let Some(kept) = one.kept {
                 let [left, left_most] = [kept.left_rms, kept.left_max].map(significant);
                 let readings = if kept.rejected == 1 { "reading" } else { "readings" };

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use ncfix_base::geometry::{AXES, Vector};
 use ncfix_machine::machine::{AxisData, Machine, MeasuredRanges};
 use ncfix_model::uncertainty::unknown_of;
+use ncfix_model::volume_shares::volume_shares;
 use ncfix_model::{Effect, ErrorModel};
 
 use super::number::significant;
@@ -30,7 +31,8 @@ pub fn table(machine: &Machine, errors: &ErrorModel) -> String {
         decimal(control.increment_rad.to_degrees())
     ));
     if !machine.active_tables.files.is_empty() {
-        line(&format!("tables      active in the control: {}", machine.active_tables.files.join(", ")));
+        let who = if machine.active_tables.is_offline { "added to programs" } else { "active in the control" };
+        line(&format!("tables      {who}: {}", machine.active_tables.files.join(", ")));
     }
     line("");
     line("axis  travel                 direction in F");
@@ -94,6 +96,7 @@ pub fn table(machine: &Machine, errors: &ErrorModel) -> String {
         line("");
         line("error source                data");
         source_rows(errors).iter().for_each(|row| line(row));
+        share_rows(machine, errors).iter().for_each(|row| line(row));
     }
     let sensors = errors.sensors();
     if !sensors.is_empty() {
@@ -133,6 +136,25 @@ fn source_rows(errors: &ErrorModel) -> Vec<String> {
     }
     if rows.is_empty() {
         rows.push("none".to_owned());
+    }
+    rows
+}
+
+/// Formats the shares of the groups of axes in the tip error, a row for each; none with a single group.
+fn share_rows(machine: &Machine, errors: &ErrorModel) -> Vec<String> {
+    let length_mm = machine.tools.iter().map(|tool| tool.length_mm[0].abs()).fold(0.0, f64::max);
+    let groups = volume_shares(machine, errors, &(-machine.spindle.axis * length_mm));
+    if groups.len() < 2 {
+        return Vec::new();
+    }
+    let mut rows = vec![
+        String::new(),
+        format!("share of the tip error over the travel, each alone; tool {} mm", decimal(length_mm)),
+    ];
+    for group in groups {
+        let axes: String = group.axes.iter().map(|axis| format!(" {axis}")).collect();
+        let name = format!("{}{axes}", group.name);
+        rows.push(format!("{name:<26}{:>9} µm  {:>4.0} %", significant(group.mean_um), 100.0 * group.share));
     }
     rows
 }

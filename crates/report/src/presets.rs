@@ -32,14 +32,25 @@ pub fn list(machine: Option<&Machine>) -> String {
     out
 }
 
-/// Returns the parameters of a preset with their values in a machine file, and further content of the file.
+/// Returns the parameters of a preset with their values in a machine file, and further content of the file. With the errors of a later calibration,
+/// such as with compensation, also those, the ratio of the values (Esmaeili 2021, Table 7-2), and the share of the size that was removed (eq. 38).
 #[must_use]
-pub fn page(preset: &Preset, parameters: &[ParameterName], machine: &Machine, errors: &ErrorModel) -> String {
+pub fn page(
+    preset: &Preset,
+    parameters: &[ParameterName],
+    machine: &Machine,
+    errors: &ErrorModel,
+    after: Option<&ErrorModel>,
+) -> String {
     let mut out = String::new();
     let _ = writeln!(out, "preset      {}: {}", preset.name, preset.title);
     let _ = writeln!(out, "source      {}", preset.source);
     let _ = writeln!(out, "machine     {}, {}", machine.name, machine.topology);
     let _ = writeln!(out, "parameters  {}\n", parameters.len());
+    if let Some(after) = after {
+        out.push_str(&changes(parameters, [errors, after]));
+        return out;
+    }
     let _ = writeln!(out, "parameter         value  unit");
     for parameter in parameters {
         line(&mut out, parameter, errors);
@@ -60,6 +71,23 @@ pub fn page(preset: &Preset, parameters: &[ParameterName], machine: &Machine, er
                 let _ = writeln!(out, "{title}");
             }
         }
+    }
+    out
+}
+
+/// Returns the parameters before and after: the ratio of the values, and the share of the size that was removed.
+fn changes(parameters: &[ParameterName], both: [&ErrorModel; 2]) -> String {
+    let mut out = String::from("parameter        before        after  unit            ratio   removed\n");
+    for parameter in parameters {
+        let [(before, unit), (after, _)] = both.map(|errors| in_micro(parameter, parameter.get(errors)));
+        let (ratio, removed) = if before == 0.0 {
+            ("–".to_owned(), "–".to_owned())
+        } else {
+            let removed = 100.0 * (before.abs() - after.abs()) / before.abs();
+            (format!("{:.2}", after / before), format!("{removed:.0} %"))
+        };
+        let (name, before, after) = (parameter.to_string(), number(before), number(after));
+        let _ = writeln!(out, "{name:<10}{before:>13}{after:>13}  {unit:<10}{ratio:>10}{removed:>10}");
     }
     out
 }
@@ -97,6 +125,22 @@ fn number(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Table 7-2 of Esmaeili 2021: EZOS 55.6 → -7.4 µm is a ratio of -0.13; the removed share is (55.6 - 7.4)/55.6 = 87 %. EBOZ grows.
+    #[test]
+    fn the_ratio_has_the_sign_and_the_removed_share_the_sizes() {
+        let [ez, eb]: [ParameterName; 2] = ["EZ0S", "EB0Z"].map(|name| name.parse().unwrap());
+        let errors = |values: [f64; 2]| {
+            let mut errors = ErrorModel::default();
+            ez.set(&mut errors, values[0] * 1e-3);
+            eb.set(&mut errors, values[1] * 1e-6);
+            errors
+        };
+        let page = changes(&[ez, eb], [&errors([55.6, 22.0]), &errors([-7.4, 39.0])]);
+        let rows: Vec<Vec<&str>> = page.lines().skip(1).map(|row| row.split_whitespace().collect()).collect();
+        assert_eq!(rows[0], ["EZ0S", "55.60", "-7.400", "µm", "-0.13", "87", "%"]);
+        assert_eq!(rows[1], ["EB0Z", "22.00", "39.00", "µrad", "1.77", "-77", "%"]);
+    }
 
     #[test]
     fn values_are_in_micrometers_and_microradians() {

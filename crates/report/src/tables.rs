@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::json::DiagnosticReport;
 use super::markup::Markup;
-use super::number::counted;
+use super::number::{counted, significant};
 use super::plot::{Chart, Picture, PlotSeries, STYLE, Shape, WIDTH};
 use ncfix_base::geometry::Axis;
 use ncfix_tables::results::result::TablesResult;
@@ -15,6 +15,9 @@ use ncfix_tables::tables::{FORMATS, SCHEMES, Sense, Tables};
 
 /// Maximum number of tables that are listed individually.
 const MOST_ROWS: usize = 80;
+/// Maximum number of rows of the residuals with fewer tables, and the width of their longest bar.
+const MOST_FEWER: usize = 24;
+const FEWER_WIDTH: usize = 40;
 
 /// Output of `ncfix tables`: the result, with its output files.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -109,6 +112,7 @@ impl TablesReport {
                 );
             }
         }
+        self.limits_page(&mut page);
         self.reversals_page(&mut page);
         if let Some(count) = self.found.errors_found {
             let _ = writeln!(page, "{} found from the tables", counted(count as u64, "error"));
@@ -131,6 +135,42 @@ impl TablesReport {
             let _ = writeln!(page, "{file} was written");
         }
         page
+    }
+
+    /// Adds the kinds of compensation, the largest sums, the parts that are left out, and the residuals with fewer tables.
+    fn limits_page(&self, page: &mut String) {
+        if !self.found.kinds.is_empty() {
+            let _ = writeln!(page, "kinds of ISO/TR 16907: {}", self.found.kinds.join(" "));
+        }
+        if !self.found.sums.is_empty() {
+            let unit = |axis: &str| if axis.starts_with(['A', 'B', 'C']) { "°" } else { " mm" };
+            let sums = self.found.sums.iter().map(|one| format!("{} {:.4}{}", one.axis, one.largest, unit(&one.axis)));
+            let _ =
+                writeln!(page, "largest sum of the corrections of an axis: {}", sums.collect::<Vec<_>>().join(", "));
+            page.push_str("  the limit of the control must not be smaller (840D: MD32720, 1 mm as delivered)\n");
+        }
+        for one in &self.found.left_out {
+            let _ = writeln!(
+                page,
+                "not in these tables: {} also depends on {}; they have its mean over {}, from which it is up to {} {} away",
+                one.error,
+                one.second,
+                one.second,
+                significant(one.largest),
+                one.unit.unit().sign()
+            );
+        }
+        if self.found.check.is_some() && self.found.fewer.len() > 1 {
+            let what = if self.found.grid.is_some() { "nodes along each axis" } else { "tables" };
+            let _ = writeln!(page, "residual over the number of {what}, rms µm");
+            let most = self.found.fewer.iter().map(|one| one.rms_um).fold(f64::MIN_POSITIVE, f64::max);
+            let every = self.found.fewer.len().div_ceil(MOST_FEWER);
+            for one in self.found.fewer.iter().step_by(every) {
+                let bar = "█".repeat((one.rms_um / most * FEWER_WIDTH as f64).round() as usize);
+                let line = format!("  {:>4} {:>9.3}  {bar}", one.count, one.rms_um);
+                let _ = writeln!(page, "{}", line.trim_end());
+            }
+        }
     }
 
     fn reversals_page(&self, page: &mut String) {

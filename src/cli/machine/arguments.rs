@@ -104,6 +104,9 @@ pub(in crate::cli) struct PresetArguments {
     /// Preset, such as mayer-13 (default: list all)
     #[arg(value_name = "NAME")]
     pub(in crate::cli) name: Option<String>,
+    /// Machine file of a later calibration, such as with compensation: the ratio of each parameter
+    #[arg(long, value_name = "M.toml", requires = "name")]
+    pub(in crate::cli) after: Option<PathBuf>,
     #[command(flatten)]
     /// Machine file and set-up files.
     pub(in crate::cli) machine: MachineChoice,

@@ -7,6 +7,7 @@ use crate::cli::exit_code::ExitCode;
 use crate::cli::findings::Findings;
 use crate::cli::stop::Stop;
 use crate::cli::{machine_choice, print};
+use crate::machine::Machine;
 use ncfix_model::preset::{find, unknown};
 use ncfix_report::presets::{list, page};
 
@@ -32,7 +33,9 @@ pub(super) fn run(arguments: &PresetArguments) -> Result<ExitCode, Stop> {
                 let name = &chosen.machine.name;
                 Stop::Usage(format!("preset {} is not applicable to the machine {name}: {reason}", preset.name))
             })?;
-            print(&page(preset, &parameters, &chosen.machine, &chosen.errors))?;
+            let after = arguments.after.as_ref().map(Machine::from_file).transpose()?;
+            let after = after.as_ref().map(|machine| &machine.errors);
+            print(&page(preset, &parameters, &chosen.machine, &chosen.errors, after))?;
         }
     }
     Ok(findings.exit_code())

@@ -116,7 +116,7 @@ pub(in crate::cli) struct PlanArguments {
     /// Position of the weights, mm (default: 0,0,0); repeatable
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     pub(in crate::cli) place: Vec<Vector>,
-    /// Duration of the drift measurement, h (default: one pass for din, 24 for random)
+    /// Duration of the drift measurement, h (default: one pass for din, else 24; steady stands as long again)
     #[arg(long, value_name = "H", value_parser = above_zero)]
     pub(in crate::cli) hours: Option<f64>,
     /// Highest spindle speed, 1/min (default: 6300, 4000 for workpiece)

@@ -120,6 +120,7 @@ impl TablesArguments {
             ranges_mm_deg: self.range.clone(),
             axis_names: self.axis_name.clone(),
             multiplication: self.multiplication.map(MultiplicationChoice::multiplication),
+            tries_fewer: self.check || self.report.is_some(),
         }
     }
 

@@ -3,6 +3,9 @@
 //! The machine file names their files (`machine.active_tables`). The code that opens files reads them and sets their effect here. The forward function of the
 //! error model (`ncfix_model::Model::actual` there) applies it to every command, as the control does. So a program is corrected only for the residual of the
 //! tables.
+//!
+//! `machine.offline_tables` names tables that no control uses: programs get their values instead (Esmaeili 2021, 4.6: a control without tables). To the
+//! forward function, such tables are the errors that they would correct.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -42,18 +45,59 @@ pub struct ActiveTables {
     pub multiplication: Option<TableProducts>,
     /// Effect of the tables; `None` until they are read.
     pub control: Option<Arc<dyn ActiveCompensation>>,
+    /// True if no control uses the tables: their effect is then that of the errors that they correct.
+    pub is_offline: bool,
+}
+
+impl ActiveTables {
+    /// Sets the tables as a control would use them.
+    pub fn set(&mut self, control: impl ActiveCompensation + 'static) {
+        self.control = Some(if self.is_offline { Arc::new(CorrectedErrors(control)) } else { Arc::new(control) });
+    }
+}
+
+/// The errors that tables correct: a command with the value of the tables at its set-point brings the axes to this set-point.
+#[derive(Debug)]
+struct CorrectedErrors<C>(C);
+
+impl<C: ActiveCompensation> ActiveCompensation for CorrectedErrors<C> {
+    fn correction(&self, command: &AxisVector, tool_mm: &Vector, state: &State) -> AxisVector {
+        // The set-point s of the command s + t(s). Tables change by far less than 1 % of the distance, so the second step is exact to a nanometer.
+        let mut set_point = *command;
+        for _ in 0..3 {
+            set_point = *command - self.0.correction(&set_point, tool_mm, state);
+        }
+        set_point - *command
+    }
+
+    fn knots(&self, axis: Axis) -> Vec<f64> {
+        self.0.knots(axis)
+    }
+
+    fn has_senses(&self, axis: Axis) -> bool {
+        self.0.has_senses(axis)
+    }
 }
 
 /// Two are equal if they name the same files and multiply in the same way.
 impl PartialEq for ActiveTables {
     fn eq(&self, other: &Self) -> bool {
-        self.files == other.files && self.multiplication == other.multiplication
+        self.files == other.files && self.multiplication == other.multiplication && self.is_offline == other.is_offline
     }
 }
 
 /// Reads the active tables and the use of products.
 pub(super) fn read(section: &mut Section<'_>) -> ActiveTables {
-    let files = section.texts("active_tables").unwrap_or_default();
+    let active = section.texts("active_tables").unwrap_or_default();
+    let offline = section.texts("offline_tables").unwrap_or_default();
+    if !active.is_empty() && !offline.is_empty() {
+        let place = section.place_of("offline_tables");
+        let help =
+            "name the tables that the control uses in active_tables, or those that no control uses in offline_tables";
+        section.report(Code::BAD_VALUE, place, "active_tables and offline_tables exclude each other", help);
+    }
+    let is_offline = !offline.is_empty();
+    let files = if is_offline { offline } else { active };
     let multiplication = match section.text("table_multiplication") {
         None => None,
         Some("instead") => Some(TableProducts::Instead),
@@ -65,7 +109,7 @@ pub(super) fn read(section: &mut Section<'_>) -> ActiveTables {
             None
         }
     };
-    ActiveTables { files, multiplication, control: None }
+    ActiveTables { files, multiplication, control: None, is_offline }
 }
 
 /// Reads the axes in the order of their numbers in the control.

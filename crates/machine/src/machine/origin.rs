@@ -265,6 +265,7 @@ mod tests {
             "grundig_plane_order",
             "initial_zero_offset",
             "table_multiplication",
+            "offline_tables",
             "set",
             "set_at",
         ];

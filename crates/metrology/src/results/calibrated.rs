@@ -98,12 +98,26 @@ pub struct Data {
     pub kept: Option<KeptReadings>,
     /// By direction or component.
     pub parts: Vec<MeasurementPart>,
+    /// Scatter of readings that were repeated at the same pose, by direction or component; empty without any.
+    pub repeated: Vec<RepeatedReadings>,
     /// Sums of the magnitudes of measured values and of residuals, for the efficiency of several measurements together.
     #[serde(skip)]
     pub sums: [f64; 2],
     /// The readings themselves; empty if no pictures are requested.
     #[serde(skip)]
     pub shown: ReadingSeries,
+}
+
+/// Scatter of repeated readings, pooled over all poses.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RepeatedReadings {
+    /// Direction or component.
+    pub name: String,
+    /// Pooled standard deviation, in the unit of the measurement.
+    pub sigma: f64,
+    /// Number of readings beyond the first of each pose.
+    pub repetitions: usize,
 }
 
 /// Readings that the fit used: those whose weight is not 0.

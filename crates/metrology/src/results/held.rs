@@ -1,7 +1,8 @@
 //! Comparison data of a measurement: statistics by direction and component, readings and circles for pictures.
 
-use super::calibrated::{Data, KeptReadings};
+use super::calibrated::{Data, KeptReadings, RepeatedReadings};
 use super::compared::{Circle, MeasurementPart, ReadingPoint, ReadingSeries};
+use super::repeats;
 use crate::calibrate::{ComparedReading, Fit, Quality};
 use crate::measure::circles::{self, circles};
 use crate::measure::data::{DataSet, Observation};
@@ -67,6 +68,13 @@ impl ComparedMeasurement<'_> {
             }
         });
         let parts: Vec<MeasurementPart> = parts.collect();
+        let repeated = names.iter().enumerate().filter_map(|(number, name)| {
+            let own = whole.lines.iter().filter(|line| part_of(line) == Some(number));
+            let values = own.filter_map(|line| Some((repeats::place(self.row(line)?), line.measured)));
+            let (sigma, repetitions) = repeats::pooled(values)?;
+            Some(RepeatedReadings { name: name.clone(), sigma: shown(sigma), repetitions })
+        });
+        let repeated: Vec<RepeatedReadings> = repeated.collect();
         let shown_readings = if with_readings {
             let points = self.quality.lines.iter().enumerate().filter(|(_, line)| is_of_unit(line));
             let points = points.map(|(number, line)| ReadingPoint {
@@ -105,6 +113,7 @@ impl ComparedMeasurement<'_> {
                 ..kept
             }),
             parts,
+            repeated,
             sums: whole.sums.map(shown),
             shown: shown_readings,
         })

@@ -5,7 +5,7 @@ use super::{PageRow, columns, figure, page, pictures, strip, table};
 use crate::inputs::InputFile;
 use crate::markup::Markup;
 use crate::number::{grouped, micrometers, significant};
-use crate::plot::{Chart, Histogram};
+use crate::plot::{Chart, Histogram, PlotSeries};
 use crate::tables::TablesReport;
 use ncfix_tables::results::result::TablesCheck;
 
@@ -37,6 +37,7 @@ pub fn tables(report: &TablesReport, charts: &[Chart], inputs: &[InputFile]) -> 
         if let Some(check) = &report.found.check {
             left(out, check);
         }
+        fewer(out, report);
         differences(out, report);
         if !charts.is_empty() {
             out.leaf("h2", &[], "Values that the tables add");
@@ -84,6 +85,23 @@ fn left(out: &mut Markup, check: &TablesCheck) {
             figure(out, &histogram, "");
         }
     });
+}
+
+/// Draws the residuals with fewer tables, or over the nodes of a grid.
+fn fewer(out: &mut Markup, report: &TablesReport) {
+    if report.found.check.is_none() || report.found.fewer.len() < 2 {
+        return;
+    }
+    let what = if report.found.grid.is_some() { "number of nodes along each axis" } else { "number of tables" };
+    let points = report.found.fewer.iter().map(|one| (one.count as f64, one.rms_um)).collect();
+    let chart = Chart {
+        title: format!("Residual over the {what}"),
+        across: what.to_owned(),
+        up: "tip error, RMS µm".to_owned(),
+        series: vec![PlotSeries { points, ..PlotSeries::default() }],
+        ..Chart::default()
+    };
+    pictures(out, |out| figure(out, &chart, ""));
 }
 
 fn differences(out: &mut Markup, report: &TablesReport) {

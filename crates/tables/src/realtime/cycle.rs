@@ -65,20 +65,22 @@ pub struct Cycle {
     kernels: Subscriber,
     dosing: Dosing,
     senses: Senses,
+    /// `true` until the first set-point with other kernels.
+    is_replaced: bool,
 }
 
 impl Cycle {
     /// Creates a cycle. An axis that returns by more than `band_mm` or `band_rad` has reversed; use the increments of the control.
     #[must_use]
     pub fn new(kernels: Subscriber, dosing: Dosing, band_mm: f64, band_rad: f64) -> Cycle {
-        Cycle { kernels, dosing, senses: Senses::new(band_mm, band_rad) }
+        Cycle { kernels, dosing, senses: Senses::new(band_mm, band_rad), is_replaced: false }
     }
 
     /// The correction for the uncompensated set-point of all axes, mm and rad; axes that the machine lacks are ignored.
     pub fn step(&mut self, set_point: &AxisVector) -> Answer {
         let mut signals = Signals::default();
         let (kernel, is_new) = self.kernels.latest();
-        signals.set(Signals::RENEWED, is_new);
+        signals.set(Signals::RENEWED, is_new || std::mem::take(&mut self.is_replaced));
         if kernel.axes().iter().any(|axis| !set_point[axis].is_finite()) {
             signals.set(Signals::HELD, true);
             return Answer { correction: *self.dosing.in_force(), signals };
@@ -90,6 +92,13 @@ impl Cycle {
             None => signals.set(Signals::UNSOLVED, true),
         }
         Answer { correction: *self.dosing.in_force(), signals }
+    }
+
+    /// Takes kernels from another handover from now on, as after a tool change. The correction goes to its new target in doses. The kernels that were
+    /// in use are freed here: between two cycles, not in one.
+    pub fn replace(&mut self, kernels: Subscriber) {
+        self.kernels = kernels;
+        self.is_replaced = true;
     }
 
     /// Resets to zero correction and unknown directions, as after a reference run.

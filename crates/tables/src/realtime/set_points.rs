@@ -1,4 +1,4 @@
-//! Set-points as lines of text, read one by one as they arrive.
+//! Set-points and orders as lines of text, read one by one as they arrive.
 
 use std::io::{BufRead, Read as _};
 
@@ -6,6 +6,17 @@ use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector};
 
 /// Maximum bytes of a line: nine numbers need far less.
 const LONGEST: u64 = 4096;
+
+/// Content of a line.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ControlLine {
+    /// A set-point, mm and rad.
+    SetPoint(AxisVector),
+    /// `tool 120` or `tool 0,0,-120`: another tool is in the spindle; its length, or its vector, mm (Spaan 1995, Fig. 6.2, process 2).
+    Tool(Vec<f64>),
+    /// `reset`: an axis was referenced, so the control has dropped all corrections (process 5).
+    Reset,
+}
 
 /// Reason why there is no next set-point.
 #[derive(Debug)]
@@ -32,7 +43,8 @@ enum Form {
     Table(Vec<Axis>, char),
 }
 
-/// The set-points of a text, mm and degrees: words with axis letters, or a table whose first line has the letters.
+/// The set-points of a text, mm and degrees: words with axis letters, or a table whose first line has the letters. Orders may stand between them, and
+/// before them.
 #[derive(Debug)]
 pub struct SetPointLines<R: BufRead> {
     input: R,
@@ -60,14 +72,17 @@ impl<R: BufRead> SetPointLines<R> {
         SetPointLines { input, axes, form: None, buffer, line: 0, last: AxisVector::ZERO, known: AxisSet::EMPTY }
     }
 
-    /// The next set-point, mm and rad; `None` at the end.
+    /// The next set-point or order; `None` at the end.
     ///
     /// # Errors
-    /// An error if the line is not a set-point.
-    pub fn next_set_point(&mut self) -> Result<Option<AxisVector>, NoSetPoint> {
+    /// An error if the line is neither.
+    pub fn next_line(&mut self) -> Result<Option<ControlLine>, NoSetPoint> {
         while self.read()? {
             let text = String::from_utf8_lossy(&self.buffer).into_owned();
             let text = text.trim_end();
+            if let Some(order) = self.order(text)? {
+                return Ok(Some(order));
+            }
             let form = match self.form.clone() {
                 Some(form) => form,
                 None => match self.heading(text)? {
@@ -82,9 +97,27 @@ impl<R: BufRead> SetPointLines<R> {
                 Form::Words => self.words(text)?,
                 Form::Table(columns, separator) => self.row(text, &columns, separator)?,
             }
-            return Ok(Some(self.last));
+            return Ok(Some(ControlLine::SetPoint(self.last)));
         }
         Ok(None)
+    }
+
+    /// The order of a line, if it begins with the word of one.
+    fn order(&self, text: &str) -> Result<Option<ControlLine>, NoSetPoint> {
+        let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
+        let column = text.len() - rest.trim_start().len() + 1;
+        match word {
+            "reset" if rest.trim().is_empty() => Ok(Some(ControlLine::Reset)),
+            "reset" => Err(self.wrong(column, "reset stands alone")),
+            "tool" => {
+                let number = |part: &str| part.trim().parse().ok().filter(|value: &f64| value.is_finite());
+                let numbers: Option<Vec<f64>> = rest.split(',').map(number).collect();
+                let numbers = numbers.filter(|numbers| [1, 3].contains(&numbers.len()));
+                let what = || format!("'{}' is neither a length nor a vector, such as 120 or 0,0,-120", rest.trim());
+                numbers.map(|numbers| Some(ControlLine::Tool(numbers))).ok_or_else(|| self.wrong(column, what()))
+            }
+            _ => Ok(None),
+        }
     }
 
     /// Reads a line; `false` at the end.
@@ -220,8 +253,12 @@ mod tests {
         let mut lines = SetPointLines::new(text.as_bytes(), axes);
         let mut all = Vec::new();
         loop {
-            match lines.next_set_point() {
-                Ok(Some(at)) => all.push([at[Axis::X], at[Axis::Y], at[Axis::C].to_degrees().round()]),
+            match lines.next_line() {
+                Ok(Some(ControlLine::SetPoint(at))) => {
+                    all.push([at[Axis::X], at[Axis::Y], at[Axis::C].to_degrees().round()])
+                }
+                Ok(Some(ControlLine::Tool(numbers))) => all.push([numbers[0], numbers.len() as f64, -1.0]),
+                Ok(Some(ControlLine::Reset)) => all.push([0.0, 0.0, -2.0]),
                 Ok(None) => return (all, None),
                 Err(NoSetPoint::Wrong { line, column, what }) => {
                     return (all, Some(format!("{line}:{column}: {what}")));
@@ -239,8 +276,23 @@ mod tests {
     }
 
     #[test]
+    fn orders_stand_before_and_between_set_points() {
+        let (tool, reset) = ([120.0, 1.0, -1.0], [0.0, 0.0, -2.0]);
+        let point = [1.0, 2.0, 90.0];
+        assert_eq!(read("tool 120\nX1 Y2 C90\nreset\nX1\n"), (vec![tool, point, reset, point], None));
+        assert_eq!(
+            read("tool 120\nX,Y,C\n1,2,90\ntool 5, 6,-70\r\n1,2,90\n").0,
+            [tool, point, [5.0, 3.0, -1.0], point]
+        );
+    }
+
+    #[test]
     fn what_is_no_set_point_has_its_place() {
         for (text, fault) in [
+            ("tool\n", "1:5: '' is neither a length nor a vector, such as 120 or 0,0,-120"),
+            ("tool 1,2\n", "1:6: '1,2' is neither a length nor a vector, such as 120 or 0,0,-120"),
+            ("tool inf\n", "1:6: 'inf' is neither a length nor a vector, such as 120 or 0,0,-120"),
+            ("reset X\n", "1:7: reset stands alone"),
             ("X1 Y2\n", "1:1: the position of C is not stated"),
             ("X1 Y2 C0\nX1 Zs\n", "2:4: 'Zs' is not a word of an axis of the machine (X Y C)"),
             ("X1 Y2 C0\nX1o\n", "2:2: '1o' is not a number"),

@@ -1,7 +1,7 @@
 //! Makes compensation tables for a format, and rejects tables that increase the error or have no effect.
 
 use super::request::TablesRequest;
-use super::result::{ReversalRow, TablesCheck, TablesResult, TriedScheme};
+use super::result::{FewerRow, MissingPart, ReversalRow, TablesCheck, TablesResult, TriedScheme};
 use crate::tables::format::Holds;
 use crate::tables::scheme::{self, Scheme, Schemes, Task};
 use crate::tables::{Format, Tables, Wiring};
@@ -24,6 +24,8 @@ pub struct Filling<'a> {
     pub points: usize,
     /// Permitted residual error, mm: root mean square over the region.
     pub tolerance_mm: f64,
+    /// `true` to compute the residuals with fewer tables too.
+    pub tries_fewer: bool,
 }
 
 /// Tables that reduce the error.
@@ -75,6 +77,9 @@ pub fn make(
             (scheme.name, tables)
         }
     };
+    if tables.errors.is_some() {
+        result.left_out = scheme::left_out(&task).iter().map(MissingPart::from).collect();
+    }
     if !filling.format.can_hold(Holds::Senses) {
         result.reversals = reversals(&task);
     }
@@ -82,6 +87,7 @@ pub fn make(
     name.clone_into(&mut result.scheme);
     filling.format.name.clone_into(&mut result.format);
     result.note(&tables);
+    result.sums = request.largest_sums(&tables);
     let checked = request.check(&tables);
     if tables.are_zeros() {
         result.tables = 0;
@@ -93,6 +99,9 @@ pub fn make(
         return Err(Box::new(diagnostic));
     }
     result.ranges = request.asked_ranges();
+    if filling.tries_fewer {
+        result.fewer = scheme::fewer(&task, &tables).iter().map(FewerRow::from).collect();
+    }
     Ok(MadeTables { tables, scheme: name, checked })
 }
 

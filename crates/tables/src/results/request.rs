@@ -2,12 +2,12 @@
 
 use std::fmt::{self, Write as _};
 
-use super::result::TablesCheck;
+use super::result::{CorrectionSum, TablesCheck};
 use crate::tables::check::check;
 use crate::tables::region::Region;
 use crate::tables::{Control, Multiplication, Orientation, Tables, Target, Wiring};
-use ncfix_base::geometry::{Axis, AxisVector, Vector};
-use ncfix_machine::machine::{Condition, Machine};
+use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
+use ncfix_machine::machine::{Condition, Machine, State};
 use ncfix_model::{ErrorModel, Model};
 
 /// Seed of the generator of check poses, which differ from those of the schemes.
@@ -147,6 +147,27 @@ impl TablesRequest<'_> {
             return checked.clone();
         }
         self.check_in(&self.region.reached(self.machine), tables)
+    }
+
+    /// The largest sum of the corrections of each axis that the tables move, mm or deg, as a control limits it (Esmaeili 2021, Fig. 5.2): at the poses
+    /// of the check, and with the linear axes at the nearer ends of their ranges, where the corrections are usually largest.
+    #[must_use]
+    pub fn largest_sums(&self, tables: &Tables) -> Vec<CorrectionSum> {
+        let control = Control::new(self.machine, tables);
+        let mut most = AxisVector::default();
+        for pose in self.region.poses(self.poses, SEED) {
+            let mut corner = pose;
+            for &(axis, [low, high]) in self.region.ranges.iter().filter(|(axis, _)| !axis.is_rotary()) {
+                corner[axis] = if pose[axis] < f64::midpoint(low, high) { low } else { high };
+            }
+            for at in [pose, corner] {
+                let sum = control.correction(&at, &self.tool_mm, &State::default());
+                AXES.into_iter().for_each(|axis| most[axis] = most[axis].max(sum[axis].abs()));
+            }
+        }
+        let shown = |axis: Axis| if axis.is_rotary() { most[axis].to_degrees() } else { most[axis] };
+        let moved = AXES.into_iter().filter(|&axis| most[axis] > 0.0);
+        moved.map(|axis| CorrectionSum { axis: axis.to_string(), largest: shown(axis) }).collect()
     }
 
     fn check_in(&self, region: &Region, tables: &Tables) -> TablesCheck {

@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use crate::tables::check::{Check, Errors};
-use crate::tables::scheme::Tried;
-use crate::tables::{Lookup, Sense, Tables};
+use crate::tables::scheme::{CountedResidual, SecondAxisPart, Tried};
+use crate::tables::{Lookup, Sense, Tables, kinds};
 use ncfix_base::geometry::Vector;
 use ncfix_base::units::{UnitKey, um_from_mm, urad_from_rad};
 
@@ -40,8 +40,67 @@ pub struct TablesResult {
     pub tried: Vec<TriedScheme>,
     /// Reversal values that the tables cannot hold, for the backlash compensation of the control.
     pub reversals: Vec<ReversalRow>,
+    /// Kinds of compensation of ISO/TR 16907, by the form of the tables.
+    pub kinds: Vec<String>,
+    /// Largest sum of the corrections of each axis.
+    pub sums: Vec<CorrectionSum>,
+    /// Parts of errors that the tables lack, because they depend on a second axis.
+    pub left_out: Vec<MissingPart>,
+    /// Residual with fewer tables, or with the nodes of smaller grids.
+    pub fewer: Vec<FewerRow>,
     /// Number of errors in the machine file that was made from the tables.
     pub errors_found: Option<usize>,
+}
+
+/// Largest sum of the corrections that tables add to an axis.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct CorrectionSum {
+    /// Axis.
+    pub axis: String,
+    /// Largest absolute value, mm or deg.
+    pub largest: f64,
+}
+
+/// Part of a motion error that tables lack: they hold its mean over the second axis.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct MissingPart {
+    /// Name of the error.
+    pub error: String,
+    /// Axis on which it depends too.
+    pub second: String,
+    /// Largest distance from the mean, in the unit.
+    pub largest: f64,
+    /// Unit.
+    pub unit: UnitKey,
+}
+
+/// Residual with a number of tables, or of nodes along each axis of a grid.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct FewerRow {
+    /// Number of tables, or of nodes along each axis.
+    pub count: usize,
+    /// Root mean square of the tip error, µm.
+    pub rms_um: f64,
+}
+
+impl From<&SecondAxisPart> for MissingPart {
+    fn from(part: &SecondAxisPart) -> MissingPart {
+        let (unit, largest) = if part.name.direction.is_rotation() {
+            (UnitKey::Urad, urad_from_rad(part.largest))
+        } else {
+            (UnitKey::Um, um_from_mm(part.largest))
+        };
+        MissingPart { error: part.name.to_string(), second: part.second.to_string(), largest, unit }
+    }
+}
+
+impl From<&CountedResidual> for FewerRow {
+    fn from(one: &CountedResidual) -> FewerRow {
+        FewerRow { count: one.count, rms_um: um_from_mm(one.rms_mm) }
+    }
 }
 
 /// Reversal value of an axis: its correction after a positive motion minus that after a negative one.
@@ -204,6 +263,7 @@ impl TablesResult {
         self.entries = tables.entries();
         self.grid = tables.grid.as_ref().map(|grid| grid.count);
         self.rows = tables.lookups.iter().enumerate().map(|(index, one)| row(index, one)).collect();
+        self.kinds = kinds(tables).into_iter().map(str::to_owned).collect();
     }
 }
 

@@ -3,7 +3,7 @@
 //! `din`: levels in steps of 25 % of the highest speed, 15 min each, with 30 min at 25 % from 135 min on, as Spaan 1995 (ch. 5) quotes DIN 8602; the
 //! order of the other levels is our choice. `pseudo-din`: his variant for test workpieces, with 15 min there too, so that the twelfth level is the
 //! highest speed. `random`: speeds between 800 1/min and the highest, or standstill, for 5 to 45 min each, over a day (Spaan 1995, ch. 5), determined
-//! by a seed.
+//! by a seed. `steady`: a constant speed for a day, then standstill for as long (Spaan 1995, Fig. 5.5).
 
 use super::builder::{Builder, Extra};
 use super::random::Random;
@@ -14,7 +14,7 @@ use ncfix_machine::machine::Machine;
 /// The plan.
 pub(super) const PLAN: PlanKind = PlanKind {
     name: "drift",
-    title: "spindle speeds and readings every minute: variants din (DIN 8602), pseudo-din, random (Spaan 1995)",
+    title: "spindle speeds and readings every minute: variants din (DIN 8602), pseudo-din, random, steady (Spaan 1995)",
     wishes: &["variant", "hours", "speed", "seed", "centre", "feed"],
     spacing: RowSpacing::Angle,
     has_setups: false,
@@ -29,6 +29,11 @@ const DIN: [u8; 16] = [25, 50, 75, 100, 75, 50, 25, 0, 100, 25, 25, 50, 100, 75,
 const PSEUDO_DIN: [u8; 15] = [25, 50, 75, 100, 75, 50, 25, 0, 100, 25, 50, 100, 75, 50, 0];
 /// Duration of a level, s.
 const LEVEL_S: u32 = 900;
+/// Highest speed of the spectra, and the speed of the constant one, 1/min (Spaan 1995, ch. 5).
+const MOST_SPEED: f64 = 6300.0;
+const STEADY_SPEED: f64 = 6000.0;
+/// Duration of the random spectrum, and of the running part of the constant one, h.
+const DAY_H: f64 = 24.0;
 /// Lowest speed of the random spectrum, 1/min.
 const LEAST_SPEED: f64 = 800.0;
 /// Range of durations of the random spectrum, min.
@@ -59,7 +64,7 @@ fn end_s(hours: f64) -> u32 {
 
 /// Speeds and durations, in whole readings.
 fn spectrum(wishes: &Wishes) -> Result<Vec<(f64, u32)>, PlanRefused> {
-    let most = wishes.speed.unwrap_or(6300.0);
+    let most = wishes.speed.unwrap_or(MOST_SPEED);
     match wishes.variant.as_deref() {
         None | Some("din") => Ok(levels(&DIN, wishes, most)),
         Some("pseudo-din") => Ok(levels(&PSEUDO_DIN, wishes, most)),
@@ -70,7 +75,7 @@ fn spectrum(wishes: &Wishes) -> Result<Vec<(f64, u32)>, PlanRefused> {
                 )));
             }
             let mut random = Random(wishes.seed);
-            let mut left_s = end_s(wishes.hours.unwrap_or(24.0));
+            let mut left_s = end_s(wishes.hours.unwrap_or(DAY_H));
             let mut out = Vec::new();
             while left_s > 0 {
                 let stands = random.share() < STOPS;
@@ -82,8 +87,12 @@ fn spectrum(wishes: &Wishes) -> Result<Vec<(f64, u32)>, PlanRefused> {
             }
             Ok(out)
         }
+        Some("steady") => {
+            let time_s = end_s(wishes.hours.unwrap_or(DAY_H));
+            Ok(vec![(wishes.speed.unwrap_or(STEADY_SPEED), time_s), (0.0, time_s)])
+        }
         Some(other) => {
-            Err(PlanRefused(format!("unknown spectrum '{other}'; the variants are din, pseudo-din, random")))
+            Err(PlanRefused(format!("unknown spectrum '{other}'; the variants are din, pseudo-din, random, steady")))
         }
     }
 }

@@ -38,13 +38,21 @@ pub(super) struct AxisFunction {
     pub(super) values: Vec<f64>,
 }
 
-/// Equal steps over a range, mm or rad, with decimals that a file can store: the nodes in mm or degrees.
+/// Equal steps within a range, mm or rad, with decimals that a file can store: the nodes in mm or degrees. The first and the last node are never beyond
+/// the range, so that a table says nothing about positions that were not asked for; at the end, up to a millionth per step is without a node.
 pub(super) fn nodes(axis: Axis, [low, high]: [f64; 2], points: usize) -> Nodes {
     let unit = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
     let steps = points.max(2) - 1;
-    let start = rounded(unit(low), POSITION_DECIMALS);
-    let step = rounded((unit(high) - start) / steps as f64, POSITION_DECIMALS);
+    let start = inner(unit(low), f64::ceil);
+    let step = inner((inner(unit(high), f64::floor) - start) / steps as f64, f64::floor);
     Nodes::Even { start, step, end: rounded(start + step * steps as f64, POSITION_DECIMALS) }
+}
+
+/// The nearest value with the decimals of positions on one side; a value that has these decimals, except for the noise of a conversion, stays.
+fn inner(value: f64, side: fn(f64) -> f64) -> f64 {
+    let near = rounded(value, POSITION_DECIMALS);
+    let unit = 0.1_f64.powi(i32::try_from(POSITION_DECIMALS).unwrap_or(0));
+    if (value - near).abs() < 1e-3 * unit { near } else { rounded(side(value / unit) * unit, POSITION_DECIMALS) }
 }
 
 /// The positions of nodes, mm or rad.
@@ -173,7 +181,8 @@ pub(super) fn repeat(task: &Task<'_>, lookup: &mut Lookup) {
     let turns = is_endless || data.travel.is_none_or(|[low, high]| high - low > std::f64::consts::TAU + 1e-9);
     let [start, end] = lookup.nodes.range();
     let (Some(&first), Some(&last)) = (lookup.values.first(), lookup.values.last()) else { return };
-    let is_turn = turns && (end - start - 360.0).abs() < 1e-3;
+    // The last node may be a millionth per step before the turn.
+    let is_turn = turns && (end - start - 360.0).abs() < f64::max(1e-3, 2e-6 * lookup.values.len() as f64);
     let is_same = (first - last).abs() <= f64::max(1e-3 * largest(&lookup.values), ENDS);
     if is_turn && (is_endless || is_same) && task.format.can_hold(Holds::Repetition) {
         lookup.modulo = true;

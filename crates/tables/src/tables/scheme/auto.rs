@@ -87,16 +87,7 @@ fn without_idle(task: &Task<'_>, tables: Tables, poses: &[CheckedPose], rms_mm: 
         return tables;
     }
     let sample = &poses[..poses.len() / 3];
-    let mut groups: Vec<(Vec<usize>, f64)> = Vec::new();
-    for (index, one) in tables.lookups.iter().enumerate() {
-        let largest =
-            |index: usize| tables.lookups[index].values.iter().fold(0.0_f64, |most, value| value.abs().max(most));
-        match one.factor {
-            Some(factor) if factor < index => {}
-            Some(factor) => groups.push((vec![index, factor], largest(index) * largest(factor))),
-            None => groups.push((vec![index], largest(index))),
-        }
-    }
+    let mut groups = groups(&tables);
     groups.sort_by(|(_, one), (_, other)| one.total_cmp(other));
     let mut kept: Vec<bool> = vec![true; tables.lookups.len()];
     for (group, _) in groups {
@@ -113,8 +104,23 @@ fn without_idle(task: &Task<'_>, tables: Tables, poses: &[CheckedPose], rms_mm: 
     if rms <= AIM * task.tolerance_mm { slim } else { tables }
 }
 
+/// The tables that only work together, by their indices, with the largest value that they add: a table, or two that are multiplied.
+pub(super) fn groups(tables: &Tables) -> Vec<(Vec<usize>, f64)> {
+    let mut groups: Vec<(Vec<usize>, f64)> = Vec::new();
+    for (index, one) in tables.lookups.iter().enumerate() {
+        let largest =
+            |index: usize| tables.lookups[index].values.iter().fold(0.0_f64, |most, value| value.abs().max(most));
+        match one.factor {
+            Some(factor) if factor < index => {}
+            Some(factor) => groups.push((vec![index, factor], largest(index) * largest(factor))),
+            None => groups.push((vec![index], largest(index))),
+        }
+    }
+    groups
+}
+
 /// The kept tables, with renumbered factors.
-fn subset(tables: &Tables, kept: &[bool]) -> Tables {
+pub(super) fn subset(tables: &Tables, kept: &[bool]) -> Tables {
     let number = |old: usize| kept.iter().take(old).filter(|&&is_kept| is_kept).count();
     let mut subset = tables.clone();
     let lookups = tables.lookups.iter().zip(kept).filter(|&(_, &is_kept)| is_kept).map(|(one, _)| one.clone());

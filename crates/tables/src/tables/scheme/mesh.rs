@@ -6,6 +6,7 @@
 
 use super::{AIM, Holds, Scheme, Task};
 use crate::tables::check::left;
+use crate::tables::region::Region;
 use crate::tables::{Control, Grid, Orientation, Tables};
 use ncfix_base::geometry::{Axis, AxisVector};
 use ncfix_machine::machine::State;
@@ -27,8 +28,24 @@ const SEED: u64 = 0x4752_4944;
 /// Maximum number of nodes along an axis, and of all nodes.
 const MOST_NODES: usize = 200;
 const MOST_VALUES: usize = 1_000_000;
+/// Number of nodes along each axis up to which residuals are listed.
+const MOST_SHOWN: usize = 40;
+
+/// The residual with a number of tables, or of nodes along each axis of a grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CountedResidual {
+    /// Number of tables, or of nodes along each axis.
+    pub count: usize,
+    /// Root mean square of the tip error over the region, mm.
+    pub rms_mm: f64,
+}
 
 fn grid(task: &Task<'_>) -> Result<Tables, String> {
+    with_mesh(task, |mesh, region| smallest_grid(mesh, region))
+}
+
+/// Prepares grids for the linear axes, with the rotary axes at 0.
+fn with_mesh<T>(task: &Task<'_>, act: impl FnOnce(&Mesh<'_>, &Region) -> Result<T, String>) -> Result<T, String> {
     let axes: [Axis; 3] = task.linear().try_into().map_err(|_| "a grid needs three linear axes".to_owned())?;
     let mut region = task.region.clone();
     for axis in task.target.rotary() {
@@ -38,7 +55,21 @@ fn grid(task: &Task<'_>) -> Result<Tables, String> {
     }
     // A grid has no rotary axes, so their orientation corrections are excluded.
     let task = &task.without_rotary_corrections();
-    let mesh = Mesh { task, axes, ranges: axes.map(|axis| region.range(axis)), rest: region.middle() };
+    act(&Mesh { task, axes, ranges: axes.map(|axis| region.range(axis)), rest: region.middle() }, &region)
+}
+
+/// The residuals of grids with 2, 3, 4 … nodes along each axis, up to a number (Esmaeili 2021, Fig. 4.5).
+pub(super) fn by_nodes(task: &Task<'_>, most: usize) -> Vec<CountedResidual> {
+    let found = with_mesh(task, |mesh, region| {
+        let poses = region.poses(POSES / 2, SEED + 2);
+        let one = |count| mesh.rms_mm([count; 3], &poses).map(|rms_mm| CountedResidual { count, rms_mm });
+        (2..=most.min(MOST_SHOWN)).map(one).collect()
+    });
+    found.unwrap_or_default()
+}
+
+fn smallest_grid(mesh: &Mesh<'_>, region: &Region) -> Result<Tables, String> {
+    let task = mesh.task;
     let poses = region.poses(POSES, SEED);
     let along: Vec<Vec<f64>> = (0..3).map(|i| mesh.along(i, &poses)).collect::<Result<_, String>>()?;
     let verified = region.poses(VERIFIED, SEED + 1);

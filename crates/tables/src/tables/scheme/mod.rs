@@ -3,6 +3,7 @@
 mod assembly;
 mod auto;
 mod exact;
+mod fewer;
 mod fit;
 mod functions;
 mod matrix;
@@ -22,6 +23,9 @@ use ncfix_machine::machine::State;
 use ncfix_model::Accumulator;
 
 pub use auto::{AIM, Tried, choose, choose_with};
+pub use fewer::fewer;
+pub use functions::{SecondAxisPart, left_out};
+pub use mesh::CountedResidual;
 pub use reversal::{Reversal, reversals};
 
 /// A request for tables.
