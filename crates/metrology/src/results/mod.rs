@@ -26,6 +26,7 @@ pub mod planned;
 pub mod readings;
 mod relative;
 mod repeated;
+mod residuals;
 pub mod selection;
 pub mod sensors;
 pub mod simulated;
