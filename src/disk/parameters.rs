@@ -9,7 +9,7 @@ use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::Machine;
 use ncfix_metrology::calibrate::automatic::{usual_candidates, usual_errors};
 use ncfix_metrology::calibrate::candidates::{PiecewisePolynomials, of_component, of_motion};
-use ncfix_metrology::calibrate::{Parameter, effect};
+use ncfix_metrology::calibrate::{Parameter, effect, reduce};
 use ncfix_metrology::measure::data::DataSet;
 use ncfix_metrology::results::parameters::{ModelText, read, states_term};
 use ncfix_model::ErrorModel;
@@ -53,15 +53,25 @@ impl ChosenModel {
         Ok(text.map(|text| ChosenModel { text, is_automatic }))
     }
 
-    /// The model with the usual errors, if it is automatic.
-    pub(crate) fn for_data(self, machine: &Machine, errors: &ErrorModel, data: &[DataSet]) -> ModelText {
+    /// The model with the usual errors, if it is automatic; and usual errors that the data do not determine, which only a fit without stated terms takes, to
+    /// report them.
+    pub(crate) fn for_data(
+        self,
+        machine: &Machine,
+        errors: &ErrorModel,
+        data: &[DataSet],
+    ) -> (ModelText, Vec<Parameter>) {
         let mut text = self.text;
-        if self.is_automatic {
-            let usual = usual_errors(machine, errors, data).into_iter().map(Parameter::from);
-            let more: Vec<Parameter> = usual.filter(|one| !text.parameters.contains(one)).collect();
-            text.parameters.extend(more);
+        if !self.is_automatic {
+            return (text, Vec::new());
         }
-        text
+        let usual = usual_errors(machine, errors, data).into_iter().map(Parameter::from);
+        let more: Vec<Parameter> = usual.filter(|one| !text.parameters.contains(one)).collect();
+        text.parameters.extend(more);
+        let found = text.terms.as_ref().and_then(|_| reduce(machine, errors, &text.parameters, data));
+        let Some(found) = found else { return (text, Vec::new()) };
+        let (kept, others) = text.parameters.into_iter().partition(|one| found.parameters.contains(one));
+        (ModelText { parameters: kept, ..text }, others)
     }
 }
 

@@ -111,7 +111,7 @@ fn calibrate(
     }
     let is_automatic = model.is_automatic;
     let data = data_of(all.get(..tables.used).unwrap_or_default());
-    let model = model.for_data(&chosen.machine, &chosen.errors, &data);
+    let (model, undetermined) = model.for_data(&chosen.machine, &chosen.errors, &data);
     let settings = CalibrationSettings {
         max_mm: arguments.max,
         robust: !arguments.no_robust,
@@ -121,9 +121,10 @@ fn calibrate(
         significance: arguments.significance,
         with_readings: arguments.page.is_wanted(),
     };
-    let Some((parameters, grown)) = with_terms(&chosen, &start, model, (&all, tables.used), findings) else {
+    let Some((mut parameters, grown)) = with_terms(&chosen, &start, model, (&all, tables.used), findings) else {
         return Ok(());
     };
+    parameters.extend(undetermined);
     report.found.terms = grown.as_ref().map_or_else(Vec::new, |grown| grown.terms.clone());
     let (from, errors) = grown.as_ref().map_or((&start, &chosen.errors), |grown| (&grown.source, &grown.errors));
     begin.errors = errors;
