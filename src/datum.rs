@@ -28,6 +28,15 @@ pub(crate) struct StatedZero {
     at: Option<(AxisSet, AxisVector)>,
     /// Length of the tool or probe at the touch, mm.
     tool_length_mm: Option<f64>,
+    /// As written.
+    text: String,
+}
+
+impl StatedZero {
+    /// The statement as it was written.
+    pub(crate) fn text(&self) -> &str {
+        &self.text
+    }
 }
 
 impl FromStr for StatedZero {
@@ -62,7 +71,8 @@ impl FromStr for StatedZero {
         // A length alone states no position.
         let at = place.filter(|_| !axes.is_empty() || tool_length_mm.is_none()).map(command).transpose()?;
         let at = at.map(|command| (stated, command));
-        Ok(StatedZero { name: name.trim().to_ascii_uppercase(), setting, at, tool_length_mm })
+        let name = name.trim().to_ascii_uppercase();
+        Ok(StatedZero { name, setting, at, tool_length_mm, text: text.to_owned() })
     }
 }
 
@@ -71,7 +81,7 @@ impl FromStr for StatedZero {
 /// # Errors
 /// If a zero offset has no value there.
 pub(crate) fn state(zeros: &[StatedZero], chosen: &mut Machine) -> Result<(), Error> {
-    for StatedZero { name, setting, at, tool_length_mm } in zeros {
+    for StatedZero { name, setting, at, tool_length_mm, .. } in zeros {
         if !chosen.machine.zero_offsets.contains_key(name) {
             return Err(Error::usage(format!("--zero {name}: this zero offset has no value in the machine file")));
         }

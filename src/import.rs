@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::machine::Machine;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::FileId;
-use ncfix_instruments::answers::ImportAnswers;
+use ncfix_instruments::answers::{FileAnswers, ImportAnswers};
 use ncfix_instruments::preview::preview;
 use ncfix_instruments::readings::ImportedReadings;
 use ncfix_instruments::text::DecodedText;
@@ -22,24 +22,41 @@ struct InstrumentFile {
     name: String,
     /// True if it is one of several: its questions then need its name.
     several: bool,
+    /// True if it was found in a folder: nobody said that it has readings.
+    of_folder: bool,
+}
+
+/// A file of a folder that was not read.
+struct UnreadFile {
+    path: PathBuf,
+    reason: String,
+}
+
+/// Endings of files in a folder that have no readings: documents, pictures, programs and files of ncfix.
+const WITHOUT_READINGS: [&str; 26] = [
+    "pdf", "png", "jpg", "jpeg", "gif", "bmp", "svg", "doc", "docx", "odt", "ppt", "pptx", "md", "html", "htm", "zip",
+    "toml", "json", "ini", "arc", "mpf", "spf", "nc", "ngc", "var", "tbl",
+];
+
+impl UnreadFile {
+    /// True if its ending does not exclude readings.
+    fn may_have_readings(&self) -> bool {
+        let ending = self.path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        !ending.is_some_and(|ending| WITHOUT_READINGS.contains(&ending.as_str()))
+    }
 }
 
 impl InstrumentFile {
-    /// Reads and decodes a file; `None` if it is not text.
+    /// Reads and decodes a file; otherwise the reason why it is not text.
     ///
     /// # Errors
     /// If it cannot be read.
-    fn read(path: &Path, findings: &mut Diagnostics) -> Result<Option<InstrumentFile>, Error> {
+    fn read(path: &Path) -> Result<Result<InstrumentFile, Box<Diagnostic>>, Error> {
         let source = files::read(path, FileId(0), "file of an instrument")?;
         let name =
             path.file_name().map_or_else(|| source.name().to_owned(), |name| name.to_string_lossy().into_owned());
-        match DecodedText::decode(source.name(), source.bytes().to_vec()) {
-            Ok(text) => Ok(Some(InstrumentFile { text, name, several: false })),
-            Err(diagnostic) => {
-                findings.add(*diagnostic, &[]);
-                Ok(None)
-            }
-        }
+        let text = DecodedText::decode(source.name(), source.bytes().to_vec());
+        Ok(text.map(|text| InstrumentFile { text, name, several: false, of_folder: false }))
     }
 
     /// Reads the readings; `None` if the file is refused.
@@ -99,11 +116,17 @@ impl InstrumentFile {
 /// A question to a person, who may have no answer.
 pub(crate) type QuestionToPerson<'a, E> = &'a mut dyn FnMut(&str) -> Result<Option<String>, E>;
 
-/// Files of one command, with the same answers: all are written, or none.
-pub(crate) struct InstrumentFiles(Vec<InstrumentFile>);
+/// Files of one command: all that have readings are written, or none.
+pub(crate) struct InstrumentFiles {
+    files: Vec<InstrumentFile>,
+    /// Files of folders that are no tables of an instrument.
+    unread: Vec<UnreadFile>,
+    /// Paths of all files.
+    paths: Vec<PathBuf>,
+}
 
 impl InstrumentFiles {
-    /// Reads and decodes the files; `None` if one is not text.
+    /// Reads and decodes the files, and all files of folders; `None` if a named one is not text.
     ///
     /// # Errors
     /// If one cannot be read, or standard input is one of several.
@@ -111,28 +134,89 @@ impl InstrumentFiles {
         if paths.len() > 1 && paths.iter().any(|path| files::is_standard_stream(path)) {
             return Err(Error::usage("- for standard input is the only file of a command".into()));
         }
-        let mut files = Vec::new();
+        let several = paths.len() > 1 || paths.iter().any(|path| path.is_dir());
+        let mut all = InstrumentFiles { files: Vec::new(), unread: Vec::new(), paths: Vec::new() };
+        let mut is_sound = true;
         for path in paths {
-            let several = paths.len() > 1;
-            files.extend(InstrumentFile::read(path, findings)?.map(|file| InstrumentFile { several, ..file }));
+            let of_folder = path.is_dir();
+            for path in if of_folder { in_folder(path)? } else { vec![path.clone()] } {
+                match InstrumentFile::read(&path)? {
+                    _ if of_folder && is_measurement(&path) => {
+                        let reason = "it is a measurement already, with its description".to_owned();
+                        all.unread.push(UnreadFile { path: path.with_extension("toml"), reason });
+                    }
+                    Ok(file) => all.files.push(InstrumentFile { several, of_folder, ..file }),
+                    Err(found) if of_folder => {
+                        all.unread.push(UnreadFile { path: path.clone(), reason: found.message });
+                    }
+                    Err(found) => {
+                        findings.add(*found, &[]);
+                        is_sound = false;
+                    }
+                }
+                all.paths.push(path);
+            }
         }
-        Ok((files.len() == paths.len()).then_some(InstrumentFiles(files)))
+        Ok(is_sound.then_some(all))
+    }
+
+    /// Sets files of folders aside whose text has no layout of an instrument.
+    ///
+    /// # Errors
+    /// If no file is left, or an answer is for none of them.
+    fn sort_out(&mut self, format: Option<&str>, stated: &FileAnswers, machine: &Machine) -> Result<(), Error> {
+        let formats = &machine.registry().instrument_formats;
+        let reason = |file: &InstrumentFile| {
+            let found = import(&file.text, format, &stated.of(&file.name), &machine.machine, formats);
+            found.err().filter(|found| file.of_folder && found.code == Code::IMPORT_FORMAT).map(|found| found.message)
+        };
+        for file in std::mem::take(&mut self.files) {
+            match reason(&file) {
+                Some(reason) => self.unread.push(UnreadFile { path: PathBuf::from(file.text.source().name()), reason }),
+                None => self.files.push(file),
+            }
+        }
+        if self.files.is_empty() {
+            return Err(Error::usage(format!("there is no file of an instrument; {}", self.unread_files().trim_end())));
+        }
+        let names = self.files.iter().map(|file| file.name.as_str());
+        match stated.stranger(names) {
+            Some(file) => Err(Error::usage(format!("an answer is for {file}, and no file that is read has this name"))),
+            None => Ok(()),
+        }
+    }
+
+    /// The sentences about files of folders that were not read; empty without any.
+    pub(crate) fn unread_files(&self) -> String {
+        let line = |one: &UnreadFile| format!("not read: {}: {}\n", one.path.display(), one.reason);
+        self.unread.iter().map(line).collect()
+    }
+
+    /// True if a file that was not read may have readings.
+    pub(crate) fn is_partial(&self) -> bool {
+        self.unread.iter().any(UnreadFile::may_have_readings)
+    }
+
+    /// Paths of all files.
+    pub(crate) fn paths(&self) -> &[PathBuf] {
+        &self.paths
     }
 
     /// The readings of all files, after the questions that they leave open; `None` if a file is refused. Without `ask`, nobody can answer.
     ///
     /// # Errors
-    /// Errors of `ask`.
-    pub(crate) fn understood<E>(
-        &self,
-        (format, stated): (Option<&str>, &ImportAnswers),
+    /// Errors of `ask`, and if no file is one of an instrument.
+    pub(crate) fn understood<E: From<Error>>(
+        &mut self,
+        (format, stated): (Option<&str>, &FileAnswers),
         machine: &Machine,
         mut ask: Option<QuestionToPerson<'_, E>>,
         findings: &mut Diagnostics,
     ) -> Result<Option<Vec<ImportedReadings>>, E> {
+        self.sort_out(format, stated, machine)?;
         let mut all = Vec::new();
         for file in self.iter() {
-            let mut answers = stated.clone();
+            let mut answers = stated.of(&file.name);
             let mut wrong = String::new();
             loop {
                 let questions = match file.readings(format, &answers, machine, findings) {
@@ -162,23 +246,24 @@ impl InstrumentFiles {
                 }
             }
         }
-        Ok((all.len() == self.0.len()).then_some(all))
+        Ok((all.len() == self.files.len()).then_some(all))
     }
 
     /// The files in the order of the command.
     fn iter(&self) -> impl Iterator<Item = &InstrumentFile> {
-        self.0.iter()
+        self.files.iter()
     }
 
     /// Asks for a machine file, and for all else that the first file leaves open.
     pub(crate) fn ask_without_machine(
         &self,
         format: Option<&str>,
-        answers: &ImportAnswers,
+        answers: &FileAnswers,
         demo: &Machine,
         findings: &mut Diagnostics,
     ) {
-        self.iter().take(1).for_each(|file| file.ask_without_machine(format, answers, demo, findings));
+        let ask = |file: &InstrumentFile| file.ask_without_machine(format, &answers.of(&file.name), demo, findings);
+        self.iter().take(1).for_each(ask);
     }
 
     /// The preview of all files, each below its name if there are several.
@@ -233,8 +318,25 @@ impl InstrumentFiles {
         together.publish()?;
         let wrote =
             |[table, description]: &[PathBuf; 2]| format!("wrote {} and {}\n", table.display(), description.display());
-        Ok(Some(pairs.iter().map(wrote).collect()))
+        Ok(Some(pairs.iter().map(wrote).collect::<String>() + &self.unread_files()))
     }
+}
+
+/// The files of a folder, by name, without hidden ones.
+fn in_folder(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let entries = std::fs::read_dir(folder).map_err(|error| Error::file("read", folder, &error))?;
+    let is_hidden = |path: &Path| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+    let mut found: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    found.retain(|path| path.is_file() && !is_hidden(path));
+    found.sort();
+    Ok(found)
+}
+
+/// True for a table with its description, or for this description.
+fn is_measurement(path: &Path) -> bool {
+    let description = path.with_extension("toml");
+    let has_section = |text: String| text.lines().any(|line| line.trim() == "[measurement]");
+    path.with_extension("csv").is_file() && std::fs::read_to_string(description).is_ok_and(has_section)
 }
 
 /// True for an affirmative answer.

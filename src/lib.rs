@@ -49,6 +49,7 @@ mod machine;
 mod measured;
 mod moves;
 mod new_machine;
+mod next_line;
 mod option_values;
 mod options;
 mod plan;

@@ -8,9 +8,21 @@ use crate::error::Error;
 use crate::machine::Machine;
 use crate::registry::Registry;
 use ncfix_base::source::{FileId, Source};
-use ncfix_machine::describe::{Ask, Description, DescriptionRequest, KnownOrigin, TravelRange, template, text};
+use ncfix_machine::describe::{
+    Ask, Description, DescriptionRequest, KnownOrigin, TEMPLATES, TravelRange, has_same_setup, setup_text, template,
+    text,
+};
 use ncfix_report::chain::{ChainPicture, sketch};
 use ncfix_report::plot::Picture as _;
+
+/// The templates with their chains, a row for each.
+pub(crate) fn templates() -> String {
+    let row = |one: &ncfix_machine::describe::Template| {
+        let chain = if one.topology.is_empty() { "not yet" } else { one.topology };
+        format!("{:<18} {chain:<11} {}\n", one.name, one.line)
+    };
+    TEMPLATES.iter().map(row).collect()
+}
 
 /// A described machine.
 pub(crate) struct NewMachine {
@@ -22,14 +34,14 @@ pub(crate) struct NewMachine {
     pub(crate) picture: String,
 }
 
-/// Describes a machine by the template `like` and the files of its control, and reads the result as a machine file.
+/// Describes a machine by the template `like` and the files of its control, adds the zero offsets and tools of `setups`, and reads the result as a machine file.
 ///
 /// # Errors
 /// If a file cannot be read, a dangerous value is missing, or a statement does not fit the chain.
 pub(crate) fn describe(
     request: &DescriptionRequest,
     like: &str,
-    from: &[PathBuf],
+    (from, setups): (&[PathBuf], &[PathBuf]),
     ask: Ask<'_>,
     findings: &mut Diagnostics,
 ) -> Result<Option<NewMachine>, Error> {
@@ -42,10 +54,31 @@ pub(crate) fn describe(
         read.push(format!("  {}: {format}\n", source.name()));
     }
     let description = request.describe(template, ask).map_err(Error::usage)?;
-    let text = text(&description);
-    let source = Source::new(FileId(0), &request.name, text.clone().into_bytes())
-        .map_err(|_| Error::usage("the machine file is too large".into()))?;
-    let Some(machine) = machine_file::of_text(&source, &Registry::default(), findings)? else { return Ok(None) };
+    let mut text = text(&description);
+    let source = in_memory(&request.name, &text)?;
+    let Some(mut machine) = machine_file::of_text(&source, &Registry::default(), findings)? else { return Ok(None) };
+    if !setups.is_empty() {
+        let Some(full) = machine_file::read(&source, setups, findings)? else { return Ok(None) };
+        let names = setups.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ");
+        let cannot = |what: &str| {
+            Error::usage(format!(
+                "{names} has {what}, which a machine file cannot hold: leave --setup out here, and give it with each command"
+            ))
+        };
+        let added = setup_text(&machine.machine, &full.machine).map_err(|what| cannot(&what))?;
+        text.push_str(&format!(
+            "\n# From {}: if they change at the control, give --setup FILE, which overrides them.\n{added}",
+            names.replace(char::is_control, " ")
+        ));
+        let source = in_memory(&request.name, &text)?;
+        let Some(again) = machine_file::of_text(&source, &Registry::default(), findings)? else { return Ok(None) };
+        if !has_same_setup(&again.machine, &full.machine) {
+            return Err(cannot("data"));
+        }
+        machine = again;
+        let (offsets, tools) = (machine.machine.zero_offsets.len(), machine.machine.tools.len());
+        read.push(format!("  {names}: zero offsets: {offsets}, edges of tools: {tools}\n"));
+    }
     let mut shown = sketch(&machine.machine);
     if !read.is_empty() {
         shown.push_str("\nread:\n");
@@ -53,6 +86,12 @@ pub(crate) fn describe(
     }
     shown.push_str(&remarks(&description));
     Ok(Some(NewMachine { text, sketch: shown, picture: picture(&machine) }))
+}
+
+/// The text of a machine file that is not on the disk.
+fn in_memory(name: &str, text: &str) -> Result<Source, Error> {
+    Source::new(FileId(0), name, text.as_bytes().to_vec())
+        .map_err(|_| Error::usage("the machine file is too large".into()))
 }
 
 /// The picture of the chain of a machine.

@@ -1,13 +1,14 @@
-//! Values of options, as a person writes them: lengths with units, skip levels, a start position.
+//! Values of options, as a person writes them: numbers, lengths with units, axes, planes, skip levels, a start position.
 
 use std::time::Duration;
 
 use clap::ValueEnum;
 
 use crate::correction::MOST_THREADS;
-use ncfix_base::geometry::Axis;
+use ncfix_base::geometry::{Axis, Plane, Vector};
 use ncfix_base::units::parse_length_mm;
 use ncfix_machine::machine::range::range_of;
+use ncfix_model::ErrorName;
 use ncfix_tables::tables::{Multiplication, Orientation};
 
 /// Skipped levels of `/` blocks; `/` alone is level 0.
@@ -171,6 +172,62 @@ pub(crate) fn axis_name(text: &str) -> Result<(Axis, String), String> {
     let (axis, name) = text.split_once('=').ok_or("write AXIS=NAME, such as X=AX1")?;
     let is_name = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     if is_name { Ok((axis_of(axis)?, name.to_owned())) } else { Err(format!("'{name}' is not an axis name")) }
+}
+
+/// A number.
+fn number(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse().ok().filter(|number: &f64| number.is_finite());
+    number.ok_or_else(|| format!("'{text}' is not a number"))
+}
+
+/// A number above zero.
+pub(crate) fn above_zero(text: &str) -> Result<f64, String> {
+    number(text).and_then(|value| if value > 0.0 { Ok(value) } else { Err(format!("'{text}' is not above 0")) })
+}
+
+/// A number that is not negative.
+pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
+    number(text).and_then(|value| if value >= 0.0 { Ok(value) } else { Err(format!("'{text}' is below 0")) })
+}
+
+/// A distance in mm, with or without the unit.
+pub(crate) fn margin(text: &str) -> Result<f64, String> {
+    not_negative(text.trim().strip_suffix("mm").unwrap_or(text))
+}
+
+/// `N` numbers, separated by commas.
+pub(crate) fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let all: Vec<f64> = text.split(',').map(number).collect::<Result<_, _>>()?;
+    all.try_into().map_err(|_| format!("'{text}' is not {N} numbers separated by commas"))
+}
+
+/// Three numbers, separated by commas.
+pub(crate) fn vector(text: &str) -> Result<Vector, String> {
+    numbers::<3>(text).map(Vector::from)
+}
+
+/// A plane of two axes.
+pub(crate) fn plane(text: &str) -> Result<Plane, String> {
+    match text.to_ascii_uppercase().as_str() {
+        "XY" => Ok(Plane::XY),
+        "YZ" => Ok(Plane::YZ),
+        "ZX" | "XZ" => Ok(Plane::ZX),
+        _ => Err(format!("'{text}' is not a plane; write XY, YZ or ZX")),
+    }
+}
+
+/// The letter of an axis.
+pub(crate) fn axis(text: &str) -> Result<Axis, String> {
+    let axis = match *text.as_bytes() {
+        [letter] => Axis::from_letter(letter.to_ascii_uppercase()),
+        _ => None,
+    };
+    axis.ok_or_else(|| format!("'{text}' is not an axis"))
+}
+
+/// The name of an error, such as `EXX`.
+pub(crate) fn component(text: &str) -> Result<ErrorName, String> {
+    text.to_ascii_uppercase().parse().map_err(|_| format!("'{text}' is not an error name such as EXX or EBX"))
 }
 
 #[cfg(test)]

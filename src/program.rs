@@ -11,6 +11,7 @@ use crate::moves::Elements;
 use crate::options::{DialectChoice, Options, ProgramReading};
 use crate::registry::Registry;
 use crate::run::{self, Opened, Running, Subprograms};
+use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::AxisVector;
 use ncfix_base::source::{FileId, Source};
 use ncfix_language::exec;
@@ -322,4 +323,17 @@ fn detected(name: &str, text: &[u8], choice: DialectChoice, registry: &Registry)
     let found = ncfix_dialect::guess_with(&registry.detectors, name, text).map(|dialect| dialect.name);
     let is_added = found != ncfix_dialect::guess(name, text).map(|dialect| dialect.name);
     found.filter(|_| is_added).and_then(|dialect| dialect.parse().ok()).unwrap_or(choice)
+}
+
+/// Refuses to replace a file whose further programs are not in the output.
+pub(crate) fn keep_programs(target: &str, findings: &mut Diagnostics) {
+    let Some((left, source)) = findings.first_of(Code::MORE_PROGRAMS) else { return };
+    let (place, source) = (left.place, source.clone());
+    let message = format!("--in-place would remove other programs from {target}: {}", left.message);
+    let help = "give -o another file, or put each program into a file of its own";
+    let found = match place {
+        Some(place) => Diagnostic::at(Code::LOST_PROGRAM, place, message, help),
+        None => Diagnostic::nowhere(Code::LOST_PROGRAM, message, help),
+    };
+    findings.add(found, source.as_slice());
 }

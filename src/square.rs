@@ -24,6 +24,40 @@ pub(crate) enum SquareReadings {
     Dial(f64, f64),
 }
 
+impl SquareReadings {
+    /// The readings of a command, with their usual uncertainty, ± mm: two diagonals, or the leg of a square with the change of a dial gauge.
+    ///
+    /// # Errors
+    /// If neither is there.
+    pub(crate) fn of(
+        diagonals: Option<(f64, f64)>,
+        dial: Option<(f64, f64)>,
+        is_negative: bool,
+    ) -> Result<(SquareReadings, f64), Error> {
+        match (diagonals, dial) {
+            (Some((d1, d2)), _) => Ok((SquareReadings::Diagonals([d1, d2]), 0.5)),
+            (None, Some((leg, dial))) => Ok((SquareReadings::Dial(leg, if is_negative { -dial } else { dial }), 0.005)),
+            (None, None) => Err(Error::usage("give --d1 and --d2, or --square and --dial".into())),
+        }
+    }
+}
+
+/// Sides of the part that the page describes if a square was measured, mm.
+const SHOWN_MM: f64 = 300.0;
+
+/// The sides of the part, mm.
+///
+/// # Errors
+/// If `sides` are not two.
+pub(crate) fn sides_mm(side: Option<f64>, sides: &[f64]) -> Result<[f64; 2], Error> {
+    match (side, sides) {
+        (Some(side), _) => Ok([side; 2]),
+        (None, [a, b]) => Ok([*a, *b]),
+        (None, []) => Ok([SHOWN_MM; 2]),
+        _ => Err(Error::usage("--sides needs two lengths in mm, such as 600,400".into())),
+    }
+}
+
 /// Squareness of a machine.
 pub(crate) struct FoundSquareness {
     /// Page for people.

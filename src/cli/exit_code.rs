@@ -7,7 +7,7 @@ use ncfix_base::diagnostic::Diagnostic;
 pub enum ExitCode {
     /// Done; there may be warnings. Also when the reader of standard output went away.
     Done = 0,
-    /// Two programs differ, as asked by the command.
+    /// Two programs differ, as asked by the command; or an import wrote all but files that it could not read.
     Different = 1,
     /// Usage error: contradicting options, or a file that cannot be read or written.
     Usage = 2,
@@ -60,6 +60,15 @@ const OF_DIFF: &[(ExitCode, &str)] = &[
     ),
 ];
 
+/// Exit statuses of `ncfix import`, which may write a part of a folder.
+const OF_IMPORT: &[(ExitCode, &str)] = &[
+    (ExitCode::Done, "success (possibly with warnings)"),
+    (ExitCode::Different, "a file of a folder, which may have readings, was not read; the others are written"),
+    (ExitCode::Usage, "usage error, or a file cannot be read or written"),
+    (ExitCode::NotUnderstood, NOT_UNDERSTOOD),
+    (ExitCode::Refused, "refused because of another error; no result file was written"),
+];
+
 /// Additional statuses of commands that talk to a control.
 const OF_LINK: &[(ExitCode, &str)] = &[
     (ExitCode::Link, "the link cannot be opened or was lost"),
@@ -79,6 +88,7 @@ impl ExitCode {
         let own = match name {
             "diff" => OF_DIFF,
             "verify" => OF_VERIFY,
+            "import" => OF_IMPORT,
             "explain" | "completions" | "man" => OF_TEXTS,
             _ => OF_ALL,
         };

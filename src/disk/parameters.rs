@@ -7,14 +7,73 @@ use crate::diagnostics::Diagnostics;
 use crate::error::Error;
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::Machine;
+use ncfix_metrology::calibrate::automatic::{usual_candidates, usual_errors};
 use ncfix_metrology::calibrate::candidates::{PiecewisePolynomials, of_component, of_motion};
-use ncfix_metrology::calibrate::{Parameter, effect};
+use ncfix_metrology::calibrate::{Parameter, effect, reduce};
 use ncfix_metrology::measure::data::DataSet;
 use ncfix_metrology::results::parameters::{ModelText, read, states_term};
 use ncfix_model::ErrorModel;
 use ncfix_model::name::{ErrorKind, ErrorName};
 use ncfix_model::parameter::ParameterName;
 use ncfix_model::preset::{PRESETS, find};
+
+/// The word for the model that the data determine, and for its candidates.
+pub(crate) const AUTO: &str = "auto";
+
+/// The model of a calibration.
+#[derive(Debug, Default)]
+pub(crate) struct ChosenModel {
+    /// Named parameters and stated terms.
+    pub(crate) text: ModelText,
+    /// True if the usual errors of the machine are added to them, as far as the data determine them.
+    pub(crate) is_automatic: bool,
+}
+
+impl ChosenModel {
+    /// Reads `--model` of a calibration: as [`choose_model`], also with the word `auto`, and `none` if candidates are given; `None` if there are errors.
+    ///
+    /// # Errors
+    /// Those of [`choose_model`].
+    pub(crate) fn read(
+        model: &str,
+        has_candidates: bool,
+        machine: &Machine,
+        errors: &ErrorModel,
+        findings: &mut Diagnostics,
+    ) -> Result<Option<ChosenModel>, Error> {
+        let words: Vec<&str> = model.split(',').map(str::trim).collect();
+        let is_automatic = words.contains(&AUTO) && !Path::new(model).is_file();
+        let rest = words.iter().copied().filter(|word| *word != AUTO).collect::<Vec<_>>().join(",");
+        let named = if is_automatic { rest.as_str() } else { model };
+        let text = match named {
+            "" if is_automatic => Some(ModelText::default()),
+            "none" if has_candidates => Some(ModelText::default()),
+            named => choose_model(named, machine, errors, findings)?,
+        };
+        Ok(text.map(|text| ChosenModel { text, is_automatic }))
+    }
+
+    /// The model with the usual errors, if it is automatic; and usual errors that the data do not determine, which only a fit without stated terms takes, to
+    /// report them.
+    pub(crate) fn for_data(
+        self,
+        machine: &Machine,
+        errors: &ErrorModel,
+        data: &[DataSet],
+    ) -> (ModelText, Vec<Parameter>) {
+        let mut text = self.text;
+        if !self.is_automatic {
+            return (text, Vec::new());
+        }
+        let usual = usual_errors(machine, errors, data).into_iter().map(Parameter::from);
+        let more: Vec<Parameter> = usual.filter(|one| !text.parameters.contains(one)).collect();
+        text.parameters.extend(more);
+        let found = text.terms.as_ref().and_then(|_| reduce(machine, errors, &text.parameters, data));
+        let Some(found) = found else { return (text, Vec::new()) };
+        let (kept, others) = text.parameters.into_iter().partition(|one| found.parameters.contains(one));
+        (ModelText { parameters: kept, ..text }, others)
+    }
+}
 
 /// The parameters of a model without stated terms; `None` if there are errors.
 ///
@@ -69,7 +128,7 @@ pub(crate) fn choose_model(
                 let known: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
                 let known = known.join(", ");
                 return Err(Error::usage(format!(
-                    "--model {part} is neither a file, nor a preset, a parameter such as EXX1 or a term such as \"EXX ~ Y^2\"; the presets are {known}; separate several by commas; `none` needs --select"
+                    "--model {part} is neither a file, nor a preset, a parameter such as EXX1 or a term such as \"EXX ~ Y^2\"; the presets are {known}; separate several by commas; auto takes what the data determine, and `none` needs --select"
                 )));
             }
         }
@@ -111,6 +170,8 @@ pub(crate) fn candidates(
         if find(word).is_some() || (Path::new(word).is_file() && word != "motion") {
             let Some(found) = choose(word, machine, errors, findings)? else { return Ok(None) };
             all.extend(found);
+        } else if word == AUTO {
+            all.extend(usual_candidates(machine, data, pieces).into_iter().map(Parameter::from));
         } else if word == "motion" {
             all.extend(of_motion(machine, data, pieces).into_iter().map(Parameter::from));
         } else {

@@ -177,6 +177,21 @@ pub const OPTIONS: &[ImportOption] = &[
         },
     },
     ImportOption {
+        name: "turned",
+        example: "90",
+        meaning: "Angle about Z by which the part of a CMM report was turned on the machine, degrees, + from X to Y: 90 if X of the part pointed along Y+ of the machine; 0 (default), 90, 180 or -90",
+        set: |to, text| {
+            to.turned = Some(match text {
+                "0" => 0,
+                "90" | "+90" => 1,
+                "180" | "-180" => 2,
+                "-90" | "270" => 3,
+                _ => return Err("write 0, 90, 180 or -90".to_owned()),
+            });
+            Ok(())
+        },
+    },
+    ImportOption {
         name: "sigma",
         example: "0.5",
         meaning: "Standard uncertainty of a reading, µm or µrad; without it a calibration estimates it",
@@ -308,6 +323,8 @@ pub struct ImportAnswers {
     pub is_in_order: Option<bool>,
     /// Standard uncertainty, µm or µrad.
     pub sigma: Option<f64>,
+    /// Quarter turns of the part about Z on the machine.
+    pub turned: Option<usize>,
     /// True if a height map is that of a calibrated flat.
     pub is_flat_reference: bool,
     /// True if a straightness was read along a square.
@@ -323,6 +340,65 @@ impl ImportAnswers {
         let known = OPTIONS.iter().find(|one| one.name == option);
         known.map_or_else(|| Err(format!("there is no option --{option}")), |known| (known.set)(self, text.trim()))
     }
+}
+
+/// Answers of a command with several files: those for all of them, and those for single ones.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FileAnswers {
+    /// Answers for all files.
+    pub all: ImportAnswers,
+    /// File, option and value of the answers for single files.
+    own: Vec<(String, String, String)>,
+    /// Options that were given for all files.
+    given: Vec<String>,
+}
+
+impl FileAnswers {
+    /// Takes the value of an option: `VALUE` for all files, or `FILE=VALUE` for one. FILE is its name, with or without the ending.
+    ///
+    /// # Errors
+    /// A sentence if the value is not one of this option, or is given twice.
+    pub fn set(&mut self, option: &str, text: &str) -> Result<(), String> {
+        // `Y=200` and `Y200,Z=100` are positions.
+        let of_file = text.split_once('=').filter(|(file, _)| file.chars().count() > 1 && !file.contains(','));
+        let twice = |of: &str| format!("it is given twice{of}");
+        let Some((file, value)) = of_file else {
+            if self.given.iter().any(|own| own == option) {
+                return Err(twice("; for one file write FILE=VALUE"));
+            }
+            self.given.push(option.to_owned());
+            return self.all.set(option, text);
+        };
+        if self.own.iter().any(|(own, known, _)| own == file && known == option) {
+            return Err(twice(&format!(" for {file}")));
+        }
+        ImportAnswers::default().set(option, value)?;
+        self.own.push((file.to_owned(), option.to_owned(), value.to_owned()));
+        Ok(())
+    }
+
+    /// The answers for a file by its name: its own, and for other options those for all files.
+    #[must_use]
+    pub fn of(&self, name: &str) -> ImportAnswers {
+        let mut answers = self.all.clone();
+        for (_, option, value) in self.own.iter().filter(|(file, ..)| is_named(file, name)) {
+            // It was accepted before.
+            let _ = answers.set(option, value);
+        }
+        answers
+    }
+
+    /// The first file of an answer that none of the names means.
+    #[must_use]
+    pub fn stranger<'a>(&self, names: impl Iterator<Item = &'a str> + Clone) -> Option<&str> {
+        let is_known = |file: &str| names.clone().any(|name| is_named(file, name));
+        self.own.iter().map(|(file, ..)| file.as_str()).find(|file| !is_known(file))
+    }
+}
+
+/// True if a word means a file: its name, with or without the ending.
+fn is_named(word: &str, name: &str) -> bool {
+    word == name || name.rsplit_once('.').is_some_and(|(stem, _)| stem == word)
 }
 
 fn angle(text: &str) -> Result<f64, String> {
@@ -454,6 +530,21 @@ mod tests {
             assert_ne!(answers, ImportAnswers::default(), "{}", option.name);
             assert!(answers.set(option.name, "?").is_err() || option.name == "columns", "{}", option.name);
         }
+    }
+
+    #[test]
+    fn an_answer_for_one_file_goes_before_that_for_all() {
+        let mut answers = FileAnswers::default();
+        for (option, text) in [("at", "Y=200"), ("at", "laser_Y=X300,Z-200"), ("unit", "um"), ("unit", "lid.csv=mm")] {
+            answers.set(option, text).unwrap();
+        }
+        assert_eq!(answers.of("laser_X.csv").at, [(Axis::Y, 200.0)]);
+        assert_eq!(answers.of("laser_Y.csv").at, [(Axis::X, 300.0), (Axis::Z, -200.0)]);
+        assert_ne!(answers.of("lid.csv").unit, answers.of("lid.txt").unit);
+        assert!(answers.set("unit", "mm").is_err() && answers.set("unit", "lid.csv=um").is_err());
+        assert!(answers.set("unit", "x.csv=banana").is_err());
+        assert_eq!(answers.stranger(["laser_Y.csv", "lid.csv"].into_iter()), None);
+        assert_eq!(answers.stranger(["laser_Y.csv"].into_iter()), Some("lid.csv"));
     }
 
     #[test]

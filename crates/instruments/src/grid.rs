@@ -24,6 +24,8 @@ pub enum Separator {
     Comma,
     /// One or more blanks or tabs.
     Blanks,
+    /// `|`, at both ends of the line too: a table in a report.
+    Bar,
 }
 
 impl Separator {
@@ -35,6 +37,7 @@ impl Separator {
             Separator::Tab => "tab",
             Separator::Comma => "comma",
             Separator::Blanks => "blank",
+            Separator::Bar => "bar",
         }
     }
 }
@@ -90,7 +93,8 @@ pub struct GridHeading {
 /// Splits a line.
 #[must_use]
 pub fn split(line: &str, start: u32, separator: Separator) -> Vec<GridCell> {
-    let start = start as usize;
+    let (line, start) =
+        if separator == Separator::Bar { inside_bars(line, start as usize) } else { (line, start as usize) };
     let mut cells = Vec::new();
     let mut push = |from: usize, to: usize| {
         let raw = line.get(from..to).unwrap_or_default();
@@ -117,6 +121,7 @@ pub fn split(line: &str, start: u32, separator: Separator) -> Vec<GridCell> {
                 Separator::Tab => letter == '\t',
                 Separator::Comma => letter == ',',
                 Separator::Blanks => letter.is_whitespace(),
+                Separator::Bar => letter == '|',
             };
         if is_end {
             if (separator != Separator::Blanks || !last_blank) && !push(from, at) {
@@ -130,6 +135,14 @@ pub fn split(line: &str, start: u32, separator: Separator) -> Vec<GridCell> {
         push(from, line.len());
     }
     cells
+}
+
+/// A line without the bars at its ends, and the byte at which it begins.
+fn inside_bars(line: &str, start: usize) -> (&str, usize) {
+    let lead = line.len() - line.trim_start().len();
+    let inner = line.trim();
+    let (inner, from) = inner.strip_prefix('|').map_or((inner, start + lead), |inner| (inner, start + lead + 1));
+    (inner.strip_suffix('|').unwrap_or(inner), from)
 }
 
 /// Number in a cell; `None` if the text is not a number.
@@ -206,19 +219,25 @@ fn is_comment(line: &str) -> bool {
     line.is_empty() || COMMENTS.iter().any(|mark| line.starts_with(mark))
 }
 
+/// True for the rule below the headings of a table with bars: `|---|:---:|`.
+fn is_rule(line: &str) -> bool {
+    line.contains('-') && line.chars().all(|letter| matches!(letter, '|' | '-' | ':' | '+' | '=' | ' ' | '\t'))
+}
+
 /// Finds the table of a text.
 ///
 /// # Errors
 /// A diagnostic if the text has no table, if a row has more or fewer cells than the others, or if the decimal sign is not certain.
 pub fn table(text: &DecodedText) -> Result<GridTable, Box<Diagnostic>> {
-    let candidates = [Separator::Semicolon, Separator::Tab, Separator::Comma, Separator::Blanks];
+    let candidates = [Separator::Semicolon, Separator::Tab, Separator::Comma, Separator::Bar, Separator::Blanks];
     let scored = candidates.into_iter().map(|separator| (score(text, separator), separator));
     let scored: Vec<(usize, Separator)> = scored.collect();
     let better = |best: (usize, Separator), one: &(usize, Separator)| if one.0 > best.0 { *one } else { best };
     let mut best = scored.iter().fold((0, Separator::Semicolon), better);
     if best.1 == Separator::Blanks {
         // In rows with tabs or semicolons, blanks belong to the cells: names with a number make more numeric cells.
-        let is_written = |one: &&(usize, Separator)| matches!(one.1, Separator::Semicolon | Separator::Tab);
+        let is_written =
+            |one: &&(usize, Separator)| matches!(one.1, Separator::Semicolon | Separator::Tab | Separator::Bar);
         let written = scored.iter().filter(is_written).fold((0, Separator::Semicolon), better);
         if BLANKS_IN_CELLS * written.0 >= best.0 {
             best = written;
@@ -258,6 +277,7 @@ fn read(text: &DecodedText, separator: Separator) -> Result<GridTable, Box<Diagn
     let mut lines: Vec<GridLine> = text
         .lines()
         .filter(|(_, line, _)| !is_comment(line))
+        .filter(|(_, line, _)| separator != Separator::Bar || !is_rule(line))
         .map(|(number, line, start)| GridLine { number, cells: split(line, start, separator) })
         .filter(|line| line.cells.iter().any(|cell| !cell.text.is_empty()))
         .collect();

@@ -63,6 +63,7 @@ pub struct Inquiry<'a> {
     questions: Vec<ImportQuestion>,
     notes: Vec<String>,
     is_unit_stated: bool,
+    is_turn_read: bool,
 }
 
 /// Quotes a line of the file in a note.
@@ -72,7 +73,35 @@ impl<'a> Inquiry<'a> {
     /// Begins an import.
     #[must_use]
     pub fn new(text: &'a DecodedText, answers: &'a ImportAnswers, machine: &'a Machine) -> Inquiry<'a> {
-        Inquiry { text, answers, machine, questions: Vec::new(), notes: Vec::new(), is_unit_stated: false }
+        Inquiry {
+            text,
+            answers,
+            machine,
+            questions: Vec::new(),
+            notes: Vec::new(),
+            is_unit_stated: false,
+            is_turn_read: false,
+        }
+    }
+
+    /// Returns the quarter turns of the part about Z on the machine, and notes them: no file of a report states them.
+    pub fn quarter_turns(&mut self) -> usize {
+        self.is_turn_read = true;
+        let turns = self.answers.turned.unwrap_or(0);
+        self.note(
+            match turns {
+                0 => "X of the part along X of the machine (--turned 90 if it was clamped turned)".to_owned(),
+                turns => format!("the part was clamped turned by {}° about Z (--turned)", 90 * turns),
+            },
+            0,
+        );
+        turns
+    }
+
+    /// True if a turn of the part has been read, or was not given.
+    #[must_use]
+    pub fn accepts_turn(&self) -> bool {
+        self.is_turn_read || self.answers.turned.is_none()
     }
 
     /// Returns the open questions.

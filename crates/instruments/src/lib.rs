@@ -58,6 +58,12 @@ pub fn import(
     let mut inquiry = Inquiry::new(text, answers, machine);
     match (chosen.read)(&mut inquiry) {
         Ok(mut readings) if inquiry.questions().is_empty() => {
+            if !inquiry.accepts_turn() {
+                let message =
+                    format!("--turned is for the features of a report, and {} is not one", text.source().name());
+                let help = "remove --turned: these readings have the axes of the machine";
+                return Err(Box::new(Diagnostic::nowhere(Code::IMPORT_CONTRADICTION, message, help)));
+            }
             readings.is_unit_stated = inquiry.is_unit_stated();
             if readings.kind != ImportedKind::BallBar {
                 readings.is_in_order = answers.is_in_order.unwrap_or(readings.is_in_order);

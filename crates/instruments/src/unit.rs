@@ -70,9 +70,14 @@ impl ReadingUnit {
     /// Returns the spellings of all units of a kind, for a question.
     #[must_use]
     pub fn choices(is_angle: bool) -> String {
-        let signs =
-            UNITS.iter().map(|(unit, _)| *unit).filter(|unit| unit.is_angle() == is_angle).map(ReadingUnit::sign);
-        signs.collect::<Vec<_>>().join(", ")
+        let own = UNITS.iter().filter(|(unit, _)| unit.is_angle() == is_angle);
+        // A level shows a slope.
+        let slope = |spellings: &[&str]| ["um/m", "mm/m"].into_iter().find(|own| spellings.contains(own));
+        let name = |(unit, spellings): &(ReadingUnit, &[&str])| match slope(spellings) {
+            Some(slope) => format!("{} ({slope})", unit.sign()),
+            None => unit.sign().to_owned(),
+        };
+        own.map(name).collect::<Vec<_>>().join(", ")
     }
 }
 

@@ -25,6 +25,9 @@ pub struct CalibrationReport {
     pub found: CalibrationResult,
     /// Machine file that was written; `null` if there is none.
     pub output: Option<String>,
+    /// Row with the command to type next; empty without a file.
+    #[serde(skip)]
+    pub next: String,
     /// Report page that was written; `null` if there is none.
     pub report: Option<String>,
     /// Files from which the result was computed.
@@ -177,6 +180,7 @@ impl CalibrationReport {
         if let Some(report) = &self.report {
             push_row(&mut out, "report", output_name(report));
         }
+        out.push_str(&self.next);
         out
     }
 }

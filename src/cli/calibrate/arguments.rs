@@ -23,7 +23,11 @@ the autocorrelation of the readings, and they must improve the prediction of hel
 (all motion errors of the linear axes), errors (EXX), parameters (EXX2@150) and files with one parameter per line. Errors have degrees up to --degree, \
 and knots every --knots within the measured range.
 
+Without --model, ncfix takes the usual errors of the machine: places of rotary axes, squareness, scales, backlash. It leaves out what the data do not \
+determine, and says why (W0605). Then it selects curves of what was measured, as --select does.
+
 Examples:
+  ncfix calibrate readings --machine start.toml -o machine.toml
   ncfix calibrate balls.csv circles.csv --machine start.toml --model mayer-13 -o machine.toml --hold-out balls_2.csv
   ncfix calibrate balls.csv --machine start.toml --model mayer-13 -o machine.toml --report balls.html
   ncfix calibrate balls.csv --machine start.toml --model growth.txt --state shift.csv --load 2000 -o machine.toml
@@ -43,8 +47,8 @@ pub(in crate::cli) struct CalibrateArguments {
     /// Head of the machine file whose errors the readings contain
     #[arg(long, value_name = "NAME")]
     pub(in crate::cli) head: Option<String>,
-    /// Parameters to fit: a preset (see `ncfix machine presets`), a file with one per line, or presets, parameters and terms such as "EXX ~ Y^2", separated by commas; `none` only together with --select
-    #[arg(long, value_name = "PRESET|FILE|TERMS")]
+    /// Parameters to fit: auto for those that the data determine, a preset (see `ncfix machine presets`), a file with one per line, or presets, parameters and terms such as "EXX ~ Y^2", separated by commas; `none` only together with --select
+    #[arg(long, value_name = "auto|PRESET|FILE|TERMS", default_value = "auto")]
     pub(in crate::cli) model: String,
     /// Candidates from which the data selects further parameters: presets, motion, EXX, EXX2@150 or files, separated by commas
     #[arg(long, value_name = "CANDIDATES")]
@@ -70,6 +74,9 @@ pub(in crate::cli) struct CalibrateArguments {
     /// Measurements held out of the fit, to test the result
     #[arg(long, alias = "holdout", value_name = "DATA.csv", num_args = 1..)]
     pub(in crate::cli) hold_out: Vec<PathBuf>,
+    /// Write the residual of each reading: file, line, positions, reading, model, residual
+    #[arg(long, value_name = "FILE.csv")]
+    pub(in crate::cli) residuals: Option<PathBuf>,
     /// Drop parameters that the data cannot separate from others, the most complex first, and list them (docs/reference/calibrate.md)
     #[arg(long)]
     pub(in crate::cli) reduce: bool,

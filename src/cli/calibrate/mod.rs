@@ -15,10 +15,12 @@ use crate::cli::pages::{self, Pages};
 use crate::cli::progress::Progress;
 use crate::cli::stop::Stop;
 use crate::cli::{parameters, print, state, tell};
+use crate::disk::parameters::ChosenModel;
+use crate::next_line;
 use ncfix_base::source::FileId;
 use ncfix_metrology::calibrate::candidates::PiecewisePolynomials;
 use ncfix_metrology::results::calibration::{CalibrationSettings, CalibrationStart, check_sizes, prepare};
-use ncfix_metrology::results::parameters::ModelText;
+use ncfix_metrology::results::measurement::data_of;
 use ncfix_report::calibration::CalibrationReport;
 use ncfix_report::{json, page};
 
@@ -71,7 +73,8 @@ fn calibrate(
     let chosen = machine_choice::read_head(&start, &[], arguments.head.as_deref(), findings)?;
     let read = std::iter::once(&arguments.machine).chain(&arguments.state.state).cloned().collect();
     let tables = measurement::tables(&arguments.data, &arguments.hold_out)?;
-    let targets = std::iter::once(&target).chain(page.and_then(Pages::target));
+    let residuals = arguments.residuals.as_deref().map(pages::file).transpose()?;
+    let targets = std::iter::once(&target).chain(page.and_then(Pages::target)).chain(&residuals);
     measurement::protect_inputs(targets, read, tables.all.iter(), findings)?;
     if page.is_some() && findings.has_errors() {
         return Ok(());
@@ -85,10 +88,8 @@ fn calibrate(
         return Ok(());
     }
     report.found.machine.clone_from(&chosen.machine.name);
-    let parameters = match arguments.model.as_str() {
-        "none" if arguments.select.is_some() => Some(ModelText::default()),
-        model => parameters::choose_model(model, &chosen.machine, &chosen.errors, findings)?,
-    };
+    let (model, select) = (arguments.model.as_str(), arguments.select.as_deref());
+    let model = ChosenModel::read(model, select.is_some(), &chosen.machine, &chosen.errors, findings)?;
     let mut begin = CalibrationStart {
         machine: &chosen.machine,
         errors: &chosen.errors,
@@ -104,21 +105,26 @@ fn calibrate(
         }
         all.extend(read);
     }
-    let Some(model) = parameters.filter(|_| !findings.has_errors()) else { return Ok(()) };
+    let Some(model) = model.filter(|_| !findings.has_errors()) else { return Ok(()) };
     if chosen.state.is_some() {
         all.iter_mut().for_each(|one| one.data.fill_in(&chosen.condition));
     }
+    let is_automatic = model.is_automatic;
+    let data = data_of(all.get(..tables.used).unwrap_or_default());
+    let (model, undetermined) = model.for_data(&chosen.machine, &chosen.errors, &data);
     let settings = CalibrationSettings {
         max_mm: arguments.max,
         robust: !arguments.no_robust,
-        reduce: arguments.reduce,
+        reduce: arguments.reduce || is_automatic,
+        is_automatic,
         monte_carlo: arguments.monte_carlo.map(|runs| [runs, arguments.seed]),
         significance: arguments.significance,
         with_readings: arguments.page.is_wanted(),
     };
-    let Some((parameters, grown)) = with_terms(&chosen, &start, model, (&all, tables.used), findings) else {
+    let Some((mut parameters, grown)) = with_terms(&chosen, &start, model, (&all, tables.used), findings) else {
         return Ok(());
     };
+    parameters.extend(undetermined);
     report.found.terms = grown.as_ref().map_or_else(Vec::new, |grown| grown.terms.clone());
     let (from, errors) = grown.as_ref().map_or((&start, &chosen.errors), |grown| (&grown.source, &grown.errors));
     begin.errors = errors;
@@ -129,9 +135,10 @@ fn calibrate(
     findings.extend(found, &sources);
     let Some(prepared) = prepared else { return Ok(()) };
     let pieces = PiecewisePolynomials { spacing_mm: arguments.knots, degree: arguments.degree };
+    let words = select.or(is_automatic.then_some(parameters::AUTO));
     let mut select =
         |words| parameters::candidates((words, pieces), &chosen.machine, errors, &prepared.data(), findings);
-    let candidates = arguments.select.as_deref().map(&mut select).transpose()?;
+    let candidates = words.map(&mut select).transpose()?;
     if candidates.as_ref().is_some_and(Option::is_none) {
         return Ok(());
     }
@@ -143,6 +150,10 @@ fn calibrate(
     let Some(fit) = fit.filter(|_| !findings.has_errors()) else { return Ok(()) };
     let text = text_of((&chosen, errors), (&start, from), &arguments.model, (&fit, &report.found), prepared.used())?;
     files.add(target, text.as_bytes())?;
+    if let Some(target) = residuals {
+        files.add(target, prepared.residuals(&fit).as_bytes())?;
+    }
+    report.next = next_line::after_calibration(&arguments.output, !chosen.machine.zero_offsets.is_empty());
     report.output = Some(arguments.output.display().to_string());
     Ok(())
 }

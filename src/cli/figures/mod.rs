@@ -25,11 +25,12 @@ pub(in crate::cli) fn run(arguments: &FiguresArguments) -> Result<ExitCode, Stop
 }
 
 fn read(arguments: &FiguresArguments, findings: &mut Findings, report: &mut Report) -> Result<(), Stop> {
-    let beside = arguments.data.first().map_or_else(Default::default, Clone::clone);
+    let tables = measurement::tables(&arguments.data, &[])?.all;
+    let beside = tables.first().map_or_else(Default::default, Clone::clone);
     let Some(chosen) = machine_choice::choose(&arguments.machine, &beside, findings)? else { return Ok(()) };
     report.machine.clone_from(&chosen.machine.name);
     let mut all = Vec::new();
-    for (number, path) in arguments.data.iter().enumerate() {
+    for (number, path) in tables.iter().enumerate() {
         all.extend(measurement::read(path, number, false, &chosen.machine, findings)?);
     }
     if findings.has_errors() {

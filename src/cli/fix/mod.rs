@@ -19,7 +19,8 @@ use crate::cli::stop::Stop;
 use crate::cli::{pages, print, progress, tell};
 use crate::compare::Pair;
 use crate::machine::Machine;
-use crate::program::Program;
+use crate::next_line;
+use crate::program::{Program, keep_programs};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::Source;
 use ncfix_base::units::um_from_mm;
@@ -48,7 +49,7 @@ pub(in crate::cli) fn run(arguments: &FixArguments) -> Result<ExitCode, Stop> {
         if findings.has_errors() {
             tell(&format!("{}; nothing was written\n", findings.count()));
         } else {
-            tell(&report.table());
+            tell(&(report.table() + &job.next()));
         }
     }
     Ok(findings.exit_code())
@@ -113,7 +114,7 @@ impl<'a> Job<'a> {
         let guard = |read: &[PathBuf], findings: &mut Findings| {
             program::protect_program(&self.target, read, findings);
             if arguments.in_place {
-                self.keep_programs(findings);
+                keep_programs(&self.target_name, findings);
             }
         };
         let written = prepared.write(spool.writer(), Some(progress::watch()), findings, report, guard)?;
@@ -151,17 +152,21 @@ impl<'a> Job<'a> {
         Ok(())
     }
 
-    /// Refuses --in-place if programs of the file are not in the output.
-    fn keep_programs(&self, findings: &mut Findings) {
-        let Some((left, source)) = findings.first_of(Code::MORE_PROGRAMS) else { return };
-        let (place, source) = (left.place, source.clone());
-        let message = format!("--in-place would remove other programs from {}: {}", self.target_name, left.message);
-        let help = "give -o another file, or put each program into a file of its own";
-        let found = match place {
-            Some(place) => Diagnostic::at(Code::LOST_PROGRAM, place, message, help),
-            None => Diagnostic::nowhere(Code::LOST_PROGRAM, message, help),
+    /// The row with the test of the output; empty where a condition or a start of the command would be missing in it.
+    fn next(&self) -> String {
+        let FixArguments { input, output, machine, state, program, .. } = self.arguments;
+        let is_told = state.time.is_none() && state.zero_time.is_none() && state.zero_at.is_none();
+        let is_plain = program.skip.is_none() && program.start.is_none() && program.max_blocks.is_none();
+        let same = next_line::SameMachine {
+            machine: machine.machine.as_deref(),
+            head: machine.head.as_deref(),
+            dialect: program.dialect.as_deref(),
+            setups: &machine.setup,
+            states: &state.state,
+            zeros: &state.zero,
         };
-        findings.add(found, source.as_slice());
+        let output = output.as_deref().filter(|_| is_told && is_plain && state.load.is_none());
+        output.map_or_else(String::new, |output| next_line::after_fix(input, output, same))
     }
 
     /// Refuses a page that would overwrite the program.

@@ -78,6 +78,9 @@ pub(in crate::cli) struct NewMachineArguments {
     /// Data of the control: Sinumerik machine data, LinuxCNC INI, Grbl settings ($$); repeatable
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) from: Vec<PathBuf>,
+    /// Zero offsets and tools to write into the file: data saved by the control (archive, TOA, UFR, .var, tool.tbl, G10, $#) or TOML; repeatable
+    #[arg(long, value_name = "FILE")]
+    pub(in crate::cli) setup: Vec<PathBuf>,
     /// Write a picture of the chain with the directions of its axes
     #[arg(long, value_name = "PICTURE.svg")]
     pub(in crate::cli) picture: Option<PathBuf>,

@@ -1,25 +1,20 @@
 //! `ncfix machine new`: a machine file from a template, statements and data of the control.
 
-use std::io::{BufRead as _, IsTerminal as _};
-
 use crate::cli::arguments::NewMachineArguments;
 use crate::cli::atomic_writes::AtomicWrites;
 use crate::cli::exit_code::ExitCode;
 use crate::cli::findings::Findings;
 use crate::cli::output::Target;
 use crate::cli::stop::Stop;
-use crate::cli::{pages, print, say, tell};
-use crate::new_machine::describe;
-use ncfix_machine::describe::{Question, TEMPLATES};
+use crate::cli::{import, pages, print, tell};
+use crate::new_machine::{self, describe};
+use crate::next_line;
+use ncfix_machine::describe::Question;
 
 /// Lists the templates, or writes a machine file.
 pub(super) fn run(arguments: &NewMachineArguments) -> Result<ExitCode, Stop> {
     if arguments.list {
-        let row = |one: &ncfix_machine::describe::Template| {
-            let chain = if one.topology.is_empty() { "not yet" } else { one.topology };
-            format!("{:<18} {chain:<11} {}\n", one.name, one.line)
-        };
-        print(&TEMPLATES.iter().map(row).collect::<String>())?;
+        print(&new_machine::templates())?;
         return Ok(ExitCode::Done);
     }
     let (Some(output), Some(like)) = (&arguments.output, &arguments.like) else {
@@ -33,7 +28,7 @@ pub(super) fn run(arguments: &NewMachineArguments) -> Result<ExitCode, Stop> {
     let goes_out = !target.is_file();
     let picture = arguments.picture.as_deref().map(pages::file).transpose()?;
     let mut findings = Findings::default();
-    let made = describe(&arguments.request(), like, &arguments.from, &mut ask, &mut findings);
+    let made = describe(&arguments.request(), like, (&arguments.from, &arguments.setup), &mut ask, &mut findings);
     findings.draw();
     let Some(made) = made? else { return Ok(findings.exit_code()) };
     let mut together = AtomicWrites::default();
@@ -45,18 +40,13 @@ pub(super) fn run(arguments: &NewMachineArguments) -> Result<ExitCode, Stop> {
     if goes_out {
         tell(&made.sketch)
     } else {
-        print(&made.sketch)?
+        print(&made.sketch)?;
+        tell(&next_line::after_new_machine(output));
     }
     Ok(findings.exit_code())
 }
 
 /// Asks on a terminal; nobody answers elsewhere.
 fn ask(question: &Question) -> Option<String> {
-    if !std::io::stdin().is_terminal() || !std::io::stderr().is_terminal() {
-        return None;
-    }
-    say(&format!("{}: ", question.text));
-    let mut answer = String::new();
-    std::io::stdin().lock().read_line(&mut answer).ok()?;
-    Some(answer.trim().to_owned()).filter(|answer| !answer.is_empty())
+    if import::is_attended() { import::ask(&question.text).ok().flatten() } else { None }
 }

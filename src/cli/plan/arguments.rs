@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::cli::arguments::MachineChoice;
+use crate::option_values::{above_zero, axis, component, margin, not_negative, numbers, plane, vector};
 use crate::tool::ToolVector;
 use ncfix_base::geometry::{Axis, Plane, Vector};
 use ncfix_machine::machine::Machine;
@@ -182,51 +183,4 @@ fn kind(text: &str) -> Result<&'static PlanKind, String> {
         let names: Vec<&str> = PLANS.iter().map(|plan| plan.name).collect();
         format!("the kinds are {}", names.join(", "))
     })
-}
-
-fn number(text: &str) -> Result<f64, String> {
-    let number = text.trim().parse().ok().filter(|number: &f64| number.is_finite());
-    number.ok_or_else(|| format!("'{text}' is not a number"))
-}
-
-fn above_zero(text: &str) -> Result<f64, String> {
-    number(text).and_then(|value| if value > 0.0 { Ok(value) } else { Err(format!("'{text}' is not above 0")) })
-}
-
-fn not_negative(text: &str) -> Result<f64, String> {
-    number(text).and_then(|value| if value >= 0.0 { Ok(value) } else { Err(format!("'{text}' is below 0")) })
-}
-
-fn margin(text: &str) -> Result<f64, String> {
-    not_negative(text.trim().strip_suffix("mm").unwrap_or(text))
-}
-
-fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
-    let all: Vec<f64> = text.split(',').map(number).collect::<Result<_, _>>()?;
-    all.try_into().map_err(|_| format!("'{text}' is not {N} numbers separated by commas"))
-}
-
-fn vector(text: &str) -> Result<Vector, String> {
-    numbers::<3>(text).map(Vector::from)
-}
-
-fn plane(text: &str) -> Result<Plane, String> {
-    match text.to_ascii_uppercase().as_str() {
-        "XY" => Ok(Plane::XY),
-        "YZ" => Ok(Plane::YZ),
-        "ZX" | "XZ" => Ok(Plane::ZX),
-        _ => Err(format!("'{text}' is not a plane; write XY, YZ or ZX")),
-    }
-}
-
-fn axis(text: &str) -> Result<Axis, String> {
-    let axis = match *text.as_bytes() {
-        [letter] => Axis::from_letter(letter.to_ascii_uppercase()),
-        _ => None,
-    };
-    axis.ok_or_else(|| format!("'{text}' is not an axis"))
-}
-
-fn component(text: &str) -> Result<ErrorName, String> {
-    text.to_ascii_uppercase().parse().map_err(|_| format!("'{text}' is not an error name such as EXX or EBX"))
 }

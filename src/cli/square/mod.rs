@@ -11,11 +11,9 @@ use crate::cli::findings::Findings;
 use crate::cli::output::Target;
 use crate::cli::stop::Stop;
 use crate::cli::{machine_choice, print, tell};
-use crate::square::{SquareReadings, find};
+use crate::next_line;
+use crate::square::{SquareReadings, find, sides_mm};
 use ncfix_path::emit::check_cut;
-
-/// Sides of the part that the page describes if a square was measured, mm.
-const SHOWN_MM: f64 = 300.0;
 
 /// Calculates the squareness, and writes the machine file and the test square.
 pub(in crate::cli) fn run(arguments: &SquareArguments) -> Result<ExitCode, Stop> {
@@ -24,19 +22,9 @@ pub(in crate::cli) fn run(arguments: &SquareArguments) -> Result<ExitCode, Stop>
     if let Some(wrong) = all.chain(arguments.dial.map(f64::abs)).find(|value| !value.is_finite() || *value < 0.0) {
         return Err(Stop::Usage(format!("{wrong} is not a length in mm")));
     }
-    let (readings, usual) = match (arguments.d1.zip(arguments.d2), arguments.square.zip(arguments.dial)) {
-        (Some((d1, d2)), _) => (SquareReadings::Diagonals([d1, d2]), 0.5),
-        (None, Some((leg, dial))) => {
-            (SquareReadings::Dial(leg, if arguments.plunger_negative { -dial } else { dial }), 0.005)
-        }
-        (None, None) => return Err(Stop::Usage("give --d1 and --d2, or --square and --dial".into())),
-    };
-    let sides = match (arguments.side, arguments.sides.as_slice()) {
-        (Some(side), _) => [side; 2],
-        (None, [a, b]) => [*a, *b],
-        (None, []) => [SHOWN_MM; 2],
-        _ => return Err(Stop::Usage("--sides needs two lengths in mm, such as 600,400".into())),
-    };
+    let (diagonals, dial) = (arguments.d1.zip(arguments.d2), arguments.square.zip(arguments.dial));
+    let (readings, usual) = SquareReadings::of(diagonals, dial, arguments.plunger_negative)?;
+    let sides = sides_mm(arguments.side, &arguments.sides)?;
     let mut findings = Findings::default();
     let (path, found) = machine_choice::locate(arguments.machine.machine.as_deref(), Path::new("-"));
     let source = machine_choice::source_of(path.as_deref(), found, &mut findings)?;
@@ -63,7 +51,10 @@ pub(in crate::cli) fn run(arguments: &SquareArguments) -> Result<ExitCode, Stop>
     if goes_out {
         tell(&result.page)
     } else {
-        print(&result.page)?
+        print(&result.page)?;
+    }
+    if let Some(output) = &arguments.output {
+        tell(&next_line::after_calibration(output, !chosen.machine.zero_offsets.is_empty()));
     }
     Ok(findings.exit_code())
 }

@@ -492,7 +492,7 @@ for the sensor T_head) or load_N. A table for weighing needs only the axis of [s
     DATA_CELL = "E0603" "cell that is not a number"
 "A position or a tool length is a plain number: 12.5 or, if the separator is not a comma, 12,5; the same decimal sign in all cells,
 no unit, no thousands separators. Cells must not be empty. The direction of approach (X_dir …) is -1, 0 or 1, or empty. In a log
-temperatures and loads may be empty. Temperatures are -60 to 400 °C in measurements and -30 to 150 °C in logs, a weight is not
+temperatures and loads may be empty. Temperatures are -60 to 400 °C, a weight is not
 negative, the time does not decrease.";
 
     DATA_REPEATED = "E0605" "reading given twice"

@@ -20,7 +20,7 @@ use std::time::Duration;
 
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::Source;
-use ncfix_machine::machine::condition::file::PLAUSIBLE_C;
+use ncfix_machine::machine::condition::file::READABLE_C;
 use ncfix_machine::machine::file::{MachineFile, Section, nearest};
 
 use super::source::{SensorSource, SensorSources, SourcePlan, Wanted};
@@ -352,7 +352,7 @@ fn rules(poll: Duration) -> SensorChannel {
 /// Reads plausibility limits and overrides the existing ones.
 fn read_rules(section: &mut Section<'_>, rules: &mut SensorChannel) {
     if let Some(range) = section.numbers("range_C") {
-        let [lowest, highest] = PLAUSIBLE_C;
+        let [lowest, highest] = READABLE_C;
         match *range.as_slice() {
             [low, high] if lowest <= low && low < high && high <= highest => rules.range_c = [low, high],
             _ => {

@@ -23,6 +23,23 @@ pub(super) const FORMAT: InstrumentFormat = InstrumentFormat {
 /// Columns of the axes, and of dx, dy, dz.
 type Columns = (Vec<(usize, Axis)>, Vec<(usize, usize)>);
 
+/// The axis whose direction of approach a column states: `X_dir`, `dir X`, `direction of X`, `Richtung X`.
+fn approach(words: &str) -> Option<Axis> {
+    let mut parts = words.split([' ', '_', '.']).filter(|part| !part.is_empty() && *part != "of");
+    let (first, last) = (parts.next()?, parts.next()?);
+    let is_direction =
+        |word: &str| matches!(word, "dir" | "direction" | "approach" | "sense" | "richtung" | "sens" | "senso");
+    let letter = match (is_direction(first), is_direction(last), parts.next()) {
+        (true, false, None) => last,
+        (false, true, None) => first,
+        _ => return None,
+    };
+    match letter.as_bytes() {
+        [letter] => Axis::from_letter(letter.to_ascii_uppercase()),
+        _ => None,
+    }
+}
+
 /// Columns of the axes, and of dx, dy, dz.
 fn columns(table: &GridTable) -> Option<Columns> {
     let axes = axis_columns(table);
@@ -62,8 +79,22 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
         ));
     }
     let run = table.headings.iter().position(|heading| words::role(&heading.words) == ColumnRole::Run);
+    let mut approaches: Vec<(usize, Axis)> = Vec::new();
+    for (index, heading) in table.headings.iter().enumerate() {
+        let Some(axis) = approach(&heading.words).filter(|axis| axes.iter().any(|(_, own)| own == axis)) else {
+            continue;
+        };
+        if approaches.iter().any(|(_, own)| *own == axis) {
+            let message = format!("two columns state the direction of approach of {}", char::from(axis.letter()));
+            return Err(inquiry.refused(message, "remove one of them", line));
+        }
+        approaches.push((index, axis));
+    }
     let used = |index: usize| {
-        axes.iter().any(|(own, _)| *own == index) || values.iter().any(|(own, _)| *own == index) || run == Some(index)
+        approaches.iter().any(|(own, _)| *own == index)
+            || axes.iter().any(|(own, _)| *own == index)
+            || values.iter().any(|(own, _)| *own == index)
+            || run == Some(index)
     };
     let headings = table.headings.iter().enumerate();
     let unread: Vec<&GridHeading> = headings.filter(|(index, _)| !used(*index)).map(|(_, own)| own).collect();
@@ -88,6 +119,10 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     out.fixed = inquiry.other_positions(&moved);
     out.tool_mm = [tool[0], tool[1], tool[2]];
     out.sigma = inquiry.answers.sigma;
+    out.extra = approaches.iter().map(|(_, axis)| format!("{}_dir", char::from(axis.letter()))).collect();
+    if !out.extra.is_empty() {
+        inquiry.note(format!("directions of approach: {}", out.extra.join(", ")), line);
+    }
     inquiry.note("positions are machine coordinates", 0);
     let mut worst: Option<(f64, usize, Vec<f64>)> = None;
     for row in &table.rows {
@@ -112,11 +147,26 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
             }
             readings.push(value);
         }
+        let mut directions = Vec::new();
+        for (column, axis) in &approaches {
+            let text = row.cells.get(*column).map_or("", |cell| cell.text.trim());
+            let sense = words::sense(text);
+            if sense.is_none() && !text.is_empty() && text != "0" {
+                let message = format!("'{text}' is not a direction of approach of {}", char::from(axis.letter()));
+                return Err(inquiry.refused(
+                    message,
+                    "write + or -, or leave the cell empty if it is not known",
+                    row.number,
+                ));
+            }
+            directions.push(sense.map(f64::from));
+        }
         let label = run.and_then(|index| row.cells.get(index)).map_or_else(String::new, |cell| cell.text.clone());
         out.rows.push(ImportedRow {
             run: label,
             position,
             values: readings,
+            extra: directions,
             line: row.number,
             ..ImportedRow::default()
         });

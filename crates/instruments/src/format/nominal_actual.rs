@@ -337,6 +337,8 @@ fn displacement(
         .flat_map(|feature| feature.nominal.iter().flatten())
         .map(|value| value.abs())
         .fold(0.0, f64::max);
+    let quarters = inquiry.quarter_turns();
+    let features: Vec<Feature> = features.into_iter().map(|feature| feature.turned(quarters)).collect();
     let unit = position_unit(inquiry, unit, largest)?;
     let sign = inquiry.sign(None, ORIGIN)?;
     let axes: Vec<Axis> = [Axis::X, Axis::Y, Axis::Z]

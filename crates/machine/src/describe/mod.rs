@@ -6,6 +6,7 @@
 pub mod data;
 mod description;
 mod known;
+mod setup;
 mod stated;
 mod template;
 mod write;
@@ -13,6 +14,7 @@ mod write;
 pub use data::{AxisFacts, ControlFacts};
 pub use description::{Ask, AxisDescription, Description, DescriptionRequest, Question};
 pub use known::{Known, KnownOrigin};
+pub use setup::{has_same_setup, setup_text};
 pub use stated::{StatedPivot, StatedSense, StatedTravel, TravelRange};
 pub use template::{TEMPLATES, Template, TemplateRotary, template};
 pub use write::{measured, text};

@@ -9,7 +9,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, Plane, Vector};
 use ncfix_base::source::Source;
 
-use super::condition::file::PLAUSIBLE_C;
+use super::condition::file::READABLE_C;
 use super::controller::{ControllerMeaning, controller, has_conditions, starts_with_g98, states_retraction};
 use super::zero_offset::{ZeroOffsets, check_name, common_name, read_zero_offsets};
 use super::{ActiveTables, AxisData, Control, Lever, Machine, ToolChange, Topology};
@@ -140,8 +140,8 @@ fn read_sensors(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) ->
     for key in keys {
         if let Some(mut sensor) = section.section(key) {
             let reference_c = sensor.required("reference_C", "20.4", |section, key| {
-                let [low, high] = PLAUSIBLE_C;
-                section.number_where(key, "a temperature from -30 to 150 °C", |value| (low..=high).contains(&value))
+                let [low, high] = READABLE_C;
+                section.number_where(key, "a temperature from -60 to 400 °C", |value| (low..=high).contains(&value))
             });
             references.extend(reference_c.map(|value| (key.to_owned(), value)));
             sensor.finish(findings);

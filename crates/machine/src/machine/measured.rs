@@ -14,7 +14,7 @@ const SECTION: &str = "measured";
 /// Key of the temperatures, a section with the sensors.
 const TEMPERATURES: &str = "temperature_C";
 /// Plausible temperatures in a machine, °C.
-const PLAUSIBLE_C: [f64; 2] = [-30.0, 150.0];
+const PLAUSIBLE_C: [f64; 2] = [-60.0, 400.0];
 
 /// Ranges in which the errors of a machine were measured: lowest and highest value of each.
 #[derive(Clone, Debug, Default, PartialEq)]

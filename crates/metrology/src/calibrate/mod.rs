@@ -6,6 +6,7 @@
 //! checks, and [`quality()`] compares a model with data, including held-out data. [`select()`] selects the parameters that the data need. [`sensors`]
 //! selects temperature sensors for a drift.
 
+pub mod automatic;
 #[cfg(test)]
 pub(crate) mod bench;
 pub mod candidates;

@@ -5,6 +5,7 @@ use super::cells::{cell, estimate, weighted_down};
 use super::held::{ComparedMeasurement, fitted};
 use super::measurement::{Measurement, check_copies, data_of};
 pub use super::not_identified::LeftOut;
+use super::residuals::residual_table;
 use super::selection;
 use super::{conditions, figures, has_errors, not_identified, relative, repeated, slope};
 use crate::calibrate::{
@@ -12,7 +13,7 @@ use crate::calibrate::{
 };
 use crate::measure::data::{DataSet, Free, Observation};
 use crate::measure::kind::Measurand;
-use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::Vector;
 use ncfix_base::number::{micrometers, significant};
 use ncfix_base::source::Source;
@@ -62,6 +63,9 @@ pub struct CalibrationSettings {
     pub robust: bool,
     /// `true` to leave out parameters that the data do not determine.
     pub reduce: bool,
+    /// `true` if the parameters and candidates are those of the model `auto`: a scale that rests on the stated place of a rotary axis is left out, and
+    /// without a selection the parameters alone are fitted.
+    pub is_automatic: bool,
     /// Number of simulated repetitions, and the seed of their noise.
     pub monte_carlo: Option<[u64; 2]>,
     /// Significance level of the selection.
@@ -104,6 +108,9 @@ pub fn prepare<'a>(
         let start = (begin.machine, begin.errors);
         parameters = not_identified::reduced(start, &parameters, &all, findings, &mut report.left_out);
     }
+    if settings.is_automatic {
+        relative::leave_out_scales((begin.machine, begin.errors), &mut parameters, &all, findings, report);
+    }
     Some(PreparedFit { begin, settings, parameters, used: all, held_out })
 }
 
@@ -142,6 +149,12 @@ impl PreparedFit<'_> {
         findings.extend(worse(report));
         self.rows(&fit, findings, report);
         Some(fit)
+    }
+
+    /// The residual of each reading of a fit, as a table in CSV.
+    #[must_use]
+    pub fn residuals(&self, fit: &Fit) -> String {
+        residual_table(self.begin.machine, fit, &self.used)
     }
 
     fn options(&self) -> FitOptions {
@@ -207,29 +220,56 @@ impl PreparedFit<'_> {
         report: &mut CalibrationResult,
     ) -> Result<(Fit, Vec<Parameter>), Refusal> {
         let CalibrationStart { machine, errors, .. } = self.begin;
-        let Some(candidates) = candidates else {
+        let Some(candidates) = candidates.filter(|all| !(self.settings.is_automatic && all.is_empty())) else {
             let found = fit(machine, errors, &self.parameters, data, self.options())?;
             return Ok((found, self.parameters.clone()));
         };
         let rule = Rule { significance: self.settings.significance, ..Rule::default() };
-        let found = select(machine, errors, &self.parameters, candidates, data, self.options(), rule)?;
+        let found = match select(machine, errors, &self.parameters, candidates, data, self.options(), rule) {
+            Err(_) if self.settings.is_automatic => {
+                let found = fit(machine, errors, &self.parameters, data, self.options())?;
+                return Ok((found, self.parameters.clone()));
+            }
+            found => found?,
+        };
         report.selection = Some(selection::told(&found, rule, data));
         Ok((found.fit, found.parameters))
     }
 
-    /// Reports rows that do not fit; after the diagnostics about whole measurements, as they may be many.
+    /// Reports rows that do not fit, once for each file; after the diagnostics about whole measurements.
     fn rows(&self, fit: &Fit, findings: &mut Vec<Diagnostic>, report: &mut CalibrationResult) {
+        let mut groups: Vec<Vec<(OutlierRow, Place)>> = Vec::new();
         for (row, place) in weighted_down(fit, &self.used) {
+            report.weighted_down.push(row.clone());
+            let is_like = |(first, _): &(OutlierRow, Place)| {
+                (&first.file, first.is_without_direction) == (&row.file, row.is_without_direction)
+            };
+            match groups.iter_mut().find(|group| group.first().is_some_and(is_like)) {
+                Some(group) => group.push((row, place)),
+                None => groups.push(vec![(row, place)]),
+            }
+        }
+        for group in groups {
+            // The least weight, and of several rows without weight the largest residual.
+            let order = |(a, _): &&(OutlierRow, Place), (b, _): &&(OutlierRow, Place)| {
+                a.weight.total_cmp(&b.weight).then(b.residual.abs().total_cmp(&a.residual.abs()))
+            };
+            let Some((row, place)) = group.iter().min_by(order) else { continue };
             let size = format!("{} {}", significant(row.residual), row.unit.sign());
-            let message = format!("the residual of this reading is {size}; its weight is {:.0} %", row.weight * 100.0);
+            let others = match group.len() - 1 {
+                0 => String::new(),
+                1 => "; one more reading of this file does not fit".to_owned(),
+                more => format!("; {more} more readings of this file do not fit, --residuals lists all"),
+            };
+            let message =
+                format!("the residual of this reading is {size}; its weight is {:.0} %{others}", row.weight * 100.0);
             // Where the direction of approach does not follow from the table, the model has no backlash for the reading: the reading is not at fault.
             let help = if row.is_without_direction {
                 "its direction of approach is not known, so the model has no backlash for it: give the directions in columns X_dir …"
             } else {
                 "find its cause; --no-robust gives it full weight"
             };
-            findings.push(Diagnostic::at(Code::ROW_DOES_NOT_FIT, place, message, help));
-            report.weighted_down.push(row);
+            findings.push(Diagnostic::at(Code::ROW_DOES_NOT_FIT, *place, message, help));
         }
     }
 

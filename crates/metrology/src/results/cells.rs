@@ -91,7 +91,7 @@ pub(super) fn weighted_down(fit: &Fit, all: &[Measurement]) -> Vec<(calibrated::
 }
 
 /// The cells of a measurement.
-struct Cells<'a> {
+pub(super) struct Cells<'a> {
     measurement: &'a Measurement,
     table: Option<Table>,
     /// The indices of rows by their start offset.
@@ -99,7 +99,8 @@ struct Cells<'a> {
 }
 
 impl<'a> Cells<'a> {
-    fn new(measurement: &'a Measurement) -> Cells<'a> {
+    /// Reads the table of a measurement again.
+    pub(super) fn new(measurement: &'a Measurement) -> Cells<'a> {
         let (table, _) = Table::read(&measurement.sources[0]);
         let places = table.iter().flat_map(Table::rows).map(|row| row.place(0).span.start);
         let rows = places.enumerate().map(|(number, start)| (start, number)).collect();
@@ -107,7 +108,7 @@ impl<'a> Cells<'a> {
     }
 
     /// The place of a reading of a row, by index; the row itself if it has no separate cell.
-    fn place(&self, row: &Observation, number: usize) -> Place {
+    pub(super) fn place(&self, row: &Observation, number: usize) -> Place {
         let columns = self.measurement.data.kind.columns;
         let index = (0..row.values.len()).filter(|&k| row.values[k].is_some()).nth(number);
         let cell = || {

@@ -30,6 +30,20 @@ pub(super) fn fitted(fit: &Fit, set: usize) -> Vec<[f64; 2]> {
     fit.residuals.iter().filter(|(of, ..)| *of == set).map(|&(.., left, weight)| [left, weight]).collect()
 }
 
+/// The direction or component of a reading, by its row and its number in it.
+pub(super) fn value_name(data: &DataSet, row: usize, index: usize) -> String {
+    let Some(row) = data.observations.get(row) else { return String::new() };
+    if let Some(component) = row.component {
+        return component.to_string();
+    }
+    // Each value has an equation, in order; a probed ball has three without a column.
+    let column = row.values.iter().enumerate().filter(|(_, value)| value.is_some()).nth(index);
+    match column.and_then(|(k, _)| data.kind.columns.get(k)) {
+        Some(name) => name.trim_end_matches("_um").to_owned(),
+        None => ["X", "Y", "Z"].get(index).map_or_else(String::new, |name| (*name).to_owned()),
+    }
+}
+
 impl ComparedMeasurement<'_> {
     /// The comparison of the measurement with the result, lengths and angles separately; with its readings if pictures are requested.
     pub(super) fn shown(&self, machine: &Machine, with_readings: bool) -> Vec<Data> {
@@ -137,17 +151,7 @@ impl ComparedMeasurement<'_> {
 
     /// The direction or component of a reading.
     fn part_name(&self, line: &ComparedReading) -> String {
-        let Some(row) = self.row(line) else { return String::new() };
-        if let Some(component) = row.component {
-            return component.to_string();
-        }
-        // Each value has an equation, in order; a probed ball has three without a column.
-        let column = row.values.iter().enumerate().filter(|(_, value)| value.is_some()).nth(line.index);
-        let name = column.and_then(|(k, _)| self.data.kind.columns.get(k)).map(|name| name.trim_end_matches("_um"));
-        match name {
-            Some(name) => name.to_owned(),
-            None => ["X", "Y", "Z"].get(line.index).map_or_else(String::new, |name| (*name).to_owned()),
-        }
+        value_name(self.data, line.row, line.index)
     }
 
     /// Directions and components in the order of their first occurrence.

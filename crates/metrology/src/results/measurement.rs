@@ -169,7 +169,8 @@ pub fn reads_angles(data: &DataSet) -> bool {
 }
 
 /// Copies of the data of measurements.
-pub(super) fn data_of(all: &[Measurement]) -> Vec<DataSet> {
+#[must_use]
+pub fn data_of(all: &[Measurement]) -> Vec<DataSet> {
     all.iter().map(|one| one.data.clone()).collect()
 }
 

@@ -27,6 +27,7 @@ pub mod readings;
 mod relative;
 mod repeated;
 mod repeats;
+mod residuals;
 pub mod selection;
 pub mod sensors;
 pub mod simulated;

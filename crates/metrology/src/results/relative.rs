@@ -4,13 +4,16 @@
 //! differences, and takes the others as they are in the machine file: its uncertainty does not contain theirs. Balls on a turning table, without a known
 //! distance, show scales only relative to the stated places of the rotary axes.
 
+use super::calibrated::CalibrationResult;
 use super::measurement::{Measurement, data_of};
+use super::not_identified::LeftOut;
 use super::slope::range;
 use crate::calibrate::{Fit, Parameter, identify};
 use crate::diagnose::cause::own;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{AXES, Axis, ROTARY_AXES};
 use ncfix_machine::machine::Machine;
+use ncfix_model::ErrorModel;
 use ncfix_model::motion::EntryFunction;
 use ncfix_model::name::{DIRECTIONS, ErrorName};
 use ncfix_model::parameter::ParameterName;
@@ -69,21 +72,63 @@ pub(super) fn check_pivots(
     fit: &Fit,
     findings: &mut Vec<Diagnostic>,
 ) {
+    let Some(found) = pivots(machine, parameters, used, &fit.errors) else { return };
+    let [scales, confused] = [found.scales, found.offsets].map(|names| names.join(" and "));
+    let message = format!(
+        "without a known distance of two balls, the readings cannot separate {scales} from {confused}, which counts as in the \
+         machine file: if that is wrong, so are the scales"
+    );
+    let help = format!(
+        "give the distance of two balls in [[length]], measure an axis with a laser, or fit {confused} in place of the scales"
+    );
+    findings.push(Diagnostic::nowhere(Code::SCALE_BY_PIVOT, message, help));
+}
+
+/// Leaves out scales that rest on the stated place of a rotary axis: nobody chose them.
+pub(super) fn leave_out_scales(
+    (machine, errors): (&Machine, &ErrorModel),
+    parameters: &mut Vec<Parameter>,
+    used: &[Measurement],
+    findings: &mut Vec<Diagnostic>,
+    report: &mut CalibrationResult,
+) {
+    let Some(found) = pivots(machine, parameters, used, errors) else { return };
+    parameters.retain(|one| !found.scales.contains(&one.to_string()));
+    let [scales, confused] = [&found.scales, &found.offsets].map(|names| names.join(" and "));
+    let reason =
+        format!("without a known distance of two balls, the readings cannot separate {scales} from {confused}");
+    let help = "give the distance of two balls in [[length]], or measure an axis with a laser";
+    findings.push(Diagnostic::nowhere(Code::REDUCED, format!("left out: {scales}: {reason}"), help));
+    report.left_out.push(LeftOut { parameters: found.scales, reason });
+}
+
+/// Scales of a model, and offsets of rotary axes which it takes as stated and from which the readings do not separate the scales.
+struct RestingScales {
+    scales: Vec<String>,
+    offsets: Vec<String>,
+}
+
+/// The scales that rest on the place of a rotary axis; `None` without any.
+fn pivots(
+    machine: &Machine,
+    parameters: &[Parameter],
+    used: &[Measurement],
+    errors: &ErrorModel,
+) -> Option<RestingScales> {
     let scale = |axis: Axis| ParameterName::coefficient(own(axis), 1);
     let is_scale = |one: &&Parameter| AXES.into_iter().any(|axis| !axis.is_rotary() && **one == scale(axis).into());
     let scales: Vec<String> = parameters.iter().filter(is_scale).map(ToString::to_string).collect();
     if scales.is_empty() {
-        return;
+        return None;
     }
     let data = data_of(used);
-    let shows = |all: &[Parameter]| {
-        identify(machine, &fit.errors, all, &data).is_some_and(|found| found.lost.leave_out.is_empty())
-    };
+    let shows =
+        |all: &[Parameter]| identify(machine, errors, all, &data).is_some_and(|found| found.lost.leave_out.is_empty());
     let without: Vec<Parameter> = parameters.iter().filter(|one| !is_scale(one)).cloned().collect();
     let axes = ROTARY_AXES.into_iter().filter(|axis| machine.axis(*axis).is_some());
     let offsets =
         axes.flat_map(|axis| DIRECTIONS.into_iter().map(move |direction| ErrorName::location(direction, axis)));
-    let confused: Vec<String> = offsets
+    let offsets: Vec<String> = offsets
         .filter(|name| !name.direction.is_rotation())
         .map(ParameterName::location)
         .filter(|name| !parameters.contains(&Parameter::from(*name)))
@@ -95,16 +140,5 @@ pub(super) fn check_pivots(
         })
         .map(|name| name.to_string())
         .collect();
-    if confused.is_empty() {
-        return;
-    }
-    let [scales, confused] = [scales, confused].map(|names| names.join(" and "));
-    let message = format!(
-        "without a known distance of two balls, the readings cannot separate {scales} from {confused}, which counts as in the \
-         machine file: if that is wrong, so are the scales"
-    );
-    let help = format!(
-        "give the distance of two balls in [[length]], measure an axis with a laser, or fit {confused} in place of the scales"
-    );
-    findings.push(Diagnostic::nowhere(Code::SCALE_BY_PIVOT, message, help));
+    (!offsets.is_empty()).then_some(RestingScales { scales, offsets })
 }

@@ -186,14 +186,14 @@ fn note(one: &StatedHypothesis, changes: &[Change], amounts: &[TermAmount]) -> V
         return vec![format!("stated: {text}; the entry has the fitted values")];
     }
     let amount = |own: &TermAmount| {
-        let TermAmount { term, value, u95, unit } = own;
-        format!("{term} {value:.4} {unit}, 95 %: +-{u95:.4}")
+        let TermAmount { term, value, sigma, unit, .. } = own;
+        format!("{term} {value:.4} {unit}, 95 %: +-{:.4}", EXPANDED * sigma)
     };
     let all: Vec<String> = amounts.iter().map(amount).collect();
     vec![format!("stated: {text}; {}", all.join("; "))]
 }
 
 fn estimate(one: &StatedHypothesis, amount: TermAmount) -> StatedEstimate {
-    let TermAmount { term, value, u95, unit } = amount;
-    StatedEstimate { hypothesis: one.text.clone(), term, value, sigma: u95 / EXPANDED, unit }
+    let TermAmount { term, value, sigma, unit, .. } = amount;
+    StatedEstimate { hypothesis: one.text.clone(), term, value, sigma, unit }
 }

@@ -20,6 +20,18 @@ pub(super) struct Feature {
     pub(super) line: usize,
 }
 
+impl Feature {
+    /// The feature after quarter turns about Z: the x of the part points along Y+ after the first one.
+    pub(super) fn turned(mut self, quarters: usize) -> Feature {
+        for _ in 0..quarters {
+            for [x, y, _] in [&mut self.nominal, &mut self.actual] {
+                (*x, *y) = (y.map(|y| -y), *x);
+            }
+        }
+        self
+    }
+}
+
 /// Features, and the unit with its line if the file states it.
 pub(super) type StatedFeatures = (Vec<Feature>, Option<(ReadingUnit, usize)>);
 

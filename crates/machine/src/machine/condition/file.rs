@@ -23,10 +23,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{AXES, AXIS_COUNT, AxisVector, Vector};
 use ncfix_base::source::Source;
 
-/// Plausible range of sensor temperatures, °C: a value outside is faulty or in another unit.
-pub const PLAUSIBLE_C: [f64; 2] = [-30.0, 150.0];
-
-/// Range of the temperatures that a sensor in a table of measurements can have, °C: from a cold store to a hot end (a printer's has up to 300 °C). Values of failed sensors are beyond it: −127 °C
+/// Range of the temperatures that a sensor can have, °C: from a cold store to a hot end (a printer's has up to 300 °C). Values of failed sensors are beyond it: −127 °C
 /// and 85 °C of a DS18B20 (only the first is impossible), 850 °C of an open Pt100 (IEC 60751 ends there).
 pub const READABLE_C: [f64; 2] = [-60.0, 400.0];
 
@@ -71,10 +68,10 @@ pub fn load_text(load: &Load) -> String {
 }
 
 fn read_temperatures(mut section: Section<'_>, condition: &mut Condition, findings: &mut Vec<Diagnostic>) {
-    let [low, high] = PLAUSIBLE_C;
+    let [low, high] = READABLE_C;
     let keys: Vec<&str> = section.keys().collect();
     for key in keys {
-        let expected = "a temperature from -30 to 150 °C";
+        let expected = "a temperature from -60 to 400 °C";
         if let Some(value) = section.number_where(key, expected, |value| (low..=high).contains(&value)) {
             condition.add_reading(key, 0.0, value);
         }

@@ -19,7 +19,7 @@ use ncfix_base::pattern::{RegexSet, patterns};
 use ncfix_base::source::Source;
 
 use super::columns::{ConditionColumn, NO_LOAD, OfDead, check_load, read_cell};
-use super::file::PLAUSIBLE_C;
+use super::file::READABLE_C;
 use super::{Condition, ConditionLog, Load};
 
 /// Maximum number of diagnostics; more are of no use.
@@ -120,7 +120,7 @@ impl Readings {
         for (column, (place, value, rows)) in &self.dead {
             let Some(ConditionColumn::Sensor(sensor)) = self.columns.get(*column) else { continue };
             let message =
-                format!("{sensor} is dead: {value} °C is not a plausible machine temperature (in {rows} rows)");
+                format!("{sensor} is dead: {value} °C is not a temperature that a sensor can have (in {rows} rows)");
             let help = "its readings in these rows are ignored; check its plug and cable";
             findings.push(Diagnostic::at(Code::FAULTY_DATA, *place, message, help));
         }
@@ -133,7 +133,7 @@ impl Readings {
         };
         let last = self.load;
         for (index, (column, trace)) in self.columns.iter().zip(&mut self.traces).enumerate() {
-            match read_cell(row, index, column, self.sign, &mut self.load, (self.of_dead, PLAUSIBLE_C)) {
+            match read_cell(row, index, column, self.sign, &mut self.load, (self.of_dead, READABLE_C)) {
                 Ok(Some(value)) if matches!(column, ConditionColumn::Sensor(_)) => trace.add(time_s, value),
                 Ok(None) if matches!(column, ConditionColumn::Sensor(_)) && !row.text(index).is_empty() => {
                     let value = String::from_utf8_lossy(row.text(index)).into_owned();

@@ -81,8 +81,10 @@ pub struct TermAmount {
     pub term: String,
     /// Its amount.
     pub value: f64,
-    /// Expanded uncertainty (95 %).
+    /// Expanded uncertainty (95 %), with the autocorrelation of the readings.
     pub u95: f64,
+    /// Standard uncertainty; of a term in a model that of uncorrelated readings, as of a parameter.
+    pub sigma: f64,
     /// Its unit: `um/m^2`, `um/K`; `um` for a reversal value, an amplitude and a step.
     pub unit: String,
 }

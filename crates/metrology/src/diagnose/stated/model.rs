@@ -5,6 +5,7 @@ use super::super::extend::{self, Change};
 use super::super::readings::{even_out, left_of, weights};
 use super::super::scene::{Scene, Through};
 use super::super::search::{Field, Taken, Weights};
+use super::super::size::EXPANDED;
 use super::super::verdict::{AcceptedCause, Settled, propose};
 use super::form::{StatedContent, StatedHypothesis, TermAmount};
 use super::subject::{amounts, enter, subject};
@@ -68,7 +69,12 @@ pub fn stated_model(
         let accepted = found.findings.iter().find(is_own).ok_or("the readings do not determine its size")?;
         let changes = extend::of_stated(accepted, scene, used)?;
         let name = format!("{} {}", candidate.cause.effect, candidate.parameter);
-        Ok(ModelTerm::Changes(changes, amounts(name.trim_end(), &one, accepted)))
+        let mut amounts = amounts(name.trim_end(), &one, accepted);
+        let all: Vec<usize> = kept.iter().map(|(one, _)| one.candidate).collect();
+        if let Some(share) = uncorrelated(&field, &own, one.number, &all, accepted) {
+            amounts.iter_mut().for_each(|amount| amount.sigma = amount.u95 / EXPANDED * share);
+        }
+        Ok(ModelTerm::Changes(changes, amounts))
     };
     let numbers: Vec<Option<usize>> = subjects.iter().map(|one| Some(one.as_ref().ok()?.number)).collect();
     let out: Vec<Result<ModelTerm, String>> = subjects.into_iter().map(of).collect();
@@ -78,6 +84,31 @@ pub fn stated_model(
     let parameters: Vec<usize> = kept.iter().take(beside.len()).map(|(one, _)| one.candidate).collect();
     let growth = beside.iter().zip(growth(&field, &own, &parameters, &shapes));
     (out, growth.map(|(&name, factor)| (name, factor)).collect())
+}
+
+/// Standard uncertainty of the size of a term for uncorrelated readings, as a share of the one that includes their autocorrelation and other explanations:
+/// that of a parameter in the same fit does not include them either. At most 1; `None` if the readings do not determine the size.
+fn uncorrelated(
+    field: &Field<'_, '_>,
+    own: &Weights,
+    number: usize,
+    all: &[usize],
+    accepted: &AcceptedCause,
+) -> Option<f64> {
+    let whole = field.series(own, all, 0.0);
+    let freedom = whole.count().checked_sub(whole.rank()).filter(|freedom| *freedom > 0)?;
+    let others: Vec<usize> = all.iter().copied().filter(|&other| other != number).collect();
+    let mut series = field.series(own, &others, 0.0);
+    let columns = field.columns_of(number);
+    columns.iter().skip(1).for_each(|column| {
+        series.take(column);
+    });
+    series.set_values(columns.first()?);
+    let sigma = (whole.squares() / freedom as f64 / series.squares()).sqrt();
+    let amount = accepted.amounts.values.first().copied().filter(|amount| *amount != 0.0)?;
+    let with = accepted.size.u95 / EXPANDED / accepted.size.value.abs() * amount.abs();
+    let with = with.max(accepted.amounts.u95(0) / EXPANDED);
+    Some((sigma / with).min(1.0)).filter(|share| share.is_finite() && *share > 0.0)
 }
 
 /// Factors of the standard uncertainties of parameters if shapes are fitted together with them: of each column, less remains beside all others.

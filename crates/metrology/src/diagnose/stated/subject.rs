@@ -286,7 +286,7 @@ pub(super) fn amounts(name: &str, subject: &StatedSubject, accepted: &AcceptedCa
     if subject.units.is_empty() {
         let size = &accepted.size;
         let (term, unit) = (name.to_owned(), size.unit.to_owned());
-        return vec![TermAmount { term, value: size.value, u95: size.u95, unit }];
+        return vec![TermAmount { term, value: size.value, u95: size.u95, sigma: size.u95 / EXPANDED, unit }];
     }
     // Omitted parts of the data may increase the uncertainty.
     let inflation = match (accepted.size.value.abs(), accepted.amounts.values.as_slice()) {
@@ -316,6 +316,7 @@ fn amount(unit: &AmountUnit, amounts: &Amounts, inflation: f64) -> TermAmount {
         term: unit.term.clone(),
         value: unit.factor * value,
         u95: inflation * EXPANDED * unit.factor.abs() * sigma,
+        sigma: inflation * unit.factor.abs() * sigma,
         unit: unit.unit.clone(),
     }
 }
