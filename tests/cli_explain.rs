@@ -26,9 +26,9 @@ fn every_explanation_says_what_to_do() {
         // Examples are indented.
         let text = row.explain.split("\n\n").filter(|part| !part.starts_with("  "));
         let sentences = text.flat_map(|part| part.split(['.', '?', ':']));
-        let openings =
+        let mut openings =
             sentences.flat_map(|sentence| sentence.split("\n- ")).filter_map(|one| one.split_whitespace().next());
-        let says = openings.into_iter().any(|word| INSTRUCTIONS.split_whitespace().any(|own| own == word));
+        let says = openings.any(|word| INSTRUCTIONS.split_whitespace().any(|own| own == word));
         assert!(says, "{}: no sentence begins with an instruction\n{}", row.code, row.explain);
         assert!(
             row.explain.split_whitespace().count() >= 15,

@@ -1,6 +1,6 @@
 //! The documents: their commands run in a folder with the samples and print what the pages show, their links lead somewhere, the index has every page.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
@@ -363,7 +363,7 @@ fn every_option_of_a_named_command_exists() {
     let help = |command: &[&str]| shop.run(command.iter().copied().chain(["--help"])).exits(0).stdout;
     let top = help(&[]);
     let all = crate::command_pages::commands(&top);
-    let mut texts = std::collections::BTreeMap::new();
+    let mut texts = BTreeMap::new();
     let mut count = 0;
     let mut paths = pages("docs/how-to");
     paths.extend(["README.md", "docs/questions.md", "docs/tutorial.md"].map(str::to_owned));
