@@ -199,10 +199,12 @@ pub(crate) fn of_run(
     // On the demo machine no workpiece was touched off.
     for one in reports.iter().filter(is_doubtful).filter(|_| !chosen.is_demo) {
         let name = &one.name;
-        let message = format!("{name} counts as touched, because no method is stated; {}", one.contents());
-        let mut help = format!("state it: set = \"touched\" or \"absolute\" in [zero_offset.{name}]");
+        let message = format!("nothing states how {name} was set, so it counts as touched; {}", one.contents());
+        let mut help = format!(
+            "if you touched it off or probed it, write set = \"touched\" in [zero_offset.{name}]; if it is the true position in the machine, set = \"absolute\""
+        );
         if machine.zero_offsets.contains_key(name) {
-            help += &format!(", or --zero {name}=touched or {name}=absolute");
+            help += &format!("; or give --zero {name}=touched or --zero {name}=absolute");
         }
         found.add(Diagnostic::nowhere(Code::ZERO_NOT_STATED, message, help), &[]);
     }
@@ -214,11 +216,11 @@ pub(crate) fn of_run(
         }
         let name = &one.name;
         let message = format!(
-            "no method is stated for {name}, so effects of temperature and weight count from the reference condition; if you touched off in this state, {} are corrected twice",
+            "nothing states how {name} was set, so temperature and weight are corrected from the reference condition; if you touched off in this state, the correction is too large by {}",
             parts.join(", ")
         );
         let help = format!(
-            "state when it was set: --zero {name}=touched if it was touched off in this state, --zero-time or [zero] for another time; or --zero {name}=absolute"
+            "if you touched off in this state, give --zero {name}=touched; for another time, --zero-time or [zero]; if the zero is the true position, --zero {name}=absolute"
         );
         found.add(Diagnostic::nowhere(Code::ZERO_NOT_STATED, message, help), &[]);
     }

@@ -14,6 +14,31 @@ fn every_code_is_explained_in_any_case() {
     }
 }
 
+/// First words of an instruction to the reader.
+const INSTRUCTIONS: &str = "Accept Add Allow Change Check Choose Compare Correct Delete Divide End Enter Export Free Give Jump Load Look \
+                            Make Measure Move Name Omit Position Program Put Read Remove Rename Renumber Replace Restore Round Save \
+                            Search Select Send Set Sort Split State Transfer Turn Use Write";
+
+/// A text says what happened and why it matters; a person then needs the next step. It begins a sentence, so that it is found at a glance.
+#[test]
+fn every_explanation_says_what_to_do() {
+    for row in CODES {
+        // Examples are indented.
+        let text = row.explain.split("\n\n").filter(|part| !part.starts_with("  "));
+        let sentences = text.flat_map(|part| part.split(['.', '?', ':']));
+        let mut openings =
+            sentences.flat_map(|sentence| sentence.split("\n- ")).filter_map(|one| one.split_whitespace().next());
+        let says = openings.any(|word| INSTRUCTIONS.split_whitespace().any(|own| own == word));
+        assert!(says, "{}: no sentence begins with an instruction\n{}", row.code, row.explain);
+        assert!(
+            row.explain.split_whitespace().count() >= 15,
+            "{}: what, why and what to do\n{}",
+            row.code,
+            row.explain
+        );
+    }
+}
+
 #[test]
 fn without_a_code_all_are_listed() {
     let run = Shop::new().run(["explain"]).exits(0);

@@ -158,7 +158,9 @@ fn what_nobody_states_is_pointed_out_with_its_size() {
     let shop = shop(&format!("{LINEAR}{OFF_AND_LONG}{G54}"), &program("X400"));
     let fix = ["fix", "in.mpf", "-o", "out.mpf", "--machine", "m.toml", "--max-correction", "1mm"];
     let run = shop.run(fix).exits(0);
-    run.says("warning[W0321]: G54 counts as touched, because no method is stated").says("X 310 µm").says("G54=touched");
+    run.says("warning[W0321]: nothing states how G54 was set, so it counts as touched")
+        .says("X 310 µm")
+        .says("G54=touched");
     let json = shop.run(fix.iter().chain(&["--json"])).exits(0).json();
     assert_eq!(json["zeros"][0]["set"], "touched");
     assert_eq!(json["zeros"][0]["is_stated"], false);
@@ -196,8 +198,8 @@ fn drift_at_an_unstated_zero_is_pointed_out_with_its_size() {
         shop(&format!("{LINEAR}{drift}{G54}"), &program("X400")).file("warm.toml", "[temperature_C]\nT_head = 25\n");
     let fix = ["fix", "in.mpf", "-o", "out.mpf", "--machine", "m.toml", "--state", "warm.toml"];
     let run = shop.run(fix).exits(0);
-    run.says("warning[W0321]: no method is stated for G54")
-        .says("if you touched off in this state, Z 15.0 µm are corrected twice");
+    run.says("warning[W0321]: nothing states how G54 was set, so temperature and weight")
+        .says("if you touched off in this state, the correction is too large by Z 15.0 µm");
     near(*words(&shop, 'Z').last().unwrap(), 4.985);
     // Nothing is open once the method or the time is stated, or without a state.
     let cold = &fix[..6];
@@ -219,8 +221,8 @@ fn a_weight_at_an_unstated_zero_is_pointed_out_with_its_size() {
     let fix = ["fix", "in.mpf", "-o", "out.mpf", "--machine", "m.toml", "--load", "1000"];
     shop.run(fix)
         .exits(0)
-        .says("warning[W0321]: no method is stated for G54")
-        .says("if you touched off in this state, X 10.0 µm are corrected twice");
+        .says("warning[W0321]: nothing states how G54 was set, so temperature and weight")
+        .says("if you touched off in this state, the correction is too large by X 10.0 µm");
     let stated = shop.run(fix.iter().chain(&["--zero", "G54=touched"])).exits(0);
     assert!(!stated.stderr.contains("W0321"), "{}", stated.stderr);
 }
@@ -253,7 +255,7 @@ fn a_feed_says_that_a_zero_counts_as_touched() {
     let shop = shop(&machine, "G21 G90 G54\nG0 X10 Y10 Z50\nG1 Z5 F500\nX400\nM2\n");
     let feed = ["feed", "in.mpf", "--machine", "m.toml", "--link", "grbl", "--dry-run"];
     let run = shop.run(feed);
-    run.says("warning[W0321]: G54 counts as touched, because no method is stated").says("X 310 µm");
+    run.says("warning[W0321]: nothing states how G54 was set, so it counts as touched").says("X 310 µm");
     let stated = shop.run(feed.iter().chain(&["--zero", "G54=touched"]));
     assert!(!stated.stderr.contains("W0321"), "{}", stated.stderr);
 }

@@ -1,6 +1,6 @@
 //! The documents: their commands run in a folder with the samples and print what the pages show, their links lead somewhere, the index has every page.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
@@ -289,6 +289,103 @@ fn every_how_to_has_its_parts() {
             assert!(page.contains(part), "{path} lacks{part}");
         }
     }
+}
+
+/// Words of a card, with its commands: it is read before the page, in a minute.
+const MOST_WORDS_OF_A_CARD: usize = 200;
+
+#[test]
+fn every_how_to_begins_with_a_card() {
+    for path in pages("docs/how-to") {
+        let page = text(&path);
+        let (_, rest) = page.split_once("\n## In short\n").unwrap_or_else(|| panic!("{path} has no card"));
+        let (card, _) = rest.split_once("\n## What you need\n").unwrap_or_else(|| panic!("{path}: the card is first"));
+        let places = ["**You need:** ", "\n```sh\n", "**You get:** ", "**Check first:** "]
+            .map(|part| card.find(part).unwrap_or_else(|| panic!("{path}: the card lacks {part}")));
+        assert!(places.is_sorted(), "{path}: the parts of the card are in another order");
+        // Text that is no part of the card, such as the length of a bar, has a bold head of its own.
+        let words = card.split("\n**").take(4).flat_map(str::split_whitespace).count();
+        assert!(words <= MOST_WORDS_OF_A_CARD, "{path}: {words} words");
+    }
+}
+
+/// Rows of the tables of a page, without heads and rules.
+fn rows(page: &str) -> Vec<Vec<&str>> {
+    let lines: Vec<&str> = outside_of_fences(page).collect();
+    let is_rule = |line: &str| line.starts_with("| ---");
+    let body = lines.iter().enumerate().filter(|(at, line)| {
+        line.starts_with('|') && !is_rule(line) && !lines.get(at + 1).is_some_and(|next| is_rule(next))
+    });
+    body.map(|(_, line)| line.trim_matches('|').split(" | ").map(str::trim).collect()).collect()
+}
+
+#[test]
+fn the_questions_have_short_answers_and_their_commands_work() {
+    let path = "docs/questions.md";
+    assert!(done(path) > 5);
+    let page = text(path);
+    let groups: Vec<&str> = page.split("\n## ").skip(1).collect();
+    assert_eq!(groups.len(), 3, "one group for each reader");
+    let mut asked = BTreeSet::new();
+    for group in groups {
+        let rows = rows(group);
+        assert!(rows.len() >= 20, "{}: {} questions", group.lines().next().unwrap_or_default(), rows.len());
+        for row in rows {
+            let [question, answer] = row[..] else { panic!("a question and an answer: {row:?}") };
+            assert!(question.ends_with('?') || question.contains(": what now?"), "{question}");
+            assert!(asked.insert(question), "asked twice: {question}");
+            let words = answer.split_whitespace().count();
+            assert!((1..=75).contains(&words), "{question} {words} words");
+        }
+    }
+}
+
+/// Commands that a page names without running them: lines of its blocks without a name, and code within a line.
+fn named_commands(page: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut is_run = false;
+    let mut is_inside = false;
+    for line in page.lines() {
+        if let Some(opening) = line.strip_prefix("```") {
+            is_inside = !is_inside;
+            is_run = is_inside && (opening == "console" || opening.contains(' '));
+        } else if is_inside && !is_run && line.starts_with("ncfix ") {
+            found.push(line.split("   #").next().unwrap_or_default().trim_end().to_owned());
+        } else if !is_inside {
+            let code = line.split('`').skip(1).step_by(2);
+            found.extend(code.filter(|code| code.starts_with("ncfix ")).map(str::to_owned));
+        }
+    }
+    found
+}
+
+#[test]
+fn every_option_of_a_named_command_exists() {
+    let shop = Shop::new();
+    let help = |command: &[&str]| shop.run(command.iter().copied().chain(["--help"])).exits(0).stdout;
+    let top = help(&[]);
+    let all = crate::command_pages::commands(&top);
+    let mut texts = BTreeMap::new();
+    let mut count = 0;
+    let mut paths = pages("docs/how-to");
+    paths.extend(["README.md", "docs/questions.md", "docs/tutorial.md"].map(str::to_owned));
+    for path in paths {
+        for command in named_commands(&text(&path)) {
+            let words: Vec<&str> = command.split_whitespace().skip(1).collect();
+            let is_command = words.first().is_some_and(|word| all.iter().any(|own| own == word));
+            let is_part = words.first() == Some(&"machine") && words.get(1).is_some_and(|word| !word.starts_with('-'));
+            let called = if is_command { &words[..1 + usize::from(is_part)] } else { &[] };
+            let known = texts.entry(called.join(" ")).or_insert_with(|| help(called));
+            for option in words.iter().filter(|word| word.starts_with("--") && word.len() > 2) {
+                let option = option.split(['=', ',']).next().unwrap_or_default();
+                let is_known =
+                    known.split(|letter: char| !letter.is_alphanumeric() && letter != '-').any(|own| own == option);
+                assert!(is_known, "{path}: {command}: there is no {option}");
+                count += 1;
+            }
+        }
+    }
+    assert!(count > 100, "{count}");
 }
 
 /// The keys of a machine file, with their defaults, as the program knows them.

@@ -290,9 +290,15 @@ fn names_of_controls_are_understood_or_answered() {
     for name in ["grbl", "grblHAL", "linuxcnc", "840D sl", "828d", "Haas", "fanuc", "MillPlus"] {
         Shop::new().file("m.toml", file(name)).run(["machine", "check", "m.toml"]).exits(0);
     }
-    for (name, advice) in
-        [("mach3", "write controller = \"rs274\""), ("heidenhain", "ISO mode"), ("latin", "write one of")]
-    {
+    for (name, advice) in [
+        ("mach3", "write controller = \"rs274\""),
+        ("mazak", "write controller = \"fanuc\" if it runs programs in its ISO mode"),
+        // Its DIN/ISO programs are not those of a Fanuc: they are refused (E0118).
+        ("heidenhain", "neither Klartext nor DIN/ISO"),
+        ("TNC 640", "neither Klartext nor DIN/ISO"),
+        ("iTNC 530", "neither Klartext nor DIN/ISO"),
+        ("latin", "write one of"),
+    ] {
         Shop::new().file("m.toml", file(name)).run(["machine", "check", "m.toml"]).exits(4).says(advice);
     }
 }

@@ -94,38 +94,44 @@ codes! {
 "The text here is not a word, statement or expression of the dialect.
 
 A common cause is a missing '=': in Sinumerik and Grundig programs a value that is not a plain number needs one (X=R1*2, CR=5,
-S2=500, X=E1). Another is a comment without ';' in a Sinumerik program, where ( ) belongs to expressions, or without ( ) in others.
-A comma is not a decimal point: write X10.5, not X10,5.";
+S2=500, X=E1). Another is a comment without ';' in a Sinumerik program, where ( ) belongs to expressions, or without ( ) in
+others. A comma is not a decimal point. Write X10.5, not X10,5. If the text is for another control, choose its --dialect.";
     BAD_NUMBER = "E0102" "malformed number"
-"A number is digits with at most one decimal point; the exponent of a Sinumerik number is written EX, as in 1.5EX-3.
-Numbers beyond the range of a double are refused too.";
+"A number is digits with at most one decimal point. On a Sinumerik the exponent is written EX, as in 1.5EX-3. Numbers beyond the
+range of a double are refused too. Write the number in this form.";
     MISSING_VALUE = "E0103" "address without a value"
-"An address letter (X, F, G, …) needs a number, or '=' and an expression, after it.";
+"An address letter (X, F, G, …) needs a number, or '=' and an expression, after it. Without a value the motion is not known. Add
+the value, or remove the letter.";
     BAD_EXPRESSION = "E0104" "malformed expression"
-"The expression ends early or contains something that is not an operand or operator.";
+"The expression ends early, or it contains something that is not an operand or operator. Its value is not known. Correct the
+expression at this place.";
     UNCLOSED = "E0105" "bracket or quotation mark not closed"
-"A '(', '[' or '\"' that was opened in this block is not closed in it.";
+"A '(', '[' or '\"' that was opened in this block is not closed in it. Where it ends is not known, so the rest of the block may be
+lost. Add the closing sign.";
     UNMATCHED_STRUCTURE = "E0106" "control structure not closed or not opened"
-"IF needs ENDIF, WHILE needs ENDWHILE, FOR needs ENDFOR, LOOP needs ENDLOOP, REPEAT needs UNTIL, each in the same program and
-properly nested. ELSE may occur once between IF and ENDIF. WHILE ... DO1 of a custom macro needs END1 (with 1, 2 or 3), an O-word of
-RS274/NGC needs its end with the same label: o100 sub and o100 endsub, o101 while and o101 endwhile.";
+"Without its end it is not known which blocks the control repeats or skips. IF needs ENDIF, WHILE needs ENDWHILE, FOR needs ENDFOR,
+LOOP needs ENDLOOP, REPEAT needs UNTIL, each in the same program and properly nested. ELSE may occur once between IF and ENDIF.
+WHILE ... DO1 of a custom macro needs END1 (with 1, 2 or 3), an O-word of RS274/NGC needs its end with the same label: o100 sub
+and o100 endsub, o101 while and o101 endwhile. Add the missing word, or remove the one that is too many.";
     TOO_DEEP = "E0107" "nested too deeply"
-"Brackets in an expression may be nested 64 deep, control structures 32 deep. Controls allow far less.";
+"Brackets in an expression may be nested 64 deep, control structures 32 deep. Controls allow far less. Divide the expression with a
+variable, or move an inner structure into a subprogram.";
     MUST_STAND_ALONE = "E0108" "statement must be alone in its block"
 "Control statements, DEF, PROC, TRANS, ATRANS and calls may share their block only with the block number, a label and a comment
-(TRANS also with its axis words).";
+(TRANS also with its axis words). Controls differ in the order of such a block. Write the other words in a block of their own.";
     BLOCK_TOO_LONG = "E0109" "block too long"
 "A block has more than 4096 bytes. A Sinumerik 840D sl accepts 512 characters. Probably the file is not a part program, or its line
-ends were lost in transfer.";
+ends were lost in transfer. Transfer the file again as text, or divide the block.";
     NOT_A_PROGRAM = "E0110" "not a part program"
 "The file is empty, or most of it cannot be read as blocks of the dialect. Check --dialect, and that the file is not an archive,
 picture or saved setting data.";
     DOUBLE_WORD = "E0111" "word given twice in one block"
 "An address that takes effect once per block (an axis, F, a G code of one group …) was programmed twice in it. The control would
-raise an alarm or use the last one, depending on its version; ncfix does not guess.";
+raise an alarm or use the last one, depending on its version; ncfix does not guess. Remove one of the two words, or write it in
+the next block.";
     DOUBLE_NUMBER = "E0112" "block number given twice"
-"G14 repeats blocks and G29 jumps to a block by its N number, and two blocks of this program or macro of a Grundig or MillPlus have that
-number. Numbers may repeat, as in long programs of postprocessors, but not those of such blocks. Renumber one of them.";
+"G14 repeats blocks and G29 jumps to a block by its N number, and two blocks of this program or macro of a Grundig or MillPlus have
+that number. Numbers may repeat, as in long programs of postprocessors, but not those of such blocks. Renumber one of them.";
     EXPONENT = "E0115" "letter inside a number"
 "A number is followed directly by E and digits, as spreadsheets and some postprocessors write small numbers. These languages have no
 exponents: the control would read X1.5 and a word E, and move 1.5 mm instead of 15 nm.
@@ -140,14 +146,18 @@ Heidenhain Klartext, Okuma OSP, a 3D printer, a Sinumerik program for a Fanuc. W
 message states what was found and where. Choose the right --machine or --dialect, or convert the program.";
 
     NOT_SUPPORTED = "E0201" "not supported yet"
-"The program uses a code, statement, cycle or system variable that ncfix does not execute yet. It is refused because skipping it
-could change the motion. The message names it.";
+"The program uses a code, statement, cycle or system variable that ncfix does not execute. ncfix refuses it because skipping it
+could change the motion. The message names it. Program the motion another way. If the control is to execute a cycle or subprogram
+itself, name it in [[opaque]] of the machine file; ncfix then does not correct the moves within it. docs/how-to/refused-program.md
+has more.";
     NO_CENTER = "E0202" "arc without center or radius"
-"G2 and G3 need a center (I, J, K, incremental from the start, or absolute with =AC()) or a radius (CR=).";
+"G2 and G3 need a center (I, J, K, incremental from the start, or absolute with =AC()) or a radius (CR=). Without them the path
+between the two points is not known. Add one of them.";
     ARC_OFF_CIRCLE = "E0203" "arc end is not on the circle"
 "The radius at the start of the arc and the radius at its end differ by more than the control allows. Or the center is off the
-perpendicular bisector of the chord by more than that and, on a Sinumerik, by more than 1.8° as seen from the start. The limit is the larger of control.arc_tolerance_mm and
-control.arc_tolerance_ratio times the radius (Sinumerik MD21000 and MD21010, default 0.01 mm and 0.001).
+perpendicular bisector of the chord by more than that and, on a Sinumerik, by more than 1.8° as seen from the start. The limit is
+the larger of control.arc_tolerance_mm and control.arc_tolerance_ratio times the radius (Sinumerik MD21000 and MD21010, default
+0.01 mm and 0.001).
 
   N10 G1 X0 Y0
   N20 G2 X10 Y0 I4 J0     start radius 4 mm, end radius 6 mm
@@ -155,53 +165,65 @@ control.arc_tolerance_ratio times the radius (Sinumerik MD21000 and MD21010, def
 Correct I and J, or the end point.";
     RADIUS_TOO_SMALL = "E0204" "arc radius smaller than half the chord"
 "With CR= the two points must be at most 2 · CR apart. A full circle cannot be programmed with CR: start and end coincide, so the
-center is not determined; use I, J, K.";
+center is not determined. Use I, J, K there, or correct CR or the end point.";
     BAD_ARC = "E0205" "invalid arc"
-"The center coincides with the start, center words lie outside the working plane, or center and CR were given together.";
+"The center coincides with the start, center words lie outside the working plane, or center and CR were given together. No arc, or
+more than one, fits these words. Correct the center, select the plane (G17, G18, G19) before the block, or remove CR.";
     UNDEFINED_VARIABLE = "E0206" "variable not defined"
-"The name is not a variable defined with DEF in this program, an R parameter or a known function. In data that the control saved, every
-value is a number, a text or a known name.";
+"The name is not a variable defined with DEF in this program, an R parameter or a known function. In data that the control saved,
+every value is a number, a text or a known name. Check the spelling, or define the variable. If only the control knows it, state
+it in [gud] or [system] of the machine file.";
     BAD_INDEX = "E0207" "index outside the array or parameter range"
-"R parameters run from R0 to R9999; an array index from 0 to its length minus 1.";
+"R parameters run from R0 to R9999; an array index from 0 to its length minus 1. Correct the index, or make the array longer.";
     TYPE_MISMATCH = "E0208" "value of the wrong type"
-"A number was expected and a string found, or vice versa, or a value cannot be converted (an INT cannot hold a fraction).";
+"A number was expected and a string found, or vice versa, or a value cannot be converted (an INT cannot hold a fraction). Use a
+variable of the right type, or convert the value (ROUND, TRUNC).";
     NOT_COMPUTABLE = "E0209" "expression has no value"
-"Division by zero, root of a negative number, logarithm of zero, or a result beyond the range of a double.";
+"Division by zero, root of a negative number, logarithm of zero, or a result beyond the range of a double. The control would stop
+here too. Correct the expression, or the value of the variable that causes it.";
     BAD_WORD_VALUE = "E0210" "value not allowed for this word"
-"A G, M, T, D, N, L or P number must be a whole number in range; a feed and a dwell must not be negative. A word that is not possible in
-the current state has this code too: a tool direction without TRAORI, or a position of a modulo axis whose direction is not determined.
-The message states the rule.";
+"A G, M, T, D, N, L or P number must be a whole number in range; a feed and a dwell must not be negative. A word that is not
+possible in the current state has this code too: a tool direction without TRAORI, or a position of a modulo axis whose direction
+is not determined. The message states the rule. Correct the value, or write the word where the state allows it.";
     NO_TARGET = "E0211" "jump target not found"
-"The label or block number does not occur in the search direction: GOTOF searches towards the end of this program, GOTOB towards its
-start, never in other programs.";
+"The label or block number does not occur in the search direction: GOTOF searches towards the end of this program, GOTOB towards
+its start, never in other programs. Correct the label; on a Sinumerik, GOTO searches in both directions.";
     NO_SUBPROGRAM = "E0212" "subprogram not found"
-"The called program is neither in this file (as a %_N_…_SPF section) nor in its folder. Names searched: NAME.SPF, NAME.MPF, NAME, and the
-same in lower case. L10 and L010 are different programs. A program that must run on the control itself (tool change, washing) is named
-in the machine file; its call is passed on with its values:
+"The program calls a program that ncfix cannot find. Its moves are not known, so nothing is written. ncfix searches the file itself
+(a section %_N_…_SPF) and the folder of the program, for NAME.SPF, NAME.MPF and NAME, also in lower case. L10 and L010 are
+different programs.
+
+Put the called program into this folder, or name its folder in search_path of [control]. If only the control has the program (tool
+change, washing), name it in the machine file. The output then keeps the call with its values, and its moves are not corrected:
 
   [[opaque]]
   name = \"TOOLCHANGE\"
   moves = true               the position after it is unknown";
     TOO_MANY_CALLS = "E0213" "subprogram calls nested too deeply"
-"A Sinumerik has 16 program levels. A program that calls itself endlessly is refused here.";
+"A Sinumerik has 16 program levels. A program that calls itself endlessly is refused here. Look for a program that calls itself, or
+reduce the depth of the calls.";
     TOO_MANY_BLOCKS = "E0214" "more blocks executed than allowed"
-"The program executed more blocks than --max-blocks. It may never end (WHILE TRUE, a backward jump). If it does end, raise
---max-blocks; nothing was written. ncfix simulate also reports this if the trace would have more than 20 million rows, or if a chord
-of a move takes more than an hour.";
+"The program executed more blocks than --max-blocks. It may never end (WHILE TRUE, a backward jump). Nothing was written. Look for
+a loop without an end. If the program does end, give a larger --max-blocks. ncfix simulate also reports this if the trace would
+have more than 20 million rows, or if a chord of a move takes more than an hour.";
     MISSING_FEED = "E0215" "feed motion without a feed"
-"G1, G2 and G3 need F, programmed earlier or in the block. The control stops here.";
+"G1, G2 and G3 need F, programmed earlier or in the block. The control stops here. Program F before this block.";
     DUPLICATE_NAME = "E0216" "name defined twice"
-"A variable was defined twice in one program, or with the name of a function or keyword.";
+"A variable was defined twice in one program, or with the name of a function or keyword. Which one is meant is not known. Rename
+one of the two.";
     SKIPPED_INTO = "E0217" "jump into a control structure"
-"A jump led into a FOR loop whose start was not executed, so its end value is unknown.";
+"A jump led into a FOR loop whose start was not executed, so its end value is unknown. Jump to the FOR block instead.";
     CYCLE_ALARM = "E0218" "alarm of a cycle"
 "A built-in cycle (drilling, pockets …) cannot run with these arguments or this tool; the control would stop with the alarm of the
-same number. The message states the reason. The supported cycles and their limits are listed in crates/language/cycles/README.md.";
+same number. The message states the reason. Correct the arguments of the call, or select the right tool. The supported cycles and
+their limits are listed in crates/language/cycles/README.md.";
     BAD_ARGUMENTS = "E0221" "arguments that do not match the program"
 "The call gives more arguments than the PROC block of the called program has parameters, or no variable for a VAR parameter, which
 the called program changes.
 
-  PROC HOLE(REAL DEPTH, VAR INT COUNT)      called as HOLE(-5, N_1) with DEF INT N_1";
+  PROC HOLE(REAL DEPTH, VAR INT COUNT)      called as HOLE(-5, N_1) with DEF INT N_1
+
+Correct the call, or the PROC block.";
     FULL_CIRCLE_UNSURE = "E0222" "full circle or very short arc"
 "Start and end of an arc are so close that the resolution of the control decides between a full circle and a very short arc. A
 control puts positions on a grid (Fanuc: increment system; Sinumerik: MD10200) before it compares them, so a full circle with a
@@ -213,16 +235,16 @@ computed start may be skipped, or a tiny arc may become a full circle.
 Program the end of a full circle exactly at its start. For a Sinumerik state the resolution in the machine file: [control]
 increments_per_mm = 1000.";
     NO_MOTION = "E0223" "program without a motion"
-"The program was read but moves no axis, so there is nothing to correct, and an output would only look like a success. Perhaps its
-blocks are after the end of the program (M30), in a subprogram that is never called, in skip blocks, or the file is truncated.
-Nothing was written.";
+"The program was read but moves no axis, so there is nothing to correct, and an output would only look like a success. Nothing was
+written. Check three places: blocks after the end of the program (M30), a subprogram that is never called, and skip blocks. Check
+also whether the file is truncated.";
     MIXED_UNITS = "E0224" "inches and millimeters in one program"
 "A Fanuc interprets its tool and zero offsets in the unit in force, so a corrected program keeps the unit of the program. This one
 has both G20 and G21, so it has no single unit. Split it into programs with one unit each and correct them separately.";
     BAD_SWIVEL = "E0235" "plane that cannot be tilted"
-"CYCLE800 (Sinumerik) or G53.1 (Fanuc) tilts the plane in a way that is not supported, the rotary axes cannot align the tool with it,
-or the retract position is not known. The message states which. The resulting rotary axis positions and frame can always be
-programmed directly.";
+"CYCLE800 (Sinumerik) or G53.1 (Fanuc) tilts the plane in a way that is not supported, the rotary axes cannot align the tool with
+it, or the retract position is not known. The message states which. Program the positions of the rotary axes and the frame
+directly, or state the retract position with control.swivel_retract_z_mm.";
     BAD_POLAR = "E0230" "ambiguous polar position"
 "A polar position (AP=, RP=) shares its block with an axis of the plane, angle or radius was never given since the pole was set, the
 plane was changed after the pole, or the meaning of the value under G91 is ambiguous.
@@ -247,10 +269,10 @@ known in advance. Give it in the machine file, with the name and indices that th
 in the machine file applies to the machine as it was measured, with the values that were active then. Load such tables first,
 measure, and remove the assignments from the program.";
     LATHE_PROGRAM = "E0225" "lathe program"
-"The program is for a lathe, and the machine file does not describe one. On a lathe the same words move the tool differently: G92 X Z
-F is a thread cycle (on a mill it shifts the zero), G90 X Z F a turning cycle, X a diameter, U and W are increments of X and Z. The
-message lists the evidence with line numbers. Turning is not supported; choose another program. If it is for a mill after
-all, state it with control.program_kind = \"mill\" in the machine file.";
+"The program is for a lathe, and the machine file does not describe one. On a lathe the same words move the tool differently: G92 X
+Z F is a thread cycle (on a mill it shifts the zero), G90 X Z F a turning cycle, X a diameter, U and W are increments of X and Z.
+The message lists the evidence with line numbers. Choose another program: turning is not supported. If the program is for a mill
+after all, state this with control.program_kind = \"mill\" in the machine file.";
     AXIS_IN_DOUBT = "E0226" "ambiguous axis after a rotation"
 "The first block after G68, G51, G51.1 or their end names only one axis of the plane. Whether the other axis moves depends on a
 parameter of the control (Fanuc 11600, bit 5, AX1): its last programmed value may apply in the new coordinates, or it may stay at
@@ -266,9 +288,9 @@ G51.1 of a Fanuc, G74 and G75 of a Sinumerik under TRAORI. The operator's manual
 defined. End the state first. Some machine builders allow the codes within a rotation: control.codes_within_rotation = \"allowed\".";
     TWO_MEANINGS = "E0228" "word with two meanings"
 "Similar controls interpret this word differently, and both interpretations are possible here: P10. of G4 is ten seconds on a Haas
-and an invalid dwell on a Fanuc, M98 P30200 calls program 30200 once or program 200 three times, K of G73 is a depth or a number of
-holes, M99 P70 in a subprogram jumps to N70 of the caller or of the subprogram. ncfix does not guess: the message states which
-setting decides, or how to write it unambiguously.";
+and an invalid dwell on a Fanuc, M98 P30200 calls program 30200 once or program 200 three times, K of G73 is a depth or a number
+of holes, M99 P70 in a subprogram jumps to N70 of the caller or of the subprogram. ncfix does not guess. State the setting that
+the message names, or write the word in the other form that it gives.";
     LOST_PROGRAM = "E0229" "blocks that would be lost"
 "A file may hold several programs, but only one of them is corrected. With --in-place the others would be lost: give another file
 with -o, or put each program into its own file. The same applies to blocks that move before the first program number (O1234) of a
@@ -284,21 +306,22 @@ rule. Program a value that fits, or longer elements.
     BAD_COMPENSATION = "E0232" "radius compensation not possible here"
 "G41 and G42 begin and end (G40) in a straight block with motion in the working plane; between them plane, mirroring and machine
 coordinates must not change, and no more than control.compensation_blocks_between blocks without motion in the plane (Sinumerik
-MD20250) are allowed between two contour elements. The radius may change in a straight block that continues in the direction of the
-previous one.";
+MD20250) are allowed between two contour elements. The radius may change in a straight block that continues in the direction of
+the previous one. Elsewhere the path of the tool is not defined. Change the blocks as the message states, for example with G40
+before the change.";
     CONTOUR_NOT_FOLLOWED = "E0233" "contour too narrow for the tool"
 "With G41 or G42 the tool cannot follow the contour here: an inner arc is narrower than the tool, or an element is so short that the
 tool center paths before and after it do not meet, even if up to control.compensation_look_ahead elements (Sinumerik MD20240) are
 skipped. With CDON also: the tool would cut into another element than the one it follows. Use a smaller tool, or change the contour.";
     NO_WEAR = "E0234" "wear compensation at the control is not possible here"
-"With --compensation wear the control compensates the tool center path by the wear alone. Programs for which this fails are refused:
-a change of side, radius or register while compensation is on; an end of the program with it on; G43 and G44 of Grundig; G41.1 and
-G42.1, whose diameter is in the program; --frame machine and --five-axis axes, where G41 is not allowed; --rapids all and a --step
-below 10 mm, which cut the motion to the contour into pieces; a program that sets the radius in a register, so that the control would
-apply it twice; and an output that the control could not follow completely with a wear
-of plus or minus --largest-wear: smaller inner arcs of the tool center path, or shorter elements, such as the few micrometers that a
-correction or backlash adds across the path. Change the program as the message states, give a smaller --largest-wear, or correct
-it without the option; then add the wear to radius_mm in the machine file.";
+"With --compensation wear the control compensates the tool center path by the wear alone. Programs for which this fails are
+refused: a change of side, radius or register while compensation is on; an end of the program with it on; G43 and G44 of Grundig;
+G41.1 and G42.1, whose diameter is in the program; --frame machine and --five-axis axes, where G41 is not allowed; --rapids all
+and a --step below 10 mm, which cut the motion to the contour into pieces; a program that sets the radius in a register, so that
+the control would apply it twice; and an output that the control could not follow completely with a wear of plus or minus
+--largest-wear: smaller inner arcs of the tool center path, or shorter elements, such as the few micrometers that a correction or
+backlash adds across the path. Change the program as the message states, give a smaller --largest-wear, or correct it without the
+option; then add the wear to radius_mm in the machine file.";
     NO_ORIENTATION = "E0240" "tool direction out of reach"
 "Under TRAORI the rotary axes cannot turn the tool to the programmed direction, at least not within their travel: for example a table
 that tilts to one side only, or an axis at its limit. Check the direction (A3, B3, C3 run from the tip to the spindle) and
@@ -325,36 +348,46 @@ cutting move, ACP(…) or ACN(…) at the current position (no motion, or a full
 on a parameter of the control. The tool path differs between the two, so ncfix does not choose. Program the direction: ACP(…),
 ACN(…), IC(…).";
     HEAD_CHANGE = "E0244" "head cannot be changed here"
-"An M word of the machine file ([[head]], select) changes the head, and ncfix is not sure of the tool or the position here. This is so
-while a tool length, a rotated or mirrored frame, a five-axis transformation or radius compensation is active, and in a block with
-motion. A tool length then acts along another axis, and the head may move before, with or after the axes. End the state
+"An M word of the machine file ([[head]], select) changes the head, and ncfix is not sure of the tool or the position here. This is
+so while a tool length, a rotated or mirrored frame, a five-axis transformation or radius compensation is active, and in a block
+with motion. A tool length then acts along another axis, and the head may move before, with or after the axes. End the state
 before the word, write the word into a block of its own, then select the tool anew. After it, program X, Y and Z.
 
   N100 D0                   Sinumerik; G49 on Fanuc and RS274/NGC, T0 M6 on Grundig
   N110 M54";
 
     ALREADY_CORRECTED = "E0301" "program already corrected"
-"The first comment states that ncfix wrote this file. Or this comment is missing, but the check of --guard or the marks of added lines
-remain. Correcting it again would add the corrections twice. Correct the original.";
+"The first comment states that ncfix wrote this file. Or this comment is missing, but the check of --guard or the marks of added
+lines remain. Correcting it again would add the corrections twice. Correct the original.";
     OUT_OF_TRAVEL = "E0302" "position outside the travel of an axis"
-"A position lies beyond the travel of an axis (travel_mm or travel_deg of [axis.X] in the machine file). In fix and check this is the
-corrected position, in snc the position of the program. The message gives the axis, the limit and the position: the end of the move if
-that is outside, otherwise the farthest point of the path. Check zero offset and tool length first: a wrong one shifts the whole
-program.";
+"A position lies beyond the travel of an axis (travel_mm or travel_deg of [axis.X] in the machine file). In fix and check this is
+the corrected position, in snc the position of the program. The message gives the axis, the limit and the position: the end of the
+move if that is outside, otherwise the farthest point of the path. Check zero offset and tool length first: a wrong one shifts the
+whole program.";
     CORRECTION_TOO_LARGE = "E0303" "correction larger than allowed"
-"A correction exceeds --max-correction (default 0.2 mm; for a rotary axis, the arc at the tool counts). Geometric errors of a working
-machine are smaller: check the units in the machine file before raising the limit.";
+"A correction exceeds --max-correction (default 0.2 mm; for a rotary axis, the arc at the tool counts). Milling machines in working
+order have smaller geometric errors, so the reason is usually a wrong unit in the machine file, such as mm instead of µm. A
+correction by a wrong amount spoils the part or breaks the tool. Check the units: ncfix machine show M.toml --at X…,Y…,Z… prints
+the error of each source. If the machine really has such errors, as some routers do, allow them: --max-correction 2mm.";
     UNKNOWN_START = "E0304" "motion from an unknown position"
-"A motion starts from a position that the program has not stated: an incremental move, an arc, or a drilling cycle without X and Y, at
-the beginning of the program or after a tool change. The corrected program is absolute, so it would move to another position than the
-original. Or the plane is tilted, and the positions of the axes are not known. Program an absolute position of all axes before the
-block, for example G0 X0 Y0 Z100; --start X0,Y0,Z0 helps only before the first block. If a probe has stopped the axis, or if the block
-gives a value to its position (G92, G10 L20), a motion before it would change what is measured or set: measure and set the zero in a
-program of its own that is not corrected.";
+"A motion starts from a position that the program has not stated: an incremental move, an arc, or a drilling cycle without X and Y,
+at the beginning of the program or after a tool change. The corrected program is absolute, so it would move to another position
+than the original. The position is also unknown if the plane is tilted before the axes were positioned.
+
+Program an absolute position of all axes before the block, for example G0 X0 Y0 Z100. At the beginning of a program, --start
+X0,Y0,Z0 states it instead. If the tool change moves no axis, state that in the machine file:
+
+  [[opaque]]
+  name = \"M6\"
+  moves = false
+
+If a probe has stopped the axis (G31, G38.2), or the block gives a value to its position (G92, G10 L20), do not add a motion: it
+would change the value that is measured or set. Measure and set the zero in a separate program, and do not correct that program.";
     UNITS_DOUBT = "E0305" "ambiguous units"
-"The unit of a number depends on the control. Positions may stand before the first code of the unit, in a program that switches between
-inch (G70, G700, G20) and metric (G71, G710, G21) later: state the unit in the first block. Or a number has no decimal point, so a
-parameter of the control decides between whole units and increments: state it with control.decimal_point in the machine file.";
+"The unit of a number depends on the control. Positions may stand before the first code of the unit, in a program that switches
+between inch (G70, G700, G20) and metric (G71, G710, G21) later. Or a number has no decimal point, so a parameter of the control
+decides between whole units and increments. State the unit in the first block, or the parameter with control.decimal_point in the
+machine file.";
     NO_OFFSET = "E0306" "zero offset has no value"
 "The program selects a zero offset that has no value in the machine file, so the position in the machine, and with it the correction,
 is unknown. Add it to the machine file or to a set-up file given with --setup:
@@ -374,24 +407,27 @@ the machine file or to a set-up file given with --setup:
   radius_mm = 5.0";
     NOT_CONVERGED = "E0308" "no correction found"
 "The iteration on the exact kinematics did not reach 1e-6 mm. The error model is far too large for this pose, or the machine cannot
-move the tool in some direction.";
+move the tool in some direction. Check the units of the errors, and the directions and points of the axes in the machine file.";
     NO_AXIS = "E0309" "axis missing on the machine"
-"The program moves an axis that is not in the machine's topology.";
+"The program moves an axis that is not in the machine's topology. Its motion could not be corrected. Use the machine file of the
+machine that runs the program, or add the axis to topology with its section [axis.…].";
     WRONG_FILE = "E0310" "input and output are the same file"
 "The original program is never overwritten. Choose another output, or --in-place, which keeps the original as a .bak file.";
     CANNOT_ALIGN = "E0311" "programs cannot be compared"
-"verify executes the original and the corrected program side by side. Their motions do not follow the same path, or the numbers of moves
-differ.";
+"verify executes the original and the corrected program side by side. Their motions do not follow the same path, or the numbers of
+moves differ. The corrected program was edited, or it was made from another original. Give the right pair of files, or correct the
+original again.";
     NO_SERVO = "E0312" "machine file without servo loops"
 "The dynamic behavior of the axes can be computed only if the machine file describes it: [servo] with the interpolation cycle, the
-smoothing and the tolerance of corners of the control, and [servo.X] for every axis with its velocity gain, its feed-forward and its
-acceleration. The control shows them (Sinumerik MD32200, MD32610, MD32300); ncfix decompose finds gain and feed-forward in a trace.
-docs/reference/servo.md has an example.";
+smoothing and the tolerance of corners of the control, and [servo.X] for every axis with its velocity gain, its feed-forward and
+its acceleration. Read these values from the control (Sinumerik MD32200, MD32610, MD32300), or let ncfix decompose find gain and
+feed-forward in a trace. Write them into the machine file. docs/reference/servo.md has an example.";
     FEED_OF_ANOTHER_WAY = "E0313" "feed would apply to the correction"
-"A cut turns rotary axes, and its feed is in degrees per minute or applies to a short path of X, Y, Z. Controls apply a feed to X, Y
-and Z whenever these move, so it would apply to the micrometers of a correction, and the rotary axes would turn at full speed. Such
-blocks are written with their duration (G93). That is not possible if the language has no G93 (Grundig), or with a feed per spindle
-revolution (G95, G96).";
+"A cut turns rotary axes, and its feed is in degrees per minute or applies to a short path of X, Y, Z. Controls apply a feed to X,
+Y and Z whenever these move, so it would apply to the micrometers of a correction, and the rotary axes would turn at full speed.
+ncfix writes such blocks with their duration (G93). That is not possible if the language has no G93 (Grundig), or with a feed per
+spindle revolution (G95, G96). Turn the axes at rapid there or, on a control that has G93, with a feed in G94. With --five-axis
+axes, FGROUP with a rotary axis has this code too: omit the option.";
     NEWER_FILE = "E0314" "output changed during the run"
 "The output file was created or changed after this run began; with --in-place the program is no longer the one that was read. A
 person, a CAM system or a second run has written it. A newer file is never replaced, and nothing of this run is written. Look at the
@@ -405,17 +441,19 @@ the line. The motion depends on the control, so ncfix does not guess. Replace it
 or one that changes the text direction. The program on the screen then differs from the program that runs. Remove the character.";
     OTHER_ACT = "E0319" "corrected program differs in function"
 "A correction changes positions, and divides moves into pieces. All other functions – spindle speed and direction, tools and their
-offsets, coolant, M functions, dwells, stops, path modes, work offsets, calls, the end of the program – must occur in the corrected
-program at the same position along the path. ncfix verify and ncfix diff compare it one by one, and name what is changed, missing or
-new with its line in both programs.";
+offsets, coolant, M functions, dwells, stops, path modes, work offsets, calls, the end of the program – must occur in the
+corrected program at the same position along the path. ncfix verify and ncfix diff compare them one by one. The message names what
+is changed, missing or new, with its line in both programs. Make the change in the original, and correct it again.";
     OFF_PROMISE = "E0320" "deviation larger than the correction promised"
 "The stamp of a corrected program states how far a piece may deviate from its exactly corrected path (--tolerance). At the ends of
-pieces, between them, or where an axis reverses on an arc, this program deviates more on the error model. It was edited, or
-corrected for another machine or state, or ncfix fix has warned that the tolerance was not reached (W0305, W0307) or that the
-position within the backlash is unknown (W0308).";
+pieces, between them, or where an axis reverses on an arc, this program deviates more on the error model. There are three usual
+causes. The program was edited. It was corrected for another machine or state. Or ncfix fix has warned that the tolerance was not
+reached (W0305, W0307) or that the position within the backlash is unknown (W0308). Give the machine file and the state of the
+correction, or correct the original again.";
     OTHER_FEED = "E0321" "corrected program has another feed"
-"The pieces of a move have the feed of the move: the same number in the same feed mode, otherwise the same duration within 5 %. Only
---feed-limit lowers feeds, and the stamp states it.";
+"The pieces of a move have the feed of the move: the same number in the same feed mode, otherwise the same duration within 5 %.
+Only --feed-limit lowers feeds, and the stamp states it. In this program a feed was changed. Change it in the original, and
+correct it again.";
     NOT_COVERED = "E0322" "coverage by measurements is required and incomplete"
 "With --require-coverage, a program is only released if measurements support its correction: every axis that moves has measured
 errors, and positions, tool lengths, temperatures and the load are within the ranges of [measured] in the machine file. The message
@@ -437,39 +475,50 @@ one in which the zero was set differs by more than --tolerance between two place
 Correct the program for this --state, or allow the difference with a larger --tolerance.";
 
     BAD_TOML = "E0401" "machine file is not TOML"
-"The file breaks the rules of TOML 1.0 at this place.";
+"The file breaks the rules of TOML 1.0 at this place, so none of it is used. Correct the line: a key needs '=' and a value, a text
+quotation marks, a list brackets.";
     UNKNOWN_KEY = "E0402" "unknown key in the machine file"
-"The key is not known in this section; a misspelled key would have no effect without notice, so it is refused.";
+"The key is not known in this section. A misspelled key would have no effect without notice, so it is refused. Correct the
+spelling, remove the key, or move it to its section; the message lists the known keys.";
     MISSING_KEY = "E0403" "missing key in the machine file"
 "A section lacks a key that has no default. The message names the key and the section. Add it with the unit that its name states;
 docs/reference/machine-file.md lists all keys.";
     BAD_VALUE = "E0404" "value not allowed in the machine file"
-"The value has the wrong type, is not finite, or is outside its range; the message states what is expected.";
+"The value of a key has the wrong type, is not a finite number, or is outside its range. A machine file with a wrong value would
+move the tool to a wrong position, so ncfix uses nothing of the file. The message states which value is possible. Correct the
+line. If it is the name of the control, docs/reference/machine-file.md lists the known names.";
     BAD_TOPOLOGY = "E0405" "invalid topology"
-"A topology reads from the workpiece w through the foundation F to the tool t, for example wCBXFZYSt; axis letters X Y Z U V W A B C at most
-once each, S (optional) just before t, every letter with its [axis.…] section.";
+"A topology reads from the workpiece w through the foundation F to the tool t, for example wCBXFZYSt. Each axis letter X Y Z U V W
+A B C occurs at most once, S (optional) is just before t, and every letter has its section [axis.…]. The order decides the sign of
+every error. Write the parts in the order in which they carry each other.";
     UNKNOWN_COMPONENT = "E0406" "unknown error component"
-"A component is E, a direction (X Y Z A B C) and an axis of this machine for [[motion]], or E, a direction, 0 and an axis or S for [location]:
-EXX, EAY, EC0Y, EX0S.";
+"The name is not an error of this machine. For [[motion]], write E, a direction (X Y Z A B C) and an axis of this machine: EXX,
+EAY. For [location], write E, a direction, 0 and an axis or S: EC0Y, EX0S. An error of an axis that the machine lacks would have
+no effect. Correct the name, or add the axis to the topology.";
     WRONG_UNIT = "E0407" "wrong unit for this component"
-"EX EY EZ are displacements (values_um, amplitude_um, value_um), EA EB EC rotations (…_urad); positions of linear axes are _mm, of rotary
-axes _deg.";
+"The unit of the key does not fit the component. EX, EY and EZ are displacements (values_um, amplitude_um, value_um); EA, EB and EC
+are rotations (…_urad). Positions of linear axes are …_mm, those of rotary axes …_deg. Change the key, and check that the number
+is in this unit.";
     BAD_TABLE = "E0408" "table positions do not increase"
-"positions_mm (positions_deg) must increase strictly and have as many entries as the values.";
+"positions_mm (positions_deg) must increase strictly and have as many entries as the values. Otherwise the error between two
+positions is not determined. Sort the positions together with their values, and remove repeated ones.";
     MISSING_SENSOR = "E0501" "temperature of a sensor missing"
 "The error model of the machine file depends on the temperature of this sensor, and the given state has temperatures but not this
-one. A drift that is computed without it would be wrong by an unknown amount.";
+one. A drift that is computed without it would be wrong by an unknown amount. Add the sensor to the state, as a column T_NAME_C of
+the log or as a key of [temperature_C]. Check that its name has the same spelling in both files.";
     DECEPTIVE_NAME = "E0409" "name with control characters"
 "A text in the file contains an invisible character: a terminal control character (escape, backspace, bell, delete, U+0080 to U+009F)
 or one that changes the text direction (U+202A to U+202E, U+2066 to U+2069). A report would then show something different from the
 file. Write the name with letters, digits and signs.";
     OUT_OF_RANGE = "E0410" "number out of its range"
-"A number is outside the range of any machine, or a list is longer than any table. Usually the unit is wrong.
-docs/reference/settings.md has the range of every key with its reason.";
+"A number is outside the range of any machine, or a list is longer than any table. Usually the unit is wrong, and a correction
+would be wrong by the same factor. Check the unit in the name of the key. docs/reference/settings.md has the range of every key
+with its reason.";
     BAD_HEAD = "E0411" "heads that do not fit together"
 "The sections [[head]] of a machine file describe several spindles, or positions of a swivel head. Each has a name and the M words
-that select it. A word selects one head, and has no other meaning at this control. Exactly one head has start = true. [spindle]
-is for a machine with one spindle, so it is not allowed beside [[head]]; neither is control.grundig_head.
+that select it. A word selects one head, and has no other meaning at this control. Exactly one head has start = true. [spindle] is
+for a machine with one spindle, so it is not allowed beside [[head]]; neither is control.grundig_head. Correct the sections as the
+message states. An entry looks like this:
 
   [[head]]
   name = \"vertical\"
@@ -478,31 +527,34 @@ is for a machine with one spindle, so it is not allowed beside [[head]]; neither
   axis = [0, 1, 0]";
 
     DATA_NO_TABLE = "E0601" "measured data are not a table"
-"Measured data are CSV: a line of column names, then rows with a cell for each of them. Cells are separated by commas, by semicolons
-or by tabs; a text that contains the separator has quotation marks. UTF-8, with or without byte order mark, and any line ends are
-accepted; save UTF-16 and workbooks (XLSX) as CSV first.
+"Measured data are CSV: a line of column names, then rows with a cell for each of them. Cells are separated by commas, by
+semicolons or by tabs; a text that contains the separator has quotation marks. UTF-8, with or without byte order mark, and any
+line ends are accepted. Save UTF-16 and workbooks (XLSX) as CSV first, or read them with ncfix import.
 
   run,X,Y,Z,dx_um
   1,100,50,0,-3.2";
     DATA_COLUMN = "E0602" "column that does not match the machine"
 "Every axis of the machine needs a column of its name (X, Y, Z, C …) with positions in mm or degrees. A column named after an axis
-that the machine does not have, or a repeated name, is refused: the data are probably from another measurement or machine. Readings
-of lengths are in µm: convert a column value_mm to µm, and name it value_um. A log needs t_s and at least one temperature (T_head_C
-for the sensor T_head) or load_N. A table for weighing needs only the axis of [strain] and strain_um_m.";
+that the machine does not have, or a repeated name, is refused: the data are probably from another measurement or machine. Add the
+missing column, or rename the wrong one. Readings of lengths are in µm: convert a column value_mm to µm, and name it value_um. A
+log needs t_s and at least one temperature (T_head_C for the sensor T_head) or load_N. A table for weighing needs only the axis of
+[strain] and strain_um_m.";
     DATA_CELL = "E0603" "cell that is not a number"
-"A position or a tool length is a plain number: 12.5 or, if the separator is not a comma, 12,5; the same decimal sign in all cells,
-no unit, no thousands separators. Cells must not be empty. The direction of approach (X_dir …) is -1, 0 or 1, or empty. In a log
-temperatures and loads may be empty. Temperatures are -60 to 400 °C, a weight is not
-negative, the time does not decrease.";
+"A position, a tool length or a reading is a plain number: 12.5 or, if the separator is not a comma, 12,5. All cells have the same
+decimal sign, no unit and no thousands separators. NaN is not a number. Cells must not be empty, with these exceptions: a missing
+reading of the kinds direct and displacement, and temperatures and loads in a log. The direction of approach (X_dir …) is -1, 0 or
+1, or empty. Temperatures are -60 to 400 °C, a weight is not negative, the time does not decrease. Correct the cell, or remove the
+row if the reading failed.";
 
     DATA_REPEATED = "E0605" "reading given twice"
 "Two rows of a measurement are identical to the last digit. A true repetition differs by the noise of the instrument; a copied row
 would count twice and make the uncertainty too small. The message gives the first such row and their number. A table that is given
-twice, or is also held out, is reported too, even if its readings are rounded or its rows are reordered.";
+twice, or is also held out, is reported too, even if its readings are rounded or its rows are reordered. Remove the copies, and
+give each table once.";
     LOAD_NOT_TOLD = "E0604" "strain readings do not determine the load"
 "ncfix weigh weighs a workpiece by the change of a strain along an axis. The readings must lie where [strain] of the machine file
 describes the gauge, at enough positions to separate the weight from the offset (and the drift, if there is a column t_s) of each
-run. There must be more readings than unknowns, otherwise the uncertainty is not known: measure every position twice. If two
+run. There must be more readings than unknowns, otherwise the uncertainty is not known. Measure every position twice. If two
 readings of a position contradict each other, the disturbed one (a lubrication pulse) may not be identifiable; a third run shows
 it. A negative weight means a wrong sign in [strain] or in the readings.";
     NOT_TOLD = "E0606" "errors not identifiable from the data"
@@ -514,29 +566,31 @@ machine presets). ncfix diagnose reports this if the readings outnumber the unkn
 file of -o was not written; its causes remain valid.";
     NOT_SETTLED = "E0607" "calibration does not converge"
 "The parameters still change after the last iteration: the model and the readings contradict each other, for instance in a sign, a
-set-up or an axis, or single parameters hardly affect the readings. Or the fit ended, but the readings are farther from the fitted machine
-than from a machine without errors, in all files or in one of several. Then the sign is usually wrong, or a table of the control was active: name it in active_tables of
-the machine file. Check the description of the measurement, --machine, and rows with large deviations.";
+set-up or an axis, or single parameters hardly affect the readings. Or the fit ended, but the readings are farther from the fitted
+machine than from a machine without errors, in all files or in one of several. Then the sign is usually wrong, or a table of the
+control was active: name it in active_tables of the machine file. Check the description of the measurement, --machine, and rows
+with large deviations.";
     DATA_SIZE = "E0608" "readings of an implausible size"
-"Readings are in µm or µrad, as their column names state. This one is above --max (an angle is judged by its effect at an arm of 1 m),
-or the RMS of all readings is less than the uncertainty of the instrument. Probably values in mm or nm are in a column of µm, or
-length_mm and centre_mm of the description are wrong. A parameter that would move the tool by more than --max is reported too. If the
-machine really has such errors, give a larger --max.";
+"Readings are in µm or µrad, as their column names state. This one is above --max (an angle is judged by its effect at an arm of 1
+m), or the RMS of all readings is less than the uncertainty of the instrument. Probably values in mm or nm are in a column of µm,
+or length_mm and centre_mm of the description are wrong. A parameter that would move the tool by more than --max is reported too.
+Check the units of the columns. If the machine really has such errors, give a larger --max.";
     BAD_PARAMETER = "E0609" "not a parameter of this machine"
-"A file for --model has one parameter per line, and comments after #: EC0X is a location error, EXX1 the coefficient of degree 1 of a
-motion error, EXXb its backlash, EXX2@150 a truncated power that begins at 150 mm; load.EAX, drift.Y or expansion.X.scale are those
-of effects, which the machine file must have. The axis must exist, too, and each parameter may occur only once.";
+"A file for --model has one parameter per line, and comments after #. EC0X is a location error, EXX1 the coefficient of degree 1 of
+a motion error, EXXb its backlash, EXX2@150 a truncated power that begins at 150 mm. load.EAX, drift.Y and expansion.X.scale are
+parameters of effects, which the machine file must have. The axis must exist, and each parameter may occur only once. Correct the
+line; docs/reference/calibrate.md lists all forms.";
     DATA_FAULT = "E0614" "readings inconsistent with the measurement"
-"Before ncfix diagnose searches for causes it checks the data for faults. Here all readings of a measurement have one of these faults:
-they are wrong by a factor of units (1000, 25.4); they agree with the model only if two axes are exchanged or one is reversed; they fit
-only a machine with another order of the axes; or they lack exactly the errors of the machine file, because a compensation table of
-the control was active during the measurement. Causes found in such readings would be meaningless. The message gives the evidence, and
-what to change.";
+"Before ncfix diagnose searches for causes it checks the data for faults. Here all readings of a measurement have one of these
+faults: they are wrong by a factor of units (1000, 25.4); they agree with the model only if two axes are exchanged or one is
+reversed; they fit only a machine with another order of the axes; or they lack exactly the errors of the machine file, because a
+compensation table of the control was active during the measurement. Causes found in such readings would be meaningless. The
+message gives the evidence. Change the columns, the machine file or active_tables as it states, or measure again.";
     BAD_HYPOTHESIS = "E0615" "hypothesis that cannot be read"
-"ncfix diagnose --hypothesis tests a term: a deviation and what it depends on, such as EXX ~ Y^2 or EYY ~ T_head_C lag 600s, or a cause
-by the name that findings have, such as backlash EXX. Here the text is not complete, or it names an axis that the machine lacks, or a
-column that the data lack. The line is the number of the hypothesis, and the column the place in it. docs/reference/terms.md has the
-grammar.";
+"ncfix diagnose --hypothesis tests a term: a deviation and what it depends on, such as EXX ~ Y^2 or EYY ~ T_head_C lag 600s, or a
+cause by the name that findings have, such as backlash EXX. Here the text is not complete, or it names an axis that the machine
+lacks, or a column that the data lack. The line is the number of the hypothesis, and the column the place in it. Correct the text
+at this place. docs/reference/terms.md has the grammar.";
 
     DRIFT_NOT_TOLD = "E0613" "drift that cannot be separated from backlash"
 "A drift that is a straight line in time within a back-and-forth cycle makes the backward and forward readings differ more, the
@@ -546,62 +600,68 @@ offset), and the readings show none by Student's t-test at the 0.1 % level. Each
 \"drift\" from free and let the machine warm up first, measure faster, or remove the backlash from the model if there is none.";
 
     IMPORT_QUESTION = "E0616" "import needs an answer"
-"No file of an instrument contains all that a calibration needs. `ncfix import` asks for the rest on a terminal. In a script it names the
-option that answers the question, and writes nothing. Nothing is guessed: a wrong sign doubles an error instead of removing it.
+"No file of an instrument contains all that a calibration needs. `ncfix import` asks for the rest on a terminal. In a script it
+names the option that answers the question, and writes nothing. It does not guess: a wrong sign doubles an error instead of
+removing it. Give all answers as options, for example:
 
   ncfix import laser.csv --axis X --at Y200,Z100 --sign + --unit um --tool 120 --material 20C -o laser
 
 If the file may have two formats, --as names one.";
     IMPORT_FORMAT = "E0617" "file of no format that import reads"
-"The content of the file matches no format of `ncfix import --list`, or the file is not text. Project files of instruments are usually
-binary or databases: export the readings as text or CSV from the software of the instrument. A table with unusual headings can be read
-with --as targets and --columns. If commas separate the cells, numbers need a decimal point: a comma in each of them has this code, or
-E0601 if the rows then differ in their cells.";
+"The content of the file matches no format of `ncfix import --list`, or the file is not text. Project files of instruments are
+usually binary or databases: export the readings as text or CSV from the software of the instrument. A table with unusual headings
+can be read with --as targets and --columns. Use a decimal point in numbers if commas separate the cells: a comma in each number
+has this code, or E0601 if the rows then differ in their cells.";
     IMPORT_CONTRADICTION = "E0618" "file contradicts what it seems to be"
-"The content of the file does not agree with the options of `ncfix import`, or with itself. Examples are a position outside of the travel
-of the machine, a deviation that is not actual minus nominal, a measured axis that the machine lacks, a unit that the heading contradicts. Correct
-the option, or export the file again.";
+"The content of the file does not agree with the options of `ncfix import`, or with itself. Examples are a position outside of the
+travel of the machine, a deviation that is not actual minus nominal, a measured axis that the machine lacks, a unit that the
+heading contradicts. Correct the option, or export the file again.";
     NOT_FOR_LINK = "E0701" "line that the link cannot send"
-"A line of the corrected program is too long for the control at the other end of the link, or has a character that means something
-else there: Grbl takes ! ? ~ out of the stream wherever they occur. Or the program is of a dialect that this control does not execute:
-the same word may move its axes elsewhere. Or the control does not execute a word that comes over this link: LinuxCNC does not stop at
-M0, M1 and M60 on the link linuxcnc, and takes no O words there. Nothing was sent. If the line is too long, omit blanks, block numbers
-and comments, or choose a larger --increment. Otherwise change the program there, for example end it at M0 and send the rest later, or
-load the corrected program into the control.";
+"The program has a line that cannot be sent over this link. Nothing was sent. There are four reasons; the message states which.
+
+- The line is too long for the control. Omit blanks, block numbers and comments, or choose a larger --increment.
+- The line has a character with another meaning: Grbl takes ! ? ~ out of the stream wherever they occur. Remove the character.
+- The control does not read the language of the program, and could move its axes elsewhere. Choose the right link.
+- The control does not execute a word over this link: over the link linuxcnc, LinuxCNC does not stop at M0, M1 and M60, and takes
+  no O words. End the program at M0 and send the rest later, or load the corrected program into the control.";
     STARVED = "E0702" "the link cannot keep up with the motion"
-"The control would have to wait for lines: the axes stop in mid-cut and leave marks. The message states where, how many lines per
-second the motion needs there and how many arrive. A link that accepts one line at a time stops the axes at the end of each line.
-Choose a higher baud rate on both sides, a larger --tolerance (fewer lines), omit block numbers, or write the program with `ncfix IN
--o OUT` and load it into the control. --allow-starvation sends it anyway.";
+"The link is slower than the motion: the control would run out of lines. The axes then stop within a cut and leave marks on the
+surface. The message states the place, the lines per second that the motion needs there, and the lines per second that the link
+carries. A link that accepts one line at a time stops the axes at the end of each line. Nothing was sent.
+
+Choose a larger --tolerance, which gives fewer lines, or omit block numbers. Set a higher baud rate at both ends. Or write the
+program with ncfix IN -o OUT, and load it into the control. --allow-starvation sends it in spite of the stops.";
     UNFINISHED_JOB = "E0703" "journal of an unfinished job"
 "The journal of this transfer already exists, and shows that the job was aborted. It is not known whether the last lines were
 executed, so ncfix keeps this journal. Look at `ncfix resume JOURNAL`, remove the journal, or give another one with --journal.";
     OTHER_JOB = "E0704" "not the job that was aborted"
 "A job can be resumed only with the program, machine file, state and version with which it began. With others the sent lines cannot
-be distinguished from the rest, and the correction would jump. Nothing was sent.";
+be distinguished from the rest, and the correction would jump. Nothing was sent. Give the same files again. If they have changed
+for a good reason, such as a new tool, lift the tool by hand, remove the journal and feed the program from its beginning.";
     IDLE_UNKNOWN = "E0705" "standstill of the machine not confirmed"
 "Lines sent to a machine that executes something else, is held or waits at an open door interfere with that job. Some controls are
-queried: Grbl and grblHAL for their state, Marlin for completed moves, LinuxCNC and LSV/2 for their status; they get no line unless they
-are idle. RS-232 links without answers and the blockwise transfer of Heidenhain have no such query. Look at the machine, and confirm with
---i-checked-the-machine-stands-still. Nothing was sent.";
+queried: Grbl and grblHAL for their state, Marlin for completed moves, LinuxCNC and LSV/2 for their status; they get no line
+unless they are idle. RS-232 links without answers and the blockwise transfer of Heidenhain have no such query. Look at the
+machine, and confirm with --i-checked-the-machine-stands-still. Nothing was sent.";
     NOT_CLEAR = "E0706" "no safe place to resume"
-"An aborted job is resumed only at a height that the operator has stated to be clear of workpiece and clamps (--clearance 25mm, Z of
-the program): the tool crosses to the place at that height from its current position. The program continues at the end of one of its
-retracts, with the rapid move that follows; the approach down to it is at a slow feed. If no such place is known, or the state of
-the control there cannot be restored, only a restart from the beginning remains. That requires that the stated height can be reached
-before the first move or with it: after a tool change or length offset Z has another meaning. Otherwise lift the tool by hand,
-remove the journal and feed the program from its beginning. Nothing was sent.";
-    CLEARANCE_TOO_LOW = "E0707" "clearance too low, or out of the travel"
-"The height of --clearance, Z in the coordinates of the program, must lie 1 mm or more above the highest place that the program
-machines, along the tool: every point of every move with feed counts, the start of a plunge and the top of an arc too. Below that
-the traverse would go through the workpiece. It must also lie within the travel of Z of the machine file, with the zero offset and
-the tool in force there. The message states the limits; give a height between them, above the workpiece and its clamps. Nothing was
+"Give --clearance. An aborted job is resumed only at a height that the operator has stated to be clear of workpiece and clamps
+(--clearance 25mm, Z of the program): the tool crosses to the place at that height from its current position. The program
+continues at the end of one of its retracts, with the rapid move that follows; the approach down to it is at a slow feed. If no
+such place is known, or the state of the control there cannot be restored, only a restart from the beginning remains. That
+requires that the stated height can be reached before the first move or with it: after a tool change or length offset Z has
+another meaning. If it cannot, lift the tool by hand, remove the journal and feed the program from its beginning. Nothing was
 sent.";
+    CLEARANCE_TOO_LOW = "E0707" "clearance too low, or out of the travel"
+"The height of --clearance is not possible. It is a Z of the program, at which the tool moves across the workpiece to the place
+where the job continues. It must be at least 1 mm above everything that the program machines: every point of every feed move
+counts, including the start of a plunge and the top of an arc. At a lower height the tool could cut through the workpiece. It must
+also be within the travel of Z, with the zero offset and the tool in force there. Nothing was sent. The message states both
+limits. Give a height between them that is clear of workpiece and clamps.";
     BAD_SET_POINT = "E0801" "line is not a set-point"
 "A line of the input of ncfix realtime is not a set-point: a word that is not an axis of the machine, a malformed number, an axis
 whose position was never stated, too many or too few cells, an empty line. The run ends, because the machine must not move on a
 guess. Every line before it was answered, in order; the control must hold the last correction, or stop. The message has line and
-column.";
+column. Correct the program that sends the set-points.";
     BAD_TABLES = "E0901" "compensation table that cannot be read"
 "A file of compensation tables for ncfix tables --read, or for machine.active_tables, violates its format: a malformed number, an
 axis that the machine does not have, a product with a missing table, or a field that is not written or has two different values (the
@@ -618,14 +678,17 @@ not suit the errors of this machine: own has a table for each axis over its own 
 another; a grid ignores rotary axes. Use another --scheme (auto tries them all), the --tool that is used, --orientation off, or
 another --format; ncfix tables --list shows what each has.";
     CORRECTION_MAKES_WORSE = "E0904" "correction increases the error"
-"The residual error of the corrected program is larger than the error of the original program, and larger than the tolerance. Nothing
-was written. Usually the increment of the output is coarser than the error to be corrected (--increment, control.increment_mm), or
---tolerance is larger than the error.";
+"The residual error of the corrected program is larger than the error of the original program, and larger than the tolerance.
+Nothing was written, because the program would become worse. Usually the increment of the output is coarser than the error to be
+corrected, or --tolerance is larger than the error. Choose a smaller --tolerance, or a smaller --increment if the control reads
+it; otherwise run the original.";
     SKIP_EXECUTED = "W0201" "skip blocks executed or skipped"
-"Blocks with / were executed (or skipped with --skip), and the output contains no /: the skip switch at the control has no effect on it.";
+"Blocks with / were executed (or skipped with --skip), and the output contains no /. The skip switch at the control therefore has
+no effect on it. Choose the blocks with --skip now, as the switch will be set; for both positions of the switch, correct the
+program twice.";
     FEED_ASSUMED = "W0202" "feed motion without a feed"
-"G1, G2 and G3 need F; the control stops at this block. snc, diff and verify accept the motion without a feed; check and fix refuse the
-program (E0215).";
+"G1, G2 and G3 need F; the control stops at this block. snc, diff and verify accept the motion without a feed; check and fix refuse
+the program (E0215). Program F before this block.";
     MORE_PROGRAMS = "W0203" "further main programs in the file"
 "The file has more than one main program (%_N_…_MPF, %PM, O1234). The first one is executed; the others are executed only if it
 calls them. Put each main program into its own file. Lines after the % that closes the program belong to no program, and are
@@ -633,27 +696,32 @@ ignored too.";
     LEFT_OUT = "W0204" "statement omitted from the output"
 "WRITE and DELETE access files of the control. They are not executed and not written to the output; their result variable counts as
 0, no error. The motion does not change. Tables of tools and zero offsets in the transfer of a Grundig program (%TM, %ZO) apply to
-the run and are not written either: the control must have the same tables before it runs the output.";
+the run and are not written either. Load the same tables into the control before it runs the output.";
     NOT_CORRECTED = "W0205" "moves that are not corrected"
-"SETINT lets an input of the control interrupt the program and start another one, which runs unchanged on the control. Its moves are
-not corrected, unless that program has been corrected too.";
+"SETINT lets an input of the control interrupt the program and start another one, which runs unchanged on the control. Its moves
+are not corrected. Correct that program too, or accept its errors if it only retracts the tool.";
     WATCHED_ONCE = "W0206" "synchronized action of one block"
-"A synchronized action without ID acts while the next block is executed. If the correction divides the move of that block into pieces,
-the action is active only during the first piece.";
+"A synchronized action without ID acts while the next block is executed. If the correction divides the move of that block into
+pieces, the action is active only during the first piece. Check the output at this place. If the action must act longer, give it
+an ID and cancel it after the move.";
     TAPPING_BY_FEED = "W0207" "tapping by feed moves"
 "A tapping cycle (G84, G74) becomes a feed move into the hole, a spindle reversal, and a move out. Spindle and axis are not
-synchronized as they may be in the cycle of the control, so the tap needs a compensating chuck, as older controls always do.";
+synchronized as they may be in the cycle of the control. Use a compensating chuck, as older controls always require, and keep the
+override at 100 %.";
     UNUSUAL_MOTION = "W0208" "motion that depends on the control"
 "A Fanuc moves in a straight line if a block of G2 or G3 has neither R nor I, J, K (parameter 3403, bit 5; otherwise it stops with
 alarm PS0022). If it does not compare the radii at start and end (parameter 3410 is 0; control.arc_radius_check = false), an arc
 whose center fits only the start is a spiral. G73 and G83 without Q, or with Q0, drill in one stroke (parameter 5103, bit 1;
-otherwise alarm PS0045). Such a block is often an error of a post-processor: check the part. A Haas has its own path between the
-circles of G12 and G13, and its manual does not state where G72 drills first. The message states the moves of the corrected program.";
+otherwise alarm PS0045). Such a block is often an error of a post-processor. Check this block in the program. A Haas has its own
+path between the circles of G12 and G13, and its manual does not state where G72 drills first. The message states the moves of the
+corrected program: compare them with those of your control.";
     CORNER_LEFT_OUT = "W0231" "no rounding or chamfer made"
 "After the block with RND, CHF or CHR no motion in the working plane follows within three blocks, or a motion of other axes comes
-first. A control makes no transition then, and neither does ncfix.";
+first. A control makes no transition then, and neither does ncfix: the corner stays sharp. Move the other blocks if the corner
+must be rounded: before this block, or after the next contour element.";
     COMPENSATION_LEFT_ON = "W0232" "radius compensation still on at the end"
-"The program ends with G41 or G42 in force. The tool stops next to the end of the last contour element. End the compensation with G40.";
+"The program ends with G41 or G42 in force. The tool stops next to the end of the last contour element. End the compensation with
+G40.";
     ELEMENT_LEFT_OUT = "W0233" "contour element skipped"
 "The tool is too wide for this contour element; its path goes from the previous element to the next one, as on the control. Some
 material remains. Check that the correct tool is selected.";
@@ -663,231 +731,267 @@ than the tool, a spiral too tight. The control does the same if collision monito
 cannot reach, up to control.compensation_look_ahead elements (Sinumerik MD20240). Elements within three times this number before and
 after are checked. Check whether a smaller tool is intended.";
     EITHER_WAY = "W0235" "rotary axis may turn in either direction"
-"A rapid motion turns a rotary axis by exactly half a turn in the shortest direction (DC). The control may turn in either direction.
-The word is unchanged in the output, but its position is corrected by a few thousandths of a degree, which may reverse the
-direction. The end position is the same; check that the axis may turn in both directions there, or program ACP or ACN. CYCLE800 has
-no such words: position the rotary axes before it, or choose the other solution with _DIR.";
+"A rapid motion turns a rotary axis by exactly half a turn in the shortest direction (DC). The control may turn in either
+direction. The word is unchanged in the output, but its position is corrected by a few thousandths of a degree, which may reverse
+the direction. The end position is the same. Check that the axis may turn in both directions there, or program ACP or ACN.
+CYCLE800 has no such words: position the rotary axes before it, or choose the other solution with _DIR.";
     WEAR_WITHOUT_EFFECT = "W0236" "radius compensation is replaced by the tool center path"
 "The program uses G41 or G42 (Grundig: G43 and G44 too), and the corrected one has the tool center path instead, for the radius of
-the tool in the machine file. The control no longer uses its own radius: another radius or wear entered at the control has no effect
-on this program. After a change of radius or wear, enter the new radius, wear included, as radius_mm of [[tool]] in the machine file or
-a set-up file (--setup also takes the tool table of the control), and correct the program again. Tool lengths and their wear are not
-affected.";
+the tool in the machine file. The control no longer uses its own radius: another radius or wear entered at the control has no
+effect on this program. Enter a new radius or new wear in the machine file instead: radius_mm of [[tool]], wear included, or a
+set-up file (--setup also takes the tool table of the control). Then correct the program again. Tool lengths and their wear are
+not affected.";
     WEAR_ALONE = "W0237" "radius compensation at the control is for wear alone"
-"The program was corrected with --compensation wear: it has the tool center path, for the radius of the tool in the machine file, and
-G41 or G42 in addition, so that wear entered at the control keeps its effect. The control must therefore have the radius 0 for these
-tools, plus the wear. If it still has the radius of the tool, it offsets the tool twice: too far from the part outside, into the
-wall or to an alarm inside. Set the radius in the register (D number) to 0 before this program runs and enter only the wear. Restore
-it before any other program uses that register, or give this program its own register. In the machine file, radius_mm is the radius of
-the tool without this wear. See docs/reference/output.md.";
+"The program was corrected with --compensation wear: it has the tool center path, for the radius of the tool in the machine file,
+and G41 or G42 in addition, so that wear entered at the control keeps its effect. The control must therefore have the radius 0 for
+these tools, plus the wear. If it still has the radius of the tool, it offsets the tool twice: too far from the part outside, into
+the wall or to an alarm inside. Set the radius in the register (D number) to 0 before this program runs and enter only the wear.
+Restore it before any other program uses that register, or give this program its own register. In the machine file, radius_mm is
+the radius of the tool without this wear. See docs/reference/output.md.";
     MOVES_NOTHING = "W0238" "no axis is moved"
 "The program was executed, and no axis has moved: a correction of it would be refused (E0223). For a file of definitions or
-subprograms this is correct. Otherwise its blocks may be after the end of the program (M30), in a subprogram that is never called,
-in skip blocks, or the file is truncated.";
+subprograms this is correct. Otherwise something is missing. Check whether its blocks are after the end of the program (M30), in a
+subprogram that is never called, or in skip blocks, and whether the file is truncated.";
     OWN_STROKES = "W0239" "milling cycle with moves of ncfix"
-"Controls do not publish the moves of their milling cycles (POCKET3, SLOT1, CYCLE72, G87 of a Grundig). ncfix mills the same shape, with the
-programmed depths, allowances, feeds and direction, but with passes and plunges generated by ncfix. A comment in the output
-is in front of them. Check them like those of a new program. To have the moves of the control, give ncfix its cycles as files
-(control.search_path). To let the control execute the cycle without a correction, name it in control.opaque.";
+"Controls do not publish the moves of their milling cycles (POCKET3, SLOT1, CYCLE72, G87 of a Grundig). ncfix mills the same shape,
+with the programmed depths, allowances, feeds and direction, but with passes and plunges generated by ncfix. A comment in the
+output is in front of them. Check them like those of a new program. To have the moves of the control, give ncfix its cycles as
+files (control.search_path). To let the control execute the cycle without a correction, name it in control.opaque.";
     START_ASSUMED = "W0240" "state at the start of the program assumed"
-"An RS274/NGC control keeps the unit of lengths (G20, G21) and the return of drilling cycles (G98, G99) of an earlier program or of its
-startup code. The program states one of them too late or not at all, and so does control.startup_code. ncfix assumes the usual start:
-millimeters, and G99. If the control has G20, all lengths are wrong by a factor of 25.4. If it has G98, the tool returns to the initial
-level there, and to R in the output, where a clamp may be in its way. Write the word at the beginning of the program, or state
-startup_code in [control].";
+"An RS274/NGC control keeps the unit of lengths (G20, G21) and the return of drilling cycles (G98, G99) of an earlier program or of
+its startup code. The program states one of them too late or not at all, and so does control.startup_code. ncfix assumes the usual
+start: millimeters, and G99. If the control has G20, all lengths are wrong by a factor of 25.4. If it has G98, the tool returns to
+the initial level there, and to R in the output, where a clamp may be in its way. Write the word at the beginning of the program,
+or state startup_code in [control].";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
-"The machine file has no value for this zero offset. snc uses zero; check, fix, diff and verify refuse the program.";
+"The machine file has no value for this zero offset. snc uses zero, so its positions in the machine are wrong. check, fix, diff and
+verify refuse the program. State the zero offset in the machine file or in a set-up file (E0306 has an example).";
     TOOL_ASSUMED = "W0303" "tool assumed without length and radius"
-"The machine file has no value for this tool. snc uses zero; check, fix, diff and verify refuse the program.";
+"The machine file has no value for this tool. snc uses length and radius zero, so its positions in the machine are wrong. check,
+fix, diff and verify refuse the program. State the tool in the machine file or in a set-up file (E0307 has an example).";
     NO_MACHINE = "W0304" "demo machine used"
 "Neither --machine nor the environment variable NCFIX_MACHINE names a machine file, and there is no ncfix.toml in this folder or
-above it, so the embedded demo machine was used. The output is only a demonstration, not for a real machine.";
+above it, so the embedded demo machine was used. The output is corrected for the errors of that machine: do not run it. Give your
+file with --machine, or save it as ncfix.toml in the folder of the programs.";
     TOLERANCE_NOT_REACHED = "W0305" "tolerance not reached"
-"Somewhere the pieces became as short as 0.01 mm, or as the increment, and still deviate by more than --tolerance. The tolerance is
-finer than the increment, or the error model has a step there, or the increment keeps an axis within its backlash. Tapping stays one
-cycle even if the tip leaves the tolerance, because pieces would lose the synchronism of spindle and axis.";
+"The output deviates from the exactly corrected path by more than --tolerance at some places. The pieces there are already as short
+as 0.01 mm, or as the increment. Either the tolerance is finer than the increment, or the error model has a step there, or the
+increment keeps an axis within its backlash. Tapping stays one cycle even if the tip leaves the tolerance, because pieces would
+lose the synchronism of spindle and axis. The message states the deviation. Choose a finer --increment that the control reads if
+the deviation is too large, otherwise a larger --tolerance.";
     OTHER_STAMP = "W0306" "corrected for another machine file, state or original"
-"The stamp of the corrected program names another machine file, state or original than those given. Each correction is valid for one
-machine in one state. The errors in the result are those of this program on the given machine in the given state.";
+"The stamp of the corrected program names another machine file, state or original than those given. Each correction is valid for
+one machine in one state. The errors in the result are those of this program on the given machine in the given state. Give the
+files of the correction. If tools, zeros or errors have changed since, correct the original again.";
     ONE_PIECE = "W0307" "move that cannot be divided deviates"
 "Threads (G33, G34, G35, G331, G332, G63) and positioning axes (POS) are not divided into pieces: spindle and axis would lose
 synchronism, or the axes would stop in between. The end of the move is corrected, but along the path the deviation is larger than
---tolerance.";
+--tolerance. The message states it. Accept the deviation, or for POS program the motion as G0 or G1.";
     SENSE_UNKNOWN = "W0308" "position within the backlash unknown"
-"An axis with backlash reached its position from an unknown position (before the first block, after a tool change), so its
-position within the backlash is unknown. The mean of the backlash is used there, and half of it may remain as residual until the axis
-moves again. A short motion of the axis before the cut resolves this; so does --start if no tool change lies between.";
+"An axis with backlash cuts, and it is not known on which side of its backlash it is: it came from an unknown position, for example
+after a tool change. ncfix assumes the middle. The cut may therefore be wrong by half of the backlash, until the axis has moved by
+more than its backlash in one direction. Program a motion of this axis by more than its backlash before the cut. If no tool change
+comes between, --start with the first position helps as well.";
     FEED_LIMIT_MISSED = "W0309" "path deviation larger than --feed-limit"
-"With --feed-limit, ncfix fix lowers feeds where the axes would deviate too far from the path. On this block that was not enough: its
-feed is at the lowest value tried, 5 % of the programmed one; or it is inverse-time (G93) or that of a thread, which are not
-changed; or a lower feed does not help, because the deviation occurs while the axes accelerate from rest. At a corner the lag of one
-block may reach into the next one: an exact stop (G9, G60; G61 if the control has it) lets the axes arrive first; feed-forward in
-the drives reduces the lag. The program is written with the best feeds found.";
+"With --feed-limit, ncfix fix lowers feeds where the axes would deviate too far from the path. On this block that was not enough:
+its feed is at the lowest value tried, 5 % of the programmed one; or it is inverse-time (G93) or that of a thread, which are not
+changed; or a lower feed does not help, because the deviation occurs while the axes accelerate from rest. At a corner the lag of
+one block may reach into the next one. The program is written with the best feeds found. Program an exact stop at the corner (G9,
+G60; G61 if the control has it), so that the axes arrive first, or increase the feed-forward of the drives. Otherwise allow a
+larger --feed-limit.";
     NO_STAMP = "W0314" "corrected program without its stamp"
-"ncfix fix writes a comment in the first lines that states machine, model, state and source of a corrected program, and its promised
-tolerance. This program has no such stamp: it was not written by ncfix, or the stamp was removed or changed. Its validity is not
-known; the tolerance of --promised, or 1 µm, is assumed.";
+"ncfix fix writes a comment in the first lines that states machine, model, state and source of a corrected program, and its
+promised tolerance. This program has no such stamp: it was not written by ncfix, or the stamp was removed or changed. Its validity
+is not known; the tolerance of --promised, or 1 µm, is assumed. Correct the original again before you run it.";
     PROMISE_ASSUMED = "W0315" "tolerance of the correction assumed"
-"The stamp of the corrected program does not state its tolerance. The tolerance of --promised is used, or 1 µm, the default of ncfix fix.";
+"The stamp of the corrected program does not state its tolerance. The tolerance of --promised is used, or 1 µm, the default of
+ncfix fix. Give the right one with --promised if it was another.";
     AXIS_WITHOUT_ERRORS = "W0316" "axis without measured errors"
 "The axis moves while the tool cuts, and the machine file has neither an error that depends on it nor its range in [measured]. Its
 errors are unknown, not zero: the correction leaves them on the workpiece, and the predicted residual does not contain them. Measure
 the axis and calibrate. If it was measured and has no error worth a correction, state its range in [measured].";
     BEYOND_MEASURED = "W0317" "position beyond the measured range"
 "An axis goes beyond the range of [measured] in the machine file or, without it, beyond the positions of a table of this axis. The
-error model is extrapolated there: a polynomial may rise steeply, a table keeps its last value. The message states how far, and the
-part of the error at the tool tip that no measurement supports. Only feed moves count, unless the program has none.";
+error model is extrapolated there: a polynomial may rise steeply, a table keeps its last value. The message states how far, and
+the part of the error at the tool tip that no measurement supports. Only feed moves count, unless the program has none. Measure
+the missing range and calibrate; for a linear axis you can also clamp the workpiece at another place. Otherwise decide whether the
+extrapolated part is small enough.";
     TOOL_BEYOND_MEASURED = "W0318" "tool length beyond the measured range"
-"Angular errors and rotary axes move the tool tip in proportion to the tool length. This tool is longer or shorter than all tools with
-which the machine was measured ([measured] tool_length_mm), so its error is extrapolated.";
+"Angular errors and rotary axes move the tool tip in proportion to the tool length. This tool is longer or shorter than all tools
+with which the machine was measured ([measured] tool_length_mm), so its error is extrapolated. The message states the extrapolated
+part. Measure with a tool or stylus of about this length and calibrate if this part is too large.";
     RANGE_NOT_STATED = "W0319" "measured range of an axis not stated"
 "The machine file has a section [measured] without the range of this axis, which moves and has errors. Whether they hold at these
 positions is unknown. Add the range, as docs/reference/machine-file.md describes.";
     STATE_BEYOND_MEASURED = "W0320" "temperature or load beyond the measured range"
-"A temperature or the weight on the table is beyond the range in which its effect was measured ([measured] temperature_C, load_N). The
-effect is extrapolated by the error model.";
+"A temperature or the weight on the table is beyond the range in which its effect was measured ([measured] temperature_C, load_N).
+The effect is extrapolated by the error model. Measure in this condition and calibrate, or wait until the machine is within the
+range.";
     ZERO_NOT_STATED = "W0321" "method of setting the zero not stated"
-"No file or option states how the zero offset was set, so it is treated as touched off with the tip at the workpiece zero. A touched zero
-contains the error of the machine at that point, and only the difference from it is corrected. If the zero is the true position in the machine,
-the cut is wrong by this error. Drift is different: without a stated method or time it counts from the reference temperature. A zero that was
-touched off on a warm machine already contains it, and the cut is then wrong by the drift. The same is true of the weight on the table:
-without a stated method its effect counts from the empty table. State it: set = \"touched\", \"probed\" or
-\"absolute\" in [zero_offset.NAME], or --zero G54=absolute; the time with --zero-time. See docs/how-to/set-the-zero.md.";
+"Nothing states how the zero offset was set. It therefore counts as touched off with the tip at the workpiece zero: it contains the
+error of the machine at that point, and only the difference from this error is corrected. If the zero is the true position in the
+machine, the cut is wrong by this error.
+
+Temperature and weight count differently. Without a stated method or time, their effect is corrected from the reference
+temperature and the empty table. A zero that was touched off on the warm or loaded machine already contains this effect, and the
+correction is then too large by it.
+
+State the method: set = \"touched\", \"probed\" or \"absolute\" in [zero_offset.NAME], or --zero G54=touched. State the time with
+--zero-time. docs/how-to/set-the-zero.md has examples.";
     UNKNOWN_CUT = "W0322" "cut at a position that is not known"
-"The program has a feed move while the position of a linear axis is not known. Either no earlier block states it, or a program that the
-control itself executes has moved the axes. The errors of the machine depend on this position, so the correction there is incomplete, and
-the predicted errors do not count the move. Program the axes before the cut. --start gives their position at
-the beginning, and it holds until the first tool change. After a tool change, straight feed moves in the plane are an approach and no
+"The program has a feed move while the position of a linear axis is not known. Either no earlier block states it, or a program that
+the control itself executes has moved the axes. The errors of the machine depend on this position, so the correction there is
+incomplete, and the predicted errors do not count the move. Program the axes before the cut. --start gives their position at the
+beginning, and it holds until the first tool change. After a tool change, straight feed moves in the plane are an approach and no
 cut. A rapid move, or a move with another tool length, must then state Z.";
     ROTARY_ASSUMED = "W0324" "rotary axes assumed at 0°"
-"The program has a feed move, and neither an earlier block nor --start states the position of a rotary axis of the machine. ncfix takes
-it to be at 0°, as programs for three axes expect. If the axis is elsewhere, the workpiece is turned, and the correction acts in wrong
-directions. Program the axis before the cut, or state its position: with start_deg in the section of the axis if every
-program begins there, or with --start, which holds until the first tool change.";
+"The program has a feed move, and neither an earlier block nor --start states the position of a rotary axis of the machine. ncfix
+takes it to be at 0°, as programs for three axes expect. If the axis is elsewhere, the workpiece is turned, and the correction
+acts in wrong directions. Program the axis before the cut, or state its position: with start_deg in the section of the axis if
+every program begins there, or with --start, which holds until the first tool change.";
     SHORT_BLOCKS = "W0325" "blocks shorter than the block cycle"
-"[control] block_cycle_ms states the time that the control needs to prepare a block. To stay within the tolerance, ncfix has divided a
-move into blocks that take less time at their feed. The tolerance has priority; the control slows down along these blocks, and
-surfaces may show it. A larger --tolerance gives longer blocks, and a lower feed more time for each.";
+"[control] block_cycle_ms states the time that the control needs to prepare a block. To stay within the tolerance, ncfix has
+divided a move into blocks that take less time at their feed. The tolerance has priority; the control slows down along these
+blocks, and surfaces may show it. Choose a larger --tolerance, which gives longer blocks, or a lower feed, which gives more time
+for each.";
     ZERO_LENGTH_NOT_STATED = "W0326" "length of the tool at the touch not stated"
-"A touched zero contains the error of the machine where the tool touched, and this depends on the length of the tool or probe: a longer one
-touches at a higher position of the axes. Without a stated length the correction is right for the length 0. All cuts are then displaced by
-the size in the message. State the length: --zero G54=touched@L110, or tool_length_mm in [zero_offset.NAME.set_at]. See
-docs/how-to/set-the-zero.md.";
+"A touched zero contains the error of the machine where the tool touched, and this depends on the length of the tool or probe: a
+longer one touches at a higher position of the axes. Without a stated length the correction is right for the length 0. All cuts
+are then displaced by the size in the message. State the length: --zero G54=touched@L110, or tool_length_mm in
+[zero_offset.NAME.set_at]. See docs/how-to/set-the-zero.md.";
     BACKWARD_TOOL = "W0327" "negative tool length"
-"A tool of the program has a negative length, as on a control whose lengths count from the machine zero or from a reference tool. The axis
-positions are then still right, but ncfix needs the distance from the gauge line of the spindle to the tip: it is the arm of angular errors
-and of rotary axes. With a wrong arm, their correction is wrong. State the real lengths, and Z of the zero offset for these lengths. See
-docs/how-to/fanuc-from-start-to-finish.md.";
+"A tool of the program has a negative length, as on a control whose lengths count from the machine zero or from a reference tool.
+The axis positions are then still right, but ncfix needs the distance from the gauge line of the spindle to the tip: it is the arm
+of angular errors and of rotary axes. With a wrong arm, their correction is wrong. State the real lengths, and Z of the zero
+offset for these lengths. See docs/how-to/fanuc-from-start-to-finish.md.";
     NO_TRAVEL = "W0401" "axis without travel limits"
-"The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be detected.";
+"The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be detected. Add the lowest
+and the highest position of the axis, in machine coordinates.";
     TWO_DRIFTS = "W0402" "two models of the drift"
 "The file has [[drift]] (weighted temperatures) and [[segment]] (the structure as beams). Each describes the drift of the warm
 machine; if both describe the same parts, the drift is corrected twice. Use both in one file only if one was fitted to the residual
 of the other.";
     UNUSED_SENSOR = "W0403" "unused sensor"
 "[sensor.NAME] gives the reference temperature of a sensor that is not used in any [[drift]], [[expansion]] or [[segment]]. If the
-name is misspelled, the intended sensor keeps the reference temperature of the machine.";
+name is misspelled, the intended sensor keeps the reference temperature of the machine, and its drift is computed from a wrong
+one. Correct the name, or remove the section.";
     PARTIAL_OFFSET = "W0404" "zero offset without an axis"
-"[zero_offset.NAME], or a file of the control given with --setup, states some linear axes of the machine, but not all of them; the others
-count as 0, unless a later file states them. In a G10 file of a Fanuc they keep the values of an earlier file. If the control has another value for these axes, the correction is for a wrong position. Write every axis as the control shows it, including 0. The external
-offset EXT of a Fanuc may have single axes.";
+"[zero_offset.NAME], or a file of the control given with --setup, states some linear axes of the machine, but not all of them; the
+others count as 0, unless a later file states them. In a G10 file of a Fanuc they keep the values of an earlier file. If the
+control has another value for these axes, the correction is for a wrong position. Write every axis as the control shows it,
+including 0. The external offset EXT of a Fanuc may have single axes.";
     NO_EFFECT = "W0405" "location error without effect"
-"A location error in [location] moves neither the tip nor the tool axis on this machine. On the workpiece side, the error of the axis next
-to the foundation turns the table with all that is on it, and the tool path on the workpiece remains the same. The squareness of two axes
-is then stated by the other axis. A measured value under this name is never corrected.";
+"A location error in [location] moves neither the tip nor the tool axis on this machine. On the workpiece side, the error of the
+axis next to the foundation turns the table with all that is on it, and the tool path on the workpiece remains the same. A value
+under this name is never corrected. State the squareness at the other axis of the pair, with the opposite sign (EC0X = -15 for
+EC0Y = 15). ncfix square chooses name and sign.";
     FOREIGN_KEY = "W0406" "setting of another control"
 "A key of [control] belongs to the controls of another language, so that it changes nothing on this machine. Either the machine file
 came from another machine, or controller names the wrong language. Remove the key, or correct controller.";
     NO_TEMPERATURES = "W0501" "temperatures not given"
 "The error model has sources that depend on temperatures, and neither --state nor, in a calibration, the table of readings gives
-them. All sensors are assumed to be at their reference temperature: no drift, no expansion.";
+them. All sensors are assumed to be at their reference temperature: no drift, no expansion. On a warm machine this part of the
+error remains. Give the temperatures with --state.";
     NO_LOAD = "W0502" "workpiece weight not given, or without effect"
 "The error model has effects of the weight on the table, and neither --load nor --state states the load. The table is assumed to be
-empty. Or, conversely, a weight is given, and the machine file does not describe its effects.";
+empty. Give the weight with --load; --load 0 states an empty table. Or, conversely, a weight is given, and the machine file does
+not describe its effects, so it changes nothing: measure them ([[load]]), or omit --load.";
     LOAD_TURNS = "W0503" "load off the center of a table that turns"
-"The effect of a weight depends on its position in the machine. A rotary axis on the workpiece side moves a load that is not on its axis;
-the effect is computed for the position that was given, whatever the position of the axis. That is correct for a table that does not
-move while one side of the workpiece is machined: give the position of the load for this pose, along the axes of the machine.";
+"The effect of a weight depends on its position in the machine. A rotary axis on the workpiece side moves a load that is not on its
+axis; the effect is computed for the position that was given, whatever the position of the axis. That is correct for a table that
+does not move while one side of the workpiece is machined. Give the position of the load for this pose, along the axes of the
+machine. For a table that moves, correct each side as a separate program.";
     LOAD_ASSUMED = "W0601" "load only partly determined"
 "The readings determine the weight, but with a limitation: the position of the load along an axis has the same signal as the weight
-itself (give it with --known Z-280), the load is below the noise, too few other readings check a disturbed one, or the scatter is
-above sigma_um_per_m.";
+itself, the load is below the noise, too few other readings check a disturbed one, or the scatter is above sigma_um_per_m. The
+message states which. Give a known position with --known Z-280, or measure every position again.";
     READING_LEFT_OUT = "W0602" "reading excluded"
 "A lubrication pulse disturbs the strain for a moment. ncfix excludes one or two readings from the weighing if the others agree
-significantly better without them (1 %).";
+significantly better without them (1 %). The message names them. Look at these readings; if you doubt the result, measure again.";
     ROW_DOES_NOT_FIT = "W0603" "reading that does not fit the others"
 "In a calibration, a reading that deviates from the model by more than the noise gets a smaller weight, and beyond 4.7 standard
-deviations the weight 0 (Tukey's weights). The reading stays in the file and in the report. Look for its cause: a chip under the ball,
-a wrong row, a set-up that moved. With --no-robust all readings have equal weights.";
+deviations the weight 0 (Tukey's weights). The reading stays in the file and in the report. Look for its cause: a chip under the
+ball, a wrong row, a set-up that moved. With --no-robust all readings have equal weights.";
     POOR_FIT = "W0604" "the residual is larger than the instrument explains"
 "The residual of the calibrated model is well above the uncertainty that sigma_um states. The machine has errors that the model
-lacks, its temperature changed, or sigma_um is too small. The standard uncertainties are then based on the scatter of the residuals
-instead of sigma_um. They do not cover errors that the model lacks.";
+lacks, its temperature changed, or sigma_um is too small. The standard uncertainties are then based on the scatter of the
+residuals instead of sigma_um. They do not cover errors that the model lacks. Search for these errors with ncfix diagnose, or
+correct sigma_um.";
     REDUCED = "W0605" "parameters omitted"
 "With --reduce, ncfix calibrate omits parameters that the data cannot separate from others, and fits the rest. Of inseparable
 parameters, it omits the most complex one first: truncated powers before backlash, before coefficients from the highest degree
-down, later ones of the model before earlier ones, location errors last. Omitted parameters keep their values of the initial machine
-file. The others absorb their effect, which is right for similar poses and wrong elsewhere. The message states the reason, and the
-help the measurement that is missing. ncfix diagnose reports this code if it cannot fit the found terms again together: it then
-writes them as its search found them.";
+down, later ones of the model before earlier ones, location errors last. Omitted parameters keep their values of the initial
+machine file. The others absorb their effect, which is right for similar poses and wrong elsewhere. The message states the reason,
+and the help the measurement that is missing. Measure what the help names, or accept the model for similar poses. ncfix diagnose
+reports this code if it cannot fit the found terms again together: it then writes them as its search found them.";
     UNLIKE_REPEATED = "W0606" "uncertainties unlike simulated repetitions"
 "With --monte-carlo, ncfix calibrate simulates the readings many times, with the noise that it found, and fits them again. The
-scatter of a parameter differs from its standard uncertainty by more than 25 %, beyond the statistical spread of the repetitions, or
-repetitions could not be fitted. Reasons are few readings, weights that follow the noise, or unknowns with large changes.";
+scatter of a parameter differs from its standard uncertainty by more than 25 %, beyond the statistical spread of the repetitions,
+or repetitions could not be fitted. Reasons are few readings, weights that follow the noise, or unknowns with large changes. Use
+the scatter of the repetitions as the uncertainty of this parameter, or take more readings.";
     FAULTY_DATA = "W0607" "fault of the data"
-"The data have a fault that the machine did not cause. A temperature sensor is dead, stuck, exchanged with another one, moved, or in
-degrees Fahrenheit. Or the readings have a pulse of a few minutes, a first cycle before the machine had settled, a step from one row
-on, single outliers, or the coarse resolution of a display. Or the rows of a ball-bar go against the direction in the name of their
-run, such as 2-cw, or against the columns X_dir and so on: put them into the order of the motion. The message gives the rows and the evidence. The help gives the
-consequence: ncfix excludes faulty rows from the search for causes, or gives them their own zero or noise. The file does not change.
-If the temperature log ends or pauses, ncfix excludes only the rows without temperatures. In held-out data it keeps all other rows, so
+"The data have a fault that the machine did not cause. A temperature sensor is dead, stuck, exchanged with another one, moved, or
+in degrees Fahrenheit. Or the readings have a pulse of a few minutes, a first cycle before the machine had settled, a step from
+one row on, single outliers, or the coarse resolution of a display. Or the rows of a ball-bar go against the direction in the name
+of their run, such as 2-cw, or against the columns X_dir and so on: put them into the order of the motion. The message gives the
+rows and the evidence. Look at these rows, and repair the cause before the next measurement. The help gives the consequence: ncfix
+excludes faulty rows from the search for causes, or gives them their own zero or noise. The file does not change. If the
+temperature log ends or pauses, ncfix excludes only the rows without temperatures. In held-out data it keeps all other rows, so
 that the test data are not selected.";
     NOT_SHOWN = "W0608" "term that the readings do not show"
-"ncfix calibrate fits a term of --model, such as EXX ~ Y^2, and its interval of 95 % contains 0. The machine file gets the term, because the
-command asks for it. A program would then be corrected by an amount whose sign is not known. Remove the term, or take readings where it
-acts: at several positions of the axis on which it depends.";
+"ncfix calibrate fits a term of --model, such as EXX ~ Y^2, and its interval of 95 % contains 0. The machine file gets the term,
+because the command asks for it. A program would then be corrected by an amount whose sign is not known. Remove the term, or take
+readings where it acts: at several positions of the axis on which it depends.";
     IMPORT_GAP = "W0609" "places without a reading"
-"The readings of a file are regular, and some of them are missing: an arc of a circle, a target of a run, a node of a grid, or a feature
-of a report. The file may have been cut, or rows may have been lost. ncfix import writes the measurement without these places and names them.
-Export the file again. If the places were not measured, the calibration is less certain there.";
+"The readings of a file are regular, and some of them are missing: an arc of a circle, a target of a run, a node of a grid, or a
+feature of a report. The file may have been cut, or rows may have been lost. ncfix import writes the measurement without these
+places and names them. Export the file again. If the places were not measured, the calibration is less certain there.";
     SLOPE_NOT_SHOWN = "W0610" "slope of a straightness that the readings do not show"
-"ncfix calibrate fits the curvature of an axis, such as EZX2, but no slope, and the readings cannot show a slope: the artifact lies as it
-was set up. A curve without a slope at the zero of the axis would tilt the whole axis by an arbitrary angle. ncfix therefore adds the slope
-that makes the axis straight on average over the measured range. The real slope belongs to the squareness of the axis, which stays unknown:
-measure it with a square, two diagonals or ball-bar circles.";
+"ncfix calibrate fits the curvature of an axis, such as EZX2, but no slope, and the readings cannot show a slope: the artifact lies
+as it was set up. A curve without a slope at the zero of the axis would tilt the whole axis by an arbitrary angle. ncfix therefore
+adds the slope that makes the axis straight on average over the measured range. The real slope belongs to the squareness of the
+axis, which stays unknown. Measure it with a square, two diagonals or ball-bar circles.";
     RELATIVE_SCALE = "W0611" "scale that is only relative to that of another axis"
-"The circles of a bar of unknown length are the same if all axes are longer by the same proportion. ncfix calibrate fitted the scale of some
-of these axes and took the others as 0, so the fitted scales are differences. A program that is corrected with them can have the right
-shape and a wrong size, and the stated uncertainty does not include that. Give the calibrated length of the bar, measure one axis with
-a laser, or state the scale of the other axis in the machine file.";
+"The circles of a bar of unknown length are the same if all axes are longer by the same proportion. ncfix calibrate fitted the
+scale of some of these axes and took the others as 0, so the fitted scales are differences. A program that is corrected with them
+can have the right shape and a wrong size, and the stated uncertainty does not include that. Give the calibrated length of the
+bar, measure one axis with a laser, or state the scale of the other axis in the machine file.";
     SLOPE_LEFT_OUT = "W0612" "slope of a straightness outside the model"
-"The readings of a straightness contain the angle between its reference and the axis, unless the description frees it. The model has only the
-curvature. A parabola about the zero of the axis then takes up a part of the angle, so the curvature is wrong, possibly also in sign. Free
-the alignment with free = [\"offset\", \"slope\"] in the description, or add the slope to the model: EYX1 beside EYX2.";
+"The readings of a straightness contain the angle between its reference and the axis, unless the description frees it. The model
+has only the curvature. A parabola about the zero of the axis then takes up a part of the angle, so the curvature is wrong,
+possibly also in sign. Free the alignment with free = [\"offset\", \"slope\"] in the description, or add the slope to the model:
+EYX1 beside EYX2.";
     SCALE_BY_PIVOT = "W0613" "scale that depends on the stated place of a rotary axis"
-"ncfix calibrate fits the scales of linear axes from balls on a table, without a known distance between two balls. The balls then show
-only how scales compare with the places of the rotary axes and the length of the tool in the machine file. If a rotary axis is 20 µm from
-that place, the fit turns this into scales that are wrong by 20 µm over the distance to it, and its residual stays small. Give the calibrated
-distance of two balls in [[length]], measure one axis with a laser, or fit the offset of the rotary axis instead of the scales.";
+"ncfix calibrate fits the scales of linear axes from balls on a table, without a known distance between two balls. The balls then
+show only how scales compare with the places of the rotary axes and the length of the tool in the machine file. If a rotary axis
+is 20 µm from that place, the fit turns this into scales that are wrong by 20 µm over the distance to it, and its residual stays
+small. Give the calibrated distance of two balls in [[length]], measure one axis with a laser, or fit the offset of the rotary
+axis instead of the scales.";
     STARVING = "W0701" "the link is too slow in places"
-"In some places the control waits briefly for lines (see E0702), but not long enough to forbid the transfer.";
+"At some places the control waits for lines, but only briefly: less than half a second in all, or less than 1 % of the motion.
+ncfix therefore sends the program. The axes stop for a moment there and can leave a mark on the surface. Make the link faster or
+the program shorter if this matters, as E0702 describes.";
     SERIAL_SETTINGS = "W0702" "port with different settings or a name that may change"
-"The port did not accept all settings of the profile, or its name depends on the order in which adapters were plugged in.";
+"The port did not accept all settings of the profile, or its name depends on the order in which adapters were plugged in.
+Characters could arrive wrong, or the program could go to another machine. Compare the settings with those of the control. On
+Linux, use the name below /dev/serial/by-id, which does not change.";
     WHOLE_FILE = "W0703" "live temperatures and a link that sends a file"
 "The link sends the whole program as one file before a person starts it. So the correction is that for the temperatures at the time
-of sending. Lines that were sent cannot be corrected for later temperatures. Send the program shortly before the start, or use a link
-that sends lines during the run.";
+of sending. Lines that were sent cannot be corrected for later temperatures. Send the program shortly before the start, or use a
+link that sends lines during the run.";
     LINK_OF_OTHERS = "W0704" "link that some controls of this language cannot use"
 "The profile of the link names controls that do not receive lines over it, although their programs look the same. ncfix cannot see
 which control is at the other end. Load the corrected program into such a control as a file.";
     KERNEL_DIFFERS = "W0801" "kernel that differs from the model"
-"The kernel of ncfix realtime tabulates the errors of every axis on 200 intervals, evaluates strongly curved functions directly, and
-corrects in two Newton steps. At 1000 poses over the whole travel it was compared with the iterated solution of the model, and
+"The kernel of ncfix realtime tabulates the errors of every axis on 200 intervals, evaluates strongly curved functions directly,
+and corrects in two Newton steps. At 1000 poses over the whole travel it was compared with the iterated solution of the model, and
 deviates by more than 0.5 µm or 5 µrad somewhere. Errors that change by a hundredth of the path or more cause this: a step in a
-table, a wrong unit. The program corrections of ncfix fix iterate further and are correct.";
+table, a wrong unit. Check the machine file for such an error. The program corrections of ncfix fix iterate further and are
+correct.";
     NOT_RENEWED = "W0802" "kernel not renewed"
 "The state was read again after --update-s, and cannot be used: a file that is missing or half written, a sensor without a value,
-corrections beyond --max-correction. The current kernel, made for the previous state, remains in use until the next reading.";
+corrections beyond --max-correction. The current kernel, made for the previous state, remains in use until the next reading. Check
+the sensors and the program that writes the file if the warning comes again.";
     UNUSED_TABLE = "W0901" "part of a table file that is not used"
 "Part of a file of compensation tables is unknown or has no effect on the control: a table with step 0, values beyond its end, points
 without a value, variables of another function, tables of another kind than --format, or a remark on products that the control

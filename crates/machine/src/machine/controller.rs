@@ -35,6 +35,10 @@ const TO_ISO: ControllerMeaning = ControllerMeaning::Unread(
     "ncfix reads no programs of this control in its own language; write controller = \"fanuc\" if it runs programs in its ISO mode",
 );
 
+const KLARTEXT: ControllerMeaning = ControllerMeaning::Unread(
+    "ncfix reads no programs of this control, neither Klartext nor DIN/ISO; to make its compensation tables, leave out controller and use ncfix tables --format heidenhain",
+);
+
 /// Names of controls. The first name of a language is its own.
 pub const CONTROLLERS: &[ControllerName] = &[
     ControllerName { name: "sinumerik", meaning: SINUMERIK },
@@ -78,9 +82,9 @@ pub const CONTROLLERS: &[ControllerName] = &[
     ControllerName { name: "mitsubishi", meaning: LIKE_FANUC },
     ControllerName { name: "brother", meaning: LIKE_FANUC },
     ControllerName { name: "syntec", meaning: LIKE_FANUC },
-    ControllerName { name: "heidenhain", meaning: TO_ISO },
-    ControllerName { name: "tnc640", meaning: TO_ISO },
-    ControllerName { name: "itnc530", meaning: TO_ISO },
+    ControllerName { name: "heidenhain", meaning: KLARTEXT },
+    ControllerName { name: "tnc640", meaning: KLARTEXT },
+    ControllerName { name: "itnc530", meaning: KLARTEXT },
     ControllerName { name: "mazak", meaning: TO_ISO },
     ControllerName { name: "mazatrol", meaning: TO_ISO },
     ControllerName { name: "okuma", meaning: TO_ISO },
