@@ -111,6 +111,16 @@ pub trait Dialogue: Send {
     fn halt(&mut self, halt: Halt, now: Duration, wire: &mut Wire) -> Option<String>;
 }
 
+/// Converts the lines of a program for a control that reads them in another way. It follows the states that the lines set, so it takes all lines of a job, in
+/// their order.
+pub trait LineRewriter: Send {
+    /// The lines that the control gets instead of this one; none if the line has no effect on it.
+    ///
+    /// # Errors
+    /// The control has no lines with this effect. The error is a sentence.
+    fn rewrite(&mut self, text: &[u8]) -> Result<Vec<Vec<u8>>, String>;
+}
+
 /// Protocol: creates the dialogues of one kind of control.
 #[derive(Clone, Copy, Debug)]
 pub struct Protocol {
@@ -126,6 +136,8 @@ pub struct Protocol {
     pub has_planner: bool,
     /// Blocks beyond the planner places that may not be executed either: those that still move, and those that wait before the planner.
     pub beyond: u64,
+    /// Creates the converter of its lines; `None` if the control reads the lines as they are.
+    pub rewrite: Option<fn() -> Box<dyn LineRewriter>>,
     /// Checks that a line can be sent over it. The error is a sentence.
     pub check: fn(&Profile, &[u8]) -> Result<(), String>,
     /// Creates a dialogue. The error is a sentence, if the profile does not fit it.
