@@ -565,9 +565,10 @@ the option, or export the file again.";
 "A line of the corrected program is too long for the control at the other end of the link, or has a character that means something
 else there: Grbl takes ! ? ~ out of the stream wherever they occur. Or the program is of a dialect that this control does not execute:
 the same word may move its axes elsewhere. Or the control does not execute a word that comes over this link: LinuxCNC does not stop at
-M0, M1 and M60 on the link linuxcnc, and takes no O words there. Nothing was sent. If the line is too long, omit blanks, block numbers
-and comments, or choose a larger --increment. Otherwise change the program there, for example end it at M0 and send the rest later, or
-load the corrected program into the control.";
+M0, M1 and M60 on the link linuxcnc, and takes no O words there. Marlin has no tool change, and other meanings of G10, G28 and G61.
+With --sensors, temperatures can add words and digits to a line while the job runs. Nothing was sent. If the line is too long, omit
+blanks, block numbers and comments, or choose a larger --increment. Otherwise change the program there, for example end it at M0 and
+send the rest later, or load the corrected program into the control.";
     STARVED = "E0702" "the link cannot keep up with the motion"
 "The control would have to wait for lines: the axes stop in mid-cut and leave marks. The message states where, how many lines per
 second the motion needs there and how many arrive. A link that accepts one line at a time stops the axes at the end of each line.
@@ -694,7 +695,11 @@ is in front of them. Check them like those of a new program. To have the moves o
 startup code. The program states one of them too late or not at all, and so does control.startup_code. ncfix assumes the usual start:
 millimeters, and G99. If the control has G20, all lengths are wrong by a factor of 25.4. If it has G98, the tool returns to the initial
 level there, and to R in the output, where a clamp may be in its way. Write the word at the beginning of the program, or state
-startup_code in [control].";
+startup_code in [control].
+
+Or a program reads an R parameter, or a variable such as #500, that keeps its value between programs and that it has not set. snc uses
+0 there (for a variable of a Fanuc: null), so the moves that depend on it can be others; check, fix and feed refuse the program (E0219).
+Set the value in the program, or in [system] of the machine file.";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
 "The machine file has no value for this zero offset. snc uses zero; check, fix, diff and verify refuse the program.";
     TOOL_ASSUMED = "W0303" "tool assumed without length and radius"
@@ -798,6 +803,11 @@ is then stated by the other axis. A measured value under this name is never corr
     FOREIGN_KEY = "W0406" "setting of another control"
 "A key of [control] belongs to the controls of another language, so that it changes nothing on this machine. Either the machine file
 came from another machine, or controller names the wrong language. Remove the key, or correct controller.";
+    CONTRADICTED = "W0407" "data of the control contradict the machine file"
+"A file of the control, given with --setup, has machine data that differ from the machine file: the words in force at the start of a
+program (MD20150), or the axes of rotation of TRAORI (MD24500 to MD24572). ncfix calculates with the machine file, so these data have no
+effect. One of them may be old. If the control begins programs with another zero offset or unit, the correction is for a wrong position.
+Correct the machine file, or write the word at the beginning of the program.";
     NO_TEMPERATURES = "W0501" "temperatures not given"
 "The error model has sources that depend on temperatures, and neither --state nor, in a calibration, the table of readings gives
 them. All sensors are assumed to be at their reference temperature: no drift, no expansion.";
