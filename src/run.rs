@@ -130,7 +130,7 @@ impl Subprograms {
         }
     }
 
-    /// The same in every run.
+    /// Subprograms that stay as the first run reads them.
     pub(crate) fn kept(self) -> Subprograms {
         match self {
             Subprograms::Disk(path) => Subprograms::Kept(path, KeptAnswers::default()),

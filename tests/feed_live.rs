@@ -1,5 +1,5 @@
-//! What reaches a control while a job runs: commands that it executes as the program means them, lines that fit its buffer in any temperature, and the texts
-//! that were checked.
+//! Lines that reach a control while a job runs: commands that it executes as the program means them, lengths that fit its buffer in any temperature, and
+//! subprograms as they were checked.
 
 use std::io::{Read as _, Write as _};
 use std::net::TcpListener;
@@ -18,7 +18,7 @@ const ROUTER: &str = "[machine]\nname = \"router\"\ntopology = \"wFYXZSt\"\ncont
     [[drift]]\ndirection = \"Z\"\nsensors = [{ name = \"T_head\", um_per_K = 4.0 }]\n\
     [zero_offset.G54]\nX_mm = 100\nY_mm = 100\nZ_mm = -60\n";
 
-/// What a Marlin does with each line, as `parser.cpp` and `gcode.cpp` say: the first word is the command, all others are its parameters.
+/// A Marlin with its lines, as `parser.cpp` and `gcode.cpp` say: the first word is the command, all others are its parameters.
 #[derive(Debug, Default)]
 struct Firmware {
     /// Commands without number and checksum.

@@ -52,10 +52,15 @@ fn snc_names_the_values_of_earlier_programs_that_it_assumes() {
         .file("part.nc", "O1\nG21 G90 G54\nG0 X10. Y10.\nG0 X20. Y#500\nM30\n");
     let demo = machine("demo");
     let run = shop.run(["snc", "part.mpf", "--machine", &demo]).exits(0).says("warning[W0240]").says("\"$R[1]\" = ");
-    assert_eq!([run.stderr.matches("R1 keeps").count(), run.stderr.matches("R2 keeps").count()], [1, 1], "{}", run.stderr);
+    assert_eq!(
+        [run.stderr.matches("R1 keeps").count(), run.stderr.matches("R2 keeps").count()],
+        [1, 1],
+        "{}",
+        run.stderr
+    );
     assert!(!shop.run(["snc", "set.mpf", "--machine", &demo]).exits(0).stderr.contains("W0240"));
     let run = shop.run(["snc", "part.nc", "--machine", &demo, "--dialect", "fanuc"]).exits(0).says("#500 keeps");
     assert_eq!(run.stderr.matches("W0240").count(), 1, "{}", run.stderr);
-    // What would be corrected is refused.
+    // A correction is refused.
     shop.run(["check", "part.mpf", "--machine", &demo]).says("E0219");
 }

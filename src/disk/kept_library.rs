@@ -14,7 +14,7 @@ const MOST: usize = 10_000;
 /// A subprogram: its display name and its bytes.
 type Text = (String, Vec<u8>);
 
-/// What a library has answered.
+/// Answer of a library.
 #[derive(Clone, Debug, Default)]
 struct Answer {
     text: Option<Text>,

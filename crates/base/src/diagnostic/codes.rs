@@ -697,9 +697,9 @@ millimeters, and G99. If the control has G20, all lengths are wrong by a factor 
 level there, and to R in the output, where a clamp may be in its way. Write the word at the beginning of the program, or state
 startup_code in [control].
 
-Or a program reads an R parameter, or a variable such as #500, that keeps its value between programs and that it has not set. snc uses
-0 there (for a variable of a Fanuc: null), so the moves that depend on it can be others; check, fix and feed refuse the program (E0219).
-Set the value in the program, or in [system] of the machine file.";
+Or a program reads an R parameter, or a variable such as #500, that keeps its value between programs and that it has not set. There snc
+uses 0, for a variable of a Fanuc null. The moves that depend on it can be others. check, fix and feed refuse the program (E0219). Set
+the value in the program, or in [system] of the machine file.";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
 "The machine file has no value for this zero offset. snc uses zero; check, fix, diff and verify refuse the program.";
     TOOL_ASSUMED = "W0303" "tool assumed without length and radius"
@@ -804,9 +804,9 @@ is then stated by the other axis. A measured value under this name is never corr
 "A key of [control] belongs to the controls of another language, so that it changes nothing on this machine. Either the machine file
 came from another machine, or controller names the wrong language. Remove the key, or correct controller.";
     CONTRADICTED = "W0407" "data of the control contradict the machine file"
-"A file of the control, given with --setup, has machine data that differ from the machine file: the words in force at the start of a
-program (MD20150), or the axes of rotation of TRAORI (MD24500 to MD24572). ncfix calculates with the machine file, so these data have no
-effect. One of them may be old. If the control begins programs with another zero offset or unit, the correction is for a wrong position.
+"A file of the control, given with --setup, has machine data that differ from the machine file. They are the words in force at the start
+of a program (MD20150), or the axes of rotation of TRAORI (MD24500 to MD24572). ncfix calculates with the machine file, so these data
+have no effect. One of the two files may be old. If the control begins programs with another zero offset or unit, the correction is for a wrong position.
 Correct the machine file, or write the word at the beginning of the program.";
     NO_TEMPERATURES = "W0501" "temperatures not given"
 "The error model has sources that depend on temperatures, and neither --state nor, in a calibration, the table of readings gives

@@ -19,6 +19,7 @@ use std::time::Duration;
 
 use ncfix_base::register::{Register, Registered};
 
+use super::rewriter::LineRewriter;
 use super::{Line, Profile, Wire};
 
 /// Event of a dialogue, caused by received bytes or by elapsed time.
@@ -109,16 +110,6 @@ pub trait Dialogue: Send {
 
     /// Carries out a stop command. Returns its effect on the lines in the control as a sentence; `None` if this dialogue has no such command.
     fn halt(&mut self, halt: Halt, now: Duration, wire: &mut Wire) -> Option<String>;
-}
-
-/// Converts the lines of a program for a control that reads them in another way. It follows the states that the lines set, so it takes all lines of a job, in
-/// their order.
-pub trait LineRewriter: Send {
-    /// The lines that the control gets instead of this one; none if the line has no effect on it.
-    ///
-    /// # Errors
-    /// The control has no lines with this effect. The error is a sentence.
-    fn rewrite(&mut self, text: &[u8]) -> Result<Vec<Vec<u8>>, String>;
 }
 
 /// Protocol: creates the dialogues of one kind of control.

@@ -2,7 +2,7 @@
 //!
 //! Source: SINUMERIK 840D sl, Programming Manual Fundamentals, list of the G functions (the places in their groups).
 
-/// What a word at the start means for the machine file.
+/// Meaning of a word at the start for the machine file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum ResetWord {
     /// The word that ncfix assumes.

@@ -16,7 +16,7 @@
 //!
 //! Source: Marlin, `parser.cpp` (`GCodeParser::parse`), `gcode.cpp` (the list of commands), `G4.cpp`.
 
-use crate::feed::dialogue::LineRewriter;
+use crate::feed::rewriter::LineRewriter;
 
 /// Codes of a state that Marlin always has, in tenths.
 const ALWAYS: &[u32] = &[400, 490, 640, 800, 911, 940, 980, 990];
