@@ -148,7 +148,7 @@ impl<'a> FlatText<'a> {
         found: &mut Diagnostics,
     ) -> Result<Option<FlatText<'a>>, Error> {
         let Some(opened) = program.open(Some(machine), found)? else { return Ok(None) };
-        let options = Options { rapid_order: RapidOrder::All, ..Options::default() };
+        let options = Options { rapid_order: RapidOrder::All, tells_assumed: true, ..Options::default() };
         let mut running = program.start_as(opened, &machine.machine, options);
         if let Some(watch) = watch {
             running = running.watched(watch());

@@ -290,6 +290,12 @@ impl Program {
         Program { source, ..self.clone() }
     }
 
+    /// The program with the same subprograms in every run, even if their files change.
+    pub(crate) fn keeping_subprograms(mut self) -> Program {
+        self.subprograms = self.subprograms.kept();
+        self
+    }
+
     /// The program without its own block limit.
     pub(crate) fn without_block_limit(mut self) -> Program {
         self.reading.max_blocks = None;

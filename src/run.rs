@@ -9,6 +9,7 @@ use crate::disk::archive;
 pub(crate) use crate::disk::archive::holds as is_in_archive;
 use crate::disk::files::{self, STANDARD_INPUT, is_standard_stream};
 use crate::disk::folder_library::FolderLibrary;
+use crate::disk::kept_library::{KeptAnswers, KeptLibrary};
 use crate::disk::machine_file::dialect_names;
 use crate::error::Error;
 use crate::machine::Machine;
@@ -109,6 +110,8 @@ pub(crate) enum Subprograms {
     None,
     /// From the disk: the folders of the program in this file, if it is in one, and those of the machine file.
     Disk(Option<PathBuf>),
+    /// From the disk, and in every later run as they were in the first one.
+    Kept(Option<PathBuf>, KeptAnswers),
 }
 
 impl Subprograms {
@@ -119,16 +122,33 @@ impl Subprograms {
 
     /// The subprograms of the text itself, by its name: a program in an archive has the definitions of the archive.
     fn beside(&self, source: &Source) -> Subprograms {
+        let path = || (source.name() != STANDARD_INPUT).then(|| source.name().into());
         match self {
             Subprograms::None => Subprograms::None,
-            Subprograms::Disk(_) => Subprograms::Disk((source.name() != STANDARD_INPUT).then(|| source.name().into())),
+            Subprograms::Disk(_) => Subprograms::Disk(path()),
+            Subprograms::Kept(_, answers) => Subprograms::Kept(path(), answers.clone()),
+        }
+    }
+
+    /// Subprograms that stay as the first run reads them.
+    pub(crate) fn kept(self) -> Subprograms {
+        match self {
+            Subprograms::Disk(path) => Subprograms::Kept(path, KeptAnswers::default()),
+            other => other,
         }
     }
 }
 
 /// The library of a program, and the files that it has read.
 fn library_of(subprograms: &Subprograms, search_path: &[String]) -> (Box<dyn Library>, Rc<RefCell<Vec<PathBuf>>>) {
-    let Subprograms::Disk(program) = subprograms else { return (Box::new(NoLibrary), Rc::default()) };
+    let program = match subprograms {
+        Subprograms::None => return (Box::new(NoLibrary), Rc::default()),
+        Subprograms::Disk(program) => program,
+        Subprograms::Kept(program, answers) => {
+            let (inner, loaded) = library_of(&Subprograms::Disk(program.clone()), search_path);
+            return (Box::new(KeptLibrary::new(inner, answers.clone())), loaded);
+        }
+    };
     if let Some(archive) = program.as_deref().and_then(|path| archive::open(path).ok().flatten()) {
         let loaded = Rc::new(RefCell::new(vec![archive.path().to_path_buf()]));
         return (Box::new(archive), loaded);

@@ -71,7 +71,7 @@ impl Supply for Experiment<'_> {
                 return Supplied::Line(line);
             }
             let Some(output) = self.outputs.get(self.next) else {
-                self.lines.finish();
+                self.lines.finish().unwrap();
                 return self.lines.pop().map_or(Supplied::End, Supplied::Line);
             };
             self.next += 1;

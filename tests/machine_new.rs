@@ -280,6 +280,54 @@ fn machine_data_of_a_sinumerik_give_the_chain_of_traori() {
     assert!(text.contains("point_mm = [300, -198, -440]") && text.contains("direction = [0, 0, -1]"), "{text}");
 }
 
+/// MD20150 has the places of the words in their groups: G18 is the second plane, G54 the second zero offset after G500, G70 the first unit. A program that
+/// does not state its zero offset runs in G54, and one without a unit in inches.
+#[test]
+fn words_in_force_after_a_reset_are_taken_from_the_machine_data() {
+    let reset = "N20150 $MC_GCODE_RESET_VALUES[5]=2\nN20150 $MC_GCODE_RESET_VALUES[7]=2\nN20150 $MC_GCODE_RESET_VALUES[12]=1\n\
+                 N20150 $MC_GCODE_RESET_VALUES[13]=1\n";
+    let shop = Shop::new().file("md.ini", format!("{TRAORI}{reset}"));
+    shop.run(["machine", "new", "m.toml", "--like", "trunnion-ac", "--from", "md.ini"]).exits(0);
+    let text = shop.text("m.toml");
+    for part in ["initial_plane = 18", "initial_zero_offset = \"G54\"", "MD20150[7]", "G70 (inches)"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    assert!(!text.contains("MD20150[13]"), "{text}");
+    shop.run(["machine", "check", "m.toml"]).exits(0).says("no errors or warnings");
+    // As delivered: G17, G500, G71.
+    let usual = reset.replace("[5]=2", "[5]=1").replace("[7]=2", "[7]=1").replace("[12]=1", "[12]=2");
+    let shop = Shop::new().file("md.ini", format!("{TRAORI}{usual}"));
+    shop.run(["machine", "new", "m.toml", "--like", "trunnion-ac", "--from", "md.ini"]).exits(0);
+    assert!(!shop.text("m.toml").contains("initial_"), "{}", shop.text("m.toml"));
+}
+
+/// The data of the control were read into the machine file; later the axis of A moved by half a millimeter along Y, and programs begin in G55.
+#[test]
+fn data_of_the_control_that_contradict_the_machine_file_are_named() {
+    let reset = "N20150 $MC_GCODE_RESET_VALUES[7]=2\n";
+    let saved = |text: String| format!("%_N_INITIAL_INI\n{text}M17\n");
+    let same = saved(format!("{TRAORI}{reset}"));
+    let moved = same.replace("BASE_TOOL_1[1]=-210", "BASE_TOOL_1[1]=-210.5").replace("VALUES[7]=2", "VALUES[7]=3");
+    let turned = same.replace("AXIS1_1[0]=-1", "AXIS1_1[0]=1");
+    let shop = Shop::new()
+        .file("md.ini", format!("{TRAORI}{reset}"))
+        .file("same.ini", &same)
+        .file("moved.ini", &moved)
+        .file("turned.ini", &turned);
+    shop.run(["machine", "new", "m.toml", "--like", "trunnion-ac", "--from", "md.ini"]).exits(0);
+    let show = |setup: &str| {
+        shop.run(["machine", "show", "m.toml", "--at", "X0,Y0,Z0", "--tool", "100", "--setup", setup]).exits(0)
+    };
+    assert!(!show("same.ini").stderr.contains("W0407"), "{}", show("same.ini").stderr);
+    let run = show("moved.ini")
+        .says("warning[W0407]")
+        .says("initial_zero_offset = \"G55\"")
+        .says("the axis of A")
+        .says("the axis of C");
+    assert_eq!(run.stderr.matches("0.500 mm away").count(), 2, "{}", run.stderr);
+    assert_eq!(show("turned.ini").says("A turns about (1, 0, 0)").stderr.matches("W0407").count(), 1);
+}
+
 #[test]
 fn names_of_controls_are_understood_or_answered() {
     let file = |name: &str| {

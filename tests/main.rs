@@ -100,6 +100,7 @@ mod facade;
 mod faults;
 mod feed;
 mod feed_drift;
+mod feed_live;
 mod fewest_pieces;
 mod five_axis;
 mod five_people;

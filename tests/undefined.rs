@@ -41,3 +41,26 @@ fn nothing_is_written_whatever_is_not_said_again() {
         assert_eq!(shop.names(), ["a.nc"]);
     }
 }
+
+/// R parameters and the variables from #500 on keep their values when the power is off. snc counts them as 0 or null, and says so once for each.
+#[test]
+fn snc_names_the_values_of_earlier_programs_that_it_assumes() {
+    let part = "G54 G17 G90\nT1 D1 M6\nS1000 M3\nG0 X=R1 Y50 Z10\nG1 X=R1+R2 F500\nM30\n";
+    let shop = Shop::new()
+        .file("part.mpf", part)
+        .file("set.mpf", format!("R1=0 R2=50\n{part}"))
+        .file("part.nc", "O1\nG21 G90 G54\nG0 X10. Y10.\nG0 X20. Y#500\nM30\n");
+    let demo = machine("demo");
+    let run = shop.run(["snc", "part.mpf", "--machine", &demo]).exits(0).says("warning[W0240]").says("\"$R[1]\" = ");
+    assert_eq!(
+        [run.stderr.matches("R1 keeps").count(), run.stderr.matches("R2 keeps").count()],
+        [1, 1],
+        "{}",
+        run.stderr
+    );
+    assert!(!shop.run(["snc", "set.mpf", "--machine", &demo]).exits(0).stderr.contains("W0240"));
+    let run = shop.run(["snc", "part.nc", "--machine", &demo, "--dialect", "fanuc"]).exits(0).says("#500 keeps");
+    assert_eq!(run.stderr.matches("W0240").count(), 1, "{}", run.stderr);
+    // A correction is refused.
+    shop.run(["check", "part.mpf", "--machine", &demo]).says("E0219");
+}

@@ -12,6 +12,7 @@ pub(crate) mod folder_library;
 #[cfg(test)]
 mod folder_library_tests;
 pub(crate) mod hash;
+pub(crate) mod kept_library;
 pub(crate) mod machine_file;
 pub(crate) mod measurements;
 pub(crate) mod origin;

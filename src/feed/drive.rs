@@ -90,7 +90,8 @@ pub(crate) fn run(
         let program = job.open()?;
         thread::spawn(move || source::produce(&job, &base, program, &to));
     }
-    let lines = Lines::new(&job.machine.machine, &base, &job.writing.options, job.writing.writer()?, job.settings);
+    let lines = Lines::new(&job.machine.machine, &base, &job.writing.options, job.writing.writer()?, job.settings)
+        .rewritten(job.link.profile.protocol.rewrite.map(|create| create()));
     let mut supply = LineSource::new(&job.options, made, lines, &thermal, (begin.skip, &begin.lines));
     let profile = &job.link.profile;
     let sender = Sender::new(dialogue, profile.window.system_bytes, &mut journal).patient(profile.patience);

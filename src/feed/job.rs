@@ -57,6 +57,7 @@ impl Transfer {
         found: &mut Diagnostics,
     ) -> Result<Option<Transfer>, Error> {
         machine.check_one_head()?;
+        let program = program.keeping_subprograms();
         name_file(&mut link, &options)?;
         let mut machine = datum::with_written(&program, &machine);
         if let Some(increment_mm) = correction.increment_mm {

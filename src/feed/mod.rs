@@ -9,6 +9,7 @@ mod book;
 mod drive;
 mod job;
 mod link;
+mod live_lines;
 mod meter;
 mod options;
 mod resume;
@@ -202,8 +203,13 @@ impl Transfer {
     /// # Errors
     /// If the program must not be sent.
     pub fn forecast(&self) -> Result<Before, Error> {
+        self.forecast_with(false)
+    }
+
+    /// The forecast; `has_sensors` if sensors will be read.
+    fn forecast_with(&self, has_sensors: bool) -> Result<Before, Error> {
         let mut found = Diagnostics::default();
-        let before = self.survey("", None, &mut found)?;
+        let before = self.survey(("", has_sensors), None, &mut found)?;
         self.dialogue()?;
         match before.filter(|_| !found.has_errors()) {
             Some(before) => Ok(Before { diagnostics: found.json(), ..before }),
@@ -303,7 +309,7 @@ impl Transfer {
         journal: impl AsRef<Path>,
         view: &mut dyn FeedView,
     ) -> Result<Sent, Error> {
-        let (before, journal) = (self.forecast()?, journal.as_ref());
+        let (before, journal) = (self.forecast_with(sensors.is_some())?, journal.as_ref());
         let mut found = Diagnostics::default();
         check_journal(journal, &mut found)?;
         found.extend(self.unasked(), &[]);
@@ -328,10 +334,10 @@ impl Transfer {
     /// If it cannot be written.
     pub(crate) fn survey(
         &self,
-        port: &str,
+        (port, has_sensors): (&str, bool),
         watch: Option<fn() -> Box<dyn Watch>>,
         found: &mut Diagnostics,
     ) -> Result<Option<Before>, Error> {
-        survey::run(self, port, watch, found)
+        survey::run(self, (port, has_sensors), watch, found)
     }
 }

@@ -192,6 +192,18 @@ fn refusal(found: &SearchOutcome, clearance_mm: Option<f64>) -> Option<Diagnosti
     Some(Diagnostic::nowhere(code, message, help))
 }
 
+/// The added lines as the control gets them.
+fn rewritten(job: &Transfer, lines: Vec<String>) -> Result<Vec<String>, String> {
+    let Some(create) = job.link.profile.protocol.rewrite else { return Ok(lines) };
+    let mut rewriter = create();
+    let mut out = Vec::new();
+    for line in lines {
+        let parts = rewriter.rewrite(line.as_bytes())?;
+        out.extend(parts.iter().map(|part| String::from_utf8_lossy(part).into_owned()));
+    }
+    Ok(out)
+}
+
 /// The place where the job is resumed; a diagnostic if it cannot be resumed.
 pub(crate) fn plan(
     told: &JournalContents,
@@ -243,6 +255,10 @@ pub(crate) fn plan(
         SearchOutcome::Place(place) => (Some(place.clone()), place.element - 1, place.lines, place.above_mm),
         SearchOutcome::Beginning(lines, above_mm) => (None, 0, lines, above_mm),
         _ => (None, 0, Vec::new(), f64::NAN),
+    };
+    let lines = match rewritten(job, lines) {
+        Ok(lines) => lines,
+        Err(why) => return Err(Error::usage(why)),
     };
     let mut first = Vec::new();
     let mut moves = 0;

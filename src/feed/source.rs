@@ -214,8 +214,10 @@ impl LineSource<'_> {
                 None => {}
                 Some(Err(why)) => return Supplied::Fault(why.clone()),
                 Some(Ok(())) => {
-                    self.lines.finish();
                     self.is_over = true;
+                    if let Err(finding) = self.lines.finish() {
+                        return Supplied::Fault(finding.message);
+                    }
                 }
             }
         }

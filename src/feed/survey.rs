@@ -16,6 +16,7 @@ use ncfix_path::path::{Corrector, Output};
 use ncfix_report::feed::{Before, FeedEvent, Late, rate};
 
 use super::job::Transfer;
+use super::live_lines::LiveLines;
 
 /// Maximum number of reported lines that the link cannot take.
 const MOST_SHOWN: usize = 20;
@@ -32,7 +33,7 @@ const LEAST_STARVED_S: f64 = 0.5;
 /// If it cannot be written.
 pub(crate) fn run(
     job: &Transfer,
-    port: &str,
+    (port, has_sensors): (&str, bool),
     watch: Option<fn() -> Box<dyn Watch>>,
     findings: &mut Diagnostics,
 ) -> Result<Option<Before>, Error> {
@@ -55,8 +56,18 @@ pub(crate) fn run(
     let mut forecaster = Forecaster::new(link);
     let end_of_block = profile.frame.end_of_block.len();
     let mut refused = Vec::new();
+    let base = job.machine.model();
+    let mut live = if has_sensors && !sends_file { LiveLines::new(job, &base)? } else { None };
     let program = walk(job, watch, findings, &mut |step| {
-        let Step::Line(line) = step else { return };
+        let line = match step {
+            Step::Element(output) => {
+                if let Some(live) = &mut live {
+                    live.take(output);
+                }
+                return;
+            }
+            Step::Line(line) => line,
+        };
         if let Err(why) = profile.check(&line.text)
             && refused.len() < MOST_SHOWN
         {
@@ -64,6 +75,10 @@ pub(crate) fn run(
         }
         forecaster.line(line.text.len() + end_of_block, line.source_line, line.busy_s);
     })?;
+    if let (Some(mut live), true) = (live, refused.is_empty()) {
+        live.finish();
+        refused = live.refused;
+    }
     findings.extend(refused, &[]);
     if findings.has_errors() {
         return Ok(None);
@@ -129,7 +144,8 @@ pub(crate) fn walk(
         running = running.watched(watch());
     }
     let mut corrector = Corrector::new(running, machine, &model, job.writing.options.clone());
-    let mut lines = Lines::new(machine, &model, &job.writing.options, job.writing.writer()?, job.settings);
+    let mut lines = Lines::new(machine, &model, &job.writing.options, job.writing.writer()?, job.settings)
+        .rewritten(job.link.profile.protocol.rewrite.map(|create| create()));
     let mut found = Vec::new();
     let mut is_good = true;
     for output in &mut corrector {
@@ -151,7 +167,10 @@ pub(crate) fn walk(
             }
         }
     }
-    lines.finish();
+    if is_good && let Err(finding) = lines.finish() {
+        is_good = false;
+        found.push(finding);
+    }
     while let Some(line) = lines.pop() {
         look(Step::Line(&line));
     }

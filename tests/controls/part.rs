@@ -112,7 +112,7 @@ fn lines_of(machine: &Machine, base: &Model, outputs: &[Output]) -> Vec<Line> {
         lines.take(output.clone(), None, false).unwrap();
         out.extend(std::iter::from_fn(|| lines.pop()));
     }
-    lines.finish();
+    lines.finish().unwrap();
     out.extend(std::iter::from_fn(|| lines.pop()));
     out
 }

@@ -145,6 +145,7 @@ pub fn parse_length_mm(text: &str) -> Result<f64, String> {
         .iter()
         .find_map(|&(unit, factor)| text.strip_suffix(unit).map(|number| (number, factor)))
         .ok_or_else(|| match text.trim_start_matches(|c: char| c.is_ascii_digit() || "+-.,".contains(c)) {
+            "" if text.parse::<f64>().is_ok() => format!("'{text}' has no unit; write {text}mm or {text}um"),
             "" => format!("'{text}' has no unit; write for example 1um or 0.02mm"),
             unit => format!("'{}' is not a unit of length; write for example 1um or 0.02mm", unit.trim()),
         })?;

@@ -108,10 +108,13 @@ pub struct Before {
 }
 
 impl Before {
-    /// Returns the table for people.
+    /// Returns the table for people. `is_demo` if it is not a forecast for a real machine.
     #[must_use]
-    pub fn table(&self) -> String {
+    pub fn table(&self, is_demo: bool) -> String {
         let mut out = String::new();
+        if is_demo {
+            let _ = writeln!(out, "machine      the embedded demo machine: on yours, lines and times are others");
+        }
         let _ = writeln!(
             out,
             "lines        {} ({} bytes), {} of motion",

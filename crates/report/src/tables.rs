@@ -74,7 +74,8 @@ impl TablesReport {
                 (Sense::Positive, ..) => " +",
                 (Sense::Negative, ..) => " -",
             };
-            let [low, high] = row.range;
+            // Steps of whole decimals end a little beside the travel: 699.999984 for 700. Adding 0 turns -0 into 0.
+            let [low, high] = row.range.map(|end| (end * 1e4).round() / 1e4 + 0.0);
             let _ = writeln!(
                 page,
                 "  {:>3}  {:>8}  {:>4}  {:>6}  {low:>7} .. {high:<7}  {:>10.6}{times}{notes}",

@@ -118,8 +118,10 @@ impl WatchReport {
         let mut text = format!("{:.1} s  {}", self.t_s, self.verdict.word());
         for channel in &self.channels {
             let _ = write!(text, "  {} {} °C", channel.name, channel.value());
-            if channel.state != WatchedState::Good {
-                let _ = write!(text, " ({})", channel.state());
+            match (&channel.note, channel.state) {
+                (_, WatchedState::Good) => {}
+                (Some(note), WatchedState::Waiting) => drop(write!(text, " (waiting: {note})")),
+                _ => drop(write!(text, " ({})", channel.state())),
             }
         }
         text.push('\n');

@@ -40,9 +40,9 @@ pub(super) fn run(arguments: &FeedArguments) -> Result<ExitCode, Stop> {
     if arguments.json {
         print(&json::line(&before).map_err(Stop::Usage)?)?;
     } else if arguments.dry_run {
-        print(&before.table())?;
+        print(&before.table(job.machine.is_demo))?;
     } else {
-        tell(&before.table());
+        tell(&before.table(false));
     }
     if findings.has_errors() {
         tell(&format!("{}; nothing was sent\n", findings.count()));
@@ -145,7 +145,8 @@ fn journal_of(input: &Path, given: Option<&Path>) -> Result<PathBuf, Stop> {
 /// If a file cannot be read, or the program cannot be written.
 pub(super) fn prepare(arguments: &FeedArguments, findings: &mut Findings) -> Result<Option<(Transfer, Before)>, Stop> {
     let Some(job) = transfer(arguments, findings)? else { return Ok(None) };
-    let before = job.survey(arguments.port.as_deref().unwrap_or_default(), Some(progress::watch), findings)?;
+    let port = arguments.port.as_deref().unwrap_or_default();
+    let before = job.survey((port, arguments.sensors.is_some()), Some(progress::watch), findings)?;
     // Checks the profile against its protocol, and reports the sensors as they will be read.
     job.dialogue()?;
     if arguments.dry_run {

@@ -617,13 +617,14 @@ has this code, or E0601 if the rows then differ in their cells.";
 travel of the machine, a deviation that is not actual minus nominal, a measured axis that the machine lacks, a unit that the
 heading contradicts. Correct the option, or export the file again.";
     NOT_FOR_LINK = "E0701" "line that the link cannot send"
-"The program has a line that cannot be sent over this link. Nothing was sent. There are four reasons; the message states which.
+"The program has a line that cannot be sent over this link. Nothing was sent. There are four reasons; the message states which. With --sensors,
+temperatures can add words and digits to a line while the job runs.
 
 - The line is too long for the control. Omit blanks, block numbers and comments, or choose a larger --increment.
 - The line has a character with another meaning: Grbl takes ! ? ~ out of the stream wherever they occur. Remove the character.
 - The control does not read the language of the program, and could move its axes elsewhere. Choose the right link.
 - The control does not execute a word over this link: over the link linuxcnc, LinuxCNC does not stop at M0, M1 and M60, and takes
-  no O words. End the program at M0 and send the rest later, or load the corrected program into the control.";
+  no O words. Marlin has no tool change, and other meanings of G10, G28 and G61. End the program at M0 and send the rest later, or load the corrected program into the control.";
     STARVED = "E0702" "the link cannot keep up with the motion"
 "The link is slower than the motion: the control would run out of lines. The axes then stop within a cut and leave marks on the
 surface. The message states the place, the lines per second that the motion needs there, and the lines per second that the link
@@ -762,7 +763,11 @@ files (control.search_path). To let the control execute the cycle without a corr
 its startup code. The program states one of them too late or not at all, and so does control.startup_code. ncfix assumes the usual
 start: millimeters, and G99. If the control has G20, all lengths are wrong by a factor of 25.4. If it has G98, the tool returns to
 the initial level there, and to R in the output, where a clamp may be in its way. Write the word at the beginning of the program,
-or state startup_code in [control].";
+or state startup_code in [control].
+
+Or a program reads an R parameter, or a variable such as #500, that keeps its value between programs and that it has not set. There snc
+uses 0, for a variable of a Fanuc null. The moves that depend on it can be others. check, fix and feed refuse the program (E0219). Set
+the value in the program, or in [system] of the machine file.";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
 "The machine file has no value for this zero offset. snc uses zero, so its positions in the machine are wrong. check, fix, diff and
 verify refuse the program. State the zero offset in the machine file or in a set-up file (E0306 has an example).";
@@ -888,6 +893,11 @@ EC0Y = 15). ncfix square chooses name and sign.";
     FOREIGN_KEY = "W0406" "setting of another control"
 "A key of [control] belongs to the controls of another language, so that it changes nothing on this machine. Either the machine file
 came from another machine, or controller names the wrong language. Remove the key, or correct controller.";
+    CONTRADICTED = "W0407" "data of the control contradict the machine file"
+"A file of the control, given with --setup, has machine data that differ from the machine file. They are the words in force at the start
+of a program (MD20150), or the axes of rotation of TRAORI (MD24500 to MD24572). ncfix calculates with the machine file, so these data
+have no effect. One of the two files may be old. If the control begins programs with another zero offset or unit, the correction is for a wrong position.
+Correct the machine file, or write the word at the beginning of the program.";
     NO_TEMPERATURES = "W0501" "temperatures not given"
 "The error model has sources that depend on temperatures, and neither --state nor, in a calibration, the table of readings gives
 them. All sensors are assumed to be at their reference temperature: no drift, no expansion. On a warm machine this part of the

@@ -15,8 +15,8 @@ mod told;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use crate::feed::{DosingLimits, Line};
-use ncfix_base::diagnostic::Diagnostic;
+use crate::feed::{DosingLimits, Line, LineRewriter};
+use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{AXIS_COUNT, AxisVector};
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Dwell, Element, Kind};
@@ -57,6 +57,8 @@ struct About {
 pub struct Lines<'a> {
     live: Live<'a>,
     writer: Box<dyn Writer + 'a>,
+    /// Converts the lines for a control that reads them in another way.
+    rewriter: Option<Box<dyn LineRewriter>>,
     doser: RateLimiter,
     settings: Settings,
     /// Model in force, if temperatures are known.
@@ -84,6 +86,7 @@ impl<'a> Lines<'a> {
         Lines {
             live: Live::new(machine, base, options),
             writer,
+            rewriter: None,
             doser: RateLimiter::new(settings.limits),
             settings,
             model: None,
@@ -96,10 +99,16 @@ impl<'a> Lines<'a> {
         }
     }
 
+    /// The lines as a control gets them that does not read them as they are.
+    #[must_use]
+    pub fn rewritten(self, rewriter: Option<Box<dyn LineRewriter>>) -> Self {
+        Lines { rewriter, ..self }
+    }
+
     /// Takes the next output of the first step, with the current model. If `is_frozen`, the applied correction approaches no target.
     ///
     /// # Errors
-    /// `E0201` if the language has no words for it.
+    /// `E0201` if the language has no words for it; `E0701` if the control has no lines with this effect.
     pub fn take(&mut self, output: Output, now: Option<&Arc<Model>>, is_frozen: bool) -> Result<(), Diagnostic> {
         self.element += 1;
         let is_rapid = matches!(&output, Output::Piece(piece) if piece.rapid && !piece.take_up);
@@ -126,7 +135,7 @@ impl<'a> Lines<'a> {
         }
         self.text.clear();
         self.writer.write(&output, &mut self.text)?;
-        if self.cut() {
+        if self.cut()? {
             self.about = about;
         } else {
             self.about = About { busy_s: self.about.busy_s + about.busy_s, ..about };
@@ -135,10 +144,13 @@ impl<'a> Lines<'a> {
     }
 
     /// Ends the program: text that is still held back becomes lines.
-    pub fn finish(&mut self) {
+    ///
+    /// # Errors
+    /// `E0701` if the control has no lines with this effect.
+    pub fn finish(&mut self) -> Result<(), Diagnostic> {
         self.text.clear();
         self.writer.finish(&mut self.text);
-        self.cut();
+        self.cut().map(drop)
     }
 
     /// Returns the next line that is ready.
@@ -164,9 +176,10 @@ impl<'a> Lines<'a> {
     }
 
     /// Splits the text into lines. Returns true if there was at least one.
-    fn cut(&mut self) -> bool {
+    fn cut(&mut self) -> Result<bool, Diagnostic> {
         let mut is_first = true;
-        for text in self.text.split(|&byte| byte == b'\n') {
+        let whole = std::mem::take(&mut self.text);
+        for text in whole.split(|&byte| byte == b'\n') {
             let text = without_mark(text.trim_ascii());
             if text.is_empty() || text == b"%" || is_stamped(text) {
                 continue;
@@ -175,21 +188,45 @@ impl<'a> Lines<'a> {
             if self.settings.is_upper_case {
                 text.make_ascii_uppercase();
             }
-            self.number += 1;
             let busy_s = if std::mem::take(&mut is_first) { self.about.busy_s } else { 0.0 };
-            self.ready.push_back(Line {
-                number: self.number,
-                text,
-                source_line: self.about.source_line,
-                element: self.about.element,
-                offset: slots(&self.about.shift),
-                target: slots(&self.about.asked),
-                busy_s,
-                temperatures_c: None,
-            });
+            match &mut self.rewriter {
+                None => self.push(text, busy_s),
+                Some(rewriter) => {
+                    let lines =
+                        rewriter.rewrite(&text).map_err(|why| not_for_link(self.about.source_line, &text, &why))?;
+                    // The control is busy with the motion, which comes late in the order of the words.
+                    let last = lines.iter().rposition(|line| line.starts_with(b"G")).unwrap_or(0);
+                    for (at, line) in lines.into_iter().enumerate() {
+                        self.push(line, if at == last { busy_s } else { 0.0 });
+                    }
+                }
+            }
         }
-        !is_first
+        self.text = whole;
+        Ok(!is_first)
     }
+
+    fn push(&mut self, text: Vec<u8>, busy_s: f64) {
+        self.number += 1;
+        self.ready.push_back(Line {
+            number: self.number,
+            text,
+            source_line: self.about.source_line,
+            element: self.about.element,
+            offset: slots(&self.about.shift),
+            target: slots(&self.about.asked),
+            busy_s,
+            temperatures_c: None,
+        });
+    }
+}
+
+/// A line that the control does not execute as the program means it.
+fn not_for_link(source_line: u32, text: &[u8], why: &str) -> Diagnostic {
+    let text = String::from_utf8_lossy(text);
+    let message = format!("line {source_line} of the original becomes '{text}'; {why}");
+    let help = "change the program there, or choose the link of your control with --link";
+    Diagnostic::nowhere(Code::NOT_FOR_LINK, message, help)
 }
 
 /// Removes the mark of an added piece from a line.

@@ -26,6 +26,8 @@ pub struct LineReader {
     /// Names of the channels in the lines.
     items: Vec<(String, usize)>,
     header: Option<String>,
+    /// Column names none of which is that of a channel: a number after them belongs to another sensor, or is in another unit.
+    foreign: Option<String>,
     /// True if times in the lines are used.
     has_times: bool,
 }
@@ -34,12 +36,12 @@ impl LineReader {
     /// Creates a reader for lines that contain channels under these names.
     #[must_use]
     pub fn new(items: &[(String, usize)], has_times: bool) -> LineReader {
-        LineReader { items: items.to_vec(), header: None, has_times }
+        LineReader { items: items.to_vec(), header: None, foreign: None, has_times }
     }
 
     /// Forgets the header: it follows again.
     pub fn forget_header(&mut self) {
-        self.header = None;
+        (self.header, self.foreign) = (None, None);
     }
 
     /// Reads a line.
@@ -87,9 +89,13 @@ impl LineReader {
         let is_between = |character: char| character.is_whitespace() || matches!(character, ',' | ';');
         let pairs: Vec<(&str, &str)> = line.split(is_between).filter_map(|word| word.split_once('=')).collect();
         let find = |name: &str| pairs.iter().find(|(known, _)| *known == name).map(|(_, value)| (*value).to_owned());
+        let is_twice = |name: &str| pairs.iter().filter(|(known, _)| *known == name).count() > 1;
         let stamp = self.stamp(find);
         for (item, channel) in &self.items {
-            if let Some(value) = find(item) {
+            if is_twice(item) {
+                let why = format!("a line has two values of {item}");
+                tell(*channel, SourceReport::Nothing(ChannelFault::Invalid, why), stamp);
+            } else if let Some(value) = find(item) {
                 tell(*channel, told(&value), stamp);
             }
         }
@@ -97,6 +103,9 @@ impl LineReader {
 
     /// Reads a single number, which is that of the only channel.
     fn alone(&self, line: &str, tell: &mut Tell<'_>) {
+        if let Some(names) = &self.foreign {
+            return self.fail(&format!("no column of '{names}' has the name of the channel: state it with item"), tell);
+        }
         match self.items.as_slice() {
             [(_, channel)] => tell(*channel, told(line), None),
             _ => self.fail("a single number, and several possible channels", tell),
@@ -113,6 +122,9 @@ impl LineReader {
             return;
         }
         let Some(header) = &self.header else {
+            if cells.iter().all(|cell| is_name(cell)) {
+                self.foreign = Some(shortened(line));
+            }
             return self.fail("there are no column names, or none of them is the name of a channel", tell);
         };
         let text = format!("{header}\n{line}\n").into_bytes();
@@ -131,6 +143,12 @@ impl LineReader {
             tell(*channel, told(&if is_comma { text.replace(',', ".") } else { text }), stamp);
         }
     }
+}
+
+/// True if a cell is a column name, such as `T_head_F` or `"bed (F)"`, and not a sentence such as `sensor 3 is ready`.
+fn is_name(cell: &str) -> bool {
+    let cell = cell.trim_matches('"');
+    cell.starts_with(char::is_alphabetic) && cell.split_whitespace().count() <= 2 && !cell.ends_with(['.', ':', '!'])
 }
 
 /// True if a column belongs to an item: by its name, or with the suffix `_C` as in logs.

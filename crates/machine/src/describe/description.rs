@@ -58,6 +58,8 @@ pub struct Description {
     pub tool_change_moves: Option<Known<bool>>,
     /// Words in force before the first block.
     pub startup_code: Option<Known<String>>,
+    /// Lines of `[control]`: words that are in force before the first block.
+    pub control_lines: Vec<Known<String>>,
     /// Data of the files that the machine file does not carry, each with its line.
     pub notes: Vec<String>,
 }
@@ -124,6 +126,7 @@ impl DescriptionRequest {
             increments_per_mm,
             tool_change_moves,
             startup_code,
+            control_lines: self.facts.control_lines.clone(),
             notes,
         })
     }

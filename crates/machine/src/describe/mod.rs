@@ -3,6 +3,7 @@
 //! Every value has an origin: stated, taken from a line of a file, by convention, or assumed. A value whose error would be dangerous is never assumed: the
 //! sense of a rotary axis and a point on it.
 
+mod contradiction;
 pub mod data;
 mod description;
 mod known;
@@ -11,6 +12,7 @@ mod stated;
 mod template;
 mod write;
 
+pub use contradiction::contradictions;
 pub use data::{AxisFacts, ControlFacts};
 pub use description::{Ask, AxisDescription, Description, DescriptionRequest, Question};
 pub use known::{Known, KnownOrigin};

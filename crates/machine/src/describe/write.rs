@@ -47,7 +47,8 @@ pub fn text(description: &Description) -> String {
         axis_section(&mut out, axis);
     }
     let has_three = THREE_DECIMALS.contains(&control.value.to_ascii_lowercase().as_str());
-    let has_words = description.startup_code.is_some() || description.saved_unit.is_some();
+    let has_words =
+        description.startup_code.is_some() || description.saved_unit.is_some() || !description.control_lines.is_empty();
     if has_three || has_words || description.increments_per_mm.is_some() {
         let _ = writeln!(out, "\n[control]");
     }
@@ -61,6 +62,9 @@ pub fn text(description: &Description) -> String {
     if let Some(code) = &description.startup_code {
         let from = format!("in force before the first block; {}", origin(code));
         line(&mut out, &format!("startup_code = {}", quoted(&code.value)), &from);
+    }
+    for one in &description.control_lines {
+        line(&mut out, &one.value, &format!("in force before the first block; {}", origin(one)));
     }
     if let Some(count) = &description.increments_per_mm {
         let from = format!("positions are rounded to them; {}", origin(count));

@@ -19,6 +19,7 @@ use std::time::Duration;
 
 use ncfix_base::register::{Register, Registered};
 
+use super::rewriter::LineRewriter;
 use super::{Line, Profile, Wire};
 
 /// Event of a dialogue, caused by received bytes or by elapsed time.
@@ -126,6 +127,8 @@ pub struct Protocol {
     pub has_planner: bool,
     /// Blocks beyond the planner places that may not be executed either: those that still move, and those that wait before the planner.
     pub beyond: u64,
+    /// Creates the converter of its lines; `None` if the control reads the lines as they are.
+    pub rewrite: Option<fn() -> Box<dyn LineRewriter>>,
     /// Checks that a line can be sent over it. The error is a sentence.
     pub check: fn(&Profile, &[u8]) -> Result<(), String>,
     /// Creates a dialogue. The error is a sentence, if the profile does not fit it.

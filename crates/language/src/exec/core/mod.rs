@@ -15,7 +15,7 @@
 //! | radius compensation, roundings, chamfers | [`contour`] |
 //! | steps of cycles | [`step`] |
 //! | paths, and their conversion by the motion sink | [`path`], [`motion_sink`], [`resolve`], [`five_axis`] |
-//! | faults, state of a run, limits of a run | [`fault`], [`run_state`], [`options`], [`settings`] |
+//! | faults, state of a run, limits of a run, values that it assumes | [`fault`], [`run_state`], [`options`], [`settings`], [`assumed_values`] |
 //!
 //! # Parts of a family
 //!
@@ -70,6 +70,7 @@
 //! the last block. Threads are moves with `MotionMode::Thread`. Feed per turn and constant cutting speed are state that moves already carry.
 
 pub(in crate::exec) mod arc;
+pub(in crate::exec) mod assumed_values;
 pub(in crate::exec) mod contour;
 pub(in crate::exec) mod executor;
 pub(in crate::exec) mod family;

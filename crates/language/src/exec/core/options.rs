@@ -20,6 +20,8 @@ pub struct Options {
     /// Reports at the end the places where radius compensation was converted to the tool center path (`W0236`), and milling cycles
     /// with moves of this program (`W0239`).
     pub tells_compensation: bool,
+    /// Names values of earlier programs that are read as 0 or null (`W0240`), in a run that is not strict.
+    pub tells_assumed: bool,
     /// Radius for G41 and G42.
     pub radius: Radius,
     /// Leaves the words that begin and end radius compensation to the control, for wear alone (`W0237`).

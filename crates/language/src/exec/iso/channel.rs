@@ -105,6 +105,7 @@ pub(super) struct Warned {
 
 impl<'a> HasOutlet<'a> for Channel<'a> {
     fn outlet(&mut self) -> &mut MotionSink<'a> {
+        self.outlet.warnings.extend(self.variables.assumed.take('#'));
         &mut self.outlet
     }
 }
@@ -121,7 +122,7 @@ impl<'a> Channel<'a> {
             written: WrittenData::default(),
             saved: vec![None],
             block: IsoAtHand::default(),
-            variables: Variables::new(language, machine),
+            variables: Variables::new(language, machine, options.tells_assumed),
             loops: Passes::default(),
             modal_calls: Vec::new(),
             standing: InForce { changed: true, ..InForce::default() },

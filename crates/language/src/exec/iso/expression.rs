@@ -173,6 +173,9 @@ impl Scope<'_, '_> {
                 let help = format!("set it in the program, or add \"#{number}\" = … to [system] of the machine file");
                 return Err(fault(Code::NO_SYSTEM_VALUE, span, message, help).of_variable(format!("#{number}")));
             }
+            Place::Variable if self.channel.variables.is_left_over(known) => {
+                self.channel.variables.assumed.note(number, span);
+            }
             Place::Variable | Place::System => {}
         }
         if self.channel.language == Language::Rs274 {

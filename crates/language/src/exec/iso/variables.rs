@@ -4,6 +4,7 @@
 
 use std::collections::HashMap;
 
+use crate::exec::core::assumed_values::AssumedValues;
 use crate::syntax::words::{NameId, Program};
 use ncfix_base::geometry::AxisVector;
 use ncfix_dialect::Language;
@@ -83,11 +84,13 @@ pub(super) struct Variables {
     pub(super) probed: Option<AxisVector>,
     /// The symbols of the names of each program, in loading order.
     programs: Vec<Vec<Symbol>>,
+    /// Values of other programs that were read as null.
+    pub(super) assumed: AssumedValues,
 }
 
 impl Variables {
     /// Variables at the start of a run; the machine file's table may contain values retained by the control: `"#500" = 1.5`.
-    pub(super) fn new(language: Language, machine: &Machine) -> Variables {
+    pub(super) fn new(language: Language, machine: &Machine, tells_assumed: bool) -> Variables {
         let is_haas = machine.control.iso.is_haas();
         let common = match language {
             Language::Rs274 => vec![Some(0.0); RS274_END as usize],
@@ -113,6 +116,7 @@ impl Variables {
             returned: None,
             probed: None,
             programs: Vec::new(),
+            assumed: AssumedValues::new(tells_assumed),
         };
         variables.levels[0].numbered = variables.no_locals();
         if language == Language::Rs274 {

@@ -20,6 +20,7 @@ use crate::syntax::sinumerik::{self, Address, ArgumentRange, Body, ExprId, Node,
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::{Source, Span};
+use ncfix_machine::describe::contradictions;
 use ncfix_machine::machine::zero_offset::lacking_axes;
 use ncfix_machine::machine::{Machine, Setting};
 
@@ -117,6 +118,10 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
         Some(at(span, Code::PARTIAL_OFFSET, message, &help).in_file(source.id()))
     };
     findings.extend(by_axis.iter().filter_map(lacking));
+    findings.extend(contradictions(source.name(), source.bytes(), &before).into_iter().map(|message| {
+        let help = "these data have no effect: correct the machine file, or the data on the control";
+        Diagnostic::nowhere(Code::CONTRADICTED, message, help)
+    }));
     let frames = &channel.system.frames;
     for (number, parts) in frames.written_settable() {
         let name = settable_code(number);

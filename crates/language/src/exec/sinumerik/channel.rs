@@ -54,6 +54,7 @@ pub(super) struct SinumerikAtHand {
 
 impl<'a> HasOutlet<'a> for Channel<'a> {
     fn outlet(&mut self) -> &mut MotionSink<'a> {
+        self.outlet.warnings.extend(self.variables.assumed.take('R'));
         &mut self.outlet
     }
 }
@@ -63,7 +64,7 @@ impl<'a> Channel<'a> {
         Channel {
             settings: RunSettings::new(machine, options),
             modal: Modal::new(options.start, machine),
-            variables: Variables::new(machine, options.strict),
+            variables: Variables::new(machine, options),
             system: System::new(options.strict, machine),
             outlet: MotionSink::new(machine, options),
             splines: Splines::default(),

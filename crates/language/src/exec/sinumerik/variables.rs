@@ -5,7 +5,9 @@ use std::collections::{BTreeMap, HashMap};
 use super::cells::{Cells, wrong_type};
 use super::functions::is_function;
 use super::value::Value;
+use crate::exec::core::assumed_values::AssumedValues;
 use crate::exec::core::fault::{Fault, fault};
+use crate::exec::core::options::Options;
 use crate::syntax::sinumerik::{DefinitionType, NameId};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
@@ -69,6 +71,8 @@ pub(super) struct Variables {
     stated: Vec<bool>,
     /// `true` if such other parameters must not be read.
     strict: bool,
+    /// Those that were read nevertheless, as 0.
+    pub(super) assumed: AssumedValues,
     locals: Locals,
     globals: HashMap<String, Cells>,
     global_elements: usize,
@@ -78,12 +82,13 @@ pub(super) struct Variables {
 
 impl Variables {
     /// Global variables and R parameters with the values of the machine.
-    pub(super) fn new(machine: &Machine, strict: bool) -> Self {
+    pub(super) fn new(machine: &Machine, options: &Options) -> Self {
         let presets = &machine.gud;
         let mut variables = Variables {
             parameters: vec![0.0; PARAMETERS],
             stated: vec![false; PARAMETERS],
-            strict,
+            strict: options.strict,
+            assumed: AssumedValues::new(options.tells_assumed),
             locals: Locals::default(),
             globals: HashMap::new(),
             global_elements: 0,
@@ -140,7 +145,10 @@ impl Variables {
 
     /// The value of an R parameter. A parameter that is never set keeps the value of an earlier program.
     pub(super) fn parameter(&self, index: i64, span: Span) -> Result<f64, Fault> {
-        if self.strict && slot(index).and_then(|slot| self.stated.get(slot)) == Some(&false) {
+        let is_left_over = slot(index).and_then(|slot| self.stated.get(slot)) == Some(&false);
+        if is_left_over && !self.strict {
+            self.assumed.note(index, span);
+        } else if is_left_over {
             let message = format!("R{index} keeps its value between programs, and this program has not set it");
             let help = format!(
                 "set it in the program, add \"$R[{index}]\" = … to [system] of the machine file, or give --setup the R parameters that the control has saved"

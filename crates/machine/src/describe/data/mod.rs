@@ -2,6 +2,7 @@
 
 mod grbl;
 mod linuxcnc;
+mod reset_words;
 mod sinumerik;
 
 use std::collections::BTreeMap;
@@ -42,6 +43,8 @@ pub struct ControlFacts {
     pub tool_change_moves: Option<Known<bool>>,
     /// Words in force before the first block.
     pub startup_code: Option<Known<String>>,
+    /// Lines of `[control]`: words that are in force before the first block.
+    pub control_lines: Vec<Known<String>>,
     /// Data that the machine file does not carry, and data that the file lacks.
     pub notes: Vec<String>,
 }

@@ -5,6 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::reset_words::{ResetWord, reset_word};
 use super::{ControlDataFormat, ControlFacts, known, number, rounded};
 use crate::describe::stated::TravelRange;
 use crate::machine::Branch;
@@ -22,9 +23,9 @@ const ZERO: f64 = 1e-9;
 type Values<'a> = BTreeMap<(String, String), (&'a str, usize)>;
 
 fn is(text: &str) -> bool {
-    text.lines()
-        .filter_map(assignment)
-        .any(|(name, ..)| ["$MA_", "$MC_TRAFO", "$MN_AXCONF", "$TC_CARR"].iter().any(|start| name.starts_with(start)))
+    text.lines().filter_map(assignment).any(|(name, ..)| {
+        ["$MA_", "$MC_TRAFO", "$MN_AXCONF", "$TC_CARR", "$MC_GCODE_RESET"].iter().any(|start| name.starts_with(start))
+    })
 }
 
 /// Name, indices and value of an assignment.
@@ -71,9 +72,29 @@ fn read(name: &str, text: &str, facts: &mut ControlFacts) -> Result<(), String> 
     {
         facts.increments_per_mm = Some(known(count, (name, *line), "MD10200"));
     }
+    reset_words(name, &values, facts);
     Geometry { name, values: &values }.read(&letters, facts)?;
     facts.notes.push(format!("{name} does not state which slide carries the table: it follows from the template"));
     Ok(())
+}
+
+/// Words in force before the first block: MD20150.
+fn reset_words(name: &str, values: &Values<'_>, facts: &mut ControlFacts) {
+    for ((key, index), (text, line)) in values {
+        if key != "$MC_GCODE_RESET_VALUES" {
+            continue;
+        }
+        let word = index.parse().ok().zip(text.parse().ok()).and_then(|(element, place)| reset_word(element, place));
+        match word {
+            None | Some(ResetWord::Usual) => {}
+            Some(ResetWord::Key(key)) => {
+                facts.control_lines.push(known(key, (name, *line), &format!("MD20150[{index}]")));
+            }
+            Some(ResetWord::Unknown(word, assumed)) => facts.notes.push(format!(
+                "{name}:{line} MD20150[{index}] is {text}: programs begin with {word}, and ncfix assumes {assumed}; write the word at the beginning of every program"
+            )),
+        }
+    }
 }
 
 /// Axes by the indices of their machine data: `AX1`, and the name of the machine axis.

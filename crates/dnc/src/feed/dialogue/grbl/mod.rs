@@ -26,6 +26,7 @@ pub(super) const PROTOCOL: Protocol = Protocol {
     sends_file: false,
     has_planner: true,
     beyond: STEPPED,
+    rewrite: None,
     check: |profile, text| check_text(text, profile.longest_line, &profile.refused),
     create: |profile| Ok(Box::new(Grbl::new(profile))),
 };

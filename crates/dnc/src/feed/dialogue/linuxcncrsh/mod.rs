@@ -25,6 +25,7 @@ pub(super) const PROTOCOL: Protocol = Protocol {
     sends_file: false,
     has_planner: false,
     beyond: 0,
+    rewrite: None,
     check,
     create,
 };

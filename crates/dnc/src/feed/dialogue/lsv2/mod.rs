@@ -42,6 +42,7 @@ pub(super) const TCP: Protocol = Protocol {
     sends_file: true,
     has_planner: false,
     beyond: 0,
+    rewrite: None,
     check: |profile, text| check_text(text, profile.longest_line, &profile.refused),
     create: |profile| Ok(Box::new(Lsv2::new(profile, Layer::Tcp(TcpTelegrams::default())))),
 };

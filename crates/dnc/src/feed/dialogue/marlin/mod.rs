@@ -8,7 +8,10 @@
 //! Numbers begin far above those of a control that was reset, which asks for line 1. So a reset is detected even if its greeting was lost. The control waits
 //! for all moves (`M400`) and repeats a text (`M118`) before the first line, after the last line, and now and then if answers have no number
 //! ([`super::barrier`]). An `ok` has no number, but after the text no earlier answer is outstanding.
+//!
+//! The lines of the program come here as commands of one line each ([`commands`]).
 
+mod commands;
 mod hear;
 mod texts;
 
@@ -19,6 +22,7 @@ use super::answers::Answers;
 use super::barrier::Barrier;
 use super::depth::Depth;
 use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
+use commands::MarlinCommands;
 
 /// Entry of this dialogue; profiles select it by its name.
 pub(super) const PROTOCOL: Protocol = Protocol {
@@ -28,6 +32,7 @@ pub(super) const PROTOCOL: Protocol = Protocol {
     sends_file: false,
     has_planner: true,
     beyond: BEYOND,
+    rewrite: Some(|| Box::new(MarlinCommands::default())),
     check: |profile, text| check_text(text, profile.longest_line, &profile.refused),
     create: |profile| Ok(Box::new(Marlin::new(profile))),
 };

@@ -21,6 +21,7 @@ pub(super) const PROTOCOL: Protocol = Protocol {
     sends_file: false,
     has_planner: false,
     beyond: 0,
+    rewrite: None,
     check: |profile, text| check_text(text, profile.longest_line, &profile.refused),
     create,
 };
