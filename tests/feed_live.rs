@@ -6,8 +6,8 @@ use std::net::TcpListener;
 use std::sync::{Arc, Mutex};
 use std::thread;
 
-use super::cli_feed::{Bench, passes, start};
-use super::controls::{Faults, Grbl};
+use super::cli_feed::{passes, start};
+use super::controls::{Faults, Grbl, Wired};
 use super::support::{Shop, machine};
 
 /// A router without errors whose Z drifts with one sensor.
@@ -147,7 +147,7 @@ fn a_line_that_temperatures_can_make_too_long_is_refused_before_the_first_byte()
 fn a_subprogram_that_changes_during_a_job_reaches_the_control_as_it_was_checked() {
     let part = passes(60).replace("M5\nM30\n", "o<low> call\nM5\nM30\n");
     let low = |z: u32| format!("o<low> sub\nG0 X0 Y0\nG1 Z-{z} F300\nG1 Z2\nG0 Z50\no<low> endsub\nM2\n");
-    let bench = Bench::new(Grbl::new(&Faults::default(), 0.003));
+    let bench = Wired::at_line(Grbl::new(&Faults::default(), 0.003));
     let shop = Shop::new().file("part.ngc", part).file("low.ngc", low(2));
     let mill = machine("knee_mill");
     let arguments = ["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &bench.name];
