@@ -142,8 +142,11 @@ impl InstrumentFiles {
             for path in if of_folder { in_folder(path)? } else { vec![path.clone()] } {
                 match InstrumentFile::read(&path)? {
                     _ if of_folder && is_measurement(&path) => {
-                        let reason = "it is a measurement already, with its description".to_owned();
-                        all.unread.push(UnreadFile { path: path.with_extension("toml"), reason });
+                        let reason = "it is a measurement already".to_owned();
+                        // Once for the two files; the name of the description does not count as one with readings.
+                        if path.extension().is_some_and(|ending| ending == "toml") {
+                            all.unread.push(UnreadFile { path: path.clone(), reason });
+                        }
                     }
                     Ok(file) => all.files.push(InstrumentFile { several, of_folder, ..file }),
                     Err(found) if of_folder => {

@@ -548,6 +548,11 @@ mod tests {
             ("Target,1+,1-\n0,0.5,1.5\n100,2.5,3.5\n", Separator::Comma, 2.5),
             ("Target\t1+\t1-\n0\t0,5\t1,5\n100\t2,5\t3,5\n", Separator::Tab, 2.5),
             ("Machine: A, B\n\n0 0,5 1,5\n100 2,5 3,5\n", Separator::Blanks, 2.5),
+            (
+                "A report, 3 runs\n\n| Target | 1+ | 1- |\n|---|--:|:-:|\n| 0 | 0,5 | 1,5 |\n| 100 | 2,5 | 3,5 |\n",
+                Separator::Bar,
+                2.5,
+            ),
         ] {
             let table = of(text).unwrap();
             assert_eq!(table.separator, separator, "{text}");

@@ -2,7 +2,7 @@
 //! among which [`super::select()`] chooses further terms.
 //!
 //! The usual errors are, in this order: offsets and tilts of the rotary axes, squareness of the linear axes, offsets of the spindle if a rotary axis carries it,
-//! scales of the linear axes (degree 1 of their positioning), slopes of straightnesses that were read along an exact direction, and backlash. Of errors that are not separable, the later one is left out. Candidates are the
+//! scales of the linear axes (degree 1 of their positioning), and backlash. Of errors that are not separable, the later one is left out. Candidates are the
 //! curves of components that were measured, without degree 1 of a straightness, which is a squareness or the alignment of the instrument.
 
 use crate::measure::data::{DataSet, Free};
@@ -46,7 +46,6 @@ pub fn usual_errors(machine: &Machine, errors: &ErrorModel, data: &[DataSet]) ->
     let linear: Vec<Axis> =
         AXES.into_iter().filter(|&axis| !axis.is_rotary() && machine.axis(axis).is_some()).collect();
     all.extend(linear.iter().map(|&axis| ParameterName::coefficient(positioning(axis), 1)));
-    all.extend(exact_slopes(data).map(|name| ParameterName::coefficient(name, 1)));
     let reversing: Vec<&DataSet> = data.iter().filter(|set| shows_reversals(set)).collect();
     if !data.iter().any(|set| set.free.contains(&Free::Drift)) {
         let moved = AXES.into_iter().filter(|&axis| machine.axis(axis).is_some());
@@ -85,22 +84,6 @@ pub fn usual_candidates(machine: &Machine, data: &[DataSet], pieces: PiecewisePo
     };
     let terms = components.into_iter().flat_map(|component| of_component(component, data, pieces));
     terms.filter(|name| !is_alignment(name)).collect()
-}
-
-/// Components of straightness that were measured along an exact direction, once each: no location error is in such readings, so their slope is a term of its
-/// own.
-fn exact_slopes(data: &[DataSet]) -> impl Iterator<Item = ErrorName> {
-    let mut found: Vec<ErrorName> = Vec::new();
-    let exact =
-        data.iter().filter(|set| set.kind.measurand == Measurand::Component && !set.free.contains(&Free::Slope));
-    for name in exact.flat_map(|set| &set.observations).filter_map(|row| row.component) {
-        let is_straightness = !name.direction.is_rotation()
-            && name.axis().is_some_and(|axis| !axis.is_rotary() && positioning(axis) != name);
-        if is_straightness && !found.contains(&name) {
-            found.push(name);
-        }
-    }
-    found.into_iter()
 }
 
 /// The error of an axis along or about itself, by its letter.
