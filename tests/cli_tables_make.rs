@@ -190,7 +190,7 @@ fn functions_of_one_axis_hold_the_mean_over_a_second_one() {
     let made = shop.run(make("grundig", "functions", "g.txt", &["--check", "--json"])).exits(0).json();
     let part = &made["left_out"][0];
     assert_eq!((&part["error"], &part["second"], &part["unit"]), (&"EXX".into(), &"Y".into(), &"um".into()));
-    assert!((part["largest"].as_f64().unwrap() - 10.0).abs() < 1e-6, "{made}");
+    assert!((part["largest"].as_f64().unwrap() - 10.0).abs() < 1e-4, "{made}");
     // Without tables 1e-5 x (1 + 0.01 y), with them 1e-5 x (0.01 y - 2): RMS of x 500/√3 µm·1e-2, of the factors √(1 + 2·2 + 16/3) and 2/√3.
     let x = 500.0 / 3_f64.sqrt() * 1e-2;
     for (kind, factor) in [("before", (1.0 + 4.0 + 16.0 / 3.0_f64).sqrt()), ("tables", 2.0 / 3_f64.sqrt())] {

@@ -148,7 +148,9 @@ impl TablesReport {
             let sums = self.found.sums.iter().map(|one| format!("{} {:.4}{}", one.axis, one.largest, unit(&one.axis)));
             let _ =
                 writeln!(page, "largest sum of the corrections of an axis: {}", sums.collect::<Vec<_>>().join(", "));
-            page.push_str("  the limit of the control must not be smaller (840D: MD32720, 1 mm as delivered)\n");
+            if !self.found.rows.is_empty() {
+                page.push_str("  the limit of the control must not be smaller (840D: MD32720, 1 mm as delivered)\n");
+            }
         }
         for one in &self.found.left_out {
             let _ = writeln!(

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use crate::measure::data::Observation;
 use ncfix_base::geometry::AXES;
 
-/// What repeated readings have in common, positions in nanometers or nanoradians: set-up, ball, component, positions and directions of motion, tool
+/// Common properties of repeated readings, positions in nanometers or nanoradians: set-up, ball, component, positions and directions of motion, tool
 /// and spindle angle.
 type ReadingPlace = (usize, Option<usize>, Option<String>, Vec<i64>, Vec<i8>);
 
