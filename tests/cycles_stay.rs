@@ -531,7 +531,7 @@ fn rigid_tapping_of_a_sinumerik_stays_where_the_sides_of_axes_are_unknown() {
     leaning.run(["tap.mpf", "-o", "out3.mpf", "--machine", "leaning.toml"]).exits(0);
     assert!(leaning.text("out3.mpf").contains("G331"), "{}", leaning.text("out3.mpf"));
     let shop = leaning;
-    // In a rotated plane no call can stay, and the moves of the thread replace it.
+    // In a rotated plane the dead bands do not lie along the words of the call: the moves of the thread replace it.
     let rotated = program.replace("F100\n", "F100\nROT RPL=30\n");
     let shop = shop.file("rotated.mpf", rotated);
     shop.run(["rotated.mpf", "-o", "out2.mpf", "--machine", "m.toml"]).exits(0);
@@ -578,6 +578,52 @@ fn the_first_hole_counts_the_reversal_by_its_own_correction() {
                     shop.text("out.nc")
                 );
             }
+        }
+    }
+}
+
+/// Three holes in a frame that turns by 30 degrees, or mirrors X: the call and the positions stay, in the coordinates of the frame.
+#[test]
+fn holes_in_a_rotated_or_mirrored_frame_stay_positions() {
+    let (sine, cosine) = 30_f64.to_radians().sin_cos();
+    for (frame, [x, y]) in
+        [("AROT RPL=30", [[cosine, -sine], [sine, cosine]]), ("AMIRROR X0", [[-1.0, 0.0], [0.0, 1.0]])]
+    {
+        let program = format!(
+            "N10 G17 G90 G71 G94 G54\nN20 T2 M6\nN30 D1 S2000 M3\nN40 G0 X0 Y0 Z50 F150\nN50 TRANS X200 Y80\nN60 {frame}\nN70 MCALL \
+             CYCLE83(20,0,2,-30,,-5,,2,0.5,0,1,0)\nN80 X10 Y10\nN90 X60 Y10\nN100 X60 Y90\nN110 MCALL\nN120 TRANS\nN130 G0 Z50\nN140 M30\n"
+        );
+        let text = corrected("sinumerik", "frame.mpf", &program, UPRIGHT);
+        assert!(text.contains("MCALL CYCLE83(") && !text.contains("G1 "), "{text}");
+        // To the coordinates of G54.
+        let base = |[u, v, height]: [f64; 3]| [200.0 + x[0] * u + x[1] * v, 80.0 + y[0] * u + y[1] * v, height];
+        let based = |hole: &Drilled| Drilled { reference: base(hole.reference), bottom: base(hole.bottom) };
+        let found: Vec<Drilled> = sinumerik_holes(&text).iter().map(based).collect();
+        let wanted = [[10.0, 10.0], [60.0, 10.0], [60.0, 90.0]]
+            .map(|[u, v]| based(&Drilled { reference: [u, v, 2.0], bottom: [u, v, -30.0] }));
+        judge(UPRIGHT, &found, &wanted, &text);
+    }
+}
+
+/// A position that repeats a coordinate keeps its line, if nothing changes.
+#[test]
+fn lines_of_holes_in_which_nothing_changes_keep_their_bytes() {
+    let sinumerik = "N10 G17 G90 G71 G94 G54\nN20 T2 M6\nN30 D1 S2000 M3\nN40 G0 X0 Y0 Z50 F150\nN50 MCALL \
+                     CYCLE81(20,0,2,-30)\nN60 X10 Y10\nN70 X20.0 Y10\nN80 Y10 X30\nN90 MCALL\nN100 G0 Z50\nN110 M30\n";
+    let rs274 = "N10 G21 G17 G90 G94 G54\nN20 T2 M6\nN30 G0 X0 Y0 S2000 M3\nN40 G43 H2 Z50\nN50 G98 G83 X10 Y10 Z-20 R2 Q5 F150\n\
+                 N60 X20.0 Y10\nN70 Y10 X30 R2 F150\nN80 G80\nN90 G0 Z50\nN100 M2\n";
+    for (control, name, program, lines) in [
+        ("sinumerik", "same.mpf", sinumerik, ["N60 X10 Y10", "N70 X20.0 Y10", "N80 Y10 X30"]),
+        ("rs274", "same.ngc", rs274, ["N50 G98 G83 X10 Y10 Z-20 R2 Q5 F150", "N60 X20.0 Y10", "N70 Y10 X30 R2 F150"]),
+    ] {
+        let machine = UPRIGHT.machine(control);
+        let (head, errors) = machine.split_once("[location]").unwrap();
+        let plain = format!("{head}[zero_offset{}", errors.split_once("[zero_offset").unwrap().1);
+        let shop = Shop::new().file(name, program).file("m.toml", plain);
+        shop.run(["fix", name, "-o", "out.txt", "--machine", "m.toml"]).exits(0);
+        let text = shop.text("out.txt");
+        for line in lines {
+            assert!(text.lines().any(|own| own == line), "{line}\n{text}");
         }
     }
 }

@@ -102,8 +102,9 @@ fn points_of_the_tilted_plane_are_met_on_every_machine() {
                     rotation * (Vector::from(point) + Vector::new(1.0, 2.0, 3.0)) + Vector::new(10.0, 20.0, 30.0);
                 let pose = model.nominal(command, &tool);
                 let wanted = on_workpiece(&machine, &model, point);
+                // TRANS has five decimals, AROT six: half of 1e-5 mm in three directions, half of 1e-6 degrees about three axes at 500 mm.
                 assert!(
-                    (pose.translation - wanted).norm() < 1e-6,
+                    (pose.translation - wanted).norm() < 2e-5,
                     "{topology} {arguments}: {} {wanted}",
                     pose.translation
                 );

@@ -95,9 +95,15 @@ impl Pair<'_> {
             let rapid_order = if is_stamped { RapidOrder::None } else { RapidOrder::Stated };
             // If the control corrects the wear, the original contains none.
             let radius = if has_wear_alone && !is_stamped { Radius::Beside(0.0) } else { Radius::Whole };
-            let (keeps_tilt, keeps_cycles) = (true, true);
-            let options =
-                Options { rapid_order, radius, requires_values, keeps_tilt, keeps_cycles, ..Options::default() };
+            let options = Options {
+                rapid_order,
+                radius,
+                requires_values,
+                keeps_tilt: true,
+                keeps_cycles: true,
+                fits_arcs: true,
+                ..Options::default()
+            };
             program.start_as(opened, &chosen.machine, options)
         };
         let mut promise = stamp::promise(sources, chosen, self.promised, findings);

@@ -300,6 +300,7 @@ impl<'a> Prepared<'a> {
             keeps_wear,
             hides_marks: true,
             names_cycles: true,
+            fits_arcs: options.arcs == path::Arcs::Keep,
             keeps_cycles: keeps_cycles && !keeps_wear && writing.options.may_keep_cycles(),
             keeps_tapping: is_as_programmed,
             keeps_tilt: is_as_programmed && options.rotary != path::Rotary::Correct,
@@ -354,6 +355,7 @@ impl<'a> Prepared<'a> {
             None => running,
         };
         let mut writer = writing.writer()?;
+        writer.mark_passes();
         writer.keep_free(numbers);
         if options.guard {
             let words = guard::of_program(program, machine, &writing)?;

@@ -8,6 +8,7 @@ use ncfix_base::units::push_integer;
 use ncfix_machine::snc::Origin;
 
 use super::comment::in_parentheses;
+use super::passes::LoopPasses;
 
 /// Words of a block that are compared; a longer block is written anew.
 const MOST_WORDS: usize = 40;
@@ -18,8 +19,12 @@ pub(super) struct KeptLines {
     source: Option<Source>,
     /// Byte offset of the block whose first line is under construction.
     at: Option<u32>,
+    /// Passes of loops, if the output says where they begin.
+    pub(super) passes: Option<LoopPasses>,
     /// A word of the line that is in force without it: the source may lack it.
     pub(super) in_force: Option<&'static str>,
+    /// Words of the line that are in force, blanks between them: the source may state each again.
+    pub(super) may_state: Vec<u8>,
     /// Words in force in the whole output, which the source may state again.
     assumed: &'static [&'static str],
     /// `true` if comments are in parentheses.
@@ -29,6 +34,8 @@ pub(super) struct KeptLines {
     /// Canonical words of the written line and of the source.
     written: BlockWords,
     own: BlockWords,
+    /// Canonical form of [`Self::may_state`].
+    stated: BlockWords,
 }
 
 /// Words of a block in their canonical form.
@@ -43,8 +50,21 @@ struct BlockWords {
 impl KeptLines {
     /// No lines to keep yet.
     pub(super) fn new(assumed: &'static [&'static str], has_parentheses: bool, has_points: bool) -> KeptLines {
-        let (written, own) = (BlockWords::default(), BlockWords::default());
-        KeptLines { source: None, at: None, in_force: None, assumed, has_parentheses, has_points, written, own }
+        let [written, own, stated] = std::array::from_fn(|_| BlockWords::default());
+        let may_state = Vec::new();
+        KeptLines {
+            source: None,
+            at: None,
+            passes: None,
+            in_force: None,
+            may_state,
+            assumed,
+            has_parentheses,
+            has_points,
+            written,
+            own,
+            stated,
+        }
     }
 
     /// Sets the main program.
@@ -52,10 +72,13 @@ impl KeptLines {
         self.source = Some(source);
     }
 
-    /// Notes that a block of the source begins with the next line.
-    pub(super) fn begin(&mut self, origin: &Origin) {
+    /// Notes that a block of the source begins with the next line. Returns the number of the pass if a further pass of a loop begins there.
+    pub(super) fn begin(&mut self, origin: &Origin, has_number: bool) -> Option<u64> {
         self.in_force = None;
-        self.at = self.source.as_ref().filter(|source| source.id() == origin.file).map(|_| origin.span.start);
+        self.may_state.clear();
+        let is_main = self.source.as_ref().is_some_and(|source| source.id() == origin.file);
+        self.at = is_main.then_some(origin.span.start);
+        self.passes.as_mut().filter(|_| is_main && origin.calls == 0)?.note(origin.line, has_number)
     }
 
     /// The line of the source, if the written one has the same words and comment and is the first of its block.
@@ -79,12 +102,21 @@ impl KeptLines {
         self.own.read(line, has_parentheses, has_points)?;
         self.written.comment.extend_from_slice(comment.trim_ascii());
         if !self.written.has_words_of(&self.own) {
-            if let Some(word) = self.in_force.filter(|word| !self.own.has(word)) {
+            if let Some(word) = self.in_force.map(str::as_bytes).filter(|word| !self.own.has(word)) {
                 self.written.remove(word);
             }
             for word in self.assumed {
-                if !self.written.has(word) {
-                    self.own.remove(word);
+                if !self.written.has(word.as_bytes()) {
+                    self.own.remove(word.as_bytes());
+                }
+            }
+            if !self.may_state.is_empty() {
+                self.stated.clear();
+                self.stated.read(&self.may_state, has_parentheses, has_points)?;
+                for word in self.stated.words() {
+                    if !self.written.has(word) {
+                        self.own.remove(word);
+                    }
                 }
             }
             if !self.written.has_words_of(&self.own) {
@@ -197,13 +229,13 @@ impl BlockWords {
         starts.zip(&self.ends).map(|(start, &end)| &self.bytes[start..end])
     }
 
-    fn has(&self, word: &str) -> bool {
-        self.words().any(|own| own == word.as_bytes())
+    fn has(&self, word: &[u8]) -> bool {
+        self.words().any(|own| own == word)
     }
 
     /// Removes the first word with this text.
-    fn remove(&mut self, word: &str) {
-        let Some(index) = self.words().position(|own| own == word.as_bytes()) else { return };
+    fn remove(&mut self, word: &[u8]) {
+        let Some(index) = self.words().position(|own| own == word) else { return };
         let start = index.checked_sub(1).and_then(|before| self.ends.get(before)).copied().unwrap_or(0);
         self.bytes.drain(start..start + word.len());
         self.ends.remove(index);
@@ -232,7 +264,7 @@ mod tests {
     fn keeps(source: &str, written: &str, has_parentheses: bool, has_points: bool) -> bool {
         let mut kept = KeptLines::new(&[], has_parentheses, has_points);
         kept.of(Source::new(FileId(0), "a", format!("%\n{source}\nM30\n").into_bytes()).unwrap());
-        kept.begin(&Origin { span: Span::new(2, 2 + source.len()), ..Origin::default() });
+        kept.begin(&Origin { span: Span::new(2, 2 + source.len()), ..Origin::default() }, false);
         let at = written.find(if has_parentheses { '(' } else { ';' }).unwrap_or(written.len());
         let (text, comment) = written.split_at(at);
         kept.line(None, text.trim_end().as_bytes(), comment.as_bytes()) == Some(source.as_bytes())
@@ -276,21 +308,33 @@ mod tests {
         let mut kept = KeptLines::new(&["G90"], false, false);
         kept.of(Source::new(FileId(0), "a", b"N5 Y+20. Z1\n".to_vec()).unwrap());
         let origin = Origin { span: Span::new(0, 11), ..Origin::default() };
-        kept.begin(&origin);
+        kept.begin(&origin, false);
         assert_eq!(kept.line(None, b"N5 G1 Y20 Z1", b""), None);
-        kept.begin(&origin);
+        kept.begin(&origin, false);
         kept.in_force = Some("G1");
         assert_eq!(kept.line(None, b"N5 G1 Y20 Z1", b""), Some(&b"N5 Y+20. Z1"[..]));
-        kept.begin(&origin);
+        kept.begin(&origin, false);
         kept.in_force = Some("G1");
         assert_eq!(kept.line(None, b"N5 G1 Y20 Z2", b""), None);
         // The whole output is absolute.
         kept.of(Source::new(FileId(0), "a", b"N5 G90 Y+20. Z1\n".to_vec()).unwrap());
-        kept.begin(&origin);
+        kept.begin(&origin, false);
         assert_eq!(kept.line(None, b"N5 Y20 Z1", b""), Some(&b"N5 G90 Y+20. Z1"[..]));
         kept.of(Source::new(FileId(0), "a", b"N5 G91 Y+20. Z1\n".to_vec()).unwrap());
-        kept.begin(&origin);
+        kept.begin(&origin, false);
         assert_eq!(kept.line(None, b"N5 Y20 Z1", b""), None);
+    }
+
+    #[test]
+    fn a_word_in_force_may_be_stated_again() {
+        let mut kept = KeptLines::new(&["G90"], false, false);
+        kept.of(Source::new(FileId(0), "a", b"N7 X20 Y10\n".to_vec()).unwrap());
+        let origin = Origin { span: Span::new(0, 10), ..Origin::default() };
+        for (in_force, is_kept) in [("X20 Y10", true), ("G0 Y10.0", true), ("X20 Y10.0004", false), ("", false)] {
+            kept.begin(&origin, false);
+            kept.may_state.extend_from_slice(in_force.as_bytes());
+            assert_eq!(kept.line(None, b"N7 X20", b"").is_some(), is_kept, "{in_force}");
+        }
     }
 
     #[test]
@@ -306,9 +350,9 @@ mod tests {
     fn only_the_first_line_of_a_block_of_the_main_program_is_kept() {
         let mut kept = KeptLines::new(&["G90"], false, false);
         kept.of(Source::new(FileId(0), "a", b"X1\n".to_vec()).unwrap());
-        kept.begin(&Origin { file: FileId(1), span: Span::new(0, 2), ..Origin::default() });
+        kept.begin(&Origin { file: FileId(1), span: Span::new(0, 2), ..Origin::default() }, false);
         assert_eq!(kept.line(None, b"X1", b""), None);
-        kept.begin(&Origin { span: Span::new(0, 2), ..Origin::default() });
+        kept.begin(&Origin { span: Span::new(0, 2), ..Origin::default() }, false);
         assert_eq!(kept.line(None, b"X1", b""), Some(&b"X1"[..]));
         assert_eq!(kept.line(None, b"X1", b""), None);
     }

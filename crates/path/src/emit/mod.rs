@@ -12,6 +12,7 @@ mod guard;
 mod kept;
 mod line;
 mod number;
+mod passes;
 mod sinumerik;
 mod stamp;
 mod stops;
@@ -71,6 +72,8 @@ pub trait Writer: Send {
     fn begin_with(&mut self, _lines: Vec<String>) {}
     /// Keeps the bytes of lines of the main program in which no word changes.
     fn keep_lines(&mut self, _program: Source) {}
+    /// Comments on further passes of loops, for people who read the file.
+    fn mark_passes(&mut self) {}
     /// The number of lines with words written so far, without comments and headers.
     fn blocks(&self) -> u64;
 }

@@ -8,7 +8,7 @@ mod partly;
 use std::cell::RefCell;
 use std::sync;
 
-use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES};
+use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, LINEAR_AXES, Matrix, ROTARY_AXES};
 use ncfix_machine::machine::{Kinematics, Machine, State, TipPath};
 use ncfix_machine::snc::{Move, Setup, Turning};
 use ncfix_model::{Model, NotConverged, Solve};
@@ -23,6 +23,8 @@ use super::{Centers, CorrectionOptions, Increments, OutputFrame, Rotary, Turns};
 const FEED_PARTS: f64 = 1e3;
 /// Tolerance within which a count is a whole number: rounding noise.
 const WHOLE_COUNT: f64 = 1e-4;
+/// Deviation of a frame from a rigid one that is rounding noise.
+const SAME_LENGTH: f64 = 1e-9;
 /// Paths shorter than this are rounding noise, mm.
 pub(super) const SHORT_MM: f64 = 1e-7;
 
@@ -252,6 +254,23 @@ impl<'a> CommandSolver<'a> {
     /// `true` if directions in the emitted frame are those of the axes.
     pub(super) fn is_parallel(&self) -> bool {
         !self.is_transformed() && (self.frame == OutputFrame::Machine || self.setup.frame.is_translation())
+    }
+
+    /// `true` if the emitted frame shifts, rotates and mirrors, and does not scale.
+    pub(super) fn keeps_lengths(&self) -> bool {
+        let linear = self.setup.frame.linear();
+        let is_rigid = || (linear.tr_mul(linear) - Matrix::identity()).amax() < SAME_LENGTH;
+        self.is_parallel() || !self.is_transformed() && is_rigid()
+    }
+
+    /// A command in coordinates along the axes of the emitted frame: the command itself if these are the axes of the machine.
+    pub(super) fn in_frame(&self, command: &AxisVector) -> AxisVector {
+        if self.is_parallel() { *command } else { self.programmed(command) }
+    }
+
+    /// The command at these coordinates; the inverse of [`Self::in_frame`].
+    pub(super) fn of_frame(&self, place: &AxisVector) -> AxisVector {
+        if self.is_parallel() { *place } else { self.command(place) }
     }
 
     /// The command on the grid that brings the tip to its nominal place at `nominal`. Axes outside `known` stay at `nominal`. `guess` is a correction

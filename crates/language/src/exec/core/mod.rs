@@ -14,7 +14,7 @@
 //! | active frame, tool length and plane | [`standing`] |
 //! | radius compensation, roundings, chamfers | [`contour`] |
 //! | steps of cycles | [`step`] |
-//! | paths, and their conversion by the motion sink | [`path`], [`motion_sink`], [`resolve`], [`five_axis`] |
+//! | paths, and their conversion by the motion sink | [`path`], [`motion_sink`], [`resolve`], [`curve_arcs`], [`five_axis`] |
 //! | faults, state of a run, limits of a run, values that it assumes | [`fault`], [`run_state`], [`options`], [`settings`], [`assumed_values`] |
 //!
 //! # Parts of a family
@@ -72,6 +72,7 @@
 pub(in crate::exec) mod arc;
 pub(in crate::exec) mod assumed_values;
 pub(in crate::exec) mod contour;
+pub(in crate::exec) mod curve_arcs;
 pub(in crate::exec) mod executor;
 pub(in crate::exec) mod family;
 pub(in crate::exec) mod fault;

@@ -52,6 +52,8 @@ pub(in crate::exec) struct MotionSink<'a> {
     tells_compensation: bool,
     hides_marks: bool,
     names_cycles: bool,
+    /// `true` if curves become arcs where these fit.
+    pub(in crate::exec) fits_arcs: bool,
     /// Milling cycles with moves of this program, and their blocks.
     milled: Vec<(&'static str, Origin)>,
 }
@@ -75,6 +77,7 @@ impl<'a> MotionSink<'a> {
             tells_compensation: options.tells_compensation,
             hides_marks: options.hides_marks,
             names_cycles: options.names_cycles,
+            fits_arcs: options.fits_arcs,
             milled: Vec::new(),
         }
     }

@@ -37,6 +37,8 @@ pub struct Options {
     pub hides_marks: bool,
     /// Writes a comment before the moves of a milling cycle.
     pub names_cycles: bool,
+    /// Curves in the working plane become arcs where these fit, otherwise chords: an output has fewer blocks.
+    pub fits_arcs: bool,
     /// Splitting of rapid moves if the control orders its axes.
     pub rapid_order: RapidOrder,
 }

@@ -14,7 +14,7 @@ use super::modal::Swivelled;
 use super::order;
 use super::save;
 use super::scope::scope_of;
-use super::tilt_frame::{self, PARTS, SAME_ROTATION};
+use super::tilt_frame::{self, SAME_ROTATION};
 use super::value::Value;
 use ncfix_machine::machine::Machine;
 
@@ -26,6 +26,8 @@ use ncfix_base::source::Span;
 use ncfix_machine::machine::Kinematics;
 use ncfix_machine::snc::RotaryDirection;
 
+/// Resolution of the rotary positions, parts of a degree: beyond it is rounding noise.
+const PARTS: f64 = 1e9;
 /// Angles nearer to each other than this are equal, rad.
 const SAME_ANGLE: f64 = 1e-9;
 /// _MODE for a rotation about Z and then about the new Y.

@@ -11,8 +11,10 @@ use ncfix_machine::snc::{FrameKind, FrameStatement};
 
 /// Tolerance of a rotation matrix.
 pub(super) const SAME_ROTATION: f64 = 1e-9;
-/// Resolution of values in the statements, parts of a mm or degree.
-pub(super) const PARTS: f64 = 1e9;
+/// Resolution of shifts in the statements, parts of a mm: the rounding of each is at most 5 nm, a twentieth of the usual increment.
+const SHIFT_PARTS: f64 = 1e5;
+/// Resolution of angles in the statements, parts of a degree: the rounding of each is at most 9 nm at an arm of 1 m.
+const ANGLE_PARTS: f64 = 1e6;
 
 /// A frame between the settable and the programmable one, as its statements in the output give it, and these.
 pub(super) fn stated(channel: &Channel<'_>, frame: &Frame, span: Span) -> Result<(Frame, [FrameStatement; 2]), Fault> {
@@ -30,12 +32,12 @@ fn statements_of(frame: &Frame, order: RotationOrder) -> Option<[FrameStatement;
     let linear = frame.linear();
     let is_rotation =
         (linear * linear.transpose() - Matrix::identity()).norm() < SAME_ROTATION && linear.determinant() > 0.0;
-    let shown = |value: f64| (value * PARTS).round() / PARTS;
+    let shown = |value: f64, parts: f64| (value * parts).round() / parts;
     let mut shift = AxisVector::ZERO;
     let mut angles = AxisVector::ZERO;
     for (slot, axis) in [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate() {
-        shift[axis] = shown(frame.shift(axis));
-        angles[axis] = shown(order.angles_rad(linear)[slot].to_degrees()).to_radians();
+        shift[axis] = shown(frame.shift(axis), SHIFT_PARTS);
+        angles[axis] = shown(order.angles_rad(linear)[slot].to_degrees(), ANGLE_PARTS).to_radians();
     }
     let named = |values: &AxisVector| AXES.into_iter().filter(|&axis| values[axis] != 0.0).collect::<AxisSet>();
     let statement = |kind, additive, values: AxisVector| FrameStatement {

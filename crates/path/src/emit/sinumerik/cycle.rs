@@ -2,6 +2,7 @@
 
 use super::Sinumerik;
 use crate::path::CycleBlock;
+use ncfix_base::geometry::Axis;
 use ncfix_machine::snc::{CycleArgument, HoleTrigger};
 
 /// The modal call, without a name its end.
@@ -35,16 +36,29 @@ impl Sinumerik {
             self.motion = "G0";
         }
         for axis in block.words.iter() {
-            self.word(b"");
-            if self.axis_name(axis) {
-                self.line.text.push(b'=');
-            }
-            self.numbers.linear.push(&mut self.line.text, block.position[axis.slot()]);
+            self.place_word(block, axis);
         }
         if self.needs_cycle_feed(block) {
             self.feed_word(block.feed);
         }
         self.line.release();
+        // The program may state coordinates again that do not change.
+        let end = self.line.text.len();
+        let [abscissa, ordinate, _] = block.cycle.plane.axes();
+        self.word(b"G0");
+        self.place_word(block, abscissa);
+        self.place_word(block, ordinate);
+        self.line.kept.may_state.extend_from_slice(&self.line.text[end..]);
+        self.line.text.truncate(end);
+    }
+
+    /// Appends a coordinate of a hole.
+    fn place_word(&mut self, block: &CycleBlock, axis: Axis) {
+        self.word(b"");
+        if self.axis_name(axis) {
+            self.line.text.push(b'=');
+        }
+        self.numbers.linear.push(&mut self.line.text, block.position[axis.slot()]);
     }
 
     /// Holds back the line under construction if it is only a number: the next modal call may belong to it. A number before any other line is written.

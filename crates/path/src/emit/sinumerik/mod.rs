@@ -18,6 +18,7 @@ use super::block_number::BlockNumbers;
 use super::kept::KeptLines;
 use super::line::LineBuilder;
 use super::number::{AxisNumbers, push_value, to_digits};
+use super::passes::{self, LoopPasses};
 use super::stops::Stops;
 use super::{Writer, WriterEntry, WriterOptions, is_compensation};
 
@@ -153,6 +154,10 @@ impl Writer for Sinumerik {
         self.line.kept.of(program);
     }
 
+    fn mark_passes(&mut self) {
+        self.line.kept.passes = Some(LoopPasses::default());
+    }
+
     fn blocks(&self) -> u64 {
         self.line.blocks()
     }
@@ -172,7 +177,10 @@ impl Sinumerik {
         }
         self.line.open();
         if is_block {
-            self.line.kept.begin(origin);
+            let own = number.filter(|number| !number.main).map(|number| number.number);
+            if let Some(pass) = self.line.kept.begin(origin, number.is_some()) {
+                self.line.note(&[b"; ", passes::text(pass, own, origin.line).as_bytes()]);
+            }
         }
         if let Some(number) = self.block_numbers.first(origin, number.filter(|_| is_block)) {
             self.line.block_number(if number.main { b':' } else { b'N' }, number.number);

@@ -67,10 +67,40 @@ impl Words {
             self.feed_word(block.feed);
         }
         self.line.release();
+        self.note_words_in_force(block);
         self.place = Some(block.position);
         self.motion = "";
         self.is_drilling = true;
         self.cycle = Some(WrittenCycle { cycle: Arc::clone(cycle), reference, bottom, peck });
+    }
+
+    /// Notes all words of a hole: the program may state those again that do not change.
+    fn note_words_in_force(&mut self, block: &CycleBlock) {
+        let CycleBlock { cycle, reference, bottom, peck, .. } = block;
+        let end = self.line.text.len();
+        self.line.word(if cycle.ends_at_reference { b"G99" } else { b"G98" });
+        self.line.word(cycle.name.as_bytes());
+        let [abscissa, ordinate, along] = cycle.plane.axes();
+        for axis in [abscissa, ordinate] {
+            self.cycle_word(axis.letter(), block.position[axis.slot()]);
+        }
+        self.cycle_word(along.letter(), *bottom);
+        self.cycle_word(b'R', *reference);
+        if let Some(count) = *peck {
+            self.cycle_word(b'Q', count);
+        }
+        for argument in &cycle.arguments {
+            if let CycleArgument::Text(text) = argument {
+                self.line.word(text.as_bytes());
+            }
+        }
+        if block.feed > 0.0 && !block.feed_named && block.feed == self.feed {
+            let (feed, has_feed) = (self.feed, self.line.has_feed);
+            self.feed_word(feed);
+            self.line.has_feed = has_feed;
+        }
+        self.line.kept.may_state.extend_from_slice(&self.line.text[end..]);
+        self.line.text.truncate(end);
     }
 
     /// Writes the definition if another one is in force, and its execution at the hole.

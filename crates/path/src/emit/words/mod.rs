@@ -21,10 +21,12 @@ use ncfix_base::source::Source;
 use ncfix_machine::snc::{BlockNumber, Origin};
 
 use super::block_number::{BlockNumbers, NumberSet};
+use super::comment::in_parentheses;
 use super::guard::GuardWords;
 use super::kept::KeptLines;
 use super::line::LineBuilder;
 use super::number::{AxisNumbers, push_pointed, push_value, to_digits};
+use super::passes::{self, LoopPasses};
 use super::stops::Stops;
 use super::{Writer, WriterEntry, WriterOptions};
 
@@ -233,6 +235,10 @@ impl Writer for Words {
         self.line.kept.of(program);
     }
 
+    fn mark_passes(&mut self) {
+        self.line.kept.passes = Some(LoopPasses::default());
+    }
+
     fn blocks(&self) -> u64 {
         self.line.blocks()
     }
@@ -246,7 +252,14 @@ impl Words {
         self.has_ended = false;
         self.stops.begin_block();
         self.line.open();
-        self.line.kept.begin(origin);
+        if let Some(pass) = self.line.kept.begin(origin, number.is_some()) {
+            let text = passes::text(pass, number.map(|number| number.number), origin.line);
+            if self.flavour.is_plain {
+                self.line.note(&[&in_parentheses(text.to_ascii_uppercase().as_bytes())]);
+            } else {
+                self.line.note(&[b"; ", text.as_bytes()]);
+            }
+        }
         let own = self.block_numbers.first(origin, number).map(|own| own.number);
         if self.flavour.is_numbered {
             self.line.own_number(own);

@@ -73,6 +73,10 @@ where
         let standing = &mut self.standing;
         standing.is_doubtful |= setup.tool_mm != self.placer.setup.tool_mm;
         let (old, new) = (&self.placer.setup.frame, &setup.frame);
+        if old.linear() != new.linear() {
+            // Heights of one frame are none of another.
+            self.initial = None;
+        }
         if old.linear() != new.linear() && !self.placer.is_machine_frame() {
             standing.known = new.known_across(old.known_across(standing.known, false), true);
             standing.written = standing.written.intersection(standing.known);

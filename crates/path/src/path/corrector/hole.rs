@@ -34,7 +34,7 @@ pub(super) struct InitialLevel {
     command_mm: f64,
 }
 
-/// The straight line of a hole, from its reference plane to its bottom, as axis commands of the program.
+/// The straight line of a hole, from its reference plane to its bottom, in the coordinates of [`CommandSolver::in_frame`].
 #[derive(Clone, Copy, Debug)]
 struct HoleLine {
     axes: [Axis; 3],
@@ -49,7 +49,7 @@ struct HoleLine {
     returns: bool,
 }
 
-/// Shift of the moves of a hole: axis commands minus those of the program, mm.
+/// Shift of the moves of a hole: coordinates minus those of the program, mm.
 #[derive(Clone, Copy, Debug)]
 struct HoleShift {
     /// Across the hole; `None` if the tool stays.
@@ -182,7 +182,7 @@ where
                     block.position = placed.counts;
                     is_cut = true;
                 }
-                if motion.target[along] == line.bottom[along] {
+                if self.placer.in_frame(&motion.target)[along] == line.bottom[along] {
                     block.bottom = placed.counts[along.slot()];
                 }
             }
@@ -211,15 +211,15 @@ where
     /// The line of a hole; `None` if its moves are not those of a cycle along a linear axis of the machine.
     fn line_of(&mut self, cycle: &DrillingCycle, hole: &[Element]) -> Option<HoleLine> {
         let setup = &self.placer.setup;
-        let is_straight = self.placer.is_parallel() && setup.transform.is_none() && setup.plane == cycle.plane;
+        let is_straight = self.placer.keeps_lengths() && setup.transform.is_none() && setup.plane == cycle.plane;
         if !self.options.may_keep_cycles() || !is_straight || self.pace.is_by_time() || !self.clamps.are_open() {
             return None;
         }
         let axes = cycle.plane.axes();
         let own: AxisSet = axes.into_iter().collect();
-        let mut at = self.standing.nominal;
-        let initial = InitialLevel { nominal_mm: at[axes[2]], command_mm: self.standing.command[axes[2]] };
-        let initial = self.initial.unwrap_or(initial);
+        let mut at = self.placer.in_frame(&self.standing.nominal);
+        let command_mm = self.placer.in_frame(&self.standing.command)[axes[2]];
+        let initial = self.initial.unwrap_or(InitialLevel { nominal_mm: at[axes[2]], command_mm });
         let returns = !cycle.ends_at_reference;
         let mut line: Option<HoleLine> = None;
         let mut has_approach = false;
@@ -237,18 +237,19 @@ where
                 && motion.off_curve_mm == 0.0
                 && motion.unit != FeedUnit::InverseTime
                 && matches!(motion.motion_mode, MotionMode::Path | MotionMode::Thread(_));
-            let others_move = AXES.iter().any(|&axis| !own.contains(axis) && motion.target[axis] != at[axis]);
+            let target = self.placer.in_frame(&motion.target);
+            let others_move = AXES.iter().any(|&axis| !own.contains(axis) && target[axis] != at[axis]);
             if !is_axis_move || others_move || !own.difference(motion.known).is_empty() {
                 return None;
             }
-            let moves_across = axes[..2].iter().any(|&axis| (motion.target[axis] - at[axis]).abs() > SAME_PLACE_MM);
+            let moves_across = axes[..2].iter().any(|&axis| (target[axis] - at[axis]).abs() > SAME_PLACE_MM);
             if motion.rapid {
                 has_approach |= line.is_none() && moves_across;
             } else {
                 let line = line.get_or_insert(HoleLine {
                     axes,
                     top: at,
-                    bottom: motion.target,
+                    bottom: target,
                     has_approach,
                     is_positioned: has_approach || cycle.trigger != HoleTrigger::Call,
                     initial,
@@ -257,17 +258,17 @@ where
                 let is_at_hole = |place: &AxisVector| {
                     axes[..2].iter().all(|&axis| (place[axis] - line.top[axis]).abs() <= SAME_PLACE_MM)
                 };
-                if moves_across || !is_at_hole(&motion.target) {
+                if moves_across || !is_at_hole(&target) {
                     return None;
                 }
                 // The first feed goes down; a tool that returns with the feed may go higher than it was deep.
                 let down = (line.bottom[axes[2]] - line.top[axes[2]]).signum();
                 let depth = |place: &AxisVector| down * (place[axes[2]] - line.top[axes[2]]);
-                if depth(&motion.target) > depth(&line.bottom) {
-                    line.bottom = motion.target;
+                if depth(&target) > depth(&line.bottom) {
+                    line.bottom = target;
                 }
             }
-            at = motion.target;
+            at = target;
         }
         let line = line?;
         // Before the first move the position along the hole must be known: the initial level depends on it.
@@ -287,8 +288,9 @@ where
     ) -> Option<(HoleShift, Option<i64>)> {
         let standing = self.standing;
         let mut state = standing.state;
-        state.note_stated(standing.sensed, &standing.nominal, &line.top);
-        state.note_motion(&line.top, &line.bottom);
+        let [top, bottom] = [&line.top, &line.bottom].map(|end| self.placer.of_frame(end));
+        state.note_stated(standing.sensed, &standing.nominal, &top);
+        state.note_motion(&top, &bottom);
         let known = standing.known.union(line.axes.into_iter().collect());
         let [abscissa, ordinate, along] = line.axes;
         let hole_tolerance_mm = self.options.hole_tolerance_mm.max(self.options.tolerance_mm);
@@ -299,16 +301,17 @@ where
         let (mut best, mut across) = (0, [0.0; 2]);
         for attempt in 0..2 {
             let mut corrections = [AxisVector::ZERO; 2];
-            for (correction, place) in corrections.iter_mut().zip([&line.top, &line.bottom]) {
-                *correction = self.placer.exact(place, known, &state, &standing.correction, 0.0).ok()? - *place;
+            for (correction, (place, own)) in corrections.iter_mut().zip([(&top, &line.top), (&bottom, &line.bottom)]) {
+                let exact = self.placer.exact(place, known, &state, &standing.correction, 0.0).ok()?;
+                *correction = self.placer.in_frame(&exact) - *own;
             }
-            let [top, bottom] = corrections;
-            let middle = |axis: Axis| 0.5 * (top[axis] + bottom[axis]);
+            let [at_top, at_bottom] = corrections;
+            let middle = |axis: Axis| 0.5 * (at_top[axis] + at_bottom[axis]);
             across = [middle(abscissa), middle(ordinate)];
             let plane = line.is_positioned.then_some(across);
             let count = |mm: f64| self.placer.increments.count(along, mm);
             // The shift of the hole before saves words; the one of the bottom is the best; the mean is for a deep hole.
-            best = count(bottom[along]);
+            best = count(at_bottom[along]);
             for along in [self.last_shift, best, count(middle(along))] {
                 let shift = HoleShift { plane, along };
                 let Some(HoleFit { deviation_mm, peck }) = self.fit_hole(cycle, line, &shift, hole) else { continue };
@@ -327,10 +330,10 @@ where
             if attempt == 0
                 && let Some([x, y]) = plane.filter(|_| !line.has_approach)
             {
-                let mut to = standing.command;
+                let mut to = self.placer.in_frame(&standing.command);
                 (to[abscissa], to[ordinate]) = (line.top[abscissa] + x, line.top[ordinate] + y);
-                state.note_motion(&standing.command, &to);
-                state.note_motion(&line.top, &line.bottom);
+                state.note_motion(&standing.command, &self.placer.of_frame(&to));
+                state.note_motion(&top, &bottom);
             }
             if state.direction == before {
                 break;
@@ -342,11 +345,13 @@ where
             return Some(fit);
         }
         // A call without a position leaves the tool where it stands: within the dead bands, or the hole needs moves.
-        let is_near = [abscissa, ordinate].into_iter().all(|axis| {
-            let own_mm = if axis == abscissa { across[0] } else { across[1] };
-            let off_mm = own_mm - (standing.command[axis] - standing.nominal[axis]);
-            off_mm.abs() <= self.lead.model.lost_motion(axis, &standing.command) + hole_tolerance_mm
-        });
+        let corrected = self.placer.in_frame(&standing.command) - self.placer.in_frame(&standing.nominal);
+        // In a frame that turns, dead bands of axes do not lie along its coordinates.
+        let is_near = self.placer.is_parallel()
+            && [abscissa, ordinate].into_iter().zip(across).all(|(axis, own_mm)| {
+                let band_mm = self.lead.model.lost_motion(axis, &standing.command);
+                (own_mm - corrected[axis]).abs() <= band_mm + hole_tolerance_mm
+            });
         let is_better = TAPPING_AS_MOVES.contains(&cycle.name.as_str()) && (line.is_positioned || is_near);
         if must_stay(cycle) || is_better {
             // No moves are better; the error along it is reported.
@@ -401,7 +406,7 @@ where
                 deviation_mm = deviation_mm.max(trial.deviation_mm);
                 let from = *heights[0].get_or_insert(standing.counts[along.slot()]);
                 let end = placed.counts[along.slot()];
-                if motion.target[along] == line.bottom[along] {
+                if self.placer.in_frame(&motion.target)[along] == line.bottom[along] {
                     heights[1] = Some(end);
                 } else {
                     // The control counts pecks from the reference plane: what their lengths are rounded by adds up.
@@ -432,9 +437,9 @@ where
     /// The state at the reference plane of the call: a tool at that of another hole moves by the difference first.
     fn leveled(&self, line: &HoleLine, shift: &HoleShift, mut standing: PathState) -> PathState {
         let along = line.axes[2];
-        let mut command = standing.command;
-        command[along] = line.top[along] + self.placer.increments.position(along, shift.along);
-        let placed = self.placer.round(&command, standing.known);
+        let mut place = self.placer.in_frame(&standing.command);
+        place[along] = line.top[along] + self.placer.increments.position(along, shift.along);
+        let placed = self.placer.round(&self.placer.of_frame(&place), standing.known);
         self.note_difference(&mut standing, &placed);
         (standing.command, standing.counts) = (placed.command, placed.counts);
         standing
@@ -443,11 +448,11 @@ where
     /// The state at the position of the call: a tool that is at the programmed place moves by the difference first.
     fn positioned(&self, line: &HoleLine, shift: &HoleShift, mut standing: PathState) -> PathState {
         let Some(plane) = shift.plane.filter(|_| !line.has_approach) else { return standing };
-        let mut command = standing.command;
+        let mut place = self.placer.in_frame(&standing.command);
         for (axis, shift_mm) in line.axes.into_iter().zip(plane) {
-            command[axis] = line.top[axis] + shift_mm;
+            place[axis] = line.top[axis] + shift_mm;
         }
-        let placed = self.placer.round(&command, standing.known);
+        let placed = self.placer.round(&self.placer.of_frame(&place), standing.known);
         self.note_difference(&mut standing, &placed);
         (standing.command, standing.counts) = (placed.command, placed.counts);
         standing
@@ -463,30 +468,32 @@ where
     /// The end of a move of a hole, shifted.
     fn shifted(&self, line: &HoleLine, shift: &HoleShift, motion: &Move, standing: &PathState) -> Placed {
         let [abscissa, ordinate, along] = line.axes;
-        let mut command = motion.target;
-        let keeps = |axis: Axis| (motion.target[axis] - standing.nominal[axis]).abs() <= SAME_PLACE_MM;
+        let [target, nominal, from] =
+            [&motion.target, &standing.nominal, &standing.command].map(|command| self.placer.in_frame(command));
+        let mut place = target;
+        let keeps = |axis: Axis| (target[axis] - nominal[axis]).abs() <= SAME_PLACE_MM;
         let stays_across = keeps(abscissa) && keeps(ordinate);
         for axis in AXES {
             if axis != abscissa && axis != ordinate && standing.known.contains(axis) && keeps(axis) {
-                command[axis] = standing.command[axis];
+                place[axis] = from[axis];
             }
         }
-        for (place, axis) in [abscissa, ordinate].into_iter().enumerate() {
+        for (index, axis) in [abscissa, ordinate].into_iter().enumerate() {
             match shift.plane {
-                Some(plane) if !stays_across => command[axis] += plane[place],
-                _ => command[axis] += standing.command[axis] - standing.nominal[axis],
+                Some(plane) if !stays_across => place[axis] += plane[index],
+                _ => place[axis] += from[axis] - nominal[axis],
             }
         }
         if !keeps(along) || !standing.known.contains(along) {
             let is_level = |height_mm: f64| (height_mm - line.initial.nominal_mm).abs() <= SAME_PLACE_MM;
-            let is_initial = line.returns && is_level(motion.target[along]) && !is_level(line.top[along]);
+            let is_initial = line.returns && is_level(target[along]) && !is_level(line.top[along]);
             if is_initial {
-                command[along] = line.initial.command_mm;
+                place[along] = line.initial.command_mm;
             } else {
-                command[along] += self.placer.increments.position(along, shift.along);
+                place[along] += self.placer.increments.position(along, shift.along);
             }
         }
-        self.placer.round(&command, motion.known)
+        self.placer.round(&self.placer.of_frame(&place), motion.known)
     }
 
     /// A move of a hole to a position, measured along its path.
