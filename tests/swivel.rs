@@ -216,7 +216,13 @@ fn a_plane_without_shift_is_turned_in_the_output_too() {
     let machine = crate::support::machine("esmaeili_huron");
     let shop = Shop::new().file("part.mpf", program);
     shop.run(["part.mpf", "-o", "out.mpf", "--machine", &machine]).exits(0);
-    assert!(shop.text("out.mpf").contains("AROT Z"), "{}", shop.text("out.mpf"));
+    let text = shop.text("out.mpf");
+    assert!(text.contains("AROT Z"), "{text}");
+    for line in text.lines().filter(|line| line.contains("TRANS ") || line.contains("ROT ")) {
+        let most = if line.contains("TRANS ") { 5 } else { 6 };
+        let decimals = line.split_whitespace().filter_map(|word| word.split_once('.')).map(|(_, part)| part.len());
+        assert!(decimals.max().unwrap_or(0) <= most, "{line}\n{text}");
+    }
     shop.run(["verify", "part.mpf", "out.mpf", "--machine", &machine]).exits(0);
 }
 

@@ -150,3 +150,33 @@ fn lines_in_which_nothing_changes_keep_their_bytes() {
         assert!(!lines.iter().any(|line| line.starts_with(b"N60 X200")), "{}", String::from_utf8_lossy(&written));
     }
 }
+
+/// Three passes of a loop: the first line of the second and of the third one says so, and nothing else does.
+#[test]
+fn each_further_pass_of_a_loop_is_marked() {
+    let sinumerik = "DEF INT K\nN10 G17 G90 G71 G94 G54\nN20 T1 M6\nN30 D1 S3000 M3\nN40 G0 X10 Y10 Z150\nN50 FOR K=1 TO 3\nN60 G0 X=K*50 Y10\n\
+                     N70 G1 Z100 F300\nN80 Y50\nN90 G0 Z150\nN100 ENDFOR\nN110 M30\n";
+    let fanuc = "%\nO1\nN10 G21 G17 G90 G94 G54\nN20 T1 M6\nN30 G0 X10. Y10. Z150.\n#1=1\nWHILE[#1LE3]DO1\nN60 G0 X[#1*50] Y10.\n\
+                 N70 G1 Z100. F300.\nN80 Y50.\nN90 G0 Z150.\n#1=#1+1\nEND1\nN110 M30\n%\n";
+    let programs = [
+        ("part.mpf", "sinumerik", sinumerik, ["; pass 2 of N60", "; pass 3 of N60"]),
+        ("part.nc", "fanuc", fanuc, ["(PASS 2 OF N60)", "(PASS 3 OF N60)"]),
+    ];
+    for (name, control, program, marks) in programs {
+        let file = format!(
+            "[machine]\nname = \"m\"\ntopology = \"wFXYZt\"\ncontroller = \"{control}\"\n\
+             [axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [-10, 500]\n[axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [-10, 500]\n\
+             [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-200, 400]\n[zero_offset.G54]\nset = \"absolute\"\nX_mm = 0\nY_mm = 0\nZ_mm = 0\n\
+             [[tool]]\nnumber = 1\nlength_mm = 0\n[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0, 1e-4]\n"
+        );
+        let shop = Shop::new().file("m.toml", file).file(name, program);
+        shop.run(["fix", name, "-o", "out.txt", "--machine", "m.toml"]).exits(0);
+        let text = shop.text("out.txt");
+        for mark in marks {
+            let marked: Vec<&str> = text.lines().filter(|line| line.ends_with(mark)).collect();
+            assert!(marked.len() == 1 && marked[0].starts_with("G0 X"), "{mark}\n{text}");
+        }
+        assert_eq!(text.to_ascii_lowercase().matches("pass ").count(), 2, "{text}");
+        shop.run(["verify", name, "out.txt", "--machine", "m.toml", "--dialect", control]).exits(0);
+    }
+}

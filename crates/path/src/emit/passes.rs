@@ -2,27 +2,36 @@
 
 use std::collections::HashMap;
 
-/// Passes of the blocks that were executed again: a program without loops needs no memory.
+use super::block_number::NumberSet;
+
+/// Passes of the blocks that were executed again. A program without loops needs a bit for each of its lines.
 #[derive(Debug, Default)]
 pub(super) struct LoopPasses {
+    /// Lines of the blocks executed so far.
+    executed: NumberSet,
+    /// Executions of the blocks that were executed again, by line.
+    counts: HashMap<u32, u64>,
     /// Line of the last block.
     reached: u32,
-    /// Executions of the blocks at which a further pass began, by line.
-    counts: HashMap<u32, u64>,
+    /// `true` if the program has jumped back, and no block was executed again since.
+    is_back: bool,
 }
 
 impl LoopPasses {
-    /// Notes a block by its line in the main program. Returns the number of the pass if a further one begins with it: the program has jumped back.
-    /// Further lines of a block have its line, but not its number.
+    /// Notes a block by its line in the main program. Returns the number of its execution if it is the first one that is executed again after a
+    /// jump back. Further lines of a block have its line, but not its number.
     pub(super) fn note(&mut self, line: u32, has_number: bool) -> Option<u64> {
-        let is_back = line < self.reached || line == self.reached && has_number;
+        if line == self.reached && !has_number {
+            return None;
+        }
+        self.is_back |= line <= self.reached;
         self.reached = line;
-        if !is_back {
+        if self.executed.add(line) {
             return None;
         }
         let count = self.counts.entry(line).or_insert(1);
         *count += 1;
-        Some(*count)
+        std::mem::take(&mut self.is_back).then_some(*count)
     }
 }
 
@@ -38,17 +47,26 @@ pub(super) fn text(pass: u64, number: Option<u32>, line: u32) -> String {
 mod tests {
     use super::*;
 
+    fn found(lines: &[u32]) -> Vec<Option<u64>> {
+        let mut passes = LoopPasses::default();
+        lines.iter().map(|&line| passes.note(line, true)).collect()
+    }
+
     #[test]
     fn the_first_block_of_a_further_pass_is_counted() {
-        let mut passes = LoopPasses::default();
-        let mut note = |line: u32| passes.note(line, true);
-        // Lines 3 to 5 three times, line 4 twice within the second pass.
-        let found: Vec<Option<u64>> = [1, 3, 4, 5, 3, 4, 4, 5, 3, 4, 5, 6].into_iter().map(&mut note).collect();
-        let second = [Some(2), None, Some(2), None];
+        // Lines 3 to 5 three times, line 4 once more within the second pass: its third execution.
+        let second = [Some(2), None, Some(3), None];
         let expected = [&[None; 4][..], &second, &[Some(3), None, None, None]].concat();
-        assert_eq!(found, expected);
-        assert_eq!(passes.note(6, false), None);
+        assert_eq!(found(&[1, 3, 4, 5, 3, 4, 4, 5, 3, 4, 5, 6]), expected);
+        // Line 2 runs in the second pass only: the first block that is executed again is line 3.
+        assert_eq!(found(&[1, 3, 2, 3, 3]), [None, None, None, Some(2), Some(3)]);
         assert_eq!(text(2, Some(60), 6), "pass 2 of N60");
         assert_eq!(text(3, None, 6), "pass 3 of line 6");
+    }
+
+    #[test]
+    fn further_lines_of_a_block_are_no_pass() {
+        let mut passes = LoopPasses::default();
+        assert_eq!([(6, true), (6, false), (6, true)].map(|(line, own)| passes.note(line, own)), [None, None, Some(2)]);
     }
 }
