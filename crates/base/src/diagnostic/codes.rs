@@ -778,6 +778,11 @@ docs/how-to/set-the-zero.md.";
 positions are then still right, but ncfix needs the distance from the gauge line of the spindle to the tip: it is the arm of angular errors
 and of rotary axes. With a wrong arm, their correction is wrong. State the real lengths, and Z of the zero offset for these lengths. See
 docs/how-to/fanuc-from-start-to-finish.md.";
+    ZERO_NOT_USED = "W0328" "stated zero offset not used"
+"--zero states the method of a zero offset, and no axis of the program moves in this offset. The statement has no effect. The offsets in
+which the program does move count as the machine file states, or as touched. Often the name is wrong, or the program selects another
+offset than expected. If the message names no offset, the program moves in the coordinates of the machine (G53, or G500 without values):
+its positions are true positions, and no touched zero is subtracted.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be detected.";
     TWO_DRIFTS = "W0402" "two models of the drift"
