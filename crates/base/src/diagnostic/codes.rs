@@ -695,6 +695,12 @@ startup code. The program states one of them too late or not at all, and so does
 millimeters, and G99. If the control has G20, all lengths are wrong by a factor of 25.4. If it has G98, the tool returns to the initial
 level there, and to R in the output, where a clamp may be in its way. Write the word at the beginning of the program, or state
 startup_code in [control].";
+    NOT_AT_THIS_CONTROL = "W0241" "words that the control does not have"
+"controller names a firmware of the Grbl family, and the output has words that this firmware does not document. Grbl 1.1 has no M6, no
+G43 with H and no P for several turns, for example. The control answers such a line with an error and executes nothing of it, not even
+its moves; many senders then stop. The original program has the same words. Remove them, or choose the post-processor of this control.
+ncfix writes drilling cycles (G81), variables and O words as moves where the firmware lacks them. If the control is another one, correct
+controller in the machine file.";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
 "The machine file has no value for this zero offset. snc uses zero; check, fix, diff and verify refuse the program.";
     TOOL_ASSUMED = "W0303" "tool assumed without length and radius"
