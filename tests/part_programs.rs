@@ -105,7 +105,7 @@ fn a_percent_sign_after_a_block_number_ends_the_program() {
     let program = |end: &str| format!("%\nG21 G90 G17 G54 G40 G49\nG0 X0. Y0. Z50.\nG1 Z-1. F100.\nN9 X20.\n{end}");
     for controller in ["fanuc", "rs274"] {
         for end in ["N10 %\nX50.\nM30\n%\n", "N10 % X40.\n", "n10%\nN20 X50.\n"] {
-            run(controller, &program(end)).exits(3).says("error[E0229]: the % after the block number in line 6");
+            run(controller, &program(end)).exits(4).says("error[E0229]: the % after the block number in line 6");
         }
         run(controller, &program("M30\nN10 %\n")).exits(0);
         run(controller, &program("M30\nN10 %\n\n(END)\n%\n")).exits(0);
