@@ -85,6 +85,9 @@ pub(crate) fn state(zeros: &[StatedZero], chosen: &mut Machine) -> Result<(), Er
         if !chosen.machine.zero_offsets.contains_key(name) {
             return Err(Error::usage(format!("--zero {name}: this zero offset has no value in the machine file")));
         }
+        if !chosen.stated_zeros.contains(name) {
+            chosen.stated_zeros.push(name.clone());
+        }
         let datum = chosen.machine.datums.entry(name.clone()).or_default();
         datum.setting = Some(*setting);
         if let Some((stated, command)) = *at {
@@ -232,6 +235,31 @@ pub(crate) fn of_run(
         finding.into_iter().for_each(|finding| found.add(finding, &[]));
     }
     reports
+}
+
+/// Warns of each zero offset whose method the command line states and in which no axis moves.
+pub(crate) fn without_use(chosen: &Machine, used: &BTreeSet<u16>, found: &mut Diagnostics) {
+    let named = all(chosen).zip(0_u16..).filter(|(_, index)| used.contains(index));
+    let names: Vec<&str> = named.map(|((name, _), _)| name.as_str()).collect();
+    // On a machine without errors, the names of offsets that the program sets itself are not collected.
+    if names.len() < used.len() {
+        return;
+    }
+    let used = names;
+    for name in chosen.stated_zeros.iter().filter(|name| !used.contains(&name.as_str())) {
+        let place = match used.as_slice() {
+            [] => "no zero offset is in force where the axes move".to_owned(),
+            used => format!("the axes move in {}", used.join(", ")),
+        };
+        let message = format!("--zero {name}=… has no effect: {place}");
+        let help = match used.first() {
+            None => "check the program: positions in the coordinates of the machine have no touched zero".to_owned(),
+            Some(used) => {
+                format!("check the name: for example --zero {used}=touched; or check the offset in the program")
+            }
+        };
+        found.add(Diagnostic::nowhere(Code::ZERO_NOT_USED, message, help), &[]);
+    }
 }
 
 /// A warning if a zero that contains the error of the machine depends on the length of the tool at the touch by more than `tolerance_mm`, and no length

@@ -152,6 +152,9 @@ pub(crate) fn zeros(
     found: &mut Diagnostics,
 ) -> Vec<ZeroReport> {
     let mut all = Vec::new();
+    if let Some(first) = heads.first() {
+        datum::without_use(&first.chosen, extent.zeros(), found);
+    }
     for one in heads {
         let used = extent.zeros_with(one.head);
         let mut own = datum::of_run(&one.chosen, one.model, &used, extent.tools_mm(), tolerance_mm, found);

@@ -42,6 +42,8 @@ pub struct Machine {
     pub(crate) is_demo: bool,
     /// Hash of machine file and set-up file, 12 hexadecimal digits.
     pub(crate) hash: String,
+    /// Zero offsets whose method the command line states, by name.
+    pub(crate) stated_zeros: Vec<String>,
     /// Zero offsets that the program sets itself, by name and shift, in the order of their indices.
     pub(crate) written_zeros: Vec<(String, AxisVector)>,
     /// The files that were read: none of them may be overwritten.

@@ -237,6 +237,42 @@ fn a_program_without_a_zero_offset_is_as_it_was() {
     assert!((json["before"]["max_um"].as_f64().unwrap() - 350.0).abs() < 1.0, "{json}");
 }
 
+/// The program moves in G54 alone, so a statement about G55 changes nothing.
+#[test]
+fn a_stated_zero_in_which_nothing_moves_is_pointed_out() {
+    let machine =
+        format!("{LINEAR}{OFF_AND_LONG}{G54}set = \"touched\"\n[zero_offset.G55]\nX_mm = 300\nY_mm = 0\nZ_mm = 0\n");
+    let shop = shop(&machine, &program("X400"));
+    let fix = |zero: &str| shop.run(["fix", "in.mpf", "-o", "out.mpf", "--machine", "m.toml", "--zero", zero]).exits(0);
+    fix("G55=absolute").says("warning[W0328]: --zero G55=… has no effect: the axes move in G54");
+    // 499.960 mm as without the statement: the arithmetic is that of a scale from the touched side.
+    near(*words(&shop, 'X').last().unwrap(), 399.960);
+    let used = fix("G54=touched");
+    assert!(!used.stderr.contains("W0328"), "{}", used.stderr);
+    let words = ["check", "in.mpf", "--machine", "m.toml", "--zero", "G55=absolute"];
+    shop.run(words).exits(0).says("warning[W0328]");
+}
+
+/// In G53 and in G500 without values, positions are those of the machine: at X 500 the tool is 0.35 mm off, which no touch contains.
+#[test]
+fn a_program_in_no_zero_offset_says_that_positions_are_those_of_the_machine() {
+    let machine = format!("{LINEAR}{OFF_AND_LONG}{G54}set = \"touched\"\n");
+    for text in [
+        "N10 G17 G90 G71 G94\nN20 G0 G53 X110 Y10 Z50\nN30 G1 G53 X500 F500\nN40 M30\n",
+        "N10 G17 G90 G71 G94 G500\nN20 G0 X110 Y10 Z50\nN30 G1 X500 F500\nN40 M30\n",
+    ] {
+        let shop = shop(&machine, text);
+        let fix = ["fix", "in.mpf", "-o", "out.mpf", "--machine", "m.toml", "--max-correction", "1mm"];
+        let all = [&fix[..], &["--zero", "G54=touched", "--review", "page.html"]].concat();
+        let run = shop.run(all).exits(0);
+        run.says("zero         no offset in force: corrected to true positions of the machine")
+            .says("warning[W0328]: --zero G54=… has no effect: no zero offset is in force where the axes move");
+        // c + 0.3 + c/10⁴ = 500 gives 499.7/1.0001 = 499.650.
+        near(*words(&shop, 'X').last().unwrap(), 499.650);
+        assert!(shop.text("page.html").contains("corrected to true positions of the machine"));
+    }
+}
+
 #[test]
 fn a_wrong_statement_is_refused() {
     let shop = shop(&format!("{LINEAR}{OFF}{G54}set = \"touched\"\n"), &program("X400"));

@@ -160,6 +160,7 @@ mod motion_kinds;
 mod newer_files;
 mod notes;
 mod pages;
+mod part_programs;
 mod plain_english;
 mod plan;
 mod plan_compared;

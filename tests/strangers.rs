@@ -221,6 +221,41 @@ fn a_state_that_the_control_keeps_is_named() {
     assert!(count == 0 && out.contains("G98 G81"), "{said}\n{out}");
 }
 
+/// Grbl 1.1 has neither drilling cycles nor M6, G43 with H or several turns (README of Grbl, *List of Supported G-Codes*); grblHAL has them. FluidNC has M6.
+#[test]
+fn words_that_a_firmware_lacks_are_named_and_its_cycles_are_moves() {
+    let machine = |controller: &str| {
+        mill(controller).replace("wAFXYZSt", "wFXYZSt").split("\n[axis.A]").next().unwrap().to_owned()
+            + "\n[zero_offset.G54]\nX_mm = 0\nY_mm = 0\nZ_mm = 0\n[[tool]]\nnumber = 1\nlength_mm = 20\nradius_mm = 2\n"
+    };
+    let program = "G21 G90 G17 G54 (M6 G43)\nT1 M6\nG43 H1\nS1000 M3\nG0 X0 Y0 Z6\nG98 G81 X1 Y1 Z-3 R2 F10\nX9\nG80\n\
+        G2 X9 Y1 I3 J0 P2 F50\n#1=4\nG1 X#1\nM2\n";
+    let fix = |controller: &str| {
+        let shop = Shop::new().file("m.toml", machine(controller)).file("p.ngc", program);
+        let run = shop.run(["p.ngc", "-o", "out.ngc", "--machine", "m.toml"]).exits(0);
+        let check = shop.run(["check", "p.ngc", "--machine", "m.toml"]);
+        assert_eq!(run.stderr.contains("W0241"), check.stderr.contains("W0241"), "{}", check.stderr);
+        (run.stderr, shop.text("out.ngc"))
+    };
+    let (said, out) = fix("grbl");
+    assert!(said.contains("warning[W0241]: Grbl 1.1 does not have these words of the output: M6, G43, H;"), "{said}");
+    assert!(said.contains("p.ngc:2:1"), "the first line with one of them: {said}");
+    // Two holes as moves: each goes down to Z-3 once, and nothing of the words of the cycle is left.
+    assert!(!out.contains("G81") && !out.contains("G98") && !out.contains('#') && !out.contains(" P2"), "{out}");
+    // Grbl always follows the exact path: no G61 is written that a G64 would have to end.
+    assert!(!out.contains("G61") && !out.contains("G64"), "{out}");
+    assert_eq!(out.lines().filter(|line| line.contains("Z-3")).count(), 2, "{out}");
+    let (said, out) = fix("fluidnc");
+    assert!(
+        said.contains("FluidNC does not have these words of the output: G43, H;") && !out.contains("G81"),
+        "{said}"
+    );
+    let (said, out) = fix("grblHAL");
+    assert!(!said.contains("W0241") && out.contains("G81") && out.contains("P2"), "{said}\n{out}");
+    let (said, out) = fix("linuxcnc");
+    assert!(!said.contains("W0241") && out.contains("G81"), "{said}\n{out}");
+}
+
 /// X is 30 µm/m too long. The same line with the opposite sign contradicts it, whatever the model.
 #[test]
 fn a_file_that_contradicts_the_others_is_refused_by_name() {

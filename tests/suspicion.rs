@@ -38,8 +38,10 @@ const PLACES: usize = 12;
 const NOISE_MM: f64 = 2e-6;
 /// What is shorter is no way but the noise of a tip that stays, mm.
 const NO_WAY_MM: f64 = 1e-7;
-/// What a piece takes at the least, min or min/mm: feeds have six digits before the point.
-const MOST_FEED_MIN: f64 = 1e-6;
+/// The shortest time of a piece, min or min/mm: feeds have six digits before the point, and four under G93 of a Fanuc.
+fn shortest_min(dialect: &str) -> f64 {
+    if dialect == "fanuc" { 1e-4 } else { 1e-6 }
+}
 /// An arc whose ends are nearer than this is a full circle, mm.
 const SAME_PLACE_MM: f64 = 1e-9;
 
@@ -561,7 +563,7 @@ fn check_feed(judge: &Judge, pair: &Pair, [nominal, ways]: [&[RotaryDirection]; 
         worst.note(
             "time of G93",
             (time / whole - 1.0).abs(),
-            1e-5 + ways.len() as f64 * MOST_FEED_MIN / whole,
+            1e-5 + ways.len() as f64 * shortest_min(pair.dialect) / whole,
             seed,
             &context,
         );
@@ -580,7 +582,7 @@ fn check_feed(judge: &Judge, pair: &Pair, [nominal, ways]: [&[RotaryDirection]; 
             minutes(nominal, pair.is_transformed),
             minutes(ways, pair.is_transformed && pair.options.five_axis == FiveAxis::Tcp),
         );
-        let rounded = (4.0 * judge.increment_mm() / feed + MOST_FEED_MIN) * ways.len() as f64;
+        let rounded = (4.0 * judge.increment_mm() / feed + shortest_min(pair.dialect)) * ways.len() as f64;
         worst.note("time of turns", (after - before).abs(), 0.05 * before + rounded, seed, &context);
     } else if !pair.is_transformed && nominal.len() == 1 {
         for way in ways {

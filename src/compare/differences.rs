@@ -112,7 +112,8 @@ pub(crate) fn assigned(corrected: &Source) -> Vec<Diagnostic> {
     let mut at = 0;
     let mut out = Vec::new();
     for (number, line) in corrected.bytes().split(|&byte| byte == corrected.line_end()).enumerate() {
-        if let Some(name) = assigned_in(line).filter(|name| !ALARM.contains(&name.as_str()) && out.len() < MOST) {
+        let is_new = |name: &String| !ALARM.contains(&name.as_str()) && !is_of_control(name) && out.len() < MOST;
+        if let Some(name) = assigned_in(line).filter(is_new) {
             let place = Place { file: corrected.id(), span: Span::new(at, at + line.len()) };
             let message = format!(
                 "variable: {name} (line {} of {}) is new: it is assigned a value",
@@ -129,6 +130,12 @@ pub(crate) fn assigned(corrected: &Source) -> Vec<Diagnostic> {
         at += line.len() + 1;
     }
     out
+}
+
+/// True for data of the control, such as `#5221`. The output assigns them as the program does, and a difference is one of the acts.
+fn is_of_control(name: &str) -> bool {
+    const FIRST: u32 = 1000;
+    name.strip_prefix('#').and_then(|number| number.parse::<u32>().ok()).is_some_and(|number| number >= FIRST)
 }
 
 /// The variable to which a line assigns a value: `R1` of `R1=5`, `R[1]=`, `#500=`, `#<_x>=`, `E1=`.

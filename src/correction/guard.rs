@@ -28,7 +28,7 @@ pub(super) fn of_program(program: &Program, chosen: &Machine, writing: &Writing)
             "a program in the dialect '{dialect}' cannot compare its zero offsets and tools; do not use --guard"
         )));
     };
-    if !chosen.machine.control.has_conditions {
+    if chosen.machine.control.firmware.is_some() {
         return Err(Error::usage(
             "Grbl and its relatives have no conditions, so a program cannot compare its zero offsets there; do not use --guard, and compare the answer to $# by hand"
                 .to_owned(),

@@ -1,6 +1,7 @@
 //! Correction of a program: execution, correction, output, evaluation.
 
 mod feed_limit;
+mod firmware;
 mod growth;
 mod guard;
 mod noted;
@@ -364,7 +365,14 @@ impl<'a> Prepared<'a> {
         }
         let feed_limit = options.feed_limit_mm.zip(machine.machine.servo.as_ref());
         let pipeline = Pipeline { machine: &machine.machine, model, options: &writing.options, feed_limit };
-        let passed = pipeline.pass(&mut running, writer.as_mut(), sink, threads);
+        let (passed, lacking) = match machine.machine.control.firmware {
+            None => (pipeline.pass(&mut running, writer.as_mut(), sink, threads), None),
+            Some(firmware) => {
+                let mut watched = firmware::Watched::new(sink, firmware);
+                let passed = pipeline.pass(&mut running, writer.as_mut(), &mut watched, threads);
+                (passed, watched.finish(program.source()))
+            }
+        };
         report.blocks_out = match passed.blocks {
             Ok(blocks) => blocks,
             Err(error) => return Ok(Err(error)),
@@ -375,6 +383,7 @@ impl<'a> Prepared<'a> {
         }
         let has_wear = passed.found.iter().any(|found| found.code == Code::WEAR_ALONE);
         found.extend(passed.found, running.sources());
+        found.extend(lacking, std::slice::from_ref(program.source()));
         if !running.moves() && !found.has_errors() {
             found.add(run::without_motion(program.source(), Code::NO_MOTION), running.sources());
         }

@@ -35,7 +35,10 @@ impl Writing {
     ) -> Result<Writing, Error> {
         let entry = emit::entry(dialect).ok_or_else(|| unwritable(dialect))?;
         let options = path::CorrectionOptions {
-            turns: entry.turns,
+            turns: match chosen.machine.control.firmware {
+                Some(firmware) if !firmware.has_turns() => path::Turns::One,
+                _ => entry.turns,
+            },
             centers: entry.centers,
             feeds: entry.feeds,
             has_transformation: entry.has_transformation,

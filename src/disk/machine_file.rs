@@ -262,6 +262,7 @@ fn read_with(
         condition: Condition::default(),
         state: None,
         is_demo: false,
+        stated_zeros: Vec::new(),
         written_zeros: Vec::new(),
         hash,
         files,

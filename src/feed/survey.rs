@@ -182,6 +182,7 @@ pub(crate) fn walk(
     if is_good {
         let extent = corrector.elements().extent();
         let tolerance_mm = job.writing.options.tolerance_mm;
+        datum::without_use(&job.machine, extent.zeros(), findings);
         datum::of_run(&job.machine, &model, extent.zeros(), extent.tools_mm(), tolerance_mm, findings);
     }
     for corrected in sources.iter().skip(1).filter_map(corrected_before) {

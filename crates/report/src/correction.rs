@@ -19,6 +19,9 @@ const SHOWN_GROWTH: f64 = 2.0;
 /// Largest share of the form error in the error at which it is stated separately.
 pub(super) const MOST_FORM: f64 = 0.5;
 
+/// The row for a program whose axes move in no zero offset, such as one in G53 or G500.
+pub(super) const NO_ZERO: &str = "no offset in force: corrected to true positions of the machine";
+
 /// Output of `ncfix fix`. Errors are distances of the tool tip from the programmed path, predicted by the error model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -131,6 +134,9 @@ impl CorrectionReport {
         }
         out.push_str(&self.prediction.as_ref().map_or_else(String::new, PredictionReport::rows));
         out.push_str(&zero_rows(&self.zeros));
+        if self.zeros.is_empty() && !self.max_correction.is_empty() {
+            push_row(&mut out, "zero", NO_ZERO);
+        }
         let mut row = |name: &str, text: &str| push_row(&mut out, name, text);
         if !self.max_correction.is_empty() {
             let mut sizes: Vec<_> = self.max_correction.iter().collect();

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde::Serialize;
 
-use super::correction::{MOST_FORM, push_row};
+use super::correction::{MOST_FORM, NO_ZERO, push_row};
 use super::json::DiagnosticReport;
 use super::number::{counted, grouped, micrometers, probability};
 use super::prediction::{NOT_KNOWN, PredictionReport};
@@ -125,6 +125,9 @@ impl Verdict {
             neutral.push(format!(
                 "of the mean error of {whole}, {own} is form error; the rest is a constant offset, which a touched-off zero removes"
             ));
+        }
+        if review.zeros.is_empty() && review.before.is_some_and(|before| before.max_um > 0.0) {
+            neutral.push(format!("zero: {NO_ZERO}"));
         }
         for zero in review.zeros.iter().filter(|zero| zero.is_stated) {
             neutral.push(format!("{} counts as {}{}", zero.name, zero.set, zero.contents_in_line()));

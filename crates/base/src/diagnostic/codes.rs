@@ -768,6 +768,12 @@ or state startup_code in [control].
 Or a program reads an R parameter, or a variable such as #500, that keeps its value between programs and that it has not set. There snc
 uses 0, for a variable of a Fanuc null. The moves that depend on it can be others. check, fix and feed refuse the program (E0219). Set
 the value in the program, or in [system] of the machine file.";
+    NOT_AT_THIS_CONTROL = "W0241" "words that the control does not have"
+"controller names a firmware of the Grbl family, and the output has words that this firmware does not document. Grbl 1.1 has no M6, no
+G43 with H and no P for several turns, for example. The control answers such a line with an error and executes nothing of it, not even
+its moves; many senders then stop. The original program has the same words. Remove them, or choose the post-processor of this control.
+ncfix writes drilling cycles (G81), variables and O words as moves where the firmware lacks them. If the control is another one, correct
+controller in the machine file.";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
 "The machine file has no value for this zero offset. snc uses zero, so its positions in the machine are wrong. check, fix, diff and
 verify refuse the program. State the zero offset in the machine file or in a set-up file (E0306 has an example).";
@@ -869,6 +875,11 @@ are then displaced by the size in the message. State the length: --zero G54=touc
 The axis positions are then still right, but ncfix needs the distance from the gauge line of the spindle to the tip: it is the arm
 of angular errors and of rotary axes. With a wrong arm, their correction is wrong. State the real lengths, and Z of the zero
 offset for these lengths. See docs/how-to/fanuc-from-start-to-finish.md.";
+    ZERO_NOT_USED = "W0328" "stated zero offset not used"
+"--zero states the method of a zero offset, and no axis of the program moves in this offset. The statement has no effect. The offsets in
+which the program does move count as the machine file states, or as touched. Often the name is wrong, or the program selects another
+offset than expected. If the message names no offset, the program moves in the coordinates of the machine (G53, or G500 without values):
+its positions are true positions, and no touched zero is subtracted.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be detected. Add the lowest
 and the highest position of the axis, in machine coordinates.";

@@ -157,6 +157,7 @@ fn checked(found: Vec<Diagnostic>, source: &Source, dialect: &Dialect) -> Vec<Di
     let mut findings = reading::hidden(source);
     findings.extend(found);
     findings.extend(tape::lost_lines(source, dialect.language));
+    findings.extend(tape::lost_after_number(source, dialect.language));
     name_characters(source, &mut findings);
     if findings.len() > MAX_FINDINGS {
         findings.truncate(MAX_FINDINGS);

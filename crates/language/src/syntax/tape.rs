@@ -65,6 +65,51 @@ fn is_number(line: &[u8]) -> bool {
     matches!(line, [b':' | b'O' | b'o', rest @ ..] if blanks(rest).first().is_some_and(u8::is_ascii_digit))
 }
 
+/// Most bytes of a block number with its blanks.
+const MOST_BEFORE: usize = 40;
+
+/// The first `%` after a block number, and the end of its line: `N90 %`. It ends the tape like one at the beginning of a line.
+fn numbered_mark(bytes: &[u8], line_end: u8) -> Option<(usize, usize)> {
+    let first = text_start(bytes);
+    let mut at = first;
+    loop {
+        let place = at + find_byte(&bytes[at..], b'%')?;
+        at = place + 1;
+        let from = place.saturating_sub(MOST_BEFORE).max(first);
+        let start = match bytes[from..place].iter().rposition(|&byte| byte == line_end) {
+            Some(end) => from + end + 1,
+            None if from == first => first,
+            None => continue,
+        };
+        if let [b'N' | b'n', number @ ..] = blanks(&bytes[start..place])
+            && number.iter().any(u8::is_ascii_digit)
+            && number.iter().all(|&byte| byte.is_ascii_digit() || byte == b'.' || is_blank(byte))
+        {
+            return Some((place, find_byte(&bytes[place..], line_end).map_or(bytes.len(), |length| place + length)));
+        }
+    }
+}
+
+/// Reports the first block that follows a `%` with a block number, in its line or in later ones.
+pub(super) fn lost_after_number(source: &Source, language: Language) -> Option<Diagnostic> {
+    let (bytes, line_end) = (source.bytes(), source.line_end());
+    // A Sinumerik has no such mark: there it is an error of its own.
+    let mark = numbered_mark(bytes, line_end).filter(|_| language != Language::Sinumerik)?;
+    let own = std::iter::once((mark.0 + 1, mark.1));
+    let later = lines_after(bytes, mark.1 + 1, line_end);
+    let mut lines = own.chain(later).take_while(|&(start, end)| blanks(&bytes[start..end]).first() != Some(&b'%'));
+    let line = lines.find(|&(start, end)| is_block(blanks(&bytes[start..end])))?;
+    let text = blanks(&bytes[line.0..line.1]);
+    let number = 1 + bytes[..mark.0].iter().filter(|&&byte| byte == line_end).count();
+    let start = line.1 - text.len();
+    let length = text.iter().rev().skip_while(|&&byte| is_blank(byte)).count();
+    let place = Place { file: source.id(), span: Span::new(start, start + length) };
+    let message =
+        format!("the % after the block number in line {number} ends the program at the control, and blocks follow it");
+    let help = format!("remove the % in line {number} if the program continues after it; otherwise remove the blocks");
+    Some(Diagnostic::at(Code::LOST_PROGRAM, place, message, help))
+}
+
 /// Reports the first line that no control reads, because it follows the `%` that ends the tape.
 ///
 /// Without a `%` at the start, a `%` between blocks is an error: the tool may stop in the material.
@@ -97,13 +142,19 @@ pub(super) fn lost_lines(source: &Source, language: Language) -> Option<Diagnost
         parts_begin_with_marks && blanks(&bytes[line.0..line.1]).first() == Some(&b'%') && !is_bare(line)
     };
     let mut lines = lines_after(bytes, mark.1, line_end).take_while(|line| !begins_part(line));
-    let line = lines.find(|&(start, end)| {
-        let text = blanks(&bytes[start..end]);
-        if is_opened && matches!(language, Language::Fanuc | Language::Rs274) {
-            is_block(text)
-        } else {
-            is_content(text, language)
-        }
+    // Words in the line of the mark are lost too; a number of a program is not.
+    let own = rest_of(&mark);
+    let is_own = matches!(language, Language::Fanuc | Language::Rs274) && is_block(own) && !is_number(own);
+    let own = is_own.then(|| (mark.1 - own.len(), mark.1));
+    let line = own.or_else(|| {
+        lines.find(|&(start, end)| {
+            let text = blanks(&bytes[start..end]);
+            if is_opened && matches!(language, Language::Fanuc | Language::Rs274) {
+                is_block(text)
+            } else {
+                is_content(text, language)
+            }
+        })
     })?;
     let text = blanks(&bytes[line.0..line.1]);
     if language == Language::Fanuc && has_later && (is_number(text) || is_number(rest_of(&mark))) {

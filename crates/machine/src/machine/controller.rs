@@ -99,14 +99,6 @@ pub fn controller(name: &str) -> Option<&'static ControllerName> {
     CONTROLLERS.iter().find(|row| row.name == plain)
 }
 
-/// Names of Grbl and its relatives: they read the codes of RS274/NGC, but no conditions.
-const WITHOUT_CONDITIONS: [&str; 3] = ["grbl", "grblhal", "fluidnc"];
-
-/// True if the programs of a control may have conditions; a name that is not known may mean such a control.
-pub(super) fn has_conditions(name: &str) -> bool {
-    controller(name).is_none_or(|row| !WITHOUT_CONDITIONS.contains(&row.name))
-}
-
 /// Controls with RS274/NGC that start with G98, other than LinuxCNC (grblHAL, gcode.c: the retraction mode is G98 by default).
 const START_WITH_G98: [&str; 1] = ["grblhal"];
 
@@ -133,9 +125,5 @@ mod tests {
         }
         assert!(matches!(controller("Mach3").map(|row| row.meaning), Some(ControllerMeaning::Differs(_))));
         assert_eq!(controller("latin"), None);
-        assert_eq!(
-            ["Grbl", "grblHAL", "LinuxCNC", "rs274", "haas"].map(has_conditions),
-            [false, false, true, true, true]
-        );
     }
 }

@@ -10,9 +10,9 @@ use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, Plane, Vector};
 use ncfix_base::source::Source;
 
 use super::condition::file::READABLE_C;
-use super::controller::{ControllerMeaning, controller, has_conditions, starts_with_g98, states_retraction};
+use super::controller::{ControllerMeaning, controller, starts_with_g98, states_retraction};
 use super::zero_offset::{ZeroOffsets, check_name, common_name, read_zero_offsets};
-use super::{ActiveTables, AxisData, Control, Lever, Machine, ToolChange, Topology};
+use super::{ActiveTables, AxisData, Control, Firmware, Lever, Machine, ToolChange, Topology};
 use super::{active, head, measured, opaque, orientation, servo, setting, strain, tool, uncertainty};
 
 pub use super::document::Document as MachineFile;
@@ -63,7 +63,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     let known = heading.topology.as_ref().map(|(topology, _)| topology.axis_set());
     let chain = known.unwrap_or(AxisSet::EMPTY);
     let mut control = read_control(root.section("control"), (&controller, heading.is_haas), chain, &mut findings);
-    control.has_conditions = heading.has_conditions;
+    control.firmware = heading.firmware;
     if heading.starts_with_g98 && !states_retraction(&control.iso.startup_code) {
         control.iso.startup_code = format!("G98 {}", control.iso.startup_code).trim_end().to_owned();
     }
@@ -190,7 +190,7 @@ struct MachineHeading {
     controller: String,
     /// True if `controller` is a Haas, which speaks the language of a Fanuc.
     is_haas: bool,
-    has_conditions: bool,
+    firmware: Option<Firmware>,
     starts_with_g98: bool,
     reference_temperature_c: f64,
     active_tables: ActiveTables,
@@ -203,7 +203,7 @@ fn read_heading(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Mac
     let written_controller = section.text("controller").unwrap_or("sinumerik");
     let meaning = controller(written_controller).map(|row| row.meaning);
     let is_haas = meaning == Some(ControllerMeaning::Haas);
-    let has_conditions = has_conditions(written_controller);
+    let firmware = Firmware::of(written_controller);
     let starts_with_g98 = starts_with_g98(written_controller);
     let controller = match meaning {
         Some(ControllerMeaning::Language(language)) => language,
@@ -230,7 +230,7 @@ fn read_heading(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Mac
         topology,
         controller,
         is_haas,
-        has_conditions,
+        firmware,
         starts_with_g98,
         reference_temperature_c,
         active_tables,

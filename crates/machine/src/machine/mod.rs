@@ -13,6 +13,7 @@ mod datum;
 mod document;
 pub mod edit;
 pub mod file;
+mod firmware;
 mod foreign_key;
 mod frame_control;
 mod grundig_control;
@@ -44,6 +45,7 @@ pub use clamp::Clamp;
 pub use condition::{Condition, Load, ZeroPose};
 pub use contour_control::{ArcCenter, CompensationCorner, CompensationStart};
 pub use datum::{Datum, TouchedAt, ZeroSetting};
+pub use firmware::Firmware;
 pub use frame_control::Rollover;
 pub use grundig_control::{GrundigControl, PlaneOrder, ScaledAxes};
 pub use head::{Head, MOST_HEADS, Spindle};
@@ -170,8 +172,8 @@ pub struct Control {
     /// True if an inch has ten times as many increments as a millimeter, the grid of a Fanuc. LinuxCNC reads any decimals; there, a hundred times as many
     /// preserve the resolution of `increment_mm`.
     pub has_inch_grid: bool,
-    /// True if programs may have conditions. Grbl and its relatives have no O words, at least not in programs that are sent to them.
-    pub has_conditions: bool,
+    /// The firmware, if the control is one of the Grbl family. They have no O words, at least not in programs that are sent to them.
+    pub firmware: Option<Firmware>,
     /// Increments per millimeter of a Sinumerik (MD10200); `None` if the file does not state it.
     pub increments_per_mm: Option<f64>,
     /// Largest block number of the output, if blocks must have numbers; `None` without a limit.
@@ -319,7 +321,7 @@ impl Default for Control {
             output_inch: None,
             saved_inch: None,
             has_inch_grid: true,
-            has_conditions: true,
+            firmware: None,
             increments_per_mm: None,
             last_block_number: None,
             block_cycle_s: None,

@@ -1,5 +1,6 @@
 //! The end of the next piece of a move: for arcs the longest that fits, for fixed steps by the axis that moves farthest.
 
+use super::Feeds;
 use super::extend::{SearchBounds, longest};
 use super::segment_candidate::{BEND_SHARE, SegmentCandidate, SegmentFitter};
 use super::standing::PathState;
@@ -19,6 +20,8 @@ const USUAL_GRID_MM: f64 = 1e-3;
 const MOST_HALVINGS: u32 = 8;
 /// Largest written feed, mm/min or 1/min: controls accept six digits before the point. No axis is as fast.
 pub(super) const MOST_FEED: f64 = 999_999.0;
+/// Largest reciprocal time that a Fanuc reads, 1/min (B-62764EN, inverse time: 0.001 to 9999.999). Such a block takes 6 ms.
+const MOST_INVERSE_OF_FANUC: f64 = 9999.999;
 /// Parameters nearer to each other than this are one place.
 const SAME_PARAMETER: f64 = 1e-9;
 
@@ -112,8 +115,9 @@ pub(super) fn next_step(leading_mm: f64, from: f64, step_mm: f64) -> f64 {
     if to < 1.0 - SAME_PARAMETER { to } else { 1.0 }
 }
 
-/// Scales a reciprocal time to a share of the move; a step without duration keeps the value of the move.
-pub(super) fn of_share(feed: f64, share: f64) -> f64 {
-    let feed = if share > 0.0 && share < 1.0 { feed / share } else { feed };
-    ((feed * 1e6).round() / 1e6).min(MOST_FEED)
+/// Scales a reciprocal time to a share of the move; a step without duration keeps the value of the move. The result is one that the control reads.
+pub(super) fn of_share(feed: f64, share: f64, feeds: Feeds) -> f64 {
+    let most = if feeds == Feeds::OfAll { MOST_INVERSE_OF_FANUC } else { MOST_FEED };
+    let of_share = if share > 0.0 && share < 1.0 { feed / share } else { feed };
+    ((of_share * 1e6).round() / 1e6).min(most.max(feed))
 }

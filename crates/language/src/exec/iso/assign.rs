@@ -6,6 +6,7 @@
 use super::channel::Channel;
 use super::expression::{Scope, name_of, no_variable};
 use super::level::Loaded;
+use super::own_step;
 use super::predefined;
 use super::system;
 use super::variables::{Place, Symbol};
@@ -27,6 +28,8 @@ enum Target {
 pub(super) struct Assignment {
     target: Target,
     value: Option<f64>,
+    /// The step, if the value is the old one of the variable and a step.
+    step: Option<f64>,
     span: Span,
 }
 
@@ -71,8 +74,16 @@ fn one(scope: &Scope<'_, '_>, word: &Word) -> Result<Assignment, Fault> {
     let Some(target) = target else {
         return Err(at(word.span, Code::BAD_EXPRESSION, "nothing can be assigned to this", "write #1=…"));
     };
-    Ok(Assignment { target, value: scope.word(word)?, span: word.span })
+    let value = scope.word(word)?;
+    let step = match target {
+        Target::Number(number) if number >= FIRST_STORED => own_step::of(scope, number, word)?,
+        _ => None,
+    };
+    Ok(Assignment { target, value, step, span: word.span })
 }
+
+/// The control keeps variables from this number on as its own data, such as zero offsets and tools.
+const FIRST_STORED: i64 = 1000;
 
 /// Executes assignments.
 pub(super) fn assign(
@@ -81,10 +92,10 @@ pub(super) fn assign(
     loaded: &Loaded,
     block: &Block,
 ) -> Result<(), Fault> {
-    for Assignment { target, value, span } in assignments {
-        match *target {
-            Target::Named(symbol) => channel.variables.set_named(symbol, *value),
-            Target::Number(number) => assign_number(channel, number, *value, *span, loaded, block)?,
+    for assignment in assignments {
+        match assignment.target {
+            Target::Named(symbol) => channel.variables.set_named(symbol, assignment.value),
+            Target::Number(number) => assign_number(channel, number, assignment, loaded, block)?,
         }
     }
     Ok(())
@@ -93,16 +104,16 @@ pub(super) fn assign(
 fn assign_number(
     channel: &mut Channel<'_>,
     number: i64,
-    value: Option<f64>,
-    span: Span,
+    assignment: &Assignment,
     loaded: &Loaded,
     block: &Block,
 ) -> Result<(), Fault> {
+    let Assignment { value, step, span, .. } = *assignment;
     let known = u32::try_from(number).unwrap_or(u32::MAX);
     match channel.variables.place(known) {
         Place::Null => Err(at(span, Code::BAD_INDEX, "#0 is always null", "assign to another variable")),
         Place::Nowhere => Err(no_variable(number, span)),
-        Place::System => system::write_system(channel, known, value, span, loaded, block),
+        Place::System => system::write_system(channel, known, (value, step), span, loaded, block),
         Place::Variable if channel.language == Language::Rs274 && is_read_only(known) => {
             let message = format!("#{number} is read-only");
             Err(at(span, Code::BAD_WORD_VALUE, message, "it is a state variable of the machine"))
@@ -114,7 +125,7 @@ fn assign_number(
                     &mut channel.written,
                     &mut channel.outlet,
                     known,
-                    value.unwrap_or(0.0),
+                    (value.unwrap_or(0.0), step),
                 )
             {
                 return Ok(());

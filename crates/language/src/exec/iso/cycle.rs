@@ -208,7 +208,8 @@ pub(super) fn cycle_at(
         let help = "use a compensating tapping chuck; keep the override at 100 %";
         channel.outlet.warnings.push(fault(Code::TAPPING_BY_FEED, span, message, help));
     }
-    if !writes_cycle {
+    // Grbl and its relatives always follow the exact path, and have no G64 to end it.
+    if !writes_cycle && channel.settings.machine.control.firmware.is_none() {
         stop_exactly(channel.language, &channel.modal, &mut channel.cycles, &mut channel.outlet);
     }
     // Other axes move with the positioning in the plane, never with a motion along the tool: a table that turns while the drill descends breaks it.

@@ -74,18 +74,20 @@ fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, sp
         parts.rotation[2] = angle.to_radians();
     }
     let mut here = None;
+    // On a Fanuc, G91 adds to the existing value. The output adds too: the value of the control may differ from that of the machine file.
+    let adds = channel.modal.modes.incremental && !channel.is_rs274();
+    let mut steps = AxisVector::ZERO;
     if is_relative {
         here = Some(place_here(channel, gathered, system, &mut parts)?);
     } else {
         for axis in gathered.axes.iter() {
             let value = target::axis_value(channel, gathered, axis)?;
-            // On a Fanuc, G91 adds to the existing value.
-            let adds = channel.modal.modes.incremental && !channel.is_rs274();
             if adds && known.is_none() && channel.settings.strict {
                 let message =
                     format!("{} is changed incrementally, but has no value in the machine file", system.words());
                 return Err(fault(Code::NO_OFFSET, span, message, format!("add [zero_offset.\"{}\"]", system.words())));
             }
+            steps[axis] = value;
             parts.translation[axis] = value + if adds { parts.shift()[axis] } else { 0.0 };
             parts.fine[axis] = 0.0;
         }
@@ -97,7 +99,7 @@ fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, sp
             channel.language,
             &mut channel.outlet,
             system,
-            &parts,
+            (&parts, adds.then_some(&steps)),
             gathered.axes,
             gathered.has(b'R'),
         ),
@@ -177,23 +179,34 @@ fn say_offset(
     language: Language,
     outlet: &mut MotionSink<'_>,
     system: System,
-    parts: &FrameParts,
+    (parts, steps): (&FrameParts, Option<&AxisVector>),
     named: AxisSet,
     with_angle: bool,
 ) {
+    let shift = steps.copied().unwrap_or_else(|| parts.shift());
     let mut text = match system.0.checked_sub(System::ADDITIONAL) {
         Some(number) => format!("G10 L20 P{number}"),
         None => format!("G10 L2 P{}", system.0),
     };
     for axis in named.iter() {
-        let value = parts.shift()[axis];
+        let value = shift[axis];
         let shown = if axis.is_rotary() { value.to_degrees() } else { value / text::output_unit_mm(machine) };
         text::append(language, &mut text, axis.letter(), shown);
     }
     if with_angle {
         text::append(language, &mut text, b'R', parts.rotation[2].to_degrees());
     }
-    outlet.push(Kind::Verbatim(text.into_bytes()));
+    push_data(outlet, text, steps.is_some());
+}
+
+/// Writes a G10. One that adds to the value of the control needs G91, and the output is in G90.
+fn push_data(outlet: &mut MotionSink<'_>, text: String, adds: bool) {
+    if !adds {
+        outlet.push(Kind::Verbatim(text.into_bytes()));
+        return;
+    }
+    outlet.push(Kind::Verbatim(format!("G91 {text}").into_bytes()));
+    outlet.push(Kind::Verbatim(b"G90".to_vec()));
 }
 
 /// `G10 L1`, `L10`, `L11` of RS274/NGC: length and radius of a tool.
@@ -295,13 +308,13 @@ fn set_tool_value(
         _ => &mut offset.length_mm[2],
     };
     *place = value + if incremental { *place } else { 0.0 };
-    let value = *place;
+    let radius = *place;
     if l == 12 {
-        channel.outlet.check_radius(&format!("register {number}"), value, span)?;
+        channel.outlet.check_radius(&format!("register {number}"), radius, span)?;
     }
     channel.written.tools.write(number, 1, ToolOffset { is_stated: true, ..offset });
     let mut text = format!("G10 L{l} P{number}");
     text::append_length(channel.settings.machine, channel.language, &mut text, b'R', value);
-    channel.push(Kind::Verbatim(text.into_bytes()));
+    push_data(&mut channel.outlet, text, incremental);
     Ok(())
 }

@@ -24,6 +24,10 @@ pub(super) struct KeptCycle {
 /// The holes of a block with these steps, drilled from a position in the plane; `None` if the moves must be written.
 pub(super) fn of(channel: &Channel<'_>, call: &Call, from: Flat, holes: usize, steps: &[Step]) -> Option<KeptCycle> {
     let is_rs274 = channel.is_rs274();
+    let firmware = channel.settings.machine.control.firmware;
+    if firmware.is_some_and(|firmware| !firmware.has_g(u32::from(call.code))) {
+        return None;
+    }
     let drill = &channel.cycles.drill;
     let mut arguments = Vec::new();
     let mut peck = None;
@@ -119,10 +123,12 @@ pub(super) fn end(channel: &mut Channel<'_>) {
     channel.push(Kind::Cycle(None));
 }
 
-/// `true` if single moves instead of the cycle must stop exactly, but the program does not.
+/// `true` if single moves instead of the cycle must stop exactly, but the program does not. Grbl and its relatives have no G64: they always follow the
+/// exact path.
 fn stops_exactly(channel: &Channel<'_>) -> bool {
     channel.settings.writes_cycles()
         && channel.is_rs274()
+        && channel.settings.machine.control.firmware.is_none()
         && !channel.modal.codes.is(Group::Control, 610)
         && !channel.cycles.is_exact
 }

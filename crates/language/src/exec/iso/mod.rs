@@ -44,6 +44,7 @@ mod offsets;
 mod one_axis;
 mod opaque;
 mod order;
+mod own_step;
 mod passed_axis;
 mod passes;
 mod pattern;

@@ -3,6 +3,7 @@
 use super::channel::Channel;
 use super::channel::WrittenData;
 use super::modal::Modal;
+use super::own_step;
 use super::system;
 use super::target;
 use super::variables::Missing;
@@ -122,7 +123,7 @@ pub(super) fn write_parameter(
     written: &mut WrittenData,
     outlet: &mut MotionSink<'_>,
     number: u32,
-    value: f64,
+    (value, step): (f64, Option<f64>),
 ) -> bool {
     let Some((system, place)) = offset_place(number) else { return false };
     let mut parts = target::offset_of(machine, written, system).unwrap_or_default();
@@ -135,7 +136,11 @@ pub(super) fn write_parameter(
     }
     written.offsets.insert(system, parts);
     written.shown.remove(&system);
-    outlet.push(Kind::Verbatim(format!("#{number}={value}").into_bytes()));
+    let text = match step {
+        Some(step) => own_step::text(number, &step.to_string(), true),
+        None => format!("#{number}={value}"),
+    };
+    outlet.push(Kind::Verbatim(text.into_bytes()));
     true
 }
 

@@ -7,6 +7,7 @@ use super::codes::Group;
 use super::forbidden;
 use super::modal::Modal;
 use super::offsets;
+use super::own_step;
 use super::target;
 use super::text;
 use super::variables::Missing;
@@ -230,7 +231,7 @@ fn modal_value(modal: &Modal, modal_calls: &[Call], place: u32) -> Option<f64> {
 pub(super) fn write_system(
     channel: &mut Channel<'_>,
     number: u32,
-    value: Option<f64>,
+    (value, step): (Option<f64>, Option<f64>),
     span: Span,
     loaded: &Loaded,
     block: &Block,
@@ -251,8 +252,10 @@ pub(super) fn write_system(
             tell(&mut channel.outlet, number, number_value, &text);
             Ok(())
         }
-        Some(Meaning::Offset(system, place)) => write_offset(channel, number, system, place, number_value, span),
-        Some(Meaning::Tool(tool, part)) => write_tool(channel, number, tool, part, number_value, span),
+        Some(Meaning::Offset(system, place)) => {
+            write_offset(channel, number, (system, place), (number_value, step), span)
+        }
+        Some(Meaning::Tool(tool, part)) => write_tool(channel, number, (tool, part), (number_value, step), span),
         Some(Meaning::Machine | Meaning::Position(..) | Meaning::Modal(_)) | None => {
             let message = format!("#{number} cannot be set here");
             Err(bad_value(span, message, "its value is set by the control only"))
@@ -262,17 +265,29 @@ pub(super) fn write_system(
 
 /// Passes the assignment to a system variable through, with its evaluated value.
 fn tell(outlet: &mut MotionSink<'_>, number: u32, value: f64, behind: &str) {
+    outlet.push(Kind::Verbatim(format!("#{number}={}{behind}", decimals(value)).into_bytes()));
+}
+
+/// Passes a new value of data of the control through: the step, if the program adds one to the old value.
+fn tell_new(outlet: &mut MotionSink<'_>, number: u32, value: f64, step: Option<f64>) {
+    match step {
+        Some(step) => outlet.push(Kind::Verbatim(own_step::text(number, &decimals(step), false).into_bytes())),
+        None => tell(outlet, number, value, ""),
+    }
+}
+
+/// A value with up to six decimals, without trailing zeros.
+fn decimals(value: f64) -> String {
     let mut shown = format!("{value:.6}");
     shown.truncate(shown.trim_end_matches('0').trim_end_matches('.').len());
-    outlet.push(Kind::Verbatim(format!("#{number}={shown}{behind}").into_bytes()));
+    if shown == "-0" { "0".to_owned() } else { shown }
 }
 
 fn write_offset(
     channel: &mut Channel<'_>,
     number: u32,
-    system: System,
-    place: u32,
-    value: f64,
+    (system, place): (System, u32),
+    (value, step): (f64, Option<f64>),
     span: Span,
 ) -> Result<(), Fault> {
     let Some(axis) = axis_at(channel.axes, place) else {
@@ -302,12 +317,12 @@ fn write_offset(
     parts.fine[axis] = 0.0;
     channel.written.offsets.insert(system, parts);
     channel.written.shown.remove(&system);
-    tell(
-        &mut channel.outlet,
-        number,
-        if axis.is_rotary() { value } else { inside / text::output_unit_mm(channel.settings.machine) },
-        "",
-    );
+    let unit = if axis.is_rotary() {
+        1.0
+    } else {
+        channel.modal.modes.scale() / text::output_unit_mm(channel.settings.machine)
+    };
+    tell_new(&mut channel.outlet, number, value * unit, step.map(|step| step * unit));
     if system == channel.modal.system || system == System::EXTERNAL {
         offsets::load_offset(channel, span)?;
     }
@@ -317,9 +332,8 @@ fn write_offset(
 fn write_tool(
     channel: &mut Channel<'_>,
     number: u32,
-    tool: u32,
-    part: Part,
-    value: f64,
+    (tool, part): (u32, Part),
+    (value, step): (f64, Option<f64>),
     span: Span,
 ) -> Result<(), Fault> {
     let known = channel.written.tools.find(channel.settings.machine, tool, 1);
@@ -334,7 +348,8 @@ fn write_tool(
     }
     *part_of(&mut offset, part) = inside;
     channel.written.tools.write(tool, 1, ToolOffset { is_stated: true, ..offset });
-    tell(&mut channel.outlet, number, inside / text::output_unit_mm(channel.settings.machine), "");
+    let unit = channel.modal.modes.scale() / text::output_unit_mm(channel.settings.machine);
+    tell_new(&mut channel.outlet, number, value * unit, step.map(|step| step * unit));
     Ok(())
 }
 

@@ -146,6 +146,7 @@ pub(super) fn tool_on_plane(channel: &mut Channel<'_>, gathered: &Gathered) -> R
         kinematics.rotary_axes().for_each(|axis| turned[axis] = near[axis]);
         channel.empty();
     } else {
+        on_grid(channel, &kinematics, &mut turned);
         turn(channel, &kinematics, &turned, span)?;
     }
     let total = turned_frame(&kinematics, &below, &tilt, &turned, &tool_mm)
@@ -258,6 +259,15 @@ pub(super) fn stand_anew(channel: &mut Channel<'_>, span: Span) -> Result<(), Fa
     channel.modal.transforms.stand_on_tilt(Stand { frame, below, tool_mm, is_kept });
     setup::refresh_setup(channel);
     Ok(())
+}
+
+/// Rounds the positions of the rotary axes to those that the control can command: the plane is that of the axes as they stand.
+fn on_grid(channel: &Channel<'_>, kinematics: &Kinematics, turned: &mut AxisVector) {
+    let grid_rad = channel.settings.machine.control.grid[1];
+    for axis in kinematics.rotary_axes() {
+        let shift = channel.standing.setup.frame.shift(axis);
+        turned[axis] = shift + ((turned[axis] - shift) / grid_rad).round() * grid_rad;
+    }
 }
 
 /// Turns the rotary axes at rapid; the linear axes stay.

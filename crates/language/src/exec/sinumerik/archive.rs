@@ -233,7 +233,7 @@ impl Reader<'_> {
             _ => false,
         };
         self.note_axis(name, range, word.span)?;
-        let target = SystemName { name, range, span: word.span };
+        let target = SystemName { name, range, span: word.span, step: None };
         match assign_system(self.loaded, &mut self.channel, target, list) {
             // Shift of an axis that is not in the machine file: a spindle, a tool changer.
             Err(found) if is_nothing && matches!(found.code, Code::NO_AXIS | Code::UNDEFINED_VARIABLE) => Ok(()),

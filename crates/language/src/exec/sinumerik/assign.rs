@@ -4,6 +4,7 @@ use super::beside;
 use super::channel::Channel;
 use super::level::Loaded;
 use super::names::Meaning;
+use super::own_step;
 use super::scope::scope_of;
 use super::system_write::{SystemName, assign_system};
 use super::value::Value as ExecValue;
@@ -32,12 +33,13 @@ pub(super) fn assignments(loaded: &Loaded, channel: &mut Channel<'_>, block: &Bl
             }
             Address::Indexed(left) if beside::is_assignable(loaded, &channel.variables, left) => {
                 let list = assigned(loaded, channel, word)?;
-                assign(loaded, channel, left, list, span)?;
+                let step = own_step::of(loaded, channel, left, word)?;
+                assign_stepped(loaded, channel, left, list, (span, step.as_deref()))?;
             }
             Address::Name(name) if loaded.program.names.text(name).starts_with('$') => {
                 let list = assigned(loaded, channel, word)?;
                 let name = loaded.program.names.text(name);
-                assign_system(loaded, channel, SystemName { name, range: None, span }, list)?;
+                assign_system(loaded, channel, SystemName { name, range: None, span, step: None }, list)?;
             }
             _ if matches!(word.value, Value::Arguments(_)) => file_result(loaded, channel, word)?,
             _ => {}
@@ -100,6 +102,17 @@ pub(super) fn assign(
     list: List,
     span: Span,
 ) -> Result<(), Fault> {
+    assign_stepped(loaded, channel, left, list, (span, None))
+}
+
+/// Assigns to the left side of an assignment; `step` is what the program adds to the old value of a system variable.
+fn assign_stepped(
+    loaded: &Loaded,
+    channel: &mut Channel<'_>,
+    left: ExprId,
+    list: List,
+    (span, step): (Span, Option<&str>),
+) -> Result<(), Fault> {
     let scope = scope_of(loaded, channel);
     match loaded.program.expr(left).node {
         Node::Parameter(index) => channel.variables.set_parameters(i64::from(index), list, span),
@@ -109,7 +122,7 @@ pub(super) fn assign(
         }
         Node::Name(name) if loaded.program.names.text(name).starts_with('$') => {
             let name = loaded.program.names.text(name);
-            assign_system(loaded, channel, SystemName { name, range: None, span }, list)
+            assign_system(loaded, channel, SystemName { name, range: None, span, step: None }, list)
         }
         Node::Name(name) => assign_name(loaded, &mut channel.variables, name, list, span),
         Node::Indexed(name, range) if channel.variables.has(name, loaded.program.names.text(name)) => {
@@ -137,7 +150,7 @@ pub(super) fn assign(
         }
         Node::Indexed(name, range) => {
             let name = loaded.program.names.text(name);
-            assign_system(loaded, channel, SystemName { name, range: Some(range), span }, list)
+            assign_system(loaded, channel, SystemName { name, range: Some(range), span, step }, list)
         }
         _ => Err(at(span, Code::UNEXPECTED, "this cannot be assigned", "write a variable left of the equals sign")),
     }

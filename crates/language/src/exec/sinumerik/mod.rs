@@ -50,6 +50,7 @@ mod names;
 mod operand;
 mod order;
 mod orientation;
+mod own_step;
 mod parameters;
 mod part;
 mod pass;

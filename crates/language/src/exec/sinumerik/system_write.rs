@@ -42,6 +42,8 @@ pub(super) struct SystemName<'n> {
     pub(super) name: &'n str,
     pub(super) range: Option<ArgumentRange>,
     pub(super) span: Span,
+    /// The words after the old value, if the program adds to it: `+5`, `:CTRANS(X,5)`.
+    pub(super) step: Option<&'n str>,
 }
 
 /// Assigns to a system variable.
@@ -85,14 +87,14 @@ pub(super) fn assign_system(
 fn assign_one(
     loaded: &Loaded,
     channel: &mut Channel<'_>,
-    SystemName { name, range, span }: SystemName<'_>,
+    SystemName { name, range, span, step }: SystemName<'_>,
     offset: i64,
     value: Value,
 ) -> Result<(), Fault> {
     let scope = scope_of(loaded, channel);
     if let Some(frame) = scope.frame_name(name, range, span)? {
         let component = range.map(|range| scope.component(range)).transpose()?.flatten();
-        return assign_frame(loaded, channel, frame, component, value, span);
+        return assign_frame(loaded, channel, frame, component, value, (span, step));
     }
     let (mut key, mut indices) = scope.key(name, range)?;
     if offset > 0
@@ -130,7 +132,10 @@ fn assign_one(
         return Err(fault(Code::BAD_INDEX, span, "the program writes too many system variables", "write fewer"));
     }
     let mut text = format!("{key}=").into_bytes();
-    text.extend(written(&value));
+    match step {
+        Some(step) => text.extend(format!("{key}{step}").into_bytes()),
+        None => text.extend(written(&value)),
+    }
     channel.push(Kind::Verbatim(text));
     Ok(())
 }
@@ -146,7 +151,7 @@ fn assign_frame(
     name: FrameName,
     component: Option<(Axis, Component, usize)>,
     value: Value,
-    span: Span,
+    (span, step): (Span, Option<&str>),
 ) -> Result<(), Fault> {
     let scope = scope_of(loaded, channel);
     let order = setup::rotation_order(channel.settings.machine);
@@ -223,10 +228,18 @@ fn assign_frame(
     }
     // The other components may come from the machine file: written too, they would replace those of the control.
     if let Some((index, value)) = component_text.filter(|_| name != FrameName::Programmable) {
-        text = match shown.strip_suffix(']') {
-            Some(shown) => format!("{shown},{index}]={value}"),
-            None => format!("{shown}[{index}]={value}"),
+        let shown = match shown.strip_suffix(']') {
+            Some(shown) => format!("{shown},{index}]"),
+            None => format!("{shown}[{index}]"),
         };
+        text = match step {
+            Some(step) => format!("{shown}={shown}{step}"),
+            None => format!("{shown}={value}"),
+        };
+    } else if let Some(step) = step
+        && matches!(name, FrameName::Settable(_) | FrameName::StoredBase(_))
+    {
+        text = format!("{shown}={shown}{step}");
     }
     setup::refresh_setup(&mut channel.modal, &mut channel.standing, &mut channel.outlet);
     channel.push(Kind::Verbatim(text.into_bytes()));

@@ -119,8 +119,9 @@ impl Words {
             Kind::Verbatim(text) => {
                 let first = text.split(|&byte| byte == b' ').next().unwrap_or_default();
                 self.stops.note(std::str::from_utf8(first).unwrap_or_default());
-                let is_alone = self.flavour.language == Language::Grundig && is_compensation(text);
-                // A separate block, as the postprocessors of these controls write it.
+                // A separate block, as the postprocessors of these controls write it; G91 holds for the words of one block alone.
+                let is_alone =
+                    self.flavour.language == Language::Grundig && is_compensation(text) || text.starts_with(b"G91 ");
                 if is_alone && self.line.has_words() {
                     self.line.end(out);
                 }

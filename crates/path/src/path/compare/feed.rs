@@ -32,7 +32,8 @@ impl ComparedMove<'_> {
             Some(_) => self.route.size_mm() * (to - from),
             None => {
                 let is_transformed = self.setup.transform.is_some();
-                let [start, end] = [from, to].map(|place| {
+                // A control divides the time of the whole move evenly, also on a great circle, on which the axes turn unevenly.
+                let [start, end] = [0.0, 1.0].map(|place| {
                     let command = self.route.at(place);
                     // Under a transformation the feed is that of the tip, in any coordinates.
                     if is_transformed {
@@ -41,7 +42,7 @@ impl ComparedMove<'_> {
                         self.programmed(&command, kinematics)
                     }
                 });
-                counted(self.feeds, is_transformed, [&start, &end])
+                counted(self.feeds, is_transformed, [&start, &end]) * (to - from)
             }
         };
         let taken = way / self.feed;

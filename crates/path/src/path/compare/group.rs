@@ -293,8 +293,9 @@ impl MoveGroup<'_> {
         for axis in self.lead.axes.iter() {
             let lost = self.model.lost_motion(axis, &command);
             let sides: &[i8] = match band.direction()[axis.slot()] {
-                // Nobody knows its side: the correction aims at the middle.
-                0 if piece.rapid || self.lead.is_quick(axis, &command) => &[1, 0, -1],
+                // Nobody knows its side: the correction aims at the middle. A step on the spot that leads the body to a side leaves it within its dead band
+                // too, until it has moved by the whole of it.
+                0 => &[1, 0, -1],
                 _ if self.lead.is_quick(axis, &command) => &[1, -1],
                 _ => continue,
             };

@@ -134,7 +134,7 @@ where
             return (motion.feed, motion.unit);
         }
         if motion.is_inverse_time() {
-            return (of_share(motion.feed, share), FeedUnit::InverseTime);
+            return (of_share(motion.feed, share, self.options.feeds), FeedUnit::InverseTime);
         }
         let (feed, unit, origin) = (motion.feed, motion.unit, active.origin);
         self.pace.feed = feed;
@@ -159,7 +159,7 @@ where
                     self.change_pace(active, true);
                 }
                 self.pace.by_time = Some(origin);
-                return (of_share(minutes.recip(), share), FeedUnit::InverseTime);
+                return (of_share(minutes.recip(), share, self.options.feeds), FeedUnit::InverseTime);
             }
             if is_off && trial.is_some() && way > 0.0 && wanted > 0.0 && self.leave_pace(active, is_fresh) {
                 let exact = feed * way / wanted;
