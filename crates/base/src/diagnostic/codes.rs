@@ -932,14 +932,15 @@ significantly better without them (1 %). The message names them. Look at these r
     ROW_DOES_NOT_FIT = "W0603" "reading that does not fit the others"
 "In a calibration, a reading that deviates from the model by more than the noise gets a smaller weight, and beyond 4.7 standard
 deviations the weight 0 (Tukey's weights). The reading stays in the file and in the report. Look for its cause: a chip under the
-ball, a wrong row, a set-up that moved. With --no-robust all readings have equal weights.";
+ball, a wrong row, a set-up that moved. The message is about the worst reading of a file, and has the number of the others;
+--residuals lists all. With --no-robust all readings have equal weights.";
     POOR_FIT = "W0604" "the residual is larger than the instrument explains"
 "The residual of the calibrated model is well above the uncertainty that sigma_um states. The machine has errors that the model
 lacks, its temperature changed, or sigma_um is too small. The standard uncertainties are then based on the scatter of the
 residuals instead of sigma_um. They do not cover errors that the model lacks. Search for these errors with ncfix diagnose, or
 correct sigma_um.";
     REDUCED = "W0605" "parameters omitted"
-"With --reduce, ncfix calibrate omits parameters that the data cannot separate from others, and fits the rest. Of inseparable
+"With --reduce, and without --model, ncfix calibrate omits parameters that the data cannot separate from others. Of inseparable
 parameters, it omits the most complex one first: truncated powers before backlash, before coefficients from the highest degree
 down, later ones of the model before earlier ones, location errors last. Omitted parameters keep their values of the initial
 machine file. The others absorb their effect, which is right for similar poses and wrong elsewhere. The message states the reason,
