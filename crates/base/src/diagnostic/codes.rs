@@ -56,7 +56,7 @@ impl Code {
     /// True if it names a gap in the ranges that were measured.
     #[must_use]
     pub fn is_coverage(self) -> bool {
-        matches!(self.0, "W0316" | "W0317" | "W0318" | "W0319" | "W0320" | "E0322")
+        matches!(self.0, "W0316" | "W0317" | "W0318" | "W0319" | "W0320" | "W0330" | "E0322")
     }
 
     /// True if the program text itself was not understood (exit status 3, not 4).
@@ -778,6 +778,11 @@ docs/how-to/set-the-zero.md.";
 positions are then still right, but ncfix needs the distance from the gauge line of the spindle to the tip: it is the arm of angular errors
 and of rotary axes. With a wrong arm, their correction is wrong. State the real lengths, and Z of the zero offset for these lengths. See
 docs/how-to/fanuc-from-start-to-finish.md.";
+    SQUARENESS_NOT_SHOWN = "W0330" "squareness that no measurement shows"
+"Both axes move while the tool cuts, and no reading of the calibration shows the angle between them. The list not_shown in [measured] of
+the machine file names this squareness. A laser measures each axis alone, and a straightness whose reference was aligned by hand shows no
+slope. The squareness is unknown, not zero: the correction leaves it on the workpiece, and the predicted error does not contain it.
+Measure it, for example with a ball-bar or a square, and calibrate again.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be detected.";
     TWO_DRIFTS = "W0402" "two models of the drift"
