@@ -15,6 +15,7 @@ use ncfix_metrology::results::calibration::{
     machine_text, prepare, unexplained_um,
 };
 use ncfix_metrology::results::measurement::{Measurement, Purpose};
+use ncfix_metrology::results::not_shown::not_shown;
 use ncfix_metrology::results::parameters::{self, ModelText};
 use ncfix_metrology::results::stated::{StatedStart, start_with_terms};
 use ncfix_metrology::results::uncertain::uncertainty_of;
@@ -306,7 +307,10 @@ pub(crate) fn with_terms(
 
 /// The measured ranges of a machine after a calibration from these measurements.
 fn measured_by(machine: &Machine, used: &[Measurement], found: &Found) -> MeasuredRanges {
-    measured_ranges(&machine.machine, used.iter().map(|one| &one.data), holdout_um(found))
+    let sets: Vec<&ncfix_metrology::measure::data::DataSet> = used.iter().map(|one| &one.data).collect();
+    let mut ranges = measured_ranges(&machine.machine, sets.iter().copied(), holdout_um(found));
+    ranges.not_shown = not_shown(&machine.machine, &machine.errors, &ranges, &sets);
+    ranges
 }
 
 /// The line about a measurement in such a head.

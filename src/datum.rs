@@ -126,6 +126,39 @@ pub(crate) fn with_zeros(chosen: &Machine, model: Model) -> Model {
     model.with_zeros(&touches_mm, &relative)
 }
 
+/// A touch from a side that nothing states is wrong by half of the reversal to one side or the other. A normal amount with this share of it has both in its
+/// interval of 95 %: 1.96 times 0.6 is more than 1.
+const OF_HALF_REVERSAL: f64 = 0.6;
+/// Displacements below this are rounding noise, mm.
+const NOISE_MM: f64 = 1e-9;
+
+/// The models after one standard deviation of each axis whose touched zeros do not state from which side they were touched.
+pub(crate) fn of_unknown_sides(chosen: &Machine) -> Vec<Model> {
+    let base = chosen.model();
+    let names: Vec<&String> = all(chosen).map(|(name, _)| name).collect();
+    let touches_of =
+        |model: &Model| -> Vec<Vector> { names.iter().zip(0_u16..).map(|(_, index)| model.touch_mm(index)).collect() };
+    let own_mm = touches_of(&base);
+    let relative: Vec<bool> =
+        names.iter().map(|name| is_relative(&chosen.machine.datums.get(*name).copied().unwrap_or_default())).collect();
+    let of_axis = |(side, axis): (usize, Axis)| {
+        let mut other = chosen.clone();
+        for name in &names {
+            let datum = other.machine.datums.entry((*name).clone()).or_default();
+            let direction = &mut datum.at[side].direction[axis.slot()];
+            if *direction == 0 {
+                *direction = 1;
+            }
+        }
+        let touches_mm = touches_of(&other.model());
+        let varied_mm: Vec<Vector> =
+            own_mm.iter().zip(&touches_mm).map(|(own, other)| own + (other - own) * OF_HALF_REVERSAL).collect();
+        let is_felt = own_mm.iter().zip(&varied_mm).any(|(own, varied)| (varied - own).amax() > NOISE_MM);
+        is_felt.then(|| base.clone().with_zeros(&varied_mm, &relative))
+    };
+    [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate().filter_map(of_axis).collect()
+}
+
 /// Names and shifts of all zero offsets, by index: those of the machine file, and then those that the program sets.
 fn all(chosen: &Machine) -> impl Iterator<Item = (&String, AxisVector)> {
     let of_file = chosen.machine.zero_offsets.iter().map(|(name, zero)| (name, zero.shift()));

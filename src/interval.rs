@@ -1,5 +1,6 @@
 //! Interval of the errors of a run, from the uncertainty of its machine.
 
+use crate::datum;
 use crate::head::HeadInUse;
 use crate::machine::Machine;
 use ncfix_base::units::mm_from_um;
@@ -18,7 +19,11 @@ pub(crate) fn of_run(heads: &[HeadInUse<'_>], model: &Model, places: &[ErrorPlac
     let chosen = &*first.chosen;
     let Some(uncertainty) = &chosen.machine.uncertainty else { return Some(PredictionReport::of(None, Vec::new())) };
     let varied = match others {
-        [] => varied(chosen, uncertainty),
+        [] => {
+            let mut models = varied(chosen, uncertainty);
+            models.extend(datum::of_unknown_sides(chosen));
+            models
+        }
         _ => {
             let mut by_head: Vec<Vec<Model>> = heads.iter().map(|one| varied(&one.chosen, uncertainty)).collect();
             // Each cause varies all heads; the parameters of a head alone would be a cause of their own.

@@ -158,6 +158,7 @@ mod modes;
 mod motion_kinds;
 #[cfg(unix)]
 mod newer_files;
+mod not_shown;
 mod notes;
 mod pages;
 mod part_programs;

@@ -25,7 +25,7 @@ pub struct CoverageReport {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct GapReport {
-    /// `no-errors`, `range-not-stated`, `position`, `tool-length`, `temperature` or `load`.
+    /// `no-errors`, `range-not-stated`, `squareness`, `position`, `tool-length`, `temperature` or `load`.
     pub kind: &'static str,
     /// Code of its warning.
     pub code: &'static str,
@@ -35,6 +35,8 @@ pub struct GapReport {
     pub sensor: Option<String>,
     /// Error whose table ends, if the range is that of a table.
     pub table: Option<String>,
+    /// Squareness that no measurement shows.
+    pub squareness: Option<String>,
     /// Unit of `used`, `measured` and `beyond`: `mm`, `deg`, `C` or `N`.
     pub unit: &'static str,
     /// Lowest and highest value in use.
@@ -58,6 +60,7 @@ impl From<&CoverageGap> for GapReport {
             axis: gap.axis.map(|axis| axis.to_string()),
             sensor: gap.sensor.clone(),
             table: gap.table.map(|name| name.to_string()),
+            squareness: gap.squareness.map(|name| name.to_string()),
             unit: gap.unit(),
             used: shown(gap.used),
             measured: gap.measured.map(shown),

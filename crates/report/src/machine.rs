@@ -183,6 +183,9 @@ fn measured_rows(measured: &MeasuredRanges) -> Vec<String> {
     if !measured.instruments.is_empty() {
         row("instruments", &measured.instruments.join(", "));
     }
+    if let Some(names) = measured.not_shown.as_ref().filter(|names| !names.is_empty()) {
+        row("not shown", &names.join(", "));
+    }
     if let Some(residual_um) = measured.residual_um {
         row("residual", &format!("{} µm of the held-out data", decimal(residual_um)));
     }

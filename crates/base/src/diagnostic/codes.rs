@@ -56,7 +56,7 @@ impl Code {
     /// True if it names a gap in the ranges that were measured.
     #[must_use]
     pub fn is_coverage(self) -> bool {
-        matches!(self.0, "W0316" | "W0317" | "W0318" | "W0319" | "W0320" | "E0322")
+        matches!(self.0, "W0316" | "W0317" | "W0318" | "W0319" | "W0320" | "W0330" | "E0322")
     }
 
     /// True if the program text itself was not understood (exit status 3, not 4).
@@ -880,6 +880,11 @@ offset for these lengths. See docs/how-to/fanuc-from-start-to-finish.md.";
 which the program does move count as the machine file states, or as touched. Often the name is wrong, or the program selects another
 offset than expected. If the message names no offset, the program moves in the coordinates of the machine (G53, or G500 without values):
 its positions are true positions, and no touched zero is subtracted.";
+    SQUARENESS_NOT_SHOWN = "W0330" "squareness that no measurement shows"
+"Both axes move while the tool cuts, and no reading of the calibration shows the angle between them. The list not_shown in [measured] of
+the machine file names this squareness. A laser measures each axis alone, and a straightness whose reference was aligned by hand shows no
+slope. The squareness is unknown, not zero: the correction leaves it on the workpiece, and the predicted error does not contain it.
+Measure it, for example with a ball-bar or a square, and calibrate again.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be detected. Add the lowest
 and the highest position of the axis, in machine coordinates.";

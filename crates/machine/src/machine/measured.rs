@@ -7,12 +7,14 @@ use std::collections::BTreeMap;
 use super::edit::{Edit, Given};
 use super::section::Section;
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_base::geometry::{AXES, Axis, AxisSet};
+use ncfix_base::geometry::{AXES, Axis, AxisSet, ROTARY_AXES};
 
 /// Name of the section.
 const SECTION: &str = "measured";
 /// Key of the temperatures, a section with the sensors.
 const TEMPERATURES: &str = "temperature_C";
+/// Key of the squareness errors that no reading can show.
+const NOT_SHOWN: &str = "not_shown";
 /// Plausible temperatures in a machine, °C.
 const PLAUSIBLE_C: [f64; 2] = [-60.0, 400.0];
 
@@ -33,6 +35,8 @@ pub struct MeasuredRanges {
     pub instruments: Vec<String>,
     /// Residual of readings that were held out of the fit, root mean square, µm.
     pub residual_um: Option<f64>,
+    /// Squareness errors that no reading can show, by their names (`EC0Y`); `None` if nothing states it.
+    pub not_shown: Option<Vec<String>>,
 }
 
 /// Returns the range that contains both.
@@ -94,6 +98,7 @@ impl MeasuredRanges {
             values.push(("instruments".to_owned(), Given::Texts(self.instruments.clone())));
         }
         values.extend(self.residual_um.map(|um| ("residual_um".to_owned(), Given::Number(um))));
+        values.extend(self.not_shown.clone().map(|names| (NOT_SHOWN.to_owned(), Given::Texts(names))));
         values
     }
 }
@@ -131,8 +136,28 @@ pub(super) fn read(mut section: Section<'_>, axes: AxisSet, findings: &mut Vec<D
     ranges.date = section.date("date").map(str::to_owned);
     ranges.instruments = section.texts("instruments").unwrap_or_default();
     ranges.residual_um = section.number_where("residual_um", "a number that is not negative", |um| um >= 0.0);
+    if let Some(names) = section.texts(NOT_SHOWN) {
+        let (own, others): (Vec<String>, Vec<String>) = names.into_iter().partition(|name| is_squareness(name, axes));
+        ranges.not_shown = Some(own);
+        for name in others {
+            let message = format!("{NOT_SHOWN} has '{name}', which is no squareness of this machine");
+            let help = "write the names of location errors of linear axes, for example [\"EC0Y\"]";
+            section.report(Code::BAD_VALUE, section.place_of(NOT_SHOWN), message, help);
+        }
+    }
     section.finish(findings);
     ranges
+}
+
+/// True for the rotation of a linear axis of the machine about another axis: `EC0Y`.
+fn is_squareness(name: &str, axes: AxisSet) -> bool {
+    let of_axis = |axis: Axis| {
+        ROTARY_AXES
+            .into_iter()
+            .filter(|about| about.dimension() != axis.dimension())
+            .any(|about| name == format!("E{about}0{axis}"))
+    };
+    axes.iter().filter(|axis| !axis.is_rotary()).any(of_axis)
 }
 
 /// Reads the lowest and the highest value, which may be equal.
@@ -178,6 +203,7 @@ mod tests {
             instruments: vec!["ballbar".into(), "direct".into()],
             residual_um: Some(0.8),
             date: None,
+            ..MeasuredRanges::default()
         };
         ranges.extend_by(&later);
         assert_eq!(ranges.axes[&Axis::X], [-5.0, 500.0]);
@@ -190,6 +216,22 @@ mod tests {
         assert_eq!((again.load_n, again.residual_um), (ranges.load_n, ranges.residual_um));
         // Writing twice changes nothing.
         assert_eq!(ranges.written_into(&written).unwrap(), written);
+    }
+
+    #[test]
+    fn errors_that_nothing_shows_are_listed_and_taken_back() {
+        let text = "[measured]\nX_mm = [0, 500]\nnot_shown = [\"EC0X\"]\n";
+        let (mut ranges, findings) = read_text(text);
+        assert_eq!((findings.len(), &ranges.not_shown), (0, &Some(vec!["EC0X".to_owned()])));
+        ranges.not_shown = Some(Vec::new());
+        let written = ranges.written_into(text).unwrap();
+        assert!(written.contains("not_shown = []"), "{written}");
+        // A file without the list gets none.
+        let bare = "[measured]\nX_mm = [0, 500]\n";
+        assert_eq!(read_text(bare).0.written_into(bare).unwrap(), bare);
+        // Positioning, a roll, a tilt of a rotary axis, an axis that the machine lacks.
+        let (ranges, findings) = read_text("[measured]\nnot_shown = [\"EXX\", \"EA0X\", \"EA0C\", \"EC0Y\"]\n");
+        assert_eq!((findings.len(), ranges.not_shown), (4, Some(Vec::new())), "{findings:?}");
     }
 
     #[test]

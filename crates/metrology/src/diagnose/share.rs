@@ -38,9 +38,9 @@ pub(super) fn shares(field: &Field<'_, '_>, weights: &Weights, taken: &[usize]) 
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let gram = DMatrix::from_fn(columns.len(), columns.len(), |a, b| dot(&columns[a], &columns[b]));
     let right = DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, &left)));
-    // Part that a set of findings explains.
-    let explained = |set: u32| {
-        let own: Vec<usize> = (0..columns.len()).filter(|&k| set >> owners[k] & 1 == 1).collect();
+    // Part that the findings of a set explain.
+    let explained = |is_in: &dyn Fn(usize) -> bool| {
+        let own: Vec<usize> = (0..columns.len()).filter(|&k| is_in(owners[k])).collect();
         if own.is_empty() {
             return 0.0;
         }
@@ -55,16 +55,15 @@ pub(super) fn shares(field: &Field<'_, '_>, weights: &Weights, taken: &[usize]) 
     };
     if count > MOST {
         // There are too many subsets. The fair share lies between the loss without the finding and its contribution alone.
-        let all = (1_u32 << count.min(31)) - 1;
-        let every = explained(all);
+        let every = explained(&|_| true);
         let of = |k: usize| {
-            let alone = every - explained(all & !(1 << k));
-            VarianceShare { alone, fair: (alone + explained(1 << k)) / 2.0 }
+            let alone = every - explained(&|owner| owner != k);
+            VarianceShare { alone, fair: (alone + explained(&|owner| owner == k)) / 2.0 }
         };
         return (0..count).map(of).collect();
     }
     let all = (1_u32 << count) - 1;
-    let sets: Vec<f64> = (0..=all).map(explained).collect();
+    let sets: Vec<f64> = (0..=all).map(|set| explained(&|owner| set >> owner & 1 == 1)).collect();
     let at = |set: u32| sets.get(set as usize).copied().unwrap_or(0.0);
     let factorial = |n: u32| (1..=n).map(f64::from).product::<f64>();
     let of = |k: usize| {
@@ -123,5 +122,11 @@ mod tests {
     fn of_many_the_fair_part_is_between_what_is_lost_without_it_and_what_it_says_alone() {
         let found = of(9);
         check(&found, [0.0, 1.0 / 18.0], 1.0 / 9.0);
+    }
+
+    #[test]
+    fn more_findings_than_a_word_has_bits_have_their_own_shares() {
+        // 72 findings: a model of five axes with a stated term is as large.
+        check(&of(70), [0.0, 1.0 / 140.0], 1.0 / 70.0);
     }
 }

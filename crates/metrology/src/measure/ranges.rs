@@ -51,7 +51,7 @@ fn of_set(machine: &Machine, set: &DataSet) -> MeasuredRanges {
         load_n: if has_loads { range_of(conditions.iter().map(weight_n)) } else { None },
         date: set.date.clone(),
         instruments: vec![set.kind.name.to_owned()],
-        residual_um: None,
+        ..MeasuredRanges::default()
     }
 }
 

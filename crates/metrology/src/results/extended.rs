@@ -7,6 +7,7 @@ use crate::diagnose::extend::{Anchor, Change, again, cleaned, effect_of_others, 
 use crate::diagnose::{DiagnosedCauses, Scene, levels, residuals};
 use crate::measure::data::DataSet;
 use crate::measure::ranges::measured_ranges;
+use crate::results::not_shown::not_shown;
 use crate::results::uncertain::uncertainty_of;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::{FileId, Source};
@@ -153,7 +154,9 @@ impl ExtensionJob<'_> {
         let errors = even.as_ref().unwrap_or(errors);
         let changed = write::write(&grown.text, &read, errors).map_err(|reason| (reason.0, SECTIONS))?;
         let used = self.scene.sets.iter().take(self.used);
-        let ranges = measured_ranges(self.machine, used, None);
+        let sets: Vec<&DataSet> = used.collect();
+        let mut ranges = measured_ranges(self.machine, sets.iter().copied(), None);
+        ranges.not_shown = not_shown(self.machine, &original, &ranges, &sets);
         let changed = ranges.written_into(&changed).ok_or(("measured is not a section".to_owned(), SECTIONS))?;
         let before = self.machine.uncertainty.as_ref();
         let changed = match fitted.as_ref().map(|fit| uncertainty_of(before, fit, None)) {

@@ -21,6 +21,7 @@ mod held;
 pub mod hypotheses;
 pub mod measurement;
 mod not_identified;
+pub mod not_shown;
 pub mod parameters;
 pub mod planned;
 pub mod readings;

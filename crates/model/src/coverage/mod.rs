@@ -8,7 +8,7 @@ mod text;
 use std::collections::BTreeMap;
 
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Vector};
+use ncfix_base::geometry::{Axis, AxisSet, AxisVector, LINEAR_AXES, Vector};
 use ncfix_machine::machine::condition::change_readings;
 use ncfix_machine::machine::{Condition, Load, Machine, MeasuredRanges, State};
 
@@ -46,6 +46,8 @@ pub enum GapKind {
     NoErrors,
     /// The machine file has errors of an axis and does not state in which range they were measured.
     RangeNotStated,
+    /// Two axes move, and no measurement shows their squareness.
+    Squareness,
     /// Position beyond the measured range.
     Position,
     /// Tool shorter or longer than the tools of the measurement.
@@ -67,6 +69,8 @@ pub struct CoverageGap {
     pub sensor: Option<String>,
     /// Error whose table ends; `None` if `[measured]` states the range.
     pub table: Option<ErrorName>,
+    /// Squareness that no measurement shows.
+    pub squareness: Option<ErrorName>,
     /// Lowest and highest value in use: mm, rad, °C or N.
     pub used: [f64; 2],
     /// Measured range in the same unit, if it is known.
@@ -93,6 +97,7 @@ impl GapKind {
         match self {
             GapKind::NoErrors => "no-errors",
             GapKind::RangeNotStated => "range-not-stated",
+            GapKind::Squareness => "squareness",
             GapKind::Position => "position",
             GapKind::ToolLength => "tool-length",
             GapKind::Temperature => "temperature",
@@ -106,6 +111,7 @@ impl GapKind {
         match self {
             GapKind::NoErrors => Code::AXIS_WITHOUT_ERRORS,
             GapKind::RangeNotStated => Code::RANGE_NOT_STATED,
+            GapKind::Squareness => Code::SQUARENESS_NOT_SHOWN,
             GapKind::Position => Code::BEYOND_MEASURED,
             GapKind::ToolLength => Code::TOOL_BEYOND_MEASURED,
             GapKind::Temperature | GapKind::Load => Code::STATE_BEYOND_MEASURED,
@@ -126,6 +132,7 @@ impl Coverage {
         for (&axis, &range) in &used.axes {
             survey.axis(axis, range, &mut gaps);
         }
+        survey.squareness(&mut gaps);
         survey.tools(&mut gaps);
         survey.temperatures(&mut gaps);
         gaps.extend(survey.load());
@@ -190,6 +197,7 @@ impl<'a> Survey<'a> {
             axis: Some(axis),
             sensor: None,
             table: None,
+            squareness: None,
             used,
             measured: None,
             beyond: 0.0,
@@ -290,9 +298,36 @@ impl<'a> Survey<'a> {
         sizes.fold(0.0, f64::max)
     }
 
+    /// Pairs of axes that both move, and whose squareness the calibration could not show.
+    fn squareness(&self, gaps: &mut Vec<CoverageGap>) {
+        for name in self.measured.not_shown.iter().flatten() {
+            let Some((name, axes)) = name.parse().ok().and_then(|name: ErrorName| Some((name, pair_of(name)?))) else {
+                continue;
+            };
+            let moves = |axis: Axis| self.used.axes.get(&axis).is_some_and(|[low, high]| high - low > ON_LIMIT);
+            if !axes.into_iter().all(moves) || states_squareness(self.errors, name, axes) {
+                continue;
+            }
+            let Some(axis) = name.axis() else { continue };
+            gaps.push(CoverageGap {
+                kind: GapKind::Squareness,
+                axis: Some(axis),
+                sensor: None,
+                table: None,
+                squareness: Some(name),
+                used: self.used.axes.get(&axis).copied().unwrap_or_default(),
+                measured: self.measured.axes.get(&axis).copied(),
+                beyond: 0.0,
+                size_mm: None,
+            });
+        }
+    }
+
     fn tools(&self, gaps: &mut Vec<CoverageGap>) {
         let (Some(measured), Some(tools_mm)) = (self.measured.tool_length_mm, self.used.tools_mm) else { return };
-        if !self.has_angles {
+        // With one length, an angular error looks like a straightness or a scale: that the file has none says nothing.
+        let is_one_length = measured[1] - measured[0] <= WITHIN;
+        if !self.has_angles && !is_one_length {
             return;
         }
         let used = tools_mm.map(|tool_mm| tool_mm.norm());
@@ -309,10 +344,11 @@ impl<'a> Survey<'a> {
                 axis: None,
                 sensor: None,
                 table: None,
+                squareness: None,
                 used,
                 measured: Some(measured),
                 beyond,
-                size_mm: Some(self.poses.iter().map(size).fold(0.0, f64::max)),
+                size_mm: self.has_angles.then(|| self.poses.iter().map(size).fold(0.0, f64::max)),
             });
         }
     }
@@ -330,6 +366,7 @@ impl<'a> Survey<'a> {
                     axis: None,
                     sensor: Some(sensor.to_owned()),
                     table: None,
+                    squareness: None,
                     used: [now_c; 2],
                     measured: Some(measured),
                     beyond,
@@ -357,6 +394,7 @@ impl<'a> Survey<'a> {
             axis: None,
             sensor: None,
             table: None,
+            squareness: None,
             used: [now_n; 2],
             measured: Some(measured),
             beyond,
@@ -375,6 +413,40 @@ impl<'a> Survey<'a> {
         });
         sizes.fold(0.0, f64::max)
     }
+}
+
+/// Returns the two linear axes whose angle a squareness describes, in order.
+fn pair_of(name: ErrorName) -> Option<[Axis; 2]> {
+    let axis = name.axis()?;
+    let about = name.direction.index() % 3;
+    let other = LINEAR_AXES.into_iter().find(|other| ![about, axis.dimension()].contains(&other.dimension()))?;
+    Some(if axis < other { [axis, other] } else { [other, axis] })
+}
+
+/// True if an error model states the squareness of two axes: as a location error of one of them, or as the constant of a rotation.
+#[must_use]
+pub fn states_squareness(errors: &ErrorModel, name: ErrorName, axes: [Axis; 2]) -> bool {
+    let is_own =
+        |error: ErrorName| error.direction == name.direction && error.axis().is_some_and(|axis| axes.contains(&axis));
+    errors.location.iter().any(|error| is_own(error.name))
+        || errors.motion.iter().any(|error| is_own(error.name) && coefficient(error, 0) != 0.0)
+}
+
+/// True if the straightness of one of two axes along the other has a slope, which states their squareness as well.
+#[must_use]
+pub fn states_slope(errors: &ErrorModel, [one, two]: [Axis; 2]) -> bool {
+    errors.motion.iter().any(|error| {
+        let along = |axis: Axis, other: Axis| {
+            error.name.axis() == Some(axis) && error.name.direction.index() == other.dimension()
+        };
+        (along(one, two) || along(two, one)) && coefficient(error, 1) != 0.0
+    })
+}
+
+/// Returns a coefficient of a polynomial; 0 for any other function.
+fn coefficient(error: &super::MotionError, degree: usize) -> f64 {
+    let EntryFunction::Polynomial(polynomial) = &error.function else { return 0.0 };
+    polynomial.coefficients.get(degree).copied().unwrap_or(0.0)
 }
 
 /// Returns the distances by which a used range exceeds a measured one: negative below it, positive above it.

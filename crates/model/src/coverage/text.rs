@@ -34,6 +34,9 @@ impl Coverage {
             say(GapKind::RangeNotStated.code(), message, help);
         }
         for gap in &self.gaps {
+            if let Some((message, help)) = squareness(gap) {
+                say(gap.kind.code(), message, help);
+            }
             if let Some((message, help)) = sentence(gap) {
                 say(gap.kind.code(), message, help);
             }
@@ -80,6 +83,17 @@ fn unit(kind: GapKind, is_angle: bool) -> &'static str {
     }
 }
 
+/// Returns message and help of a squareness that no measurement shows.
+fn squareness(gap: &CoverageGap) -> Option<(String, String)> {
+    let name = gap.squareness?;
+    let [one, two] = super::pair_of(name)?;
+    let message = format!("{one} and {two} move, and no measurement shows their squareness {name}");
+    let help = format!(
+        "measure it, for example with a ball-bar in the plane of {one} and {two}, and calibrate; or remove {name} from not_shown in [measured] if it is known"
+    );
+    Some((message, help))
+}
+
 /// Returns message and help of a gap that is not about an axis as a whole.
 fn sentence(gap: &CoverageGap) -> Option<(String, String)> {
     let measured = gap.measured?;
@@ -91,7 +105,7 @@ fn sentence(gap: &CoverageGap) -> Option<(String, String)> {
     let size = size.map_or_else(String::new, |um| format!("; {} of the error is extrapolated", micrometers(um)));
     let unit = gap.unit();
     Some(match gap.kind {
-        GapKind::NoErrors | GapKind::RangeNotStated => return None,
+        GapKind::NoErrors | GapKind::RangeNotStated | GapKind::Squareness => return None,
         GapKind::Position => {
             let axis = gap.axis?;
             let range = match gap.table {

@@ -1,0 +1,54 @@
+//! Squareness errors that no reading of a calibration can show.
+//!
+//! A laser along X and another along Y say nothing about the angle between the two axes, and neither does a straightness whose reference was aligned by hand.
+//! The error model then has no squareness, and nothing distinguishes it from a measured one of zero. So the machine file names it.
+
+use crate::calibrate::{Parameter, identify};
+use crate::measure::data::DataSet;
+use ncfix_base::geometry::{Axis, Plane};
+use ncfix_machine::machine::squareness::{pair, squareness};
+use ncfix_machine::machine::{Machine, MeasuredRanges};
+use ncfix_model::coverage::{states_slope, states_squareness};
+use ncfix_model::name::ErrorName;
+use ncfix_model::{ErrorModel, ParameterName};
+
+/// The names for [`MeasuredRanges::not_shown`]: pairs of measured axes whose squareness neither the errors at the start nor any of these measurements show.
+/// `ranges` are those after the measurements. What an earlier calibration has shown remains known. `None` if there is nothing to state.
+#[must_use]
+pub fn not_shown(
+    machine: &Machine,
+    start: &ErrorModel,
+    ranges: &MeasuredRanges,
+    sets: &[&DataSet],
+) -> Option<Vec<String>> {
+    let direction = |axis: Axis| machine.axis(axis).map(|data| data.direction);
+    let earlier = machine.measured.as_ref();
+    let is_open = |name: &str, axes: [Axis; 2]| {
+        let is_listed = earlier.is_some_and(|earlier| earlier.not_shown.iter().flatten().any(|one| one == name));
+        let was_measured = earlier.is_some_and(|earlier| axes.iter().all(|axis| earlier.axes.contains_key(axis)));
+        // The slope of a listed one is an assumption of an earlier calibration.
+        let is_known = !is_listed && (was_measured || states_slope(start, axes));
+        axes.iter().all(|axis| ranges.axes.contains_key(axis)) && !is_known
+    };
+    let of_plane = |plane: Plane| {
+        let term = squareness(&machine.topology, plane, direction)?;
+        let error: ErrorName = term.name.parse().ok()?;
+        // The slope of one axis against a reference that stands for the other has the second name.
+        let names = [error, term.other.parse().ok()?];
+        let [first, second, _] = pair(plane);
+        let is_missing = is_open(&term.name, [first, second])
+            && !states_squareness(start, error, [first, second])
+            && !names.into_iter().any(|name| sets.iter().any(|set| shows(machine, name, set)));
+        is_missing.then_some(term.name)
+    };
+    let names: Vec<String> = [Plane::XY, Plane::ZX, Plane::YZ].into_iter().filter_map(of_plane).collect();
+    let was_stated = earlier.is_some_and(|earlier| earlier.not_shown.is_some());
+    (was_stated || !names.is_empty()).then_some(names)
+}
+
+/// True if the readings of a measurement can show a squareness beside the unknowns of its set-ups.
+fn shows(machine: &Machine, error: ErrorName, set: &DataSet) -> bool {
+    let parameter = Parameter::from(ParameterName::location(error));
+    let found = identify(machine, &ErrorModel::default(), &[parameter], std::slice::from_ref(set));
+    found.is_some_and(|found| found.inflation.first().is_some_and(|inflation| inflation.is_finite()))
+}
