@@ -199,3 +199,35 @@ fn a_step_under_inverse_time_has_a_feed_that_the_control_reads() {
     assert!(feeds.iter().all(|feed| (0.001..=9999.999).contains(feed)), "{out}");
     shop.run(["verify", "in.nc", "out.nc", "--machine", "m.toml"]).exits(0);
 }
+
+/// Table C and head B. On the great circle of the last cut, C turns fast where the tool is upright: equal times are unequal angles. A control divides the time of
+/// the move evenly along the circle, so the times that `fix` writes are right.
+#[test]
+fn times_on_a_great_circle_are_even() {
+    let machine = "[machine]\nname = \"m\"\ntopology = \"wCYFXZBSt\"\ncontroller = \"sinumerik\"\n\
+        [axis.C]\ndirection = [0, 0, -1]\npoint_mm = [300, -198, -440]\ntravel_deg = [-720, 720]\n\
+        [axis.Y]\ndirection = [0, -1, 0]\ntravel_mm = [-900, 500]\n[axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [-600, 1200]\n\
+        [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-1000, 300]\n\
+        [axis.B]\ndirection = [0, 1, 0]\npoint_mm = [0, 0, 150]\ntravel_deg = [-110, 110]\n\
+        [zero_offset.G54]\nX_mm = 300\nY_mm = -198\nZ_mm = -440\nset = \"absolute\"\n\
+        [[tool]]\nnumber = 1\nlength_mm = 120\nradius_mm = 5\n\
+        [location]\nEC0X = -30.0\nEB0Z = -30.0\nEA0Z = 30.0\nEX0C = 20.0\nEY0C = 20.0\nEA0C = -30.0\nEB0C = -30.0\nEX0B = -20.0\n\
+        EZ0B = 20.0\nEA0B = 30.0\nEC0B = 30.0\n\
+        [[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0.0, 2e-05]\n\
+        [[motion]]\ncomponent = \"EYY\"\nkind = \"polynomial\"\ncoefficients = [0.0, -2e-05]\n\
+        [[motion]]\ncomponent = \"EZZ\"\nkind = \"polynomial\"\ncoefficients = [0.0, 2e-05]\n";
+    let text = "N10 G17 G90 G71 G94 G54\nN20 T1 M6\nN30 D1\nN35 G0 B0 C0\nN40 TRAORI\nN45 ORIWKS\nN47 ORIVECT\n\
+        N50 G0 X-40 Y-30 Z60 A3=0 B3=0 C3=1\nN60 G1 Z20 F2000\nN75 G1 X30 Y20 A3=0.1 B3=0.4 C3=1 F3000\n\
+        N77 G1 A3=0.5 B3=0.1 C3=1 F2000\nN80 G0 Z100\nN85 TRAFOOF\nN90 M30\n";
+    let shop = Shop::new().file("m.toml", machine).file("in.mpf", text);
+    shop.run(["fix", "in.mpf", "-o", "out.mpf", "--machine", "m.toml"]).exits(0);
+    let out = shop.text("out.mpf");
+    assert!(out.contains("N77 G93"), "a turn about a resting tip states its time: {out}");
+    shop.run(["verify", "in.mpf", "out.mpf", "--machine", "m.toml"]).exits(0);
+    // A time that is a fifth too long is no correction.
+    let line = out.lines().skip_while(|line| !line.contains("G93")).find(|line| line.contains(" C")).unwrap();
+    let word = line.split(' ').find_map(|word| word.strip_prefix('F')).unwrap();
+    let slow = line.replace(&format!("F{word}"), &format!("F{:.3}", word.parse::<f64>().unwrap() / 1.2));
+    let shop = shop.file("slow.mpf", out.replace(line, &slow));
+    shop.run(["verify", "in.mpf", "slow.mpf", "--machine", "m.toml"]).exits(4).says("E0321");
+}
