@@ -51,6 +51,7 @@ pub(crate) fn measurement(kind: &str, free: &[Free]) -> DataSet {
         conditions: Vec::new(),
         is_in_order: true,
         is_unit_stated: false,
+        is_square_stated: false,
         has_senses: true,
         name: kind.to_owned(),
         kind: Instruments::default().find(kind).copied().unwrap(),

@@ -70,6 +70,7 @@ mod diagnose;
 mod diagnose_causes;
 mod diagnose_data;
 mod diagnose_days;
+mod diagnose_design;
 mod diagnose_drivers;
 mod diagnose_extend;
 mod diagnose_faults;

@@ -98,6 +98,10 @@ pub(crate) fn toml(sheet: &Sheet) -> String {
         sheet.unit(),
         free.join(", ")
     );
+    // These lines are exact: their slopes are those of the machine.
+    if sheet.kind == Kind::Direct && !sheet.angles {
+        out += "reference = \"square\"\n";
+    }
     for setup in sheet.setups.iter().filter(|_| sheet.kind == Kind::Ballbar) {
         let [x, y, z] = setup.centre.map(|value| number(value, 4));
         let length = number(setup.length, 4);

@@ -297,6 +297,11 @@ impl ImportedReadings {
         if !free.is_empty() {
             let _ = writeln!(out, "free = [{}]", free.join(", "));
         }
+        if self.has_straightness() && self.is_square {
+            out.push_str(
+                "reference = \"square\"           # its direction is exact: the slope is an error of the machine\n",
+            );
+        }
         if !self.is_in_order {
             out.push_str("order = \"unknown\"              # sorted: no direction and no time follow from the order of the rows\n");
         }

@@ -1,5 +1,6 @@
 //! Result of a diagnosis: the JSON object; its text for people is in `text`, its page in [`crate::page::diagnosis`].
 
+mod contradiction;
 mod hypotheses;
 mod next;
 mod text;

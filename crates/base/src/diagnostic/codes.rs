@@ -987,7 +987,11 @@ bar, measure one axis with a laser, or state the scale of the other axis in the 
 "The readings of a straightness contain the angle between its reference and the axis, unless the description frees it. The model
 has only the curvature. A parabola about the zero of the axis then takes up a part of the angle, so the curvature is wrong,
 possibly also in sign. Free the alignment with free = [\"offset\", \"slope\"] in the description, or add the slope to the model:
-EYX1 beside EYX2.";
+EYX1 beside EYX2.
+
+ncfix diagnose has no stated model. The alignment of the reference and a squareness explain the slope equally well there, so it
+uses no slope, and neither finds nor writes a squareness from it. If the reference is a square whose direction is exact, write
+reference = \"square\" in [measurement].";
     SCALE_BY_PIVOT = "W0613" "scale that depends on the stated place of a rotary axis"
 "ncfix calibrate fits the scales of linear axes from balls on a table, without a known distance between two balls. The balls then
 show only how scales compare with the places of the rotary axes and the length of the tool in the machine file. If a rotary axis

@@ -127,6 +127,7 @@ mod tests {
             conditions: Vec::new(),
             is_in_order: true,
             is_unit_stated: false,
+            is_square_stated: false,
             has_senses: true,
             fixed: Vec::new(),
             drivers: Vec::new(),

@@ -102,6 +102,7 @@ pub fn measurement(machine: &Machine, trace: &Trace, of: Of<'_>, place: Place) -
         conditions: Vec::new(),
         is_in_order: true,
         is_unit_stated: false,
+        is_square_stated: false,
         has_senses: true,
         observations,
         drivers: if has_feeds { vec![DataColumn { name: FEED.to_owned(), values: feeds }] } else { Vec::new() },

@@ -384,7 +384,7 @@ fn leaves(own: &[f64], other: &[f64], share: f64) -> bool {
 }
 
 /// Returns the sum of columns times amounts.
-fn sum(columns: &[impl AsRef<[f64]>], amounts: &[f64]) -> Vec<f64> {
+pub(super) fn sum(columns: &[impl AsRef<[f64]>], amounts: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; columns.first().map_or(0, |column| column.as_ref().len())];
     for (column, amount) in columns.iter().zip(amounts) {
         out.iter_mut().zip(column.as_ref()).for_each(|(sum, value)| *sum += amount * value);
@@ -402,7 +402,7 @@ fn is_scale(one: &Candidate) -> bool {
 }
 
 /// True if the term stays constant beyond the measured places: nonlinear terms.
-fn is_bounded(one: &Candidate) -> bool {
+pub(super) fn is_bounded(one: &Candidate) -> bool {
     let is_straight = |term: ComponentTerm| matches!(term, ComponentTerm::Coefficient(0 | 1) | ComponentTerm::Whole);
     !matches!(&one.term, Term::Parameters(names) if names.iter().all(|name| is_straight(name.term)))
 }

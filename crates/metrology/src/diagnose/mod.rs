@@ -18,6 +18,9 @@
 //! class                                  candidates that explain the readings nearly as well
 //! nature, undecided                      causes with the same effect on the readings that depend on another quantity: time, direction, speed
 //! reversed                               readings of a file with the opposite sign, which would make causes unnecessary
+//! swapped                                set-ups of which either may have the wrong scale
+//! level                                  curves of a straightness whose slope no reading determines
+//! elsewhere                              angles that explain the readings of a displacement, because they have one arm
 //! extend                                 the extended machine file
 //! ```
 
@@ -31,6 +34,7 @@ mod circles;
 mod class;
 mod contest;
 mod doubt;
+mod elsewhere;
 mod empirical;
 mod entrant;
 mod event;
@@ -48,6 +52,7 @@ mod held_out;
 mod jackknife;
 mod judge;
 mod known;
+mod level;
 mod mimic;
 mod nature;
 mod next;
@@ -72,6 +77,7 @@ mod share;
 mod size;
 mod slow;
 pub mod stated;
+mod swapped;
 mod sweep;
 mod twins;
 mod undecided;
@@ -82,6 +88,7 @@ pub use account::Account;
 pub use cause::Causes;
 pub use contest::ExplanationSummary;
 pub use doubt::ExtrapolationRisk;
+pub use elsewhere::ArmRisk;
 pub use far::FAR as FAR_OUT;
 pub use held::{Compared, Sizes};
 pub use next::NextMeasurement;
@@ -89,6 +96,7 @@ pub use noise::{Left, NoiseSource};
 pub use parts::FileShare;
 pub use readings::{freedom_of, levels, residuals};
 pub use rejected::{Gate, Rejected, TriedCause};
+pub use reversed::{SignContradiction, SignedError};
 pub use scene::Scene;
 pub use separate::commands;
 pub use share::VarianceShare;

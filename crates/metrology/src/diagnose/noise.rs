@@ -109,8 +109,8 @@ pub(super) fn look(field: &Field<'_, '_>, weights: &Weights, left: &[f64]) -> Le
     if source == NoiseSource::Instrument && chance >= LIMIT && rms > STATED * noise && white > WHITE * rms {
         (noise, source) = (rms, NoiseSource::Rest);
     }
-    if source == NoiseSource::Differences {
-        // Neighbors with the same digit of a display have no difference.
+    if matches!(source, NoiseSource::Differences | NoiseSource::Repeats) {
+        // Neighbors and repeats with the same digit of a display have no difference.
         noise = noise.max(least_noise(scene, of_angles).min(rms));
     }
     let unexplained = (rms * rms - noise * noise).max(0.0).sqrt();

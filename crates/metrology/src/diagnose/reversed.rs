@@ -11,6 +11,7 @@ use super::entrant::{family, is_slope};
 use super::explain::assumptions::Family;
 use super::scene::{NO_ROW, Scene};
 use super::search::{Field, Weights};
+use super::size::{Amounts, size};
 use super::undecided::RivalCause;
 use super::verdict::AcceptedCause;
 use crate::measure::kind::Measurand;
@@ -18,8 +19,10 @@ use ncfix_base::numeric::Series;
 
 /// The opposite sign must be this much better without its own odds, as a natural logarithm: a sign that nothing contradicts is that of the file.
 const BETTER: f64 = 1.0;
+/// Units whose evidence is less by up to this are in question too, as a natural logarithm: a factor of 20.
+const ALIKE: f64 = 3.0;
 /// A size that changes by less than this share is the same with both signs.
-const SAME: f64 = 0.2;
+pub(super) const SAME: f64 = 0.2;
 /// Maximum number of units. With more of them, a single one decides nothing.
 const MOST: usize = 12;
 /// Maximum number of terms of an explanation.
@@ -27,78 +30,119 @@ const TERMS: usize = 10;
 /// Maximum number of columns of a usual error.
 const COLUMNS: usize = 2;
 
-/// Readings that are explained better with the opposite sign.
+/// Readings of files or set-ups that are explained better with the opposite sign of one of them.
 #[derive(Clone, Debug)]
 pub(super) struct ReversedReadings {
+    /// Those of which one may have the opposite sign, the best first. Of two that contradict each other, nothing accuses one of them alone.
+    all: Vec<ReversedUnit>,
+    /// The contradiction in words and sizes.
+    pub(super) contradiction: SignContradiction,
+}
+
+/// A file or set-up with the opposite sign.
+#[derive(Clone, Debug)]
+struct ReversedUnit {
     /// Name of the file, and of the set-up if the file has several.
     name: String,
-    /// Probability of the opposite sign, compared with the given one.
-    pub(super) probability: f64,
+    /// Probability of the opposite sign, compared with the given ones.
+    probability: f64,
     /// Terms that then explain the readings, with the amounts of their columns.
     terms: Vec<(usize, Vec<f64>)>,
 }
 
-impl ReversedReadings {
+impl ReversedUnit {
     /// True if a term has another size, or is absent, with the opposite sign.
-    pub(super) fn changes(&self, number: usize, amounts: &[f64]) -> bool {
+    fn changes(&self, number: usize, amounts: &[f64]) -> bool {
         let Some((_, own)) = self.terms.iter().find(|(other, _)| *other == number) else { return true };
         let length = |squares: f64| squares.sqrt();
         let size = length(amounts.iter().map(|amount| amount * amount).sum());
         length(own.iter().zip(amounts).map(|(own, amount)| (own - amount).powi(2)).sum()) > SAME * size
     }
 
-    /// The opposite sign as a rival of a finding that has this share of the probability otherwise.
-    pub(super) fn rival(&self, share: f64) -> RivalCause {
-        RivalCause { cause: self.title(), probability: self.probability * share }
+    fn title(&self) -> String {
+        format!("{} sign of {}", EffectKind::Setup, self.name)
+    }
+}
+
+/// Files or set-ups whose readings contradict each other in sign.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SignContradiction {
+    /// Files or set-ups of which one has the opposite sign: a single one if others confirm each other.
+    pub one_of: Vec<String>,
+    /// Files or set-ups that agree with each other and contradict a single one.
+    pub supported_by: Vec<String>,
+    /// Errors that change their signs, as the first of `one_of` reads them.
+    pub errors: Vec<SignedError>,
+    /// Probability of a wrong sign, compared with other causes of the difference.
+    pub probability: f64,
+}
+
+/// An error with its size as one file reads it.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SignedError {
+    /// Its effect and parameter, as `motion EXX`.
+    pub cause: String,
+    /// Its size.
+    pub value: f64,
+    /// Its unit.
+    pub unit: String,
+}
+
+impl ReversedReadings {
+    /// Opposite signs that change a finding, as its rivals, if it has this share of the probability otherwise.
+    pub(super) fn rivals(&self, number: usize, amounts: &[f64], share: f64) -> Vec<RivalCause> {
+        let changing = self.all.iter().filter(|one| one.changes(number, amounts));
+        changing.map(|one| RivalCause { cause: one.title(), probability: one.probability * share }).collect()
     }
 
-    /// The reason why a finding that changes with the sign must not be corrected.
+    /// The reason why a finding that changes with a sign must not be corrected.
     pub(super) fn doubt(&self) -> ExtrapolationRisk {
-        let separate_by = format!("the sign of one reading of {} after a known motion of the axis", self.name);
-        ExtrapolationRisk { rivals: vec![self.title()], separate_by }
+        let names: Vec<&str> = self.all.iter().map(|one| one.name.as_str()).collect();
+        let separate_by = format!("the sign of one reading of {} after a known motion of the axis", names.join(" or "));
+        ExtrapolationRisk { rivals: self.all.iter().map(ReversedUnit::title).collect(), separate_by }
     }
 
-    /// The share of a finding, and its rivals, without the opposite sign.
+    /// The share of a finding, and its rivals, without the opposite signs.
     pub(super) fn left_out_of(&self, one: &AcceptedCause) -> (f64, Vec<RivalCause>) {
-        if !self.is_rival_of(one) {
-            return (one.nature_share, one.rivals.clone());
-        }
-        let of_sign = |rival: &&RivalCause| rival.cause != self.title();
-        let own: f64 = one.rivals.iter().filter(|rival| !of_sign(rival)).map(|rival| rival.probability).sum();
-        (one.nature_share + own, one.rivals.iter().filter(of_sign).cloned().collect())
+        let is_of_sign = |rival: &RivalCause| self.all.iter().any(|one| one.title() == rival.cause);
+        let own: f64 = one.rivals.iter().filter(|rival| is_of_sign(rival)).map(|rival| rival.probability).sum();
+        (one.nature_share + own, one.rivals.iter().filter(|rival| !is_of_sign(rival)).cloned().collect())
     }
 
-    fn is_rival_of(&self, one: &AcceptedCause) -> bool {
-        one.rivals.iter().any(|rival| rival.cause == self.title())
-    }
-
-    /// Gives the opposite sign its share of every explanation with a finding that changes; the other findings of an explanation stay.
+    /// Gives the opposite signs their shares of every explanation with a finding that changes; the other findings of an explanation stay.
     pub(super) fn share_out(
         &self,
         field: &Field<'_, '_>,
         findings: &[AcceptedCause],
         all: &mut Vec<ExplanationSummary>,
     ) {
-        let changed: Vec<String> =
-            findings.iter().filter(|one| self.is_rival_of(one)).map(|one| one.candidate.title()).collect();
-        let titles = self.terms.iter().filter_map(|(number, _)| field.candidates.get(*number)).map(Candidate::title);
-        let mut terms: Vec<String> = titles.chain([self.title()]).collect();
-        terms.sort();
-        terms.dedup();
-        let mut moved = 0.0;
-        for one in all.iter_mut().filter(|one| one.terms.iter().any(|term| changed.contains(term))) {
-            moved += self.probability * one.probability;
-            one.probability *= 1.0 - self.probability;
+        let mut added = Vec::new();
+        let given = all.clone();
+        for unit in &self.all {
+            let is_rival = |one: &&AcceptedCause| one.rivals.iter().any(|rival| rival.cause == unit.title());
+            let changed: Vec<String> = findings.iter().filter(is_rival).map(|one| one.candidate.title()).collect();
+            let titles = unit.terms.iter().filter_map(|(number, _)| field.candidates.get(*number));
+            let mut terms: Vec<String> = titles.map(Candidate::title).chain([unit.title()]).collect();
+            terms.sort();
+            terms.dedup();
+            let mut moved = 0.0;
+            for (one, given) in all.iter_mut().zip(&given) {
+                if one.terms.iter().any(|term| changed.contains(term)) {
+                    moved += unit.probability * given.probability;
+                    one.probability -= unit.probability * given.probability;
+                }
+            }
+            if moved > 0.0 {
+                added.push(ExplanationSummary { terms, probability: moved });
+            }
         }
-        if moved > 0.0 {
-            all.push(ExplanationSummary { terms, probability: moved });
+        if !added.is_empty() {
+            all.append(&mut added);
             all.sort_by(|a, b| b.probability.total_cmp(&a.probability));
             all.truncate(MOST_SHOWN);
         }
-    }
-
-    fn title(&self) -> String {
-        format!("{} sign of {}", EffectKind::Setup, self.name)
     }
 }
 
@@ -116,7 +160,7 @@ struct SimpleFit {
 struct Known(Vec<(usize, Vec<Vec<f64>>)>);
 
 impl Field<'_, '_> {
-    /// Returns the unit whose opposite sign explains the readings better than the terms in `taken`, if there is one. `bare` are the readings without a model.
+    /// Returns the units of which one explains the readings better with the opposite sign than the terms in `taken`, if there are any. `bare` are the readings without a model.
     pub(super) fn reversed(&self, bare: &Scene<'_>, weights: &Weights, taken: &[usize]) -> Option<ReversedReadings> {
         let units = self.units(weights);
         if taken.is_empty() || !(2..=MOST).contains(&units.len()) {
@@ -134,7 +178,7 @@ impl Field<'_, '_> {
         // A stated hypothesis may leave other causes in the readings, so the given sign is searched in the same way.
         let given: Vec<f64> = self.scene.items.iter().map(|item| item.left).collect();
         let own = [known.of(&base, &given, taken), self.by_usual_errors(&known, &base, &given)];
-        let mut best: Option<(f64, Unit, Vec<f64>, SimpleFit)> = None;
+        let mut found: Vec<(f64, Unit, Vec<f64>, SimpleFit)> = Vec::new();
         for unit in units {
             let values = self.opposite(bare, unit);
             let other = self.by_usual_errors(&known, &base, &values);
@@ -145,14 +189,74 @@ impl Field<'_, '_> {
                 odds - 0.5 * (of.squares / noise + of.rank as f64 * count.ln())
             };
             let gain = evidence(&other) - own.iter().map(evidence).fold(f64::NEG_INFINITY, f64::max);
-            if gain > BETTER && best.as_ref().is_none_or(|(most, ..)| gain > most + BETTER) {
-                best = Some((gain, unit, values, other));
+            if gain > BETTER {
+                found.push((gain, unit, values, other));
             }
         }
-        let (gain, unit, values, found) = best?;
-        let odds = Family::Sign.assumption().odds * gain.exp();
-        let probability = if odds.is_finite() { odds / (1.0 + odds) } else { 1.0 };
-        Some(ReversedReadings { name: self.name_of(unit), probability, terms: known.amounts(base, &values, &found) })
+        let most = found.iter().map(|(gain, ..)| *gain).fold(f64::NEG_INFINITY, f64::max);
+        // Of two that explain the readings equally well, only those whose sign an operator states are in question.
+        let is_stated = |unit: &Unit| self.measurand(*unit) == Some(Measurand::Component);
+        let has_stated = found.iter().any(|(gain, unit, ..)| *gain >= most - BETTER && is_stated(unit));
+        found.retain(|(gain, unit, ..)| *gain >= most - ALIKE && (is_stated(unit) || !has_stated));
+        // In proportion to the odds, relative to the best.
+        let odds = |gain: f64| Family::Sign.assumption().odds * (gain - most).exp();
+        let whole = (-most).exp() + found.iter().map(|(gain, ..)| odds(*gain)).sum::<f64>();
+        let units: Vec<Unit> = found.iter().map(|(_, unit, ..)| *unit).collect();
+        let all: Vec<ReversedUnit> = found
+            .iter()
+            .map(|(gain, unit, values, fit)| ReversedUnit {
+                name: self.name_of(*unit),
+                probability: odds(*gain) / whole,
+                terms: known.amounts(base.clone(), values, fit),
+            })
+            .collect();
+        let contradiction = self.contradiction(weights, &known, (&units, &all))?;
+        Some(ReversedReadings { all, contradiction })
+    }
+
+    /// The contradiction between the given signs of these units, in sizes.
+    fn contradiction(
+        &self,
+        weights: &Weights,
+        known: &Known,
+        (units, all): (&[Unit], &[ReversedUnit]),
+    ) -> Option<SignContradiction> {
+        // The signs of the first one hold if another one is reversed; alone, it is the reversed one.
+        let (first, last) = (units.first()?, all.last()?);
+        let own = if units.len() > 1 { 1.0 } else { -1.0 };
+        let is_in = |item: usize, (set, setup): Unit| {
+            let row = self.scene.items.get(item).and_then(|item| self.scene.rows.get(item.row));
+            row.is_some_and(|row| row.set == set && setup.is_none_or(|setup| setup == row.setup))
+        };
+        let shows = |number: usize, unit: Unit| {
+            known.columns(&[number]).flatten().any(|column| {
+                let mut all = column.iter().zip(&weights.items).enumerate();
+                all.any(|(item, (value, weight))| *value != 0.0 && *weight > 0.0 && is_in(item, unit))
+            })
+        };
+        let terms: Vec<&(usize, Vec<f64>)> = last.terms.iter().filter(|(number, _)| shows(*number, *first)).collect();
+        let of = |(number, amounts): &&(usize, Vec<f64>)| {
+            let one = self.candidates.get(*number)?;
+            let covariance = vec![vec![0.0; amounts.len()]; amounts.len()];
+            let size = size(one, &Amounts { values: amounts.clone(), covariance }, self.scene, self.scene.sets.len());
+            Some(SignedError { cause: one.title(), value: own * size.value, unit: size.unit.to_owned() })
+        };
+        // Those that agree with each other: files, or the other set-ups of one file.
+        let others = self.units(weights).into_iter().filter(|other| {
+            let is_other = if first.1.is_some() { other.0 == first.0 && other.1.is_some() } else { other.1.is_none() };
+            is_other && other != first && terms.iter().any(|(number, _)| shows(*number, *other))
+        });
+        let supported_by = if units.len() > 1 { Vec::new() } else { others.map(|unit| self.name_of(unit)).collect() };
+        Some(SignContradiction {
+            one_of: all.iter().map(|one| one.name.clone()).collect(),
+            supported_by,
+            errors: terms.iter().filter_map(of).collect(),
+            probability: all.iter().map(|one| one.probability).sum::<f64>().min(1.0),
+        })
+    }
+
+    fn measurand(&self, (set, _): Unit) -> Option<Measurand> {
+        self.scene.sets.get(set).map(|data| data.kind.measurand)
     }
 
     /// Measurements of deviations with weight, and their set-ups if they have several.
@@ -185,10 +289,6 @@ impl Field<'_, '_> {
                 units.push((set, Some(setup)));
             }
         }
-        // Of two units that explain the readings equally well, the one whose sign an operator states comes first.
-        units.sort_by_key(|unit| {
-            self.scene.sets.get(unit.0).is_some_and(|data| data.kind.measurand != Measurand::Component)
-        });
         // The opposite sign of all readings contradicts nothing.
         if setups.iter().all(|one| one.0 == setups[0].0) {
             units.retain(|unit| unit.1.is_some());

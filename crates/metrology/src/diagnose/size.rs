@@ -135,7 +135,7 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
             plain(MILLION, if candidate.sensor.is_some() { "um/(m K)" } else { "um/m" })
         }
         // Largest value of all set-ups.
-        EffectKind::Setup if candidate.parameter == "rotation" => {
+        EffectKind::Setup if setup::is_alignment(candidate) => {
             let size = |k: &usize| amounts.values.get(*k).copied().unwrap_or(0.0).abs();
             let most = (0..amounts.values.len()).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(0);
             let factors: Vec<f64> = (0..amounts.values.len()).map(|k| f64::from(u8::from(k == most))).collect();

@@ -5,7 +5,7 @@
 //! registered cause takes the place of the finding in turn, together with the other findings, and natures that predict the readings to within the noise share
 //! the probability by their likelihood alone. The corrections of different natures differ: one that is not certain must not be written.
 
-use super::cause::{Candidate, EffectKind};
+use super::cause::{Candidate, EffectKind, setup};
 use super::contest::{ExplanationSummary, MOST_SHOWN};
 use super::doubt::ExtrapolationRisk;
 use super::entrant::{family, group};
@@ -20,7 +20,7 @@ pub(super) const CERTAIN: f64 = 0.95;
 /// Sizes beyond the typical one of their family times this factor, that of a worn machine, are implausible.
 const WORN: f64 = 2.5;
 /// A rival with a smaller share is not counted.
-const LEAST: f64 = 0.01;
+pub(super) const LEAST: f64 = 0.01;
 
 /// The share of a finding in the probability of the natures that predict its readings.
 #[derive(Clone, Debug)]
@@ -192,9 +192,10 @@ pub(super) fn share_out(explanations: &mut Vec<ExplanationSummary>, title: &str,
 }
 
 /// 2 ln of the odds of a set-up that its description states as known: a length with a certificate is rarely wrong. A probe has no certificate for its length
-/// and its pre-travel on this machine.
+/// and its pre-travel on this machine, and an artifact has none for its alignment.
 fn certified(one: &Candidate) -> f64 {
-    if family(one) == Family::Setup { 2.0 * Family::Setup.assumption().odds.ln() } else { 0.0 }
+    let is_certified = family(one) == Family::Setup && !setup::is_alignment(one);
+    if is_certified { 2.0 * Family::Setup.assumption().odds.ln() } else { 0.0 }
 }
 
 /// True for a cause with a name of its own. Cross-couplings and unnamed effects of any driver can follow almost everything.

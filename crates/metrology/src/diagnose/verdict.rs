@@ -1,10 +1,11 @@
 //! Verdict of a diagnosis: findings with their sizes, other explanations and gains, and the residual.
 
 use super::account::{Account, swing};
-use super::cause::{Candidate, Cause, Causes, EffectKind, earlier, periodic, thermal};
+use super::cause::{Candidate, Cause, Causes, EffectKind, Term, earlier, periodic, thermal};
 use super::class::class;
 use super::contest::{Chosen, ExplanationSummary};
 use super::doubt::ExtrapolationRisk;
+use super::elsewhere::ArmRisk;
 use super::explain::assumptions::Family;
 use super::far::drop_far;
 use super::fold::{confirmed, counts};
@@ -17,7 +18,7 @@ use super::noise::{self, is_angle};
 use super::parts::{FileShare, differing};
 use super::readings::{doing, even_out, left_of, projected, rms, weights};
 use super::rejected::{Gate, Rejected, Rejections, TriedCause, tried};
-use super::reversed::ReversedReadings;
+use super::reversed::{ReversedReadings, SignContradiction};
 use super::sample::{self, Sample};
 use super::scene::Scene;
 use super::search::{Field, Taken, Weights};
@@ -72,6 +73,10 @@ pub struct AcceptedCause {
     pub aliases: Vec<f64>,
     /// Reason why a program must not correct it: other errors have the same effect on the readings but another effect elsewhere.
     pub doubt: Option<ExtrapolationRisk>,
+    /// Those of its rivals with which it stays, but with another size.
+    pub resized: Vec<RivalCause>,
+    /// An angle that explains the readings as well, because they have one arm.
+    pub arm: Option<ArmRisk>,
     /// Its size in each file, if the files differ significantly.
     pub by_file: Vec<FileShare>,
     /// Measurement that separates it from its first other explanation.
@@ -116,6 +121,8 @@ pub struct DiagnosedCauses {
     pub nothing: Option<f64>,
     /// Measurements that separate the explanations, the best first.
     pub next: Vec<NextMeasurement>,
+    /// Files that contradict each other in sign.
+    pub contradiction: Option<SignContradiction>,
     /// Number of candidates tested.
     pub tried: usize,
     /// Correlation of consecutive residuals.
@@ -275,15 +282,47 @@ pub(super) fn diagnose_then(
             Some(reversed) => reversed.left_out_of(one),
             None => (one.nature_share, one.rivals.clone()),
         };
+        // So does the choice of the set-up whose scale is wrong; its own finding is exchanged.
+        let own = own + one.resized.iter().map(|rival| rival.probability).sum::<f64>();
+        let rivals: Vec<RivalCause> = rivals.into_iter().filter(|rival| !one.resized.contains(rival)).collect();
         share_out(&mut found.explanations, &one.candidate.title(), own, &rivals);
     }
     field.share_others(&weights, &numbers, &mut found.explanations);
+    share_rejected(&found.rejected, &found.findings, &mut found.explanations);
     if let Some(reversed) = &reversed {
         reversed.share_out(&field, &found.findings, &mut found.explanations);
     }
     let (weights, held_out, kept, chosen) = (&weights, &held_out, kept.as_slice(), chosen.as_slice());
     then(Settled { field: &mut field, weights, held_out, kept, used, causes, bare, chosen }, note);
     found
+}
+
+/// Name of a slow change of the readings that follows no known quantity.
+const SLOW: &str = "slow change without a cause";
+
+/// Gives noise its share of explanations with a term that was not significant: the comparison of explanations knows no random walk, and must not be surer than
+/// the test that rejected the term.
+fn share_rejected(rejected: &[Rejected], findings: &[AcceptedCause], explanations: &mut Vec<ExplanationSummary>) {
+    let is_found = |title: &str| findings.iter().any(|one| one.candidate.title() == title);
+    for one in rejected.iter().filter(|one| one.gate == Gate::Chance) {
+        let title = one.candidate.title();
+        if !is_found(&title) {
+            let own = 1.0 / (1.0 + least_odds(one.chance));
+            let rival = RivalCause { cause: SLOW.to_owned(), probability: 1.0 - own };
+            share_out(explanations, &title, own, &[rival]);
+        }
+    }
+}
+
+/// Smallest odds of no effect against one for a p-value: −e p ln p, below 1/e (Sellke, Bayarri and Berger 2001).
+fn least_odds(chance: f64) -> f64 {
+    if chance <= 0.0 {
+        0.0
+    } else if chance < (-1.0_f64).exp() {
+        -std::f64::consts::E * chance * chance.ln()
+    } else {
+        1.0
+    }
 }
 
 /// Returns the terms of the comparison that also improve left-out readings.
@@ -334,9 +373,17 @@ fn verdict(
     let of_shares = shares(field, weights, &taken);
     let ranges: Vec<std::ops::Range<usize>> = ranges(columns.iter().map(Vec::len));
     let volume = Volume::new(scene, |row| row.set < used);
+    let swapped = field.swapped(weights, &taken, (memory, noise));
     let mut findings = Vec::new();
     for (((term, gain), range), share) in kept.iter().zip(ranges).zip(of_shares) {
         let Some(candidate) = field.candidates.get(term.candidate) else { continue };
+        let slopes = field.mean_slopes(weights, candidate);
+        let leveled = slopes.as_ref().map(|_| Candidate { term: Term::None, ..candidate.clone() });
+        let candidate = leveled.as_ref().unwrap_or(candidate);
+        let level = |amounts: Amounts| match &slopes {
+            Some(slopes) => slopes.level(amounts),
+            None => amounts,
+        };
         let others: Vec<usize> = taken.iter().copied().filter(|&other| other != term.candidate).collect();
         let inflation = field.inflation(weights, &taken, &others, term.candidate);
         // The amount also depends on which other causes there are.
@@ -344,12 +391,12 @@ fn verdict(
         let of_pair = |k: usize, l: usize| {
             covariance[(k, l)] * noise * inflation + if k == l && range.len() == 1 { between } else { 0.0 }
         };
-        let amounts = Amounts {
+        let amounts = level(Amounts {
             values: amounts.get(range.clone()).unwrap_or_default().to_vec(),
             covariance: range.clone().map(|k| range.clone().map(|l| of_pair(k, l)).collect()).collect(),
-        };
+        });
         let own_without: Vec<Amounts> =
-            without_parts.iter().map(|without| without.of(&range, noise * inflation)).collect();
+            without_parts.iter().map(|without| level(without.of(&range, noise * inflation))).collect();
         let mut size = size(candidate, &amounts, scene, used);
         size.u95 = size.u95.max(u95(candidate, &amounts, &own_without, scene, used).unwrap_or(0.0));
         let does = doing(field, weights, weights, &taken, term.candidate);
@@ -412,14 +459,33 @@ fn verdict(
             .map(|cause| RivalCause { cause: cause.clone(), probability: (1.0 - of_scale) * undecided.own })
             .collect::<Vec<_>>();
         let of_both_signs = undecided.own * of_waves.min(1.0) * of_scale;
-        let reversed = reversed.filter(|reversed| reversed.changes(term.candidate, &amounts.values));
-        let of_sign = reversed.map(|reversed| reversed.rival(of_both_signs));
-        let own_share = of_both_signs - of_sign.as_ref().map_or(0.0, |of_sign| of_sign.probability);
+        let of_sign = reversed.map_or_else(Vec::new, |one| one.rivals(term.candidate, &amounts.values, of_both_signs));
+        let own_share = of_both_signs - of_sign.iter().map(|rival| rival.probability).sum::<f64>();
+        let reversed = reversed.filter(|_| !of_sign.is_empty());
+        // Of two set-ups, either may have the wrong scale.
+        let swap = swapped.iter().find(|swap| swap.number == term.candidate);
+        let of_swap: Vec<RivalCause> = swap
+            .iter()
+            .flat_map(|swap| &swap.rivals)
+            .map(|rival| RivalCause { cause: rival.cause.clone(), probability: own_share * rival.probability })
+            .collect();
+        let own_share = own_share - of_swap.iter().map(|rival| rival.probability).sum::<f64>();
+        let resized = if swap.is_some_and(|swap| !swap.is_itself) { of_swap.clone() } else { Vec::new() };
         let of_natures = if undecided.is_certain() { Vec::new() } else { field.rivals(&undecided) };
-        let mut rivals: Vec<RivalCause> =
-            of_natures.into_iter().chain(of_wave).chain(of_others).chain(of_sign).collect();
+        let mut rivals: Vec<RivalCause> = of_natures
+            .into_iter()
+            .chain(of_wave)
+            .chain(of_others)
+            .chain(of_sign)
+            .chain(of_swap.iter().cloned())
+            .collect();
         rivals.sort_by(|a, b| b.probability.total_cmp(&a.probability));
         let doubt = reversed.filter(|_| own_share < CERTAIN).map(ReversedReadings::doubt);
+        let of_setups = ExtrapolationRisk {
+            rivals: of_swap.into_iter().map(|rival| rival.cause).collect(),
+            separate_by: "the same line measured once more with another mounting or instrument".to_owned(),
+        };
+        let doubt = doubt.or(Some(of_setups).filter(|risk| own_share < CERTAIN && !risk.rivals.is_empty()));
         let doubt = doubt.or_else(|| field.nature_doubt(candidate, &undecided)).or(relative);
         let doubt = doubt.or_else(|| of_chosen.flatten().filter(|_| is_compared)).or_else(by_class);
         // Itself, its other periods, and the other explanations.
@@ -431,7 +497,11 @@ fn verdict(
         let of_alias = aliases.iter().map(|period| (&periodic::CAUSE, separate::every(&candidate.parameter, *period)));
         names.splice(names.len().min(1)..names.len().min(1), of_alias);
         let by_file = differing(field, weights, (candidate, &amounts.values), &others, (memory, inflation));
+        let arm =
+            volume.as_ref().and_then(|volume| field.elsewhere(volume, &beside, (candidate, &amounts.values), &class));
         findings.push(AcceptedCause {
+            arm,
+            resized,
             by_file,
             size,
             is_partly_visible,
@@ -484,6 +554,7 @@ fn verdict(
         explanations: Vec::new(),
         nothing: None,
         next: Vec::new(),
+        contradiction: reversed.map(|reversed| reversed.contradiction.clone()),
         tried: field.tried,
         memory,
     }

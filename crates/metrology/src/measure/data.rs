@@ -71,6 +71,8 @@ pub struct DataSet {
     pub is_in_order: bool,
     /// `true` if the description states that the unit of the readings was stated by the instrument.
     pub is_unit_stated: bool,
+    /// `true` if the description states that straightnesses were read along a square, whose direction is exact.
+    pub is_square_stated: bool,
     /// `true` if the table contains directions of motion, `false` if they follow from the order of its rows.
     pub has_senses: bool,
     /// Readings in the order of the file.

@@ -11,13 +11,13 @@ use super::measurement::{Measurement, check_copies, check_near_copies};
 use super::readings::{self, ShownReadings};
 use super::size_range;
 pub use super::size_range::{PositionUnit, SizeRange};
-use super::{data_faults, has_errors};
+use super::{alignment, data_faults, has_errors};
 use crate::diagnose::cause::Correctable;
 use crate::diagnose::extend::extension;
 use crate::diagnose::fault::{Checks, DefectKind};
 use crate::diagnose::{
-    self, Causes, Compared, DiagnosedCauses, ExplanationSummary, FAR_OUT, Gate, NextMeasurement, NoiseSource,
-    RivalCause, Scene, fault, freedom_of, reads_angles, shape, stated,
+    self, ArmRisk, Causes, Compared, DiagnosedCauses, ExplanationSummary, FAR_OUT, Gate, NextMeasurement, NoiseSource,
+    RivalCause, Scene, SignContradiction, fault, freedom_of, reads_angles, shape, stated,
 };
 use crate::measure::data::DataSet;
 use ncfix_base::diagnostic::{Code, Diagnostic};
@@ -80,6 +80,8 @@ pub struct DiagnosisResult {
     pub no_cause_probability: Option<f64>,
     /// Measurements that separate the explanations, the best first; empty if the first explanation is certain, or no plan separates them.
     pub measure_next: Vec<NextMeasurement>,
+    /// Files or set-ups that contradict each other in sign; `null` if all signs agree.
+    pub contradiction: Option<SignContradiction>,
     /// Residuals with the extended machine file alone; `null` if there is nothing to write.
     pub written: Option<WrittenSizes>,
     /// Stated hypotheses, in their order.
@@ -320,6 +322,8 @@ pub struct CauseReport {
     pub rivals: Vec<RivalCause>,
     /// Its value in each file, if files differ significantly; otherwise empty.
     pub by_file: Vec<InFile>,
+    /// An angle that explains its readings as well, because they have one arm, and what this changes elsewhere; `null` if the readings separate them.
+    pub arm: Option<ArmRisk>,
     /// Equivalent explanations, itself first.
     pub class: Vec<String>,
     /// The same squareness by the names of other axes, each with its value in `unit`.
@@ -403,6 +407,7 @@ pub fn run(
     if has_errors(findings) {
         return None;
     }
+    alignment::release(&mut all, used, findings);
     let checks = settings.checks.cloned().unwrap_or_default();
     let faults = data_faults::look((machine, errors, &checks), &mut all, used, findings, &mut report.data_faults);
     let sets: Vec<DataSet> = all.into_iter().map(|one| one.data).collect();
@@ -535,6 +540,7 @@ fn tell_all(
     report.explanations.clone_from(&found.explanations);
     report.no_cause_probability = found.nothing;
     report.measure_next.clone_from(&found.next);
+    report.contradiction.clone_from(&found.contradiction);
     let alone: f64 = found.findings.iter().map(|one| one.alone).sum();
     report.findings = found.findings.iter().map(|one| cause(one, scene, used, (micro, alone))).collect();
     report.rejected = found.rejected.iter().map(|one| rejected(one, scene)).collect();
@@ -623,6 +629,7 @@ fn cause(found: &diagnose::AcceptedCause, scene: &Scene<'_>, used: usize, (micro
         probability: found.probability,
         certain: found.is_certain(),
         rivals: found.rivals.clone(),
+        arm: found.arm.clone(),
         by_file: by_file(&found.by_file, &found.size, scene),
         separate_by: found.separate_by.clone().filter(|_| class.len() > 1),
         same_as: found

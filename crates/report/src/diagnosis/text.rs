@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::DiagnosisReport;
+use super::contradiction::contradiction_sentence;
 use super::next::next_sentence;
 use crate::component::spelled_out;
 use crate::number::{grouped, percent, probability, significant};
@@ -74,8 +75,19 @@ impl DiagnosisReport {
         };
         let unit = self.unit_sign();
         let times = self.found.noise_stated_um.map_or(1.0, |stated| self.found.noise_um / stated);
-        let stated =
-            if times > TIMES { format!(", {} times the stated sigma", significant(times)) } else { String::new() };
+        let after = self.found.after.rms_um;
+        let stated = if times > TIMES {
+            format!(", {} times the stated sigma", significant(times))
+        } else if times * TIMES < 1.0 {
+            format!(", and the stated sigma is {} times as large", significant(1.0 / times))
+        } else if self.found.noise_from == NoiseFrom::Instrument && after * TIMES < self.found.noise_um {
+            format!(
+                ", but the residual after all causes is only {} {unit}: this sigma is too large",
+                significant(after)
+            )
+        } else {
+            String::new()
+        };
         format!(
             "{}: residual {} {unit} RMS over {} readings, {} {unit} at most. Noise {} {unit}, {from}{stated}.",
             self.found.machine,
@@ -93,6 +105,10 @@ impl DiagnosisReport {
         let found = &self.found;
         if let Some(expired) = self.expired_sentence().filter(|_| found.findings.is_empty()) {
             return format!("{expired} Next: calibrate again.");
+        }
+        if let Some(sentence) = found.contradiction.as_ref().and_then(contradiction_sentence) {
+            let expired = self.expired_sentence().map_or(String::new(), |sentence| format!("{sentence} "));
+            return expired + &sentence;
         }
         // By its fair share: of causes that cancel each other, each alone may be larger than the residual.
         let is_sure = |one: &&CauseReport| one.certain;
@@ -520,6 +536,14 @@ impl DiagnosisReport {
             let rivals: Vec<&str> = others.into_iter().take(RIVALS).collect();
             let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
             let _ = writeln!(out, "   other explanations: {}{rest}", rivals.join(", "));
+        }
+        if let Some(arm) = one.arm.as_ref().filter(|arm| arm.difference_um >= one.rms_um) {
+            let _ = writeln!(
+                out,
+                "   measured at one arm: if it is {} instead, it differs by up to {} µm elsewhere in the travel",
+                arm.cause,
+                significant(arm.difference_um)
+            );
         }
         let is_said = |how: &&String| one.extends_why.as_ref().is_some_and(|why| why.contains(how.as_str()));
         if let Some(how) = one.separate_by.as_ref().filter(|how| !is_said(how)) {

@@ -55,6 +55,14 @@ const MOST: usize = 40;
 /// Columns with the temperatures of instrument and artifact.
 const OWN: [&str; 6] = ["T_plate_C", "T_air_C", "T_artefact_C", "T_artifact_C", "T_bar_C", "T_workpiece_C"];
 
+/// Name of the rotations of artifacts.
+const ROTATION: &str = "rotation";
+
+/// True for an artifact that is not aligned with the axes as its description states.
+pub(in crate::diagnose) fn is_alignment(one: &Candidate) -> bool {
+    one.cause.name == PLACE.name && one.parameter.split(' ').next() == Some(ROTATION)
+}
+
 /// A part of a column: the path of its effect, and its weight as a function of the row.
 fn part(through: Through, of: impl Fn(&SceneRow) -> f64 + Send + Sync + 'static) -> (Through, Weight) {
     (through, Weight::new(of))
@@ -80,6 +88,14 @@ fn setups(scene: &Scene<'_>, measurands: &[Measurand], free: Free) -> Vec<(usize
         .filter(|(_, set)| measurands.contains(&set.kind.measurand) && !set.free.contains(&free));
     let all: Vec<_> = sets.flat_map(|(set, data)| (0..data.setups.len()).map(move |setup| (set, setup))).collect();
     if all.len() > MOST { Vec::new() } else { all }
+}
+
+/// Label of a set-up of a measurement, with the name of its file if the set-up of another file has the same label.
+fn full_label(scene: &Scene<'_>, own: (usize, usize), all: &[(usize, usize)]) -> String {
+    let own_label = label(scene, own);
+    let is_alike = |other: &&(usize, usize)| other.0 != own.0 && label(scene, **other) == own_label;
+    let file = scene.sets.get(own.0).filter(|_| all.iter().any(|other| is_alike(&other))).map_or("", |set| &set.name);
+    format!("{file} {own_label}").trim().to_owned()
 }
 
 /// Label of a set-up of a measurement.
@@ -123,11 +139,15 @@ fn place(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         push(out, &PLACE, name.trim_end(), vec![of_all(vec![own])], &["setup"]);
     }
     let mut columns = Vec::new();
-    for own in setups(scene, &[Measurand::Displacement], Free::Rotation) {
+    let mut of_each = Vec::new();
+    // The direction of a square is exact.
+    let is_square = |set: usize| scene.sets.get(set).is_some_and(|data| data.is_square_stated);
+    for own in setups(scene, &[Measurand::Displacement], Free::Rotation).into_iter().filter(|own| !is_square(own.0)) {
         let rows = scene.rows.iter().filter(|row| (row.set, row.setup) == own);
         let points: Vec<[f64; 3]> = rows.map(|row| point(row, scene)).collect();
         let middle = [0, 1, 2].map(|k| points.iter().map(|at| at[k]).sum::<f64>() / points.len().max(1) as f64);
         let dimensions = [0, 1, 2].map(|k| super::linear(scene).find(|axis| axis.dimension() == k));
+        let first = columns.len();
         for about in 0..3 {
             // The two components of e × p.
             let [one, other] = [(about + 1) % 3, (about + 2) % 3];
@@ -143,8 +163,15 @@ fn place(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
             let (plus, minus) = (at(one), at(other));
             columns.push(vec![part(Through::Value(other), plus), part(Through::Value(one), move |row| -minus(row))]);
         }
+        of_each.push((own, columns.get(first..).unwrap_or_default().to_vec()));
     }
-    push(out, &PLACE, "rotation", columns, &["setup"]);
+    let several = of_each.len() > 1;
+    push(out, &PLACE, ROTATION, columns, &["setup"]);
+    // One of several may be misaligned.
+    for (own, columns) in of_each.into_iter().filter(|_| several) {
+        let name = format!("{ROTATION} {}", label(scene, own));
+        push(out, &PLACE, name.trim_end(), columns, &["setup"]);
+    }
 }
 
 fn tool(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
@@ -203,10 +230,10 @@ fn scale(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     let plates = plates(scene);
     let has_others = (2..=MOST).contains(&(all.len() + plates.len()));
     if has_others {
-        for own in all {
+        for &own in &all {
             let of =
                 move |row: &SceneRow| if (row.set, row.setup) == own { own_length(row).unwrap_or(0.0) } else { 0.0 };
-            let name = format!("scale {}", label(scene, own));
+            let name = format!("scale {}", full_label(scene, own, &all));
             push(out, &SCALE, name.trim_end(), vec![vec![part(Through::Reading(false), of)]], &["setup"]);
         }
     }
@@ -272,6 +299,7 @@ fn plates(scene: &Scene<'_>) -> Vec<(usize, usize)> {
 
 /// Scale of one artifact or of one mounting: its length differs from the certificate, about its middle and in all directions.
 fn artefacts(scene: &Scene<'_>, all: Vec<(usize, usize)>, out: &mut Vec<Candidate>) {
+    let known = all.clone();
     for own in all {
         let points: Vec<[f64; 3]> =
             scene.rows.iter().filter(|row| (row.set, row.setup) == own).map(|row| point(row, scene)).collect();
@@ -282,7 +310,7 @@ fn artefacts(scene: &Scene<'_>, all: Vec<(usize, usize)>, out: &mut Vec<Candidat
                 if (row.set, row.setup) == own { row.position[axis] + row.tool_mm[k] - middle } else { 0.0 }
             }))
         });
-        let name = format!("scale {}", label(scene, own));
+        let name = format!("scale {}", full_label(scene, own, &known));
         push(out, &SCALE, name.trim_end(), vec![parts.collect()], &["setup"]);
     }
 }

@@ -431,6 +431,8 @@ mod tests {
             probability: Some(1.0),
             nature_share: 1.0,
             rivals: Vec::new(),
+            resized: Vec::new(),
+            arm: None,
             gain_unseen: 0.0,
             share: VarianceShare::default(),
             class: Vec::new(),

@@ -122,6 +122,10 @@ pub(super) fn contradiction(data: &DataSet) -> Option<(&'static str, &'static st
     if has(Free::Drift) && !has(Free::Offset) {
         return Some(("a drift moves the zero of the instrument", "write free = [\"offset\", \"drift\"]"));
     }
+    if (has(Free::Slope) || has(Free::Rotation)) && data.is_square_stated {
+        let help = "remove \"slope\" or \"rotation\" from free, or write reference = \"straightedge\"";
+        return Some(("the direction of a square is exact, so its alignment is not an unknown", help));
+    }
     if has(Free::Slope) && !has(Free::Offset) {
         return Some(("an alignment moves the zero of the instrument too", "write free = [\"offset\", \"slope\"]"));
     }

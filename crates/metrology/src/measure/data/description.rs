@@ -7,7 +7,7 @@ use ncfix_base::units::{mm_from_um, rad_from_urad};
 use ncfix_machine::machine::file::{MachineFile, Section};
 
 use super::super::kind::{self, Instruments, Measurand};
-use super::{DataSet, KnownLength, Setup, bodies, number_of};
+use super::{DataSet, Free, KnownLength, Setup, bodies, number_of};
 
 /// Reads the description; the result is a measurement without rows, if its kind is known.
 pub(super) fn read(name: &str, source: &Source, instruments: &Instruments) -> (Option<DataSet>, Vec<Diagnostic>) {
@@ -147,6 +147,9 @@ fn read_measurement(name: &str, section: &mut Section<'_>, instruments: &Instrum
     let is_in_order = choice(section, "order", ["motion", "unknown"]) != Some(1);
     let is_unit_stated = choice(section, "unit", ["stated", "assumed"]) == Some(0);
     let kind = kind?;
+    // Only an alignment that may be an unknown has a reference.
+    let alignment = [Free::Slope, Free::Rotation].into_iter().find(|free| kind.free.contains(free));
+    let reference = alignment.and_then(|_| choice(section, "reference", ["square", "straightedge"]));
     let mut unknowns = Vec::new();
     for (index, word) in free.unwrap_or_default().iter().enumerate() {
         match kind.free.iter().find(|&&free| kind::word(free) == word) {
@@ -156,6 +159,13 @@ fn read_measurement(name: &str, section: &mut Section<'_>, instruments: &Instrum
                 let place = section.place_of_item("free", index);
                 let message = format!("\"{word}\" is not a possible unknown of a {} measurement", kind.name);
                 section.report(Code::BAD_VALUE, place, message, format!("write any of {}", known.join(", ")));
+            }
+        }
+    }
+    if reference == Some(1) {
+        for free in alignment.into_iter().chain([Free::Offset]) {
+            if !unknowns.contains(&free) {
+                unknowns.push(free);
             }
         }
     }
@@ -179,6 +189,7 @@ fn read_measurement(name: &str, section: &mut Section<'_>, instruments: &Instrum
         fixed: Vec::new(),
         is_in_order,
         is_unit_stated,
+        is_square_stated: reference == Some(0),
         conditions: Vec::new(),
         has_senses: false,
         observations: Vec::new(),

@@ -87,7 +87,7 @@ fn slopes(data: &DataSet) -> Vec<usize> {
 }
 
 /// True for a displacement of a linear axis across its direction.
-pub(in crate::measure) fn is_straightness(name: ErrorName) -> bool {
+pub(crate) fn is_straightness(name: ErrorName) -> bool {
     let is_across = |axis: Axis| !axis.is_rotary() && axis.dimension() != name.direction.index() % 3;
     !name.direction.is_rotation() && name.axis().is_some_and(is_across)
 }

@@ -5,7 +5,7 @@
 //! write a static [`Instrument`], pass it to `ncfix::Registry::with_instrument`, and read the machine file with `ncfix::Machine::from_file_with`.
 
 mod ballbar;
-pub(in crate::measure) mod direct;
+pub(crate) mod direct;
 mod displacement;
 mod length;
 mod probe;

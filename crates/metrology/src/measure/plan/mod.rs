@@ -269,6 +269,7 @@ fn empty(kind: &'static super::kind::Instrument, free: &[super::data::Free]) -> 
         conditions: Vec::new(),
         is_in_order: true,
         is_unit_stated: false,
+        is_square_stated: false,
         has_senses: true,
         name: kind.name.to_owned(),
         kind,
