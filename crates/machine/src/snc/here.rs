@@ -11,7 +11,7 @@ pub struct HereStatement {
     /// Words before the values: `G10 L20 P1`.
     pub words: String,
     /// Words after the values, with a blank before each: ` R1.5`.
-    pub behind: String,
+    pub after: String,
     /// Axis commands of the place where the values count: mm, rad.
     pub command: AxisVector,
     /// From the coordinates of the values to the directions of the axes.
@@ -42,8 +42,8 @@ mod tests {
     fn statement(frame: Frame) -> HereStatement {
         let axes = [Axis::X, Axis::Y].into_iter().collect();
         let command = AxisVector::ZERO;
-        let (words, behind) = ("G10 L20 P1".to_owned(), String::new());
-        HereStatement { words, behind, command, frame, values: command, named: axes, unit_mm: 1.0, data: command }
+        let (words, after) = ("G10 L20 P1".to_owned(), String::new());
+        HereStatement { words, after, command, frame, values: command, named: axes, unit_mm: 1.0, data: command }
     }
 
     #[test]

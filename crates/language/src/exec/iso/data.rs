@@ -164,7 +164,7 @@ fn place_here(
     }
     Ok(HereStatement {
         words: format!("G10 L20 P{}", system.0),
-        behind: String::new(),
+        after: String::new(),
         command,
         frame: turned,
         values,
@@ -245,15 +245,15 @@ fn set_tool(channel: &mut Channel<'_>, gathered: &Gathered, l: i64, number: u32,
         offset.length_mm[axis.slot()] = length;
         (values[axis], lengths[axis]) = (value + shift[axis], length);
     }
-    let mut behind = String::new();
+    let mut after = String::new();
     if let Some(radius) = measure::length(channel, gathered, b'R')? {
         channel.outlet.check_radius(&format!("tool {number}"), radius, span)?;
         offset.radius_mm = radius;
-        text::append_length(channel.settings.machine, channel.language, &mut behind, b'R', radius);
+        text::append_length(channel.settings.machine, channel.language, &mut after, b'R', radius);
     }
     for letter in *b"IJQ" {
         if let Some(value) = gathered.raw(letter) {
-            text::append(channel.language, &mut behind, letter, value);
+            text::append(channel.language, &mut after, letter, value);
         }
     }
     if gathered.axes.is_empty() && !gathered.has_any(b"RIJQ") {
@@ -263,7 +263,7 @@ fn set_tool(channel: &mut Channel<'_>, gathered: &Gathered, l: i64, number: u32,
     if l != 1 && !gathered.axes.is_empty() {
         channel.push(Kind::Here(Box::new(HereStatement {
             words: format!("G10 L{l} P{number}"),
-            behind,
+            after,
             command,
             frame: shown,
             values,
@@ -277,7 +277,7 @@ fn set_tool(channel: &mut Channel<'_>, gathered: &Gathered, l: i64, number: u32,
     for axis in gathered.axes.iter() {
         text::append_length(channel.settings.machine, channel.language, &mut text, axis.letter(), lengths[axis]);
     }
-    text.push_str(&behind);
+    text.push_str(&after);
     channel.push(Kind::Verbatim(text.into_bytes()));
     Ok(())
 }

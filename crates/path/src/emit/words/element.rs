@@ -151,7 +151,7 @@ impl Words {
             // Without a negative zero.
             push_value(&mut self.line.text, (shown * 1e6).round() / 1e6 + 0.0);
         }
-        self.line.text.extend_from_slice(here.behind.as_bytes());
+        self.line.text.extend_from_slice(here.after.as_bytes());
         self.has_p = true;
         // As after every statement: the next motion states its code.
         self.motion = "";

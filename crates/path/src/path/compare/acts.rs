@@ -130,8 +130,8 @@ impl Acts {
                     let text = format!("{} {axis} = {}", here.words, shown(data));
                     self.0.push(Act { number: Some(data), ..Act::new(origin, ActSubject::ComputedData, text) });
                 }
-                if !here.behind.is_empty() {
-                    let text = format!("{}{}", here.words, here.behind);
+                if !here.after.is_empty() {
+                    let text = format!("{}{}", here.words, here.after);
                     self.0.push(Act::new(origin, ActSubject::Statement, text));
                 }
             }
