@@ -106,7 +106,9 @@ fn a_square_has_no_free_alignment_and_other_kinds_have_no_reference() {
     let both = LINE.replace("\"offset\"", "\"offset\", \"slope\"") + "reference = \"square\"\n";
     let wrong = format!("{LINE}reference = \"table\"\n");
     let bar = "[measurement]\nkind = \"ballbar\"\nfree = [\"centre\"]\nreference = \"square\"\n";
-    for (description, text) in [(both.as_str(), "square is exact"), (&wrong, "unknown reference"), (bar, "reference")] {
+    for (description, text) in
+        [(both.as_str(), "square is exact"), (wrong.as_str(), "unknown reference"), (bar, "reference")]
+    {
         let (shop, files) = shop(&[&table], description);
         let run = shop.run(["diagnose", &files[0], "--machine", "m.toml"]);
         assert!(run.code != 0 && run.stderr.contains(text), "{text}: {run:?}");
