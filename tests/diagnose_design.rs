@@ -6,12 +6,16 @@ use std::fmt::Write as _;
 
 use serde_json::Value;
 
-use crate::cli_calibrate::bare;
 use crate::diagnose::{findings, name, number, report, run};
 use crate::plant::Random;
 use crate::support::{Run, Shop};
 
 const LINE: &str = "[measurement]\nkind = \"direct\"\nfree = [\"offset\"]\nsigma_um = 0.3\n";
+/// A gantry that carries the tool along X: a squareness is then a slope of what a straightness reads.
+const GANTRY: &str = "[machine]\nname = \"gantry\"\ntopology = \"wYFXZSt\"\n\
+                      [axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [0, 700]\n\
+                      [axis.Y]\ndirection = [0, -1, 0]\ntravel_mm = [0, 500]\n\
+                      [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-50, 450]\n";
 /// Targets with uneven steps, mm.
 const UNEVEN: [f64; 13] = [10.0, 71.0, 118.0, 190.0, 236.0, 301.0, 344.0, 419.0, 470.0, 521.0, 588.0, 629.0, 690.0];
 
@@ -36,7 +40,7 @@ fn line(
 
 /// Files a, b, c … with one description, in this order.
 fn shop(tables: &[&str], description: &str) -> (Shop, Vec<String>) {
-    let mut shop = Shop::new().file("m.toml", bare("demo"));
+    let mut shop = Shop::new().file("m.toml", GANTRY);
     let mut files = Vec::new();
     for (table, stem) in tables.iter().zip(["a", "b", "c"]) {
         shop = shop.file(&format!("{stem}.csv"), table).file(&format!("{stem}.toml"), description);
@@ -102,7 +106,9 @@ fn a_square_has_no_free_alignment_and_other_kinds_have_no_reference() {
     let both = LINE.replace("\"offset\"", "\"offset\", \"slope\"") + "reference = \"square\"\n";
     let wrong = format!("{LINE}reference = \"table\"\n");
     let bar = "[measurement]\nkind = \"ballbar\"\nfree = [\"centre\"]\nreference = \"square\"\n";
-    for (description, text) in [(both.as_str(), "square is exact"), (&wrong, "unknown reference"), (bar, "reference")] {
+    for (description, text) in
+        [(both.as_str(), "square is exact"), (wrong.as_str(), "unknown reference"), (bar, "reference")]
+    {
         let (shop, files) = shop(&[&table], description);
         let run = shop.run(["diagnose", &files[0], "--machine", "m.toml"]);
         assert!(run.code != 0 && run.stderr.contains(text), "{text}: {run:?}");

@@ -339,7 +339,8 @@ fn line(seed: u64, component: &str, error: impl Fn(f64) -> f64) -> String {
 fn what_bends_is_written_as_far_as_it_was_measured() {
     // 6 µm over 300 mm; at 0 and 700 mm a parabola would have 25 to 35 µm.
     let table = line(1, "EYX", |x| 6.0 * ((x - 350.0) / 150.0).powi(2));
-    let (shop, report) = found(&table, LINE, &["-o", "out.toml"]);
+    let square = format!("{LINE}reference = \"square\"\n");
+    let (shop, report) = found(&table, &square, &["-o", "out.toml"]);
     let all = findings(&report);
     assert!(all.len() == 1 && name(&all[0]) == "motion EYX" && all[0]["extends"] == true, "{report:#}");
     assert!((number(&all[0], "value") - 6.0).abs() < 1.5, "{report:#}");

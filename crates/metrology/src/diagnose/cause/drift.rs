@@ -60,7 +60,7 @@ fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     }
 }
 
-/// Proposes a drift that begins again in each run, for measurements whose runs pass an axis in one direction only: the drift then grows with the position, as a
+/// Proposes a drift that begins again in each run, for measurements whose runs are lines along an axis in one direction only: the drift then grows with the position, as a
 /// scale does, and no run with the opposite direction separates them.
 fn in_each_run(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     let sets = scene.sets.iter().enumerate().filter(|(_, data)| data.is_in_order);
@@ -103,7 +103,14 @@ fn shares_of_runs(scene: &Scene<'_>, set: usize) -> Option<Vec<f64>> {
         };
         runs.values().all(is_one_way)
     };
-    if !super::linear(scene).any(|axis| ways(axis, 1.0) || ways(axis, -1.0)) {
+    let axis = super::linear(scene).find(|axis| ways(*axis, 1.0) || ways(*axis, -1.0))?;
+    // A grid returns along one axis again and again, so it is no line.
+    let is_line = |run: &Vec<&SceneRow>| {
+        let stays =
+            |other: Axis| run.iter().all(|row| (row.position[other] - run[0].position[other]).abs() < SAME_PLACE_MM);
+        super::axes(scene).all(|other| other == axis || stays(other))
+    };
+    if !runs.values().all(is_line) {
         return None;
     }
     let since = |run: &[&SceneRow], k: usize| -> Option<f64> {
