@@ -7,11 +7,16 @@ use ncfix_base::units::mm_from_um;
 use ncfix_machine::machine::Uncertainty;
 use ncfix_model::Model;
 use ncfix_model::uncertainty::{unknown_of, variations};
-use ncfix_path::path::{self, ErrorPlace};
+use ncfix_path::path::{self, ErrorPlace, Spread};
 use ncfix_report::prediction::PredictionReport;
 
-/// The interval of the errors at these places of a run; `None` on a machine without errors, whose programs stay as they are.
-pub(crate) fn of_run(heads: &[HeadInUse<'_>], model: &Model, places: &[ErrorPlace]) -> Option<PredictionReport> {
+/// The interval of the errors of a run, with its errors on the model before and after, and some of their places; `None` on a machine without errors, whose programs stay as they are.
+pub(crate) fn of_run(
+    heads: &[HeadInUse<'_>],
+    model: &Model,
+    whole: [&Spread; 2],
+    places: &[ErrorPlace],
+) -> Option<PredictionReport> {
     let [first, others @ ..] = heads else { return None };
     if !model.has_errors() || places.is_empty() {
         return None;
@@ -42,7 +47,7 @@ pub(crate) fn of_run(heads: &[HeadInUse<'_>], model: &Model, places: &[ErrorPlac
         }
     };
     let unexplained_mm = mm_from_um(uncertainty.unexplained_um.unwrap_or(0.0));
-    let found = path::predict(places, model, &varied, unexplained_mm);
+    let found = path::predict(places, whole, model, &varied, unexplained_mm);
     Some(PredictionReport::of(found.as_ref(), unknown_of(&chosen.errors, uncertainty)))
 }
 

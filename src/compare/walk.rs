@@ -253,7 +253,8 @@ fn walk(
             let (coverage, gaps) = coverage::of_run(&heads[0].chosen, original.extent(), how.requires_coverage);
             let tolerance_mm = path::CorrectionOptions::default().tolerance_mm;
             let zeros = head::zeros(&heads, original.extent(), tolerance_mm, findings);
-            let prediction = interval::of_run(&heads, &model, &comparison.places);
+            let prediction =
+                interval::of_run(&heads, &model, [&comparison.before, &comparison.after], &comparison.places);
             let (refused, noted) = if how.requires_coverage { (gaps, Vec::new()) } else { (Vec::new(), gaps) };
             findings.extend(noted, &sources[0]);
             let machine = MachineUsed {

@@ -398,7 +398,8 @@ impl<'a> Prepared<'a> {
             report.coverage = Some(coverage);
             found.extend(gaps, sources);
             report.zeros = head::zeros(&heads, running.extent(), options.tolerance_mm, found);
-            report.prediction = interval::of_run(&heads, model, &passed.prediction.places());
+            let whole = [passed.prediction.before(), passed.prediction.after()];
+            report.prediction = interval::of_run(&heads, model, whole, &passed.prediction.places());
         }
         note(&passed.prediction, &running, &machine.machine, options.tolerance_mm, report);
         if let Some((finding, source)) = short_blocks(&passed.prediction.short_blocks, sources, report) {

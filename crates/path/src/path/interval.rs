@@ -3,6 +3,9 @@
 //! Each independent source of uncertainty varies the model by one standard deviation. The forward function of both models gives the displacement of the tip
 //! by it, at some places along the program, once. True displacements are sums of these with standard normal amounts, so repetitions of the whole program are sums of
 //! numbers. Mean, root mean square and maximum of every repetition give the interval. The same amounts apply before and after the correction.
+//!
+//! The places are a sample of the program. The figures of the model for the whole program are known: the intervals are moved by their difference from those
+//! of the places.
 
 use ncfix_base::geometry::Vector;
 use ncfix_base::numeric::noise::Noise;
@@ -10,6 +13,7 @@ use ncfix_machine::snc::Origin;
 use ncfix_model::Model;
 
 use super::poses::ErrorPlace;
+use super::prediction::Spread;
 
 /// Pairs of repetitions with opposite amounts.
 const PAIRS: usize = 400;
@@ -63,10 +67,11 @@ pub struct PredictedInterval {
 type ErrorFigures = [f64; 6];
 
 /// Predicts the intervals. `varied` are the models after one standard deviation of each cause, and `unexplained_mm` is a further standard deviation of every
-/// place and direction. `None` without places.
+/// place and direction. `whole` has the errors of the model for the whole program before and after. `None` without places.
 #[must_use]
 pub fn predict(
     places: &[ErrorPlace],
+    whole: [&Spread; 2],
     model: &Model,
     varied: &[Model],
     unexplained_mm: f64,
@@ -137,9 +142,11 @@ pub fn predict(
             }
         }
     }
-    let of_model = figures(places, own[0].iter().copied());
-    let [mut before, after] = all.map(|lists| lists.map(ends));
-    before.iter_mut().zip(of_model).for_each(|(ends, figure)| ends[0] = lowered(*ends, figure));
+    let [of_before, of_after] = [0, 1].map(|which: usize| figures(places, own[which].iter().copied()));
+    let [mut before, mut after] = all.map(|lists| lists.map(ends));
+    before.iter_mut().zip(of_before).for_each(|(ends, figure)| ends[0] = lowered(*ends, figure));
+    of_whole(&mut before, &of_before, whole[0]);
+    of_whole(&mut after, &of_after, whole[1]);
     let [before, after] = [before, after].map(|[mean_mm, rms_mm, max_mm, x, y, z]| ErrorInterval {
         mean_mm,
         rms_mm,
@@ -177,6 +184,22 @@ fn figures(places: &[ErrorPlace], errors: impl Iterator<Item = Vector>) -> Error
     out
 }
 
+/// Moves the intervals of the mean, the root mean square and the maximum from the places to the whole program. Squares are moved by the difference of squares:
+/// a part that the correction has removed adds to the rest in this way.
+fn of_whole(intervals: &mut [[f64; 2]; 6], of_places: &ErrorFigures, whole: &Spread) {
+    if whole.samples == 0 {
+        return;
+    }
+    let moved = |end: f64, by: f64| (end * end + by).max(0.0).sqrt();
+    let mean = whole.mean_mm() - of_places[0];
+    let square = whole.rms_mm().powi(2) - of_places[1].powi(2);
+    // The places contain those of the largest errors at stations. Ends of pieces may have larger ones.
+    let largest = (whole.max_mm.powi(2) - of_places[2].powi(2)).max(0.0);
+    intervals[0] = intervals[0].map(|end| (end + mean).max(0.0));
+    intervals[1] = intervals[1].map(|end| moved(end, square));
+    intervals[2] = intervals[2].map(|end| moved(end, largest));
+}
+
 /// The lower end of an interval about a figure of the model. The model contains the scatter of its fit once, and each repetition contains it twice: the excess
 /// of the upper end over the model, in squares, also lies below the model.
 fn lowered([low, high]: [f64; 2], of_model: f64) -> f64 {
@@ -197,6 +220,9 @@ mod tests {
     use ncfix_base::geometry::{Axis, AxisVector};
     use ncfix_base::source::{FileId, Source};
     use ncfix_machine::machine::State;
+
+    /// Without figures of the whole program.
+    const NONE: [&Spread; 2] = [&Spread::NONE; 2];
 
     fn model(scale: f64) -> Model {
         let text = format!(
@@ -234,7 +260,7 @@ mod tests {
     #[test]
     fn one_cause_gives_the_quantiles_of_its_amount() {
         // The scale is 50 ± 5 µm/m: the largest error is that at 400 mm, 20 ± 2 µm before and |0 ± 2| µm after.
-        let found = predict(&places(50e-6), &model(50e-6), &[model(55e-6)], 0.0).unwrap();
+        let found = predict(&places(50e-6), NONE, &model(50e-6), &[model(55e-6)], 0.0).unwrap();
         let [low, high] = found.before.max_mm;
         assert!(
             (low - (20.0 - 1.96 * 2.0) * 1e-3).abs() < 1.2e-3 && (high - (20.0 + 1.96 * 2.0) * 1e-3).abs() < 0.8e-3
@@ -254,12 +280,30 @@ mod tests {
 
     #[test]
     fn a_correction_smaller_than_its_uncertainty_is_not_certain() {
-        let found = predict(&places(5e-6), &model(5e-6), &[model(25e-6)], 0.0).unwrap();
+        let found = predict(&places(5e-6), NONE, &model(5e-6), &[model(25e-6)], 0.0).unwrap();
         assert!(found.better > 0.5 && found.better < 0.7, "{}", found.better);
-        assert!(predict(&[], &model(0.0), &[], 0.0).is_none());
+        assert!(predict(&[], NONE, &model(0.0), &[], 0.0).is_none());
         // A further error of 1 µm in each of three directions: √3 µm root mean square.
-        let found = predict(&places(5e-6), &model(5e-6), &[], 1e-3).unwrap();
+        let found = predict(&places(5e-6), NONE, &model(5e-6), &[], 1e-3).unwrap();
         let [low, high] = found.after.rms_mm;
         assert!(low < 1.732e-3 && 1.732e-3 < high && high - low < 0.6e-3, "{low} {high}");
+    }
+
+    #[test]
+    fn the_interval_is_that_of_the_whole_program() {
+        // The errors of the places are 0.5 µm · k for k = 1 … 40: mean 10.25 µm, mean square 0.25 · 41 · 81 / 6 = 138.375 µm², largest 20 µm.
+        let mut whole = Spread::default();
+        [3e-3, 21e-3, 12e-3].into_iter().for_each(|error_mm| whole.add(error_mm));
+        let found = predict(&places(50e-6), [&whole, &Spread::NONE], &model(50e-6), &[model(55e-6)], 0.0).unwrap();
+        let alone = predict(&places(50e-6), NONE, &model(50e-6), &[model(55e-6)], 0.0).unwrap();
+        // Mean 12 µm; mean square (9 + 441 + 144) / 3 = 198 µm².
+        for end in 0..2 {
+            assert!((found.before.mean_mm[end] - alone.before.mean_mm[end] - 1.75e-3).abs() < 1e-9);
+            let square = found.before.rms_mm[end].powi(2) - alone.before.rms_mm[end].powi(2);
+            assert!((square - (198.0 - 138.375) * 1e-6).abs() < 1e-10, "{square}");
+            let square = found.before.max_mm[end].powi(2) - alone.before.max_mm[end].powi(2);
+            assert!((square - (441.0 - 400.0) * 1e-6).abs() < 1e-10, "{square}");
+        }
+        assert_eq!(found.after, alone.after);
     }
 }

@@ -22,6 +22,9 @@ pub struct Spread {
 }
 
 impl Spread {
+    /// Without samples.
+    pub const NONE: Spread = Spread { samples: 0, sum_mm: 0.0, square_sum_mm2: 0.0, max_mm: 0.0 };
+
     /// Adds a distance, mm.
     pub fn add(&mut self, distance_mm: f64) {
         self.samples += 1;
