@@ -100,7 +100,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("W0240", "strangers: a_state_that_the_control_keeps_is_named"),
     ("W0613", "cli_calibrate: scales_without_a_known_distance_rest_on_the_pivots"),
     ("W0241", "strangers: words_that_a_firmware_lacks_are_named_and_its_cycles_are_moves"),
-    ("W0330", "coverage: a_squareness_that_no_reading_shows_is_named"),
+    ("W0330", "not_shown: a_squareness_that_no_reading_shows_is_named"),
     ("W0327", "coverage: a_tool_of_negative_length_is_named"),
     ("W0326", "datum: the_length_of_the_tool_at_the_touch_is_asked_for_where_it_matters"),
     ("W0328", "datum: a_stated_zero_in_which_nothing_moves_is_pointed_out"),

@@ -131,7 +131,7 @@ fn wrong_orders_are_refused() {
     assert!(!shop.path("t.csv").exists() && !shop.path("t.toml").exists());
 }
 
-/// Five axes at five feeds, a deflection of 1.5 µm per m/s² under X that the machine file does not know: what was recorded on one clock is
+/// Five axes at six feeds, a deflection of 1.5 µm per m/s² under X that the machine file does not know: what was recorded on one clock is
 /// found on one clock, and the deflection at its size, both within three times what they are said to be uncertain by.
 #[test]
 fn a_simulated_trace_of_five_axes_has_one_clock() {
@@ -148,7 +148,7 @@ fn a_simulated_trace_of_five_axes_has_one_clock() {
                 X150 Y0 Z100 A25 C30\nX100 Y0 Z100 A0 C0\nM30\n";
     let shop = Shop::new().file("m.toml", &text).file("hidden.toml", &hidden).file("p.mpf", path);
     for seed in ["1", "2", "3"] {
-        let simulate = ["simulate", "p.mpf", "--machine", "hidden.toml", "--feed", "1000,2000,5000,10000,15000"];
+        let simulate = ["simulate", "p.mpf", "--machine", "hidden.toml", "--feed", "500,1000,2000,5000,10000,15000"];
         shop.run([&simulate[..], &["--noise", "0.2um", "--seed", seed, "-o", "t.csv"]].concat()).exits(0);
         let json = shop.run(["decompose", "t.csv", "--machine", "m.toml", "--json"]).exits(0).json();
         let number = |place: &str| json.pointer(place).and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);

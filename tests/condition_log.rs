@@ -123,7 +123,7 @@ fn faults_are_found_at_line_and_column() {
     finds(b"t_s,T_C\n0,20\n1\n2,20,3\n", &[("E0601", 3, 1), ("E0601", 4, 1)]);
     finds(b"t_s;T_C\n0;20.5\n1;20,5\n", &[("E0603", 3, 3)]);
     finds(
-        b"t_s,T_head_C,load_N\n0,20,1\n60,2O,-1\n\n120,300,x\n60,20,1\n,20,1\n300,nan,inf\n1e999,20,1\n",
+        b"t_s,T_head_C,load_N\n0,20,1\n60,2O,-1\n\n120,500,x\n60,20,1\n,20,1\n300,nan,inf\n1e999,20,1\n",
         &[
             ("E0603", 3, 4),
             ("E0603", 3, 7),

@@ -455,8 +455,8 @@ fn the_alignment_of_a_straightness_is_no_error_of_the_machine() {
     let json = shop.run(["diagnose", "line.csv", "--machine", "m.toml", "--json"]).exits(0).json();
     let size = |json: &Value| json["findings"][0]["value"].as_f64().unwrap();
     assert!((size(&json) - 4.0).abs() < 0.5, "{}", json["findings"]);
-    // Without the unknown the slope of 35 um is in it.
-    let shop = shop.file("line.toml", describe("[\"offset\"]"));
+    // Against a square the slope of 35 um is in it.
+    let shop = shop.file("line.toml", describe("[\"offset\"]\nreference = \"square\""));
     let json = shop.run(["diagnose", "line.csv", "--machine", "m.toml", "--json"]).exits(0).json();
     assert!(size(&json) > 20.0, "{}", json["findings"]);
     let shop = shop.file("line.toml", describe("[\"slope\"]"));

@@ -148,14 +148,14 @@ fn tool_data_of_a_fanuc_program() {
     // Radii: L12 and L13. Compensation ends above the end of the block that begins it.
     let text = "G90 G0 X0 Y0 Z0\nG10 L12 P8 R5.\nG10 L13 P8 R-0.5\nG41 D8 G1 X10. F100.\nX30.\nG40 X50.\nM30";
     check("fanuc", text, &["G0 X0 Y0 Z0", "G1 X10 Y4.5 Z0 F100", "G1 X30 Y4.5 Z0 F100", "G1 X50 Y0 Z0 F100"]);
-    // The control has them for good: they are written as values, not as steps.
+    // The control has them for good. A step is added to its own value, which may differ from that of the machine file.
     let lines = written(
         "fanuc",
         "[[tool]]\nnumber = 6\nlength_mm = 20\nradius_mm = 4",
         "G21 G90 G54\nG91 G10 L10 P6 R5.\nG90 G10 L13 P6 R0.02\nG10 L2 P0 Z1.5\nG0 X0 Y0 Z0\nM30\n",
     );
     let data: Vec<&String> = lines.iter().filter(|line| line.contains("G10")).collect();
-    assert_eq!(data, ["G10 L10 P6 R25.", "G90 G10 L13 P6 R0.02", "G10 L2 P0 Z1.5"]);
+    assert_eq!(data, ["G91 G10 L10 P6 R5.", "G90 G10 L13 P6 R0.02", "G10 L2 P0 Z1.5"]);
     check_codes("fanuc", "G10 L10 P6\nG10 L14 P6 R1.\nM30", &["E0210:1", "E0201:2"]);
 }
 

@@ -84,7 +84,8 @@ fn each_bad_sample_provokes_its_code_only() {
     }
     codes.dedup();
     let registered: Vec<&str> = (ncfix_base::diagnostic::CODES.iter().map(|row| row.code.as_str()))
-        .filter(|code| code.starts_with("E04") || code.starts_with("W04"))
+        // W0407 is about a machine file beside a file of the control.
+        .filter(|code| (code.starts_with("E04") || code.starts_with("W04")) && *code != "W0407")
         .collect();
     assert_eq!(codes, registered);
 }

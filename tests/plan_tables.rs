@@ -200,13 +200,13 @@ fn a_constant_speed_is_followed_by_as_long_a_standstill() {
     assert_eq!(day.data.observations.len(), 2 * 24 * 60 + 1);
     let short = build("drift", &machine, &Wishes { hours: Some(6.0), speed: Some(4500.0), ..of("steady") });
     assert_eq!(stages(&short), [(4500.0, 360), (0.0, 360)]);
-    // The spindle is started once and stopped once: M3 with its speed, M5 alone.
+    // M0 before the way to the sensors, and before they are zeroed. The spindle is started once and stopped once: M3 with its speed, M5 alone.
     let orders: Vec<usize> = short
         .path
         .iter()
         .filter_map(|kind| if let Kind::Before(words) = kind { Some(words.len()) } else { None })
         .collect();
-    assert_eq!(orders, [2, 1]);
+    assert_eq!(orders, [1, 1, 2, 1]);
 }
 
 #[test]

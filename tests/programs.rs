@@ -174,10 +174,9 @@ fn perfect(name: &str) -> String {
 
 #[test]
 fn a_machine_without_errors_changes_no_motion() {
-    // Five axes under a transformation are cut into other pieces.
-    for Sample { dialect, program, machine: name } in
-        table().into_iter().filter(|sample| !sample.machine.starts_with("esm"))
-    {
+    // Five axes under a transformation are cut into other pieces. Splines become arcs, which tests/executed_curves.rs judges.
+    let has_other_pieces = |sample: &Sample| sample.machine.starts_with("esm") || sample.program.starts_with("spline.");
+    for Sample { dialect, program, machine: name } in table().into_iter().filter(|sample| !has_other_pieces(sample)) {
         let shop = shop(dialect).file("perfect.toml", perfect(&name));
         shop.run([&program, "-o", "out", "--machine", "perfect.toml"]).exits(0);
         let motion = |name: &str| -> Vec<String> {

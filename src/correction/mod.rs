@@ -301,7 +301,8 @@ impl<'a> Prepared<'a> {
             keeps_wear,
             hides_marks: true,
             names_cycles: true,
-            fits_arcs: options.arcs == path::Arcs::Keep,
+            // With arcs as chords too: a verification does not know the options.
+            fits_arcs: true,
             keeps_cycles: keeps_cycles && !keeps_wear && writing.options.may_keep_cycles(),
             keeps_tapping: is_as_programmed,
             keeps_tilt: is_as_programmed && options.rotary != path::Rotary::Correct,

@@ -877,8 +877,8 @@ of angular errors and of rotary axes. With a wrong arm, their correction is wron
 offset for these lengths. See docs/how-to/fanuc-from-start-to-finish.md.";
     ZERO_NOT_USED = "W0328" "stated zero offset not used"
 "--zero states the method of a zero offset, and no axis of the program moves in this offset. The statement has no effect. The offsets in
-which the program does move count as the machine file states, or as touched. Often the name is wrong, or the program selects another
-offset than expected. If the message names no offset, the program moves in the coordinates of the machine (G53, or G500 without values):
+which the program does move count as the machine file states, or as touched. Check the name: often it is wrong, or the program selects
+another offset than expected. If the message names no offset, the program moves in the coordinates of the machine (G53, or G500 without values):
 its positions are true positions, and no touched zero is subtracted.";
     SQUARENESS_NOT_SHOWN = "W0330" "squareness that no measurement shows"
 "Both axes move while the tool cuts, and no reading of the calibration shows the angle between them. The list not_shown in [measured] of

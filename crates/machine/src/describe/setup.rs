@@ -14,7 +14,7 @@ const SAME: f64 = 1e-9;
 /// Names the data that a machine file cannot hold.
 pub fn setup_text(bare: &Machine, full: &Machine) -> Result<String, String> {
     let refused = [
-        (bare.radius_wear_mm != full.radius_wear_mm, "the wear of tool radii"),
+        (has_other_wear(bare, full), "the wear of tool radii"),
         (bare.base_frames != full.base_frames, "base frames"),
         (bare.parameters != full.parameters, "R parameters"),
         (bare.partial_offsets != full.partial_offsets, "zero offsets without a shift of X, Y and Z"),
@@ -52,6 +52,13 @@ pub fn setup_text(bare: &Machine, full: &Machine) -> Result<String, String> {
         }
     }
     Ok(out)
+}
+
+/// True if `full` has a wear that `bare` has not. A tool table lists edges without wear, too.
+fn has_other_wear(bare: &Machine, full: &Machine) -> bool {
+    let is_other =
+        |(place, wear_mm): (&(u32, u32), &f64)| *wear_mm != bare.radius_wear_mm.get(place).copied().unwrap_or(0.0);
+    full.radius_wear_mm.iter().any(is_other)
 }
 
 /// True if two machines have the same zero offsets, tools and variables.

@@ -16,6 +16,10 @@ pub enum Firmware {
     FluidNc,
 }
 
+/// Names of controllers with a firmware of this family.
+const FIRMWARES: [(&str, Firmware); 3] =
+    [("grbl", Firmware::Grbl), ("grblhal", Firmware::GrblHal), ("fluidnc", Firmware::FluidNc)];
+
 /// G codes of Grbl 1.1 and FluidNC, in tenths.
 const G_OF_GRBL: &[u32] = &[
     0, 10, 20, 30, 40, 100, 170, 180, 190, 200, 210, 280, 281, 300, 301, 382, 383, 384, 385, 400, 431, 490, 530, 540,
@@ -35,12 +39,8 @@ impl Firmware {
     /// Returns the firmware of a controller name; `None` for all other controls.
     #[must_use]
     pub(super) fn of(name: &str) -> Option<Firmware> {
-        match controller(name)?.name {
-            "grbl" => Some(Firmware::Grbl),
-            "grblhal" => Some(Firmware::GrblHal),
-            "fluidnc" => Some(Firmware::FluidNc),
-            _ => None,
-        }
+        let known = controller(name)?;
+        FIRMWARES.iter().find(|(own, _)| *own == known.name).map(|&(_, firmware)| firmware)
     }
 
     /// Returns its name.

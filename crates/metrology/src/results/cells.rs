@@ -55,7 +55,7 @@ pub(super) fn unit_of(column: &Column, data: &[DataSet]) -> (f64, String) {
 /// The rows with reduced weight, once each, with the places of their worst readings.
 pub(super) fn weighted_down(fit: &Fit, all: &[Measurement]) -> Vec<(calibrated::OutlierRow, Place)> {
     let mut rows: Vec<(calibrated::OutlierRow, Place)> = Vec::new();
-    let mut tables: Vec<Option<Cells<'_>>> = all.iter().map(|_| None).collect();
+    let mut tables: Vec<Option<ReadingCells<'_>>> = all.iter().map(|_| None).collect();
     // Of the previous row: its measurement and index, and the number of its readings so far.
     let mut last = (usize::MAX, usize::MAX, 0);
     let mut shown = (usize::MAX, usize::MAX);
@@ -66,7 +66,7 @@ pub(super) fn weighted_down(fit: &Fit, all: &[Measurement]) -> Vec<(calibrated::
         }
         let (Some(measurement), Some(cells)) = (all.get(set), tables.get_mut(set)) else { continue };
         let Some(observation) = measurement.data.observations.get(row) else { continue };
-        let place = cells.get_or_insert_with(|| Cells::new(measurement)).place(observation, last.2);
+        let place = cells.get_or_insert_with(|| ReadingCells::new(measurement)).place(observation, last.2);
         let source = &measurement.sources[0];
         let found = calibrated::OutlierRow {
             file: source.name().to_owned(),
@@ -91,20 +91,20 @@ pub(super) fn weighted_down(fit: &Fit, all: &[Measurement]) -> Vec<(calibrated::
 }
 
 /// The cells of a measurement.
-pub(super) struct Cells<'a> {
+pub(super) struct ReadingCells<'a> {
     measurement: &'a Measurement,
     table: Option<Table>,
     /// The indices of rows by their start offset.
     rows: HashMap<u32, usize>,
 }
 
-impl<'a> Cells<'a> {
+impl<'a> ReadingCells<'a> {
     /// Reads the table of a measurement again.
-    pub(super) fn new(measurement: &'a Measurement) -> Cells<'a> {
+    pub(super) fn new(measurement: &'a Measurement) -> ReadingCells<'a> {
         let (table, _) = Table::read(&measurement.sources[0]);
         let places = table.iter().flat_map(Table::rows).map(|row| row.place(0).span.start);
         let rows = places.enumerate().map(|(number, start)| (start, number)).collect();
-        Cells { measurement, table, rows }
+        ReadingCells { measurement, table, rows }
     }
 
     /// The place of a reading of a row, by index; the row itself if it has no separate cell.

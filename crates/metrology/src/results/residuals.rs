@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::cells::Cells;
+use super::cells::ReadingCells;
 use super::held::value_name;
 use super::measurement::Measurement;
 use crate::calibrate::Fit;
@@ -25,14 +25,14 @@ pub(super) fn residual_table(machine: &Machine, fit: &Fit, used: &[Measurement])
         let _ = write!(out, ",{axis}_{}", if axis.is_rotary() { "deg" } else { "mm" });
     }
     out.push_str(",value,unit,reading,model,residual,weight\n");
-    let mut tables: Vec<Option<Cells<'_>>> = used.iter().map(|_| None).collect();
+    let mut tables: Vec<Option<ReadingCells<'_>>> = used.iter().map(|_| None).collect();
     let mut last = (usize::MAX, usize::MAX, 0);
     for &(set, row, residual, weight) in &fit.residuals {
         last = if (last.0, last.1) == (set, row) { (set, row, last.2 + 1) } else { (set, row, 0) };
         let (Some(measurement), Some(cells)) = (used.get(set), tables.get_mut(set)) else { continue };
         let data = &measurement.data;
         let Some(observation) = data.observations.get(row) else { continue };
-        let place = cells.get_or_insert_with(|| Cells::new(measurement)).place(observation, last.2);
+        let place = cells.get_or_insert_with(|| ReadingCells::new(measurement)).place(observation, last.2);
         let source = &measurement.sources[0];
         let setup = data.setups.get(observation.setup).map_or("", |setup| setup.label.as_str());
         let line = source.line_column(place.span.start).0;

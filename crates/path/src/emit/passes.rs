@@ -18,10 +18,11 @@ pub(super) struct LoopPasses {
 }
 
 impl LoopPasses {
-    /// Notes a block by its line in the main program. Returns the number of its execution if it is the first one that is executed again after a
-    /// jump back. Further lines of a block have its line, but not its number.
+    /// Notes the begin of a block by its line in the main program. Returns the number of its execution if it is the first one that is executed again
+    /// after a jump back. Further lines of a block have no number, for example a rounding that is made after the next block. A block that is written
+    /// in several parts has the line of the last one: a loop of one block has no marks.
     pub(super) fn note(&mut self, line: u32, has_number: bool) -> Option<u64> {
-        if line == self.reached && !has_number {
+        if line == self.reached || !has_number {
             return None;
         }
         self.is_back |= line <= self.reached;
@@ -54,12 +55,12 @@ mod tests {
 
     #[test]
     fn the_first_block_of_a_further_pass_is_counted() {
-        // Lines 3 to 5 three times, line 4 once more within the second pass: its third execution.
-        let second = [Some(2), None, Some(3), None];
+        // Lines 3 to 5 three times; line 4 in two parts within the second pass.
+        let second = [Some(2), None, None, None];
         let expected = [&[None; 4][..], &second, &[Some(3), None, None, None]].concat();
         assert_eq!(found(&[1, 3, 4, 5, 3, 4, 4, 5, 3, 4, 5, 6]), expected);
         // Line 2 runs in the second pass only: the first block that is executed again is line 3.
-        assert_eq!(found(&[1, 3, 2, 3, 3]), [None, None, None, Some(2), Some(3)]);
+        assert_eq!(found(&[1, 3, 2, 3, 3]), [None, None, None, Some(2), None]);
         assert_eq!(text(2, Some(60), 6), "pass 2 of N60");
         assert_eq!(text(3, None, 6), "pass 3 of line 6");
     }
@@ -67,6 +68,8 @@ mod tests {
     #[test]
     fn further_lines_of_a_block_are_no_pass() {
         let mut passes = LoopPasses::default();
-        assert_eq!([(6, true), (6, false), (6, true)].map(|(line, own)| passes.note(line, own)), [None, None, Some(2)]);
+        // A rounding of line 3 after line 4.
+        let lines = [(3, true), (4, true), (3, false), (6, true), (6, false), (6, true)];
+        assert_eq!(lines.map(|(line, own)| passes.note(line, own)), [None; 6]);
     }
 }

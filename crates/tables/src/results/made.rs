@@ -78,7 +78,7 @@ pub fn make(
         }
     };
     if tables.errors.is_some() {
-        result.left_out = scheme::left_out(&task).iter().map(MissingPart::from).collect();
+        result.left_out = scheme::functions::left_out(&task).iter().map(MissingPart::from).collect();
     }
     if !filling.format.can_hold(Holds::Senses) {
         result.reversals = reversals(&task);
@@ -100,7 +100,7 @@ pub fn make(
     }
     result.ranges = request.asked_ranges();
     if filling.tries_fewer {
-        result.fewer = scheme::fewer(&task, &tables).iter().map(FewerRow::from).collect();
+        result.fewer = scheme::fewer::fewer(&task, &tables).iter().map(FewerRow::from).collect();
     }
     Ok(MadeTables { tables, scheme: name, checked })
 }

@@ -3,8 +3,11 @@
 use serde::Serialize;
 
 use crate::tables::check::{Check, Errors};
-use crate::tables::scheme::{CountedResidual, SecondAxisPart, Tried};
-use crate::tables::{Lookup, Sense, Tables, kinds};
+use crate::tables::kinds::kinds;
+use crate::tables::scheme::Tried;
+use crate::tables::scheme::functions::SecondAxisPart;
+use crate::tables::scheme::mesh::CountedResidual;
+use crate::tables::{Lookup, Sense, Tables};
 use ncfix_base::geometry::Vector;
 use ncfix_base::units::{UnitKey, um_from_mm, urad_from_rad};
 

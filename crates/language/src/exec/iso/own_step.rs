@@ -64,9 +64,3 @@ fn reads(scope: &Scope<'_, '_>, id: ExprId, depth: u32) -> bool {
 
 /// From this number on, variables contain data of the control (Fanuc: 1000; RS274/NGC: 5061).
 const FIRST_OF_CONTROL: u32 = 1000;
-
-/// Writes the assignment of a step: `#5221=#5221+0.1`; RS274/NGC needs brackets.
-pub(super) fn text(number: u32, shown: &str, is_rs274: bool) -> String {
-    let sign = if shown.starts_with('-') { "" } else { "+" };
-    if is_rs274 { format!("#{number}=[#{number}{sign}{shown}]") } else { format!("#{number}=#{number}{sign}{shown}") }
-}

@@ -3,9 +3,9 @@
 use super::channel::Channel;
 use super::channel::WrittenData;
 use super::modal::Modal;
-use super::own_step;
 use super::system;
 use super::target;
+use super::text;
 use super::variables::Missing;
 use super::zero_offset::System;
 use crate::exec::core::contour::Side;
@@ -137,7 +137,7 @@ pub(super) fn write_parameter(
     written.offsets.insert(system, parts);
     written.shown.remove(&system);
     let text = match step {
-        Some(step) => own_step::text(number, &step.to_string(), true),
+        Some(step) => text::step(number, &step.to_string(), true),
         None => format!("#{number}={value}"),
     };
     outlet.push(Kind::Verbatim(text.into_bytes()));

@@ -7,7 +7,6 @@ use super::codes::Group;
 use super::forbidden;
 use super::modal::Modal;
 use super::offsets;
-use super::own_step;
 use super::target;
 use super::text;
 use super::variables::Missing;
@@ -271,7 +270,7 @@ fn tell(outlet: &mut MotionSink<'_>, number: u32, value: f64, behind: &str) {
 /// Passes a new value of data of the control through: the step, if the program adds one to the old value.
 fn tell_new(outlet: &mut MotionSink<'_>, number: u32, value: f64, step: Option<f64>) {
     match step {
-        Some(step) => outlet.push(Kind::Verbatim(own_step::text(number, &decimals(step), false).into_bytes())),
+        Some(step) => outlet.push(Kind::Verbatim(text::step(number, &decimals(step), false).into_bytes())),
         None => tell(outlet, number, value, ""),
     }
 }

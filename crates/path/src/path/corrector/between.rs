@@ -74,7 +74,7 @@ where
         standing.is_doubtful |= setup.tool_mm != self.placer.setup.tool_mm;
         let (old, new) = (&self.placer.setup.frame, &setup.frame);
         if old.linear() != new.linear() {
-            // Heights of one frame are none of another.
+            // Heights of one frame do not belong to another.
             self.initial = None;
         }
         if old.linear() != new.linear() && !self.placer.is_machine_frame() {

@@ -3,11 +3,11 @@
 mod assembly;
 mod auto;
 mod exact;
-mod fewer;
+pub mod fewer;
 mod fit;
-mod functions;
+pub mod functions;
 mod matrix;
-mod mesh;
+pub mod mesh;
 mod own;
 mod reversal;
 mod sums;
@@ -23,9 +23,6 @@ use ncfix_machine::machine::State;
 use ncfix_model::Accumulator;
 
 pub use auto::{AIM, Tried, choose, choose_with};
-pub use fewer::fewer;
-pub use functions::{SecondAxisPart, left_out};
-pub use mesh::CountedResidual;
 pub use reversal::{Reversal, reversals};
 
 /// A request for tables.
