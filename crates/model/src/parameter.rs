@@ -69,7 +69,10 @@ impl ParameterName {
         ParameterName { component, term: ComponentTerm::Backlash }
     }
 
-    /// Returns the factor from the parameter to the component at a command: 1, qᵏ, the direction of motion, (q − t)₊ᵏ.
+    /// Returns the factor from the parameter to the component at a command: 1, qᵏ, the direction of motion, (q − t)₊ᵏ − (−t)₊ᵏ.
+    ///
+    /// A truncated power is 0 at the origin of its axis, as the powers are. Otherwise a knot below the origin would displace the origin, by an amount that
+    /// only the free zero of a measurement takes up.
     #[must_use]
     pub fn weight(&self, command: &AxisVector, state: &State) -> f64 {
         let Some(axis) = self.component.axis() else { return 1.0 };
@@ -79,8 +82,8 @@ impl ParameterName {
             ComponentTerm::Coefficient(degree) => own.powi(i32::from(degree)),
             ComponentTerm::Backlash => f64::from(state.direction(axis)),
             ComponentTerm::Knot { degree, at } => {
-                let beyond = own - self.knot_at(at);
-                if beyond >= 0.0 { beyond.powi(i32::from(degree)) } else { 0.0 }
+                let at = self.knot_at(at);
+                truncated(own - at, degree) - truncated(-at, degree)
             }
         }
     }
@@ -106,7 +109,7 @@ impl ParameterName {
         }
     }
 
-    /// Returns its value in a model, mm or rad per power; 0 if the model does not contain it.
+    /// Returns its value in a model, mm or rad per power; 0 if the model does not contain it. The constant of a component is its value at the origin.
     #[must_use]
     pub fn get(&self, errors: &ErrorModel) -> f64 {
         let motion = errors.motion.iter().filter(|error| error.name == self.component).map(|error| &error.function);
@@ -115,6 +118,7 @@ impl ParameterName {
                 let own = errors.location.iter().filter(|error| error.name == self.component);
                 own.map(|error| error.value).sum()
             }
+            ComponentTerm::Coefficient(0) => motion.map(at_origin).sum(),
             ComponentTerm::Coefficient(degree) => {
                 motion.filter_map(global_part).map(|part| part.get(usize::from(degree)).copied().unwrap_or(0.0)).sum()
             }
@@ -154,10 +158,10 @@ impl ParameterName {
             }),
             ComponentTerm::Knot { degree, at } => functions
                 .find_map(|function| match function {
-                    EntryFunction::Piecewise(piecewise) => Some(&mut piecewise.knots),
+                    EntryFunction::Piecewise(piecewise) => Some(piecewise),
                     _ => None,
                 })
-                .map(|knots| add(knot_at(knots, self.knot_at(at)), degree, change)),
+                .map(|piecewise| self.add_knot(piecewise, (degree, at), change)),
         }
         .is_some();
         if !changed {
@@ -177,9 +181,20 @@ impl ParameterName {
             ComponentTerm::Coefficient(degree) => EntryFunction::Polynomial(Polynomial { coefficients: alone(degree) }),
             ComponentTerm::Backlash => backlash(value),
             ComponentTerm::Knot { degree, at } => {
-                let knots = vec![Knot { at: self.knot_at(at), coefficients: alone(degree) }];
-                EntryFunction::Piecewise(Piecewise { coefficients: Vec::new(), knots })
+                let mut piecewise = Piecewise::default();
+                self.add_knot(&mut piecewise, (degree, at), value);
+                EntryFunction::Piecewise(piecewise)
             }
+        }
+    }
+
+    /// Adds to a coefficient of a knot. The value at the origin stays.
+    fn add_knot(&self, piecewise: &mut Piecewise, (degree, at): (u8, i32), change: f64) {
+        let at = self.knot_at(at);
+        add(knot_at(&mut piecewise.knots, at), degree, change);
+        let at_origin = change * truncated(-at, degree);
+        if at_origin != 0.0 {
+            add(&mut piecewise.coefficients, 0, -at_origin);
         }
     }
 
@@ -202,6 +217,20 @@ impl ParameterName {
     /// Returns the command at which a truncated power begins, mm or rad.
     fn knot_at(&self, at: i32) -> f64 {
         if self.is_of_rotary_axis() { f64::from(at).to_radians() } else { f64::from(at) }
+    }
+}
+
+/// Returns x₊ᵏ.
+fn truncated(beyond: f64, degree: u8) -> f64 {
+    if beyond >= 0.0 { beyond.powi(i32::from(degree)) } else { 0.0 }
+}
+
+/// Returns the value of a polynomial, or of one with knots, at the origin of its axis; 0 for other functions.
+fn at_origin(function: &EntryFunction) -> f64 {
+    match function {
+        EntryFunction::Polynomial(polynomial) => polynomial.coefficients.first().copied().unwrap_or(0.0),
+        EntryFunction::Piecewise(piecewise) => piecewise.value(0.0),
+        _ => 0.0,
     }
 }
 
@@ -322,6 +351,7 @@ impl FromStr for ParameterName {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ncfix_base::geometry::Axis;
 
     fn name(text: &str) -> ParameterName {
         text.parse().unwrap()
@@ -344,5 +374,39 @@ mod tests {
         let units =
             ["EX0C", "EA0C", "EXX0", "EXX1", "EAX2", "EXB3", "ECC1", "ECCb", "EXX2@50"].map(|text| name(text).unit());
         assert_eq!(units, ["mm", "rad", "mm", "mm/mm", "rad/mm^2", "mm/rad^3", "rad/rad", "rad", "mm/mm^2"]);
+    }
+
+    #[test]
+    fn a_knot_below_the_origin_leaves_the_origin_where_it_is() {
+        let mut errors = ErrorModel::default();
+        // 2e-6 (q + 300)² beyond -300 would be 180 µm at the origin.
+        let (knot, constant, other) = (name("EZZ2@-300"), name("EZZ0"), name("EZZ1@100"));
+        constant.set(&mut errors, 5e-3);
+        knot.set(&mut errors, 2e-6);
+        other.set(&mut errors, 1e-5);
+        let value = |errors: &ErrorModel, q: f64| -> f64 {
+            let axis = Axis::Z;
+            let mut command = AxisVector::ZERO;
+            command[axis] = q;
+            errors.motion.iter().map(|one| one.function.value(axis, &command, &State::default())).sum()
+        };
+        assert!((value(&errors, 0.0) - 5e-3).abs() < 1e-12);
+        // -180 µm below the knot; the other knot adds 1e-5 · 100 mm at 200 mm.
+        assert!((value(&errors, -400.0) - (5e-3 - 0.18)).abs() < 1e-12);
+        assert!((value(&errors, 200.0) - (5e-3 + 2e-6 * (500.0_f64.powi(2) - 300.0_f64.powi(2)) + 1e-3)).abs() < 1e-12);
+        // Again, in another order, as a fit does in each step.
+        knot.set(&mut errors, 1e-6);
+        constant.set(&mut errors, 0.0);
+        assert!(value(&errors, 0.0).abs() < 1e-12 && (knot.get(&errors) - 1e-6).abs() < 1e-18);
+        assert!((value(&errors, -400.0) + 0.09).abs() < 1e-12, "{}", value(&errors, -400.0));
+        // The derivative is the same function.
+        let mut command = AxisVector::ZERO;
+        for q in [-400.0, -200.0, 0.0, 50.0, 200.0] {
+            command[Axis::Z] = q;
+            let mut changed = errors.clone();
+            knot.set(&mut changed, 2e-6);
+            let change = value(&changed, q) - value(&errors, q);
+            assert!((change - 1e-6 * knot.weight(&command, &State::default())).abs() < 1e-12, "{q}: {change}");
+        }
     }
 }
