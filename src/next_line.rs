@@ -50,6 +50,17 @@ pub(crate) fn after_calibration(machine: &Path, has_offsets: bool) -> String {
     row(&words(&format!("fix PROGRAM --machine {{}}{setup} -o CORRECTED --review review.html"), &[machine]))
 }
 
+/// After a calibration whose residual is too large: the search for the errors that the model lacks.
+pub(crate) fn after_poor_fit(data: &[PathBuf], machine: &Path, calibrated: &Path) -> String {
+    if [machine, calibrated].contains(&Path::new("-")) {
+        return String::new();
+    }
+    let mut all = vec!["diagnose".to_owned()];
+    all.extend(data.iter().map(|path| path.display().to_string()));
+    all.extend(words("--machine {} -o {}", &[machine, &beside(calibrated, "extended")]));
+    row(&all)
+}
+
 /// Options of a correction that its test needs too.
 #[derive(Clone, Copy)]
 pub(crate) struct SameMachine<'a> {

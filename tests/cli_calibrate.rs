@@ -374,6 +374,10 @@ fn a_poor_model_is_pointed_out() {
     let shop = shop.file("model.txt", "EC0X\n");
     let report = calibrate(&shop, &["circles.csv"], "model.txt", &["--no-robust"]);
     assert!(report["diagnostics"].as_array().unwrap().iter().any(|one| one["code"] == "W0604"), "{report}");
+    // Not the correction of a part comes next, but the search for what is missing.
+    let words = "calibrate circles.csv --machine start.toml --model model.txt -o poor.toml --no-robust";
+    let run = shop.run(words.split_whitespace()).exits(0);
+    assert!(run.stdout.contains("ncfix diagnose circles.csv --machine start.toml -o poor_extended.toml"), "{run:?}");
 }
 
 /// Runs a calibration of the circles that must be refused, with what is said and without output.

@@ -17,6 +17,7 @@ use crate::cli::stop::Stop;
 use crate::cli::{parameters, print, state, tell};
 use crate::disk::parameters::ChosenModel;
 use crate::next_line;
+use ncfix_base::diagnostic::Code;
 use ncfix_base::source::FileId;
 use ncfix_metrology::calibrate::candidates::PiecewisePolynomials;
 use ncfix_metrology::results::calibration::{CalibrationSettings, CalibrationStart, check_sizes, prepare};
@@ -146,6 +147,7 @@ fn calibrate(
     let mut progress = |share: f64| line.share("repetitions", share);
     let fit = prepared.fit(candidates.flatten().as_deref(), &mut progress, &mut found, &mut report.found);
     line.clear();
+    let is_poor = found.iter().any(|one| one.code == Code::POOR_FIT);
     findings.extend(found, &sources);
     let Some(fit) = fit.filter(|_| !findings.has_errors()) else { return Ok(()) };
     let text = text_of((&chosen, errors), (&start, from), &arguments.model, (&fit, &report.found), prepared.used())?;
@@ -153,7 +155,11 @@ fn calibrate(
     if let Some(target) = residuals {
         files.add(target, prepared.residuals(&fit).as_bytes())?;
     }
-    report.next = next_line::after_calibration(&arguments.output, !chosen.machine.zero_offsets.is_empty());
+    report.next = if is_poor {
+        next_line::after_poor_fit(&arguments.data, &arguments.machine, &arguments.output)
+    } else {
+        next_line::after_calibration(&arguments.output, !chosen.machine.zero_offsets.is_empty())
+    };
     report.output = Some(arguments.output.display().to_string());
     Ok(())
 }

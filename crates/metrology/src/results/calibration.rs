@@ -301,7 +301,7 @@ impl PreparedFit<'_> {
                     let can_drift = data.kind.free.contains(&Free::Drift) && !data.free.contains(&Free::Drift);
                     let or_free = if can_drift { ", or add \"drift\" to free if the axis has no backlash" } else { "" };
                     let help = format!(
-                        "choose a model with more parameters, or correct {key}; check the sign of the file; if the readings drift, measure faster{or_free}"
+                        "search for the errors that the model lacks with ncfix diagnose, or correct {key}; check the sign of the file; if the readings drift, measure faster{or_free}"
                     );
                     findings.push(Diagnostic::nowhere(Code::POOR_FIT, message, help));
                 }
