@@ -114,6 +114,10 @@ const LASER: &[&str] = &["--at", "Y200,Z100", "--sign", "+", "--tool", "0"];
 fn the_material_and_the_component_of_a_laser_are_those_of_the_file() {
     let head = "Axis;X\nUnit;um\nMaterial temperature (°C);24.0\nExpansion coefficient (ppm/°C);11.7\n";
     let shop = shop().file("l.csv", laser(head, "Target [mm];1+;1-"));
+    // The third line has the temperature, and no line says that the readings were converted with it.
+    import(&shop, "l.csv", "tool.toml", LASER)
+        .exits(4)
+        .says("line 3 of the file states 24 °C, and not whether the readings refer to 20 °C");
     for state in ["20C", "11.7@24", "12@24.3"] {
         import(&shop, "l.csv", "tool.toml", &[LASER, &["--material", state]].concat()).exits(0);
     }
