@@ -21,7 +21,36 @@ use ncfix_model::{Effect, ErrorModel};
 /// # Errors
 /// If the file cannot be read.
 pub(crate) fn apply(choice: &ConditionFiles, chosen: &mut Machine, findings: &mut Diagnostics) -> Result<bool, Error> {
-    Ok(read(choice, chosen, findings)? && check(choice, chosen, &chosen.condition, findings))
+    if !read(choice, chosen, findings)? {
+        return Ok(false);
+    }
+    check_state(choice, chosen, findings);
+    Ok(check(choice, chosen, &chosen.condition, findings))
+}
+
+/// Warns if the temperatures of `--state` have no effect. If nothing else was stated either, the output is the same as without it, and so is its stamp.
+fn check_state(choice: &ConditionFiles, chosen: &mut Machine, findings: &mut Diagnostics) {
+    if choice.files.is_empty() || !chosen.errors.sensors().is_empty() {
+        return;
+    }
+    let needs_load = chosen.errors.effects_with_heads().any(Effect::needs_load);
+    if needs_load && !chosen.condition.has_temperatures() {
+        return;
+    }
+    let message = if needs_load {
+        "the machine file has no errors that depend on temperature: the temperatures of --state have no effect"
+    } else {
+        "the machine file has no errors that depend on temperature or weight: --state has no effect"
+    };
+    let help = if needs_load {
+        "add a drift or an expansion to the machine file, or remove the temperatures"
+    } else {
+        "add a drift or an expansion to the machine file, or remove --state"
+    };
+    findings.add(Diagnostic::nowhere(Code::NO_TEMPERATURES, message, help), &[]);
+    if !needs_load && choice.load.is_none() && choice.zeros.is_empty() {
+        chosen.state = None;
+    }
 }
 
 /// Reads the condition into the machine; returns whether it is valid.

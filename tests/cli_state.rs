@@ -257,3 +257,25 @@ fn loads_and_deviations_beyond_all_machines_are_refused() {
     let shop = Shop::new().file("m.toml", format!("{maho}\n{periodic}"));
     shop.run(["machine", "check", "m.toml"]).exits(4).says("too short");
 }
+
+/// A machine without drift: the state changes nothing, so it is said, and the output with its stamp is that without a state.
+#[test]
+fn a_state_without_effect_is_said() {
+    let shop = Shop::new()
+        .file("mill.toml", crate::cli_diff::MILL)
+        .file("part.mpf", crate::cli_diff::PROGRAM)
+        .file("warm.toml", "[temperature_C]\nT_head = 35\n");
+    let said = |run: &Run| run.codes().contains(&"W0501".to_owned());
+    let run = shop.run(["part.mpf", "-o", "cold.mpf", "--machine", "mill.toml", "--json"]).exits(0);
+    assert!(!said(&run), "{}", run.stderr);
+    let warm = ["--machine", "mill.toml", "--state", "warm.toml"];
+    let run = shop.run(["part.mpf", "-o", "warm.mpf", "--json"].iter().chain(&warm)).exits(0);
+    assert!(said(&run), "{}", run.stderr);
+    assert_eq!(shop.text("warm.mpf"), shop.text("cold.mpf"));
+    for output in ["warm.mpf", "cold.mpf"] {
+        shop.run(["verify", "part.mpf", output].iter().chain(&warm)).exits(0).says("--state has no effect");
+        let run = shop.run(["verify", "part.mpf", output, "--machine", "mill.toml"]).exits(0);
+        assert!(!run.stderr.contains("W0306") && !run.stderr.contains("W0501"), "{}", run.stderr);
+    }
+    shop.run(["diff", "part.mpf", "warm.mpf"].iter().chain(&warm)).exits(1).says("W0501");
+}

@@ -185,6 +185,22 @@ fn a_level_in_arc_seconds_gives_an_angle() {
     demand(&calibrated(&shop, "tool.toml", "EBX1"), &[("EBX1", 25.0)], 0.01);
 }
 
+/// A straightness is across its axis: EYY is the positioning of Y, and no straightness.
+#[test]
+fn the_components_that_a_question_names_belong_to_the_axis() {
+    for (axis, named) in [
+        ("X", "EXX for positioning or EYX for a straightness"),
+        ("Y", "EYY for positioning or EXY for a straightness"),
+        ("Z", "EZZ for positioning or EYZ for a straightness"),
+    ] {
+        let text = format!(
+            "Axis;{axis}\nUnit;um\nMeasurement type;Straightness\nTarget [mm];1+;1-\n0;0;1\n100;1;2\n200;3;3\n300;4;5\n400;2;2\n"
+        );
+        let shop = shop().file("line.csv", text);
+        import(&shop, "line.csv", "tool.toml", &["--at", "X0,Y0,Z0", "--sign", "+"]).exits(4).says(named);
+    }
+}
+
 #[test]
 fn a_rotary_calibrator_is_read_in_degrees_and_arc_seconds() {
     let machine = TOOL_SIDE

@@ -114,6 +114,10 @@ const LASER: &[&str] = &["--at", "Y200,Z100", "--sign", "+", "--tool", "0"];
 fn the_material_and_the_component_of_a_laser_are_those_of_the_file() {
     let head = "Axis;X\nUnit;um\nMaterial temperature (°C);24.0\nExpansion coefficient (ppm/°C);11.7\n";
     let shop = shop().file("l.csv", laser(head, "Target [mm];1+;1-"));
+    // The third line has the temperature, and no line says that the readings were converted with it.
+    import(&shop, "l.csv", "tool.toml", LASER)
+        .exits(4)
+        .says("line 3 of the file states 24 °C, and not whether the readings refer to 20 °C");
     for state in ["20C", "11.7@24", "12@24.3"] {
         import(&shop, "l.csv", "tool.toml", &[LASER, &["--material", state]].concat()).exits(0);
     }
@@ -186,6 +190,25 @@ fn a_table_of_characteristics_has_features_and_not_targets() {
     let shop = shop.file("mixed.txt", mixed).file("lonely.txt", characteristics("mm", "remark"));
     import(&shop, "mixed.txt", "tool.toml", PLATE).exits(4).says("E0618").says("in mm");
     import(&shop, "lonely.txt", "tool.toml", PLATE).exits(4).says("no two rows belong to one feature");
+}
+
+/// A steel plate that was drilled at 26 °C: 11.5 µm/m per K · 6 K = 69 µm/m. At 20 °C the hole at Y 200 is 5.8 µm too near, at 26 °C it was 13.8 − 5.8 µm too far.
+#[test]
+fn the_check_of_a_warm_plate_is_about_the_converted_reading() {
+    let report = |hole: f64| {
+        format!(
+            "name;nominal x;nominal y;actual x;actual y\nH1;0;0;0;0\nH2;0;200;0;{hole:.4}\nH3;100;0;99.9990;0\nH4;100;100;99.9990;99.9971\n"
+        )
+    };
+    let shop = shop().file("drilled.csv", report(199.9942)).file("probed.csv", report(200.0058));
+    let check = |file: &str, sign: &str, material: &str| {
+        let words = ["--at", "X100,Y100,Z0", "--unit", "mm", "--tool", "0", "--sign", sign, "--material", material];
+        import(&shop, file, "tool.toml", &words).exits(0)
+    };
+    check("drilled.csv", "+", "20C").says("at X 100 Y 300 Z 0 the tool is 5.8 µm too far in -Y");
+    check("drilled.csv", "+", "11.5@26").says("at X 100 Y 300 Z 0 the tool is 8.0 µm too far in +Y");
+    // A calibrated plate that was probed warm: 5.8 µm were read, and the place was 13.8 µm farther.
+    check("probed.csv", "-", "11.5@26").says("at X 100 Y 300 Z 0 the tool is 8.0 µm too far in +Y");
 }
 
 #[test]

@@ -300,6 +300,23 @@ fn very_long_and_deep_expressions_are_refused_without_harm() {
     assert!(!codes.is_empty());
 }
 
+/// The help names the entry that the machine file needs: of a macro P9832 it is O9832. With P9832 the program is still not found.
+#[test]
+fn the_help_for_a_missing_program_names_its_entry() {
+    let mill = crate::cli_diff::MILL.replace("\"sinumerik\"", "\"fanuc\"");
+    let shop = crate::support::Shop::new()
+        .file("none.toml", &mill)
+        .file("p.toml", format!("{mill}[control]\nopaque = [\"P9832\"]\n"))
+        .file("o.toml", format!("{mill}[control]\nopaque = [\"O9832\"]\n"))
+        .file("part.nc", "O1\nG21 G17 G90 G54\nG0 X0. Y0. Z50.\nG65 P9832\nG90 G0 X0. Y0. Z60.\nM30\n");
+    for machine in ["none.toml", "p.toml"] {
+        let run = shop.run(["check", "part.nc", "--machine", machine]).says("error[E0212]");
+        run.says("write opaque = [\"O9832\"] in [control]");
+    }
+    let run = shop.run(["check", "part.nc", "--machine", "o.toml"]);
+    assert!(!run.stderr.contains("E0212"), "{}", run.stderr);
+}
+
 #[test]
 fn programs_of_the_control_itself_are_passed_on_with_their_values() {
     let mut machine = iso_machine();

@@ -459,7 +459,14 @@ impl<'a> Inquiry<'a> {
                 material
             }
             None => {
-                let sentence = format!("the file does not state the temperature of {what}");
+                let sentence = match stated::temperatures(self.text).first() {
+                    // The instrument may have converted the readings with it.
+                    Some((celsius, line)) => format!(
+                        "line {line} of the file states {} °C, and not whether the readings refer to 20 °C",
+                        shown(*celsius)
+                    ),
+                    None => format!("the file does not state the temperature of {what}"),
+                };
                 self.ask(
                     "material",
                     sentence,

@@ -381,7 +381,9 @@ impl Plan {
             );
         }
         let place = if self.is_beginning { ", the beginning" } else { ", a rapid move" };
-        let above = self.above_mm.map_or(String::new(), |mm| format!(", {mm:.1} mm above all feed moves"));
+        let above = self
+            .above_mm
+            .map_or(String::new(), |mm| format!("; the tool moves across {mm:.1} mm above all feed moves"));
         let _ = writeln!(out, "resumes       at line {} of the original{place}{above}", self.source_line);
         if let Some(line) = self.unsure_line {
             let _ = writeln!(out, "              (after line {line} the state of the control cannot be restored)");

@@ -914,10 +914,11 @@ came from another machine, or controller names the wrong language. Remove the ke
 of a program (MD20150), or the axes of rotation of TRAORI (MD24500 to MD24572). ncfix calculates with the machine file, so these data
 have no effect. One of the two files may be old. If the control begins programs with another zero offset or unit, the correction is for a wrong position.
 Correct the machine file, or write the word at the beginning of the program.";
-    NO_TEMPERATURES = "W0501" "temperatures not given"
+    NO_TEMPERATURES = "W0501" "temperatures not given, or without effect"
 "The error model has sources that depend on temperatures, and neither --state nor, in a calibration, the table of readings gives
 them. All sensors are assumed to be at their reference temperature: no drift, no expansion. On a warm machine this part of the
-error remains. Give the temperatures with --state.";
+error remains. Give the temperatures with --state. Or, conversely, --state is given, and no error of the machine file depends on
+temperature, so the temperatures change nothing: measure the drift or the expansion, or omit --state.";
     NO_LOAD = "W0502" "workpiece weight not given, or without effect"
 "The error model has effects of the weight on the table, and neither --load nor --state states the load. The table is assumed to be
 empty. Give the weight with --load; --load 0 states an empty table. Or, conversely, a weight is given, and the machine file does

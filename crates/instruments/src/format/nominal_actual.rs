@@ -392,8 +392,11 @@ fn displacement(
         for &k in &measured {
             let value =
                 feature.nominal[k].zip(feature.actual[k]).map(|(nominal, actual)| sign * unit.fine(actual - nominal));
-            if let Some(value) =
-                value.filter(|value| worst.is_none_or(|(most, ..): (f64, _, _)| value.abs() > most.abs()))
+            // Converted: a part that was warm has contracted since, by its distance from its origin (an offset is an unknown of the fit).
+            let grown = 1000.0 * material.stretch() * unit.inner(feature.nominal[k].unwrap_or(0.0));
+            if let Some(value) = value
+                .map(|value| value + grown)
+                .filter(|value| worst.is_none_or(|(most, ..): (f64, _, _)| value.abs() > most.abs()))
             {
                 worst = Some((value, k, [0, 1, 2].map(at)));
             }

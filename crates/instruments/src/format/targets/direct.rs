@@ -129,8 +129,10 @@ pub(in crate::format) fn direct(
                     "component",
                     sentence,
                     format!(
-                        "the error, such as E{0}{0} for positioning or EY{0} for a straightness",
-                        char::from(axis.letter())
+                        "the error, such as E{0}{0} for positioning or E{1}{0} for a straightness",
+                        char::from(axis.letter()),
+                        // A direction across the axis.
+                        if axis.letter() == b'Y' { 'X' } else { 'Y' }
                     ),
                 );
             } else {

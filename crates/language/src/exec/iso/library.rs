@@ -6,7 +6,6 @@ use super::loaded::Loops;
 use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::words::{Label, PartKind, Program};
 use ncfix_base::diagnostic::Code;
-use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 
 /// Extensions of program files, in search order.
@@ -53,10 +52,10 @@ impl Interpreter<'_> {
                 (format!("O{short:04} ({count} times)"), found)
             }
         };
-        found.ok_or_else(|| self.not_found(&shown, call.span, call.is_of_code))
+        found.ok_or_else(|| self.not_found(&shown, call))
     }
 
-    fn not_found(&mut self, shown: &str, span: Span, is_of_code: bool) -> Fault {
+    fn not_found(&mut self, shown: &str, call: &Call) -> Fault {
         let message =
             self.library.refusal().unwrap_or_else(|| format!("{shown} is neither in this file nor in its folder"));
         // `O7777 (2 times)` is in the file O7777.
@@ -66,13 +65,22 @@ impl Interpreter<'_> {
             (_, Some(number)) => format!("the file {name}, {name}.NC or {number}.NC"),
             (_, None) => "its file".to_owned(),
         };
-        let own = if is_of_code {
-            "if the control runs it itself, remove its code from control.macro_codes and name the code in control.opaque"
-        } else {
-            "name a program that the control runs itself under [[opaque]]"
+        let own = match &call.callee {
+            _ if call.is_of_code => {
+                "if the control runs it itself, remove its code from control.macro_codes and name the code in control.opaque"
+                    .to_owned()
+            }
+            Callee::Number(number) | Callee::Counted(number) => {
+                format!("if the control runs it itself, write opaque = [\"O{number:04}\"] in [control]")
+            }
+            Callee::Name(name) | Callee::Sub(name) => {
+                let name = name.to_ascii_uppercase();
+                format!("if the control runs it itself, write opaque = [\"{name}\"] in [control]")
+            }
+            Callee::Own => "name a program that the control runs itself under [[opaque]]".to_owned(),
         };
         let help = format!("put {files} next to the program, or add its folder to control.search_path; {own}");
-        fault(Code::NO_SUBPROGRAM, span, message, help)
+        fault(Code::NO_SUBPROGRAM, call.span, message, help)
     }
 
     /// The files that may contain a program, the calling file first.
