@@ -226,8 +226,8 @@ fn last_unit(bytes: &[u8]) -> Option<bool> {
     found
 }
 
-/// Warnings of states that a program of RS274/NGC takes over from the control, and that neither it nor the startup code states: the unit of lengths, and where
-/// a drilling cycle ends.
+/// Warnings of states that a program of RS274/NGC takes over from the control, and that neither it nor the startup code states: the unit of lengths, where
+/// a drilling cycle ends, and the positions of G28 and G30.
 pub(crate) fn assumed_start(
     source: &Source,
     dialect: &Dialect,
@@ -237,11 +237,14 @@ pub(crate) fn assumed_start(
         return Vec::new();
     }
     let (mut has_unit, mut has_return, mut motion, mut cycle) = (false, false, None, None);
+    let mut homes = [None; 2];
     let mut note = |code: u32, at: Option<usize>| match code {
         20 | 21 => has_unit = true,
         98 | 99 => has_return |= cycle.is_none(),
         0..=3 => motion = motion.or(at),
         73 | 81..=83 | 85 | 86 | 88 | 89 => cycle = cycle.or(at),
+        28 => homes[0] = homes[0].or(at),
+        30 => homes[1] = homes[1].or(at),
         _ => {}
     };
     each_g(machine.control.iso.startup_code.as_bytes(), |code, _| note(code, None));
@@ -260,7 +263,16 @@ pub(crate) fn assumed_start(
         let help = "write G98 (return to the initial level) or G99 (to R) before the cycle, or state startup_code in [control]";
         warn(at, message, help)
     });
-    unit.into_iter().chain(retraction).collect()
+    // Parameters 5161 and 5181 are X of the two positions.
+    let home = [(28, 5161), (30, 5181)].into_iter().zip(homes).filter_map(|((code, parameter), at)| {
+        let name = format!("#{parameter}");
+        let is_set = source.bytes().windows(name.len()).any(|text| text == name.as_bytes());
+        let is_stated = is_set || machine.system.contains_key(&name);
+        let message = format!("no file states the position of G{code}: the machine zero is assumed, so the output moves there at rapid");
+        let help = format!("give the file of the control with --setup (.var, or the answer to $#), or state \"#{parameter}\" … in [system] of the machine file");
+        at.filter(|_| !is_stated).map(|at| warn(at, &message, &help))
+    });
+    unit.into_iter().chain(retraction).chain(home).collect()
 }
 
 /// Calls `each` with every whole G code outside of comments, and its place.

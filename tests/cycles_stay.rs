@@ -627,3 +627,23 @@ fn lines_of_holes_in_which_nothing_changes_keep_their_bytes() {
         }
     }
 }
+
+/// The line of a hole has no Z: a jump over a clamp in the block of a hole must be written as a move, with the tool at that height before it moves away.
+#[test]
+fn a_hole_to_which_the_program_rises_keeps_its_height() {
+    let errors = PlateErrors { lean_urad: 0.0 };
+    let program = "N5 G17 G90 G71 G94 G54\nN6 T2 M6\nN7 D1 S2000 M3 F300\nN10 G0 X0 Y0 Z5\nN20 MCALL CYCLE81(50,0,2,-6)\n\
+                   N30 X30 Y10 Z50\nN40 X60 Y10\nN45 Z60\nN50 X80 Y10\nN60 MCALL\nN70 G0 Z80\nN80 M30\n";
+    let text = corrected("sinumerik", "p.mpf", program, errors);
+    // Z of each line, as modal; cycles end at 50.
+    let line =
+        |start: &str| text.lines().find(|line| line.starts_with(start)).unwrap_or_else(|| panic!("{start}: {text}"));
+    let near = |line: &str, z_mm: f64| word(line, 'Z').is_some_and(|written| (written - z_mm).abs() < 0.05);
+    assert!(near(line("N30 "), 50.0), "{text}");
+    // The block that only rises drills at the same place from there.
+    let rises = text.lines().position(|line| near(line, 60.0)).unwrap_or_else(|| panic!("{text}"));
+    let next = text.lines().position(|line| line.starts_with("N50 ")).unwrap();
+    assert!(rises < next, "{text}");
+    // A hole without a new height stays a position.
+    assert!(word(line("N40 "), 'Z').is_none() && line("N40 ").contains("X6"), "{text}");
+}

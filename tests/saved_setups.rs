@@ -74,6 +74,28 @@ fn offsets_of_grbl() {
     run.says("warning[W0404]").says("G54 gives X and Y but not Z, which counts as 0").says("cut off");
 }
 
+/// G28 and G30 go to positions that the control keeps (Grbl: `$#`; LinuxCNC: parameters 5161 and 5181 on). Without its file, the machine zero is assumed and said.
+#[test]
+fn positions_of_g28_and_g30_come_from_the_control() {
+    let program = "G21 G90 G17 G54\nG0 X0 Y0 Z0\nG1 X10 F500\nG30\nM2\n";
+    let zero = "[zero_offset.G54]\nX_mm = 10\nY_mm = 10\nZ_mm = -20\nset = \"absolute\"\n";
+    let [mill, linuxcnc] =
+        [("grbl", ""), ("linuxcnc", "saved_unit = \"mm\"")].map(|(name, control)| machine(name, control) + zero);
+    let report = "[G54:10.000,10.000,-20.000]\n[G28:1.000,2.000,0.000]\n[G30:30.500,25.000,-10.000]\n[G92:0.000,0.000,0.000]\nok\n";
+    let table = "5181 30.5\n5182 25\n5183 -10\n5220 1\n5221 10\n5222 10\n5223 -20\n";
+    let shop = Shop::new().file("m.toml", &mill).file("p.ngc", program).file("o.txt", report).file("l.var", table);
+    let shop = shop.file("l.toml", linuxcnc);
+    for (file, setup) in [("m.toml", "o.txt"), ("l.toml", "l.var")] {
+        let run = shop.run(["fix", "p.ngc", "-o", "out.ngc", "--machine", file, "--setup", setup]).exits(0);
+        assert!(!run.stderr.contains("position of G30"), "{}", run.stderr);
+        let text = shop.text("out.ngc");
+        let home = text.lines().find(|line| line.contains("G53")).unwrap_or_else(|| panic!("{text}"));
+        assert!(home.contains("X30.5") && home.contains("Y25") && home.contains("Z-10"), "{home}");
+    }
+    let run = shop.run(["fix", "p.ngc", "-o", "none.ngc", "--machine", "m.toml"]).exits(0);
+    run.says("warning[W0240]").says("no file states the position of G30").says("p.ngc:4");
+}
+
 #[test]
 fn offsets_of_a_fanuc() {
     let punched = "%\nG21\nG10 L2 P0 X0. Y0. Z-1.\nG10L2P1X-250.Y-120.5Z0.\nG10 L20 P3 X5. Y6. Z7.\nG10 L10 P1 R120.5\nG10 L11 P1 R-0.5\n\

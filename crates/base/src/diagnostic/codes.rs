@@ -765,6 +765,9 @@ start: millimeters, and G99. If the control has G20, all lengths are wrong by a 
 the initial level there, and to R in the output, where a clamp may be in its way. Write the word at the beginning of the program,
 or state startup_code in [control].
 
+Or such a program moves with G28 or G30, and no file states these positions. The output then moves to the machine zero, where the
+control would move to its own position. Give the file of the control with --setup.
+
 Or a program reads an R parameter, or a variable such as #500, that keeps its value between programs and that it has not set. There snc
 uses 0, for a variable of a Fanuc null. The moves that depend on it can be others. check, fix and feed refuse the program (E0219). Set
 the value in the program, or in [system] of the machine file.";

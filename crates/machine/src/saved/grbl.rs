@@ -1,6 +1,7 @@
 //! Answer of Grbl and grblHAL to `$#`: `[G54:-250.000,-120.500,0.000]`. Lengths are in mm, or in inches if `$13=1` (Grbl 1.1 wiki, *Commands*).
 
 use super::lines::number;
+use super::linuxcnc_variables::REFERENCE_POINTS;
 use super::{SavedFormat, SavedLine, SavedUnit, SavedValues};
 use crate::machine::zero_offset::lacking_axes;
 use crate::machine::{Machine, Tool};
@@ -63,6 +64,13 @@ fn read(lines: &[SavedLine<'_>], machine: &Machine) -> Result<SavedValues, Diagn
             } else if values.iter().any(|value| *value != 0.0) {
                 let help = "cancel it with G92.1 or G49, or set the zero offset instead, and ask for $# again";
                 return Err(line.fault(format!("an offset {key} is active, which ncfix does not take over"), help));
+            }
+        } else if let Some(place) = ["G28", "G30"].iter().position(|own| *own == key) {
+            let values = list(text).ok_or_else(unreadable)?;
+            for ((axis, key), value) in AXES.into_iter().zip(REFERENCE_POINTS[place]..).zip(values) {
+                if machine.axis_set().contains(axis) {
+                    out.system.push((format!("#{key}"), if axis.is_rotary() { value } else { unit.mm(value) }));
+                }
             }
         } else if key == "T" {
             // grblHAL: number, offsets, radius.

@@ -30,6 +30,8 @@ pub(super) const SYSTEMS: [(&str, u32); 9] = [
 const G92_APPLIED: u32 = 5210;
 /// Place of the rotation after the first variable of a system.
 const ROTATION: u32 = 9;
+/// First variables of the positions of G28 and G30.
+pub(super) const REFERENCE_POINTS: [u32; 2] = [5161, 5181];
 /// Variables of users.
 const USER: std::ops::RangeInclusive<u32> = 31..=5000;
 
@@ -77,5 +79,12 @@ fn read(lines: &[SavedLine<'_>], machine: &Machine) -> Result<SavedValues, Diagn
         out.offsets.push((name.to_owned(), parts));
     }
     out.system = values.range(USER).map(|(key, (value, _))| (format!("#{key}"), *value)).collect();
+    for start in REFERENCE_POINTS {
+        for (axis, key) in AXES.into_iter().zip(start..) {
+            if let Some((value, _)) = values.get(&key).filter(|_| machine.axis_set().contains(axis)) {
+                out.system.push((format!("#{key}"), if axis.is_rotary() { *value } else { unit.mm(*value) }));
+            }
+        }
+    }
     Ok(out)
 }

@@ -107,7 +107,7 @@ where
                 self.take_in(Element { starts_block, ..element });
             }
         }
-        if let Some(block) = is_complete.then(|| self.kept_hole(cycle, &moves)).flatten() {
+        if let Some(block) = is_complete.then(|| self.kept_hole(cycle, &moves, has_approach)).flatten() {
             // Without an approach the hole is in the block of its mark.
             let starts_block = block.starts_block && has_approach;
             let number = block.number.filter(|_| has_approach);
@@ -123,9 +123,9 @@ where
         self.elements.put_back(first.into_iter().chain(moves).collect());
     }
 
-    /// Corrects a hole as one cycle; `None` if it must be written as moves.
-    fn kept_hole(&mut self, cycle: &Arc<DrillingCycle>, hole: &[Element]) -> Option<CycleBlock> {
-        let line = self.line_of(cycle, hole)?;
+    /// Corrects a hole as one cycle; `None` if it must be written as moves. With `is_led`, its first move is one of the program, which triggers the cycle.
+    fn kept_hole(&mut self, cycle: &Arc<DrillingCycle>, hole: &[Element], is_led: bool) -> Option<CycleBlock> {
+        let line = self.line_of(cycle, hole, is_led)?;
         let (shift, pecks) = self.shift_of(cycle, &line, hole)?;
         let moves = || {
             hole.iter().filter_map(|element| match &element.kind {
@@ -209,7 +209,7 @@ where
     }
 
     /// The line of a hole; `None` if its moves are not those of a cycle along a linear axis of the machine.
-    fn line_of(&mut self, cycle: &DrillingCycle, hole: &[Element]) -> Option<HoleLine> {
+    fn line_of(&mut self, cycle: &DrillingCycle, hole: &[Element], is_led: bool) -> Option<HoleLine> {
         let setup = &self.placer.setup;
         let is_straight = self.placer.keeps_lengths() && setup.transform.is_none() && setup.plane == cycle.plane;
         if !self.options.may_keep_cycles() || !is_straight || self.pace.is_by_time() || !self.clamps.are_open() {
@@ -230,6 +230,8 @@ where
                 Kind::Setup(_) | Kind::Frame(_) | Kind::Lost(_) | Kind::Tool(_) | Kind::Label(_) => return None,
                 _ => continue,
             };
+            // The block of a hole has no word along it: a move of the program to another level, over a clamp for example, must stay a move.
+            let is_leading = is_led && first.is_none();
             first.get_or_insert(motion);
             let is_axis_move = motion.arc.is_none()
                 && motion.tip.is_none()
@@ -239,7 +241,8 @@ where
                 && matches!(motion.motion_mode, MotionMode::Path | MotionMode::Thread(_));
             let target = self.placer.in_frame(&motion.target);
             let others_move = AXES.iter().any(|&axis| !own.contains(axis) && target[axis] != at[axis]);
-            if !is_axis_move || others_move || !own.difference(motion.known).is_empty() {
+            let changes_level = is_leading && (target[axes[2]] - at[axes[2]]).abs() > SAME_PLACE_MM;
+            if !is_axis_move || others_move || changes_level || !own.difference(motion.known).is_empty() {
                 return None;
             }
             let moves_across = axes[..2].iter().any(|&axis| (target[axis] - at[axis]).abs() > SAME_PLACE_MM);
