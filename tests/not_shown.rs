@@ -145,7 +145,7 @@ fn a_tool_of_another_length_is_named_after_a_measurement_with_one() {
     assert_eq!(run.codes(), ["W0318"]);
     // Nothing bounds the angles.
     assert!(run.json()["coverage"]["gaps"][0]["size_um"].is_null());
-    // Two lengths have shown that there are none; and the measured length is no gap.
+    // Two lengths have shown the angles; and the measured length is no gap.
     assert!(with("[60, 120]").codes().is_empty());
     assert!(with("[180, 180]").codes().is_empty());
 }

@@ -18,7 +18,7 @@ const LISTENING: Duration = Duration::from_micros(300);
 
 /// A control that listens at a port in a thread of its own until it is dropped.
 pub(crate) struct Wired<C> {
-    /// What `--port` takes.
+    /// Value of `--port`.
     pub(crate) name: String,
     pub(crate) shared: Arc<Mutex<C>>,
     is_over: Arc<AtomicBool>,

@@ -22,7 +22,11 @@ impl LoopPasses {
     /// after a jump back. Further lines of a block have no number, for example a rounding that is made after the next block. A block that is written
     /// in several parts has the line of the last one: a loop of one block has no marks.
     pub(super) fn note(&mut self, line: u32, has_number: bool) -> Option<u64> {
-        if line == self.reached || !has_number {
+        if !has_number {
+            self.reached = self.reached.max(line);
+            return None;
+        }
+        if line == self.reached {
             return None;
         }
         self.is_back |= line <= self.reached;
@@ -71,5 +75,9 @@ mod tests {
         // A rounding of line 3 after line 4.
         let lines = [(3, true), (4, true), (3, false), (6, true), (6, false), (6, true)];
         assert_eq!(lines.map(|(line, own)| passes.note(line, own)), [None; 6]);
+        // A loop of a block with a number and one without.
+        let mut passes = LoopPasses::default();
+        let lines = [(6, true), (7, false), (6, true), (7, false), (6, true)];
+        assert_eq!(lines.map(|(line, own)| passes.note(line, own)), [None, None, Some(2), None, Some(3)]);
     }
 }
