@@ -41,7 +41,7 @@ pub struct CountedResidual {
 }
 
 fn grid(task: &Task<'_>) -> Result<Tables, String> {
-    with_mesh(task, |mesh, region| smallest_grid(mesh, region))
+    with_mesh(task, smallest_grid)
 }
 
 /// Prepares grids for the linear axes, with the rotary axes at 0.
