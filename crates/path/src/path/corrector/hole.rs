@@ -34,7 +34,7 @@ pub(super) struct InitialLevel {
     command_mm: f64,
 }
 
-/// The straight line of a hole, from its reference plane to its bottom, in the coordinates of [`CommandSolver::in_frame`].
+/// The straight line of a hole, from its reference plane to its bottom, in the coordinates of [`in_frame`](crate::path::place::CommandSolver::in_frame).
 #[derive(Clone, Copy, Debug)]
 struct HoleLine {
     axes: [Axis; 3],
