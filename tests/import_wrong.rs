@@ -195,12 +195,12 @@ fn a_table_of_characteristics_has_features_and_not_targets() {
 /// A steel plate that was drilled at 26 °C: 11.5 µm/m per K · 6 K = 69 µm/m. At 20 °C the hole at Y 200 is 5.8 µm too near, at 26 °C it was 13.8 − 5.8 µm too far.
 #[test]
 fn the_check_of_a_warm_plate_is_about_the_converted_reading() {
-    let report = |hole: f64| {
+    let report = |far: f64, near: f64| {
         format!(
-            "name;nominal x;nominal y;actual x;actual y\nH1;0;0;0;0\nH2;0;200;0;{hole:.4}\nH3;100;0;99.9990;0\nH4;100;100;99.9990;99.9971\n"
+            "name;nominal x;nominal y;actual x;actual y\nH1;0;0;0;0\nH2;0;200;0;{far:.4}\nH3;100;0;99.9990;0\nH4;100;100;99.9990;{near:.4}\n"
         )
     };
-    let shop = shop().file("drilled.csv", report(199.9942)).file("probed.csv", report(200.0058));
+    let shop = shop().file("drilled.csv", report(199.9942, 99.9971)).file("probed.csv", report(200.0058, 100.0029));
     let check = |file: &str, sign: &str, material: &str| {
         let words = ["--at", "X100,Y100,Z0", "--unit", "mm", "--tool", "0", "--sign", sign, "--material", material];
         import(&shop, file, "tool.toml", &words).exits(0)
