@@ -409,6 +409,7 @@ mod tests {
         error after      0.250 µm    0.310 µm    0.980 µm   largest at part.mpf:17
         improvement  mean error reduced by 99.0 %
         interval     not known: the uncertainty of this machine file is not known
+        zero         no offset in force: corrected to true positions of the machine
         correction   up to X 41.3 µm, C 3.00 µrad
         rapids       12 as programmed; there the tool is up to 35.2 µm off
         cycles       38 holes kept, up to 1.40 µm off the exact path, 2 written as moves; with --hole-tolerance 3um they would stay

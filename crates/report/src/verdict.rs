@@ -312,7 +312,8 @@ mod tests {
         let spread = |max_um: f64| SpreadReport { mean_um: max_um / 2.0, rms_um: max_um / 2.0, max_um };
         let mut review = Review { before: Some(spread(40.0)), after: Some(spread(1.0)), ..Review::default() };
         let verdict = Verdict::of(&review);
-        assert_eq!((verdict.grade, verdict.reasons.len()), (Grade::Ok, 1));
+        // The reduction, and that no zero offset is in force.
+        assert_eq!((verdict.grade, verdict.reasons.len()), (Grade::Ok, 2));
         review.left.insert("before the axes were stated", 3);
         review.left.insert("rapid", 3);
         assert_eq!(Verdict::of(&review).grade, Grade::Warn);
@@ -320,7 +321,7 @@ mod tests {
         review.limits = vec![limit(9.0), limit(11.0)];
         let verdict = Verdict::of(&review);
         let grades: Vec<Grade> = verdict.reasons.iter().map(|reason| reason.grade).collect();
-        assert_eq!(grades, [Grade::Bad, Grade::Warn, Grade::Ok, Grade::Ok]);
+        assert_eq!(grades, [Grade::Bad, Grade::Warn, Grade::Ok, Grade::Ok, Grade::Ok]);
         assert!(verdict.reasons[0].text.contains("more than the 10.0 µm"), "{verdict:?}");
         // Growth by no more than the tolerance of a correction is for a person to judge.
         review.after = Some(spread(41.0));

@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn faults_are_reported_together() {
-        let text = "temp = 1\n[temperature_C]\nT_head = 300\nT_b = \"x\"\n[[load]]\nmass_kg = 3\n[zero]\n";
+        let text = "temp = 1\n[temperature_C]\nT_head = 500\nT_b = \"x\"\n[[load]]\nmass_kg = 3\n[zero]\n";
         assert_eq!(read(text).1, ["E0402", "E0404", "E0404", "E0403", "E0407", "E0403"]);
         assert!(read(text).0.is_none());
     }
