@@ -377,7 +377,7 @@ fn a_poor_model_is_pointed_out() {
     // Not the correction of a part comes next, but the search for what is missing.
     let words = "calibrate circles.csv --machine start.toml --model model.txt -o poor.toml --no-robust";
     let run = shop.run(words.split_whitespace()).exits(0);
-    assert!(run.stdout.contains("ncfix diagnose circles.csv --machine start.toml -o poor_extended.toml"), "{run:?}");
+    run.says("ncfix diagnose circles.csv --machine start.toml -o poor_extended.toml");
 }
 
 /// Runs a calibration of the circles that must be refused, with what is said and without output.
