@@ -265,12 +265,13 @@ pub(crate) fn assumed_start(
     });
     // Parameters 5161 and 5181 are X of the two positions.
     let home = [(28, 5161), (30, 5181)].into_iter().zip(homes).filter_map(|((code, parameter), at)| {
+        let at = at?;
         let name = format!("#{parameter}");
         let is_set = source.bytes().windows(name.len()).any(|text| text == name.as_bytes());
         let is_stated = is_set || machine.system.contains_key(&name);
         let message = format!("no file states the position of G{code}: the machine zero is assumed, so the output moves there at rapid");
         let help = format!("give the file of the control with --setup (.var, or the answer to $#), or state \"#{parameter}\" … in [system] of the machine file");
-        at.filter(|_| !is_stated).map(|at| warn(at, &message, &help))
+        (!is_stated).then(|| warn(at, &message, &help))
     });
     unit.into_iter().chain(retraction).chain(home).collect()
 }

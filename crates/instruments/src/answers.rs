@@ -128,11 +128,7 @@ pub const OPTIONS: &[ImportOption] = &[
         example: "calibrated",
         meaning: "Length of the ball-bar: calibrated if the deviations refer to its calibrated length, else unknown (default): it is then an unknown of the fit",
         set: |to, text| {
-            to.is_calibrated = Some(match text {
-                "calibrated" => true,
-                "unknown" => false,
-                _ => return Err("write calibrated or unknown".to_owned()),
-            });
+            to.is_calibrated = Some(is_or_unknown(text, "calibrated")?);
             Ok(())
         },
     },
@@ -168,11 +164,7 @@ pub const OPTIONS: &[ImportOption] = &[
         example: "motion",
         meaning: "Order of the rows: motion if it is that of the motion or machining, which gives directions of approach, else unknown (default for meshes, height maps and features)",
         set: |to, text| {
-            to.is_in_order = Some(match text {
-                "motion" => true,
-                "unknown" => false,
-                _ => return Err("write motion or unknown".to_owned()),
-            });
+            to.is_in_order = Some(is_or_unknown(text, "motion")?);
             Ok(())
         },
     },
@@ -442,6 +434,15 @@ pub fn component(text: &str) -> Result<MeasuredComponent, String> {
 fn number(text: &str) -> Result<f64, String> {
     let value = text.trim().parse::<f64>().ok().filter(|value| value.is_finite() && value.abs() < 1e9);
     value.ok_or_else(|| format!("'{text}' is not a number; write for example 12.5"))
+}
+
+/// True for this word, false for `unknown`.
+fn is_or_unknown(text: &str, word: &str) -> Result<bool, String> {
+    match text {
+        "unknown" => Ok(false),
+        _ if text == word => Ok(true),
+        _ => Err(format!("write {word} or unknown")),
+    }
 }
 
 fn positive(text: &str) -> Result<f64, String> {
