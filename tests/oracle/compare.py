@@ -29,6 +29,8 @@ CYCLE_TOLERANCE = 1e-3
 """mm and degrees."""
 CURVE_TOLERANCE = 0.02
 """mm: both sides cut splines into pieces of their own choice."""
+WRITTEN_CURVE_TOLERANCE = 0.005
+"""mm: an output is within the tolerance of 1 um and half an increment of the curve, and its arcs are sampled here."""
 BULGE = 1.5
 """How much more than estimated (`bulges`) a spline may be off the interpreter's pieces: those of generate.py are up to 1.1 times as far."""
 LEAST_RATES = (0.1, 2.54)
@@ -215,22 +217,29 @@ def bulges(line):
 
 def off_line(points, line, allowances):
     """The first of the points that is further off a line of pieces than it may be off its piece, or None. Goes along the line, so that loops
-    do not hide a detour."""
-    segment = 0
+    do not hide a detour. Where `line` turns sharply its pieces may be many and short: it is searched over a few pieces, and over a few times
+    the way from the last point."""
+    segment, last = 0, points[0]
     window = 3 + 4 * len(line) // len(points)
     for point in points:
-        ahead = range(segment, min(segment + window, len(line) - 1))
-        best = min(((distance(point, line[k], line[k + 1]), k) for k in ahead), default=None)
+        reach, travelled = 4 * math.dist(point[:3], last[:3]), 0.0
+        best = None
+        for k in range(segment, len(line) - 1):
+            if k >= segment + window and travelled > reach:
+                break
+            found = (distance(point, line[k], line[k + 1]), k)
+            best = found if best is None else min(best, found)
+            travelled += math.dist(line[k][:3], line[k + 1][:3])
         if best is None or best[0] > allowances[best[1]]:
             return point
-        segment = best[1]
+        segment, last = best[1], point
     return None
 
 
-def polylines_agree(theirs, mine, tolerance=POSITION_TOLERANCE):
-    """The corners of the interpreter's pieces lie on the curve, which is off the pieces between them."""
+def polylines_agree(theirs, mine, tolerance=POSITION_TOLERANCE, curve=CURVE_TOLERANCE):
+    """The corners of the interpreter's pieces lie on the curve, which is off the pieces between them. `curve` is how far `mine` may be off it."""
     return (
-        off_line(theirs, mine, [CURVE_TOLERANCE] * len(mine)) is None
+        off_line(theirs, mine, [curve] * len(mine)) is None
         and off_line(mine, theirs, [CURVE_TOLERANCE + BULGE * bulge for bulge in bulges(theirs)]) is None
         and near(theirs[-1], mine[-1], tolerance)
     )
@@ -529,7 +538,7 @@ def differ_corrected(before, after, model, source_lines, inverse_time):
                 return f"{seconds:.6g} s instead of {wanted_seconds:.6g} s: line {theirs.line}: {theirs.text} | output line {mine.line}: {mine.text}"
         if theirs.kind != "G0" and not unstated and not (any(abs(v) < 1e-9 for v in actual[:3]) and model):
             reals = [place_at(point, model)[:3] for point in path]
-            off = beside(points, reals, 0.003 + unequal_radii(theirs, points[0])) if not spline else not polylines_agree(points, reals, 5e-4)
+            off = beside(points, reals, 0.003 + unequal_radii(theirs, points[0])) if not spline else not polylines_agree(points, reals, 5e-4, WRITTEN_CURVE_TOLERANCE)
             if off:
                 return f"{'spline' if spline else f'{off:.6f} mm'} off the path: line {theirs.line}: {theirs.text} | output line {mine.line}: {mine.text}"
         unstated = {k for k in unstated if theirs.kind == "G0" or abs(end[k] - nominal[k]) < 1e-9}
