@@ -28,6 +28,7 @@ pub mod extend;
 pub mod prelude;
 pub mod sensors;
 
+mod answers;
 mod calibration;
 mod channel;
 mod check;

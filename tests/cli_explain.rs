@@ -50,7 +50,21 @@ fn without_a_code_all_are_listed() {
 
 #[test]
 fn an_unknown_code_is_wrong_usage() {
-    Shop::new().run(["explain", "E9999"]).exits(2).says("unknown code 'E9999'");
+    Shop::new().run(["explain", "E9999"]).exits(2).says("no code and no text has 'E9999'");
+    Shop::new().run(["explain", "zyxwv"]).exits(2).says("no code and no text has 'zyxwv'");
+}
+
+#[test]
+fn words_find_questions_and_codes() {
+    let shop = Shop::new();
+    let found = shop.run(["explain", "overwrite", "my", "program"]).exits(0);
+    assert!(found.stdout.starts_with("Is my program overwritten?\n  No. "), "{}", found.stdout);
+    // The page of the answer, without signs of Markdown.
+    assert!(found.stdout.contains("docs/reference/command-line.md#output-files"), "{}", found.stdout);
+    assert!(!found.stdout.contains("]("), "{}", found.stdout);
+    let found = shop.run(["explain", "touching off the zero"]).exits(0);
+    assert!(found.stdout.contains("How do I state that the zero was touched?"), "{}", found.stdout);
+    assert!(found.stdout.contains("\nW0321  "), "{}", found.stdout);
 }
 
 #[test]

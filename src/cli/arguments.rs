@@ -192,7 +192,7 @@ pub(super) enum Command {
     /// Check, show or write a machine file
     #[command(subcommand, after_help = examples::MACHINE)]
     Machine(MachineCommand),
-    /// Explain a diagnostic code such as E0203
+    /// Explain a diagnostic code such as E0203, or find answers by words
     #[command(after_help = examples::EXPLAIN)]
     Explain(ExplainArguments),
     /// Print the completion script of a shell
@@ -356,8 +356,9 @@ pub(super) struct SncArguments {
 /// `ncfix explain`.
 #[derive(Clone, Debug, Args)]
 pub(super) struct ExplainArguments {
-    /// Diagnostic code, such as E0203 (default: list all codes)
-    pub(super) code: Option<String>,
+    /// Diagnostic code, such as E0203, or words to search for (default: list all codes)
+    #[arg(value_name = "CODE|WORDS")]
+    pub(super) words: Vec<String>,
 }
 
 #[cfg(test)]

@@ -52,6 +52,7 @@ Examples:
 pub(super) const EXPLAIN: &str = "\
 Examples:
   ncfix explain E0203
+  ncfix explain touched zero
   ncfix explain";
 
 pub(super) const COMPLETIONS: &str = "\
