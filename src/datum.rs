@@ -90,6 +90,7 @@ pub(crate) fn state(zeros: &[StatedZero], chosen: &mut Machine) -> Result<(), Er
         }
         let datum = chosen.machine.datums.entry(name.clone()).or_default();
         datum.setting = Some(*setting);
+        datum.is_of_other_value = false;
         if let Some((stated, command)) = *at {
             let tool_length_mm = datum.at[0].tool_length_mm;
             datum.at = [TouchedAt { stated, command, tool_length_mm, ..TouchedAt::default() }; 3];
@@ -242,6 +243,21 @@ pub(crate) fn of_run(
         if machine.zero_offsets.contains_key(name) {
             help += &format!("; or give --zero {name}=touched or --zero {name}=absolute");
         }
+        found.add(Diagnostic::nowhere(Code::ZERO_NOT_STATED, message, help), &[]);
+    }
+    let is_of_other_value = |one: &&ZeroReport| {
+        one.distance_um > um_from_mm(tolerance_mm)
+            && machine.datums.get(&one.name).is_some_and(|datum| datum.is_of_other_value)
+    };
+    for one in reports.iter().filter(is_of_other_value) {
+        let name = &one.name;
+        let message = format!(
+            "{name} counts as absolute, as stated beside its earlier value, but a later file gives another value; {}",
+            one.contents()
+        );
+        let help = format!(
+            "if you touched it off since, give --zero {name}=touched; if the new value is the true position, --zero {name}=absolute"
+        );
         found.add(Diagnostic::nowhere(Code::ZERO_NOT_STATED, message, help), &[]);
     }
     for one in reports.iter().filter(|one| !one.is_stated && !chosen.is_demo) {

@@ -87,6 +87,30 @@ fn a_zero_of_a_set_up_file_forgets_where_the_old_one_was_touched() {
     }
 }
 
+/// A statement that a zero is absolute was written beside a value. A set-up file with another value comes from somebody who has set the zero since.
+#[test]
+fn a_new_value_beside_an_old_absolute_is_asked_for() {
+    let machine = format!("{LINEAR}{OFF_AND_LONG}{G54}set = \"absolute\"\n");
+    let shop = shop(&machine, &program("X400"))
+        .file("new.ini", "$P_UIFR[1]=CTRANS(X,101)\n")
+        .file("same.ini", "$P_UIFR[1]=CTRANS(X,100)\n")
+        .file("stated.toml", "[zero_offset.G54]\nX_mm = 101\nY_mm = 0\nZ_mm = 0\nset = \"absolute\"\n")
+        .file("method.toml", machine.replace(G54, "[zero_offset.G54]\n"));
+    let asks = |more: &[&str]| {
+        let fix = ["fix", "in.mpf", "-o", "out.mpf", "--max-correction", "1mm"];
+        let run = shop.run(fix.iter().chain(more)).exits(0);
+        run.stderr.contains("W0321")
+    };
+    let machine = ["--machine", "m.toml"];
+    assert!(!asks(&machine), "nothing has changed");
+    assert!(!asks(&[&machine[..], &["--setup", "same.ini"]].concat()), "the same value");
+    assert!(asks(&[&machine[..], &["--setup", "new.ini"]].concat()), "X 101 in place of X 100");
+    assert!(!asks(&[&machine[..], &["--setup", "stated.toml"]].concat()), "the set-up file states the method");
+    assert!(!asks(&[&machine[..], &["--setup", "new.ini", "--zero", "G54=absolute"]].concat()), "stated for this run");
+    // A method without a value was written for every value.
+    assert!(!asks(&["--machine", "method.toml", "--setup", "new.ini"]));
+}
+
 /// The first move is along Z alone, at X and Y that no program states. Relative to a zero far from there, the squareness is 1.2 mm: no difference of the two
 /// programs.
 #[test]

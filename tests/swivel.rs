@@ -202,10 +202,35 @@ fn a_swivelled_program_is_corrected() {
     let options = CorrectionOptions { max_correction_mm: 2.0, ..CorrectionOptions::default() };
     let done = check_correction(&program, &machine, &errors, &options);
     assert!(
-        !done.text.contains("CYCLE800") && done.text.contains("TRANS X") && done.text.contains("SUPA"),
+        !done.text.contains("CYCLE800(0") && done.text.contains("TRANS X") && done.text.contains("SUPA"),
         "{}",
         done.text
     );
+}
+
+/// A plane that an earlier job has not ended is in system frames of the control, which TRANS does not delete.
+#[test]
+fn the_output_ends_a_plane_of_an_earlier_job() {
+    let machine = crate::support::machine("esmaeili_huron");
+    let start = "N10 G17 G90 G71 G94\nN20 CYCLE800()\nN30 G0 X0 Y0 Z200 A0 C0\n";
+    let end = "N50 G1 X20 F500\nN60 G0 Z200\n";
+    let plane = "N40 CYCLE800(0,\"\",0,57,0,0,0,45,0,0,0,0,0,-1)\n";
+    let shop = Shop::new()
+        .file("flat.mpf", format!("{start}{end}N90 M30\n"))
+        .file("tilted.mpf", format!("{}{plane}{end}N70 CYCLE800()\nN90 M30\n", start.replace("N20 CYCLE800()\n", "")));
+    for (name, order) in
+        [("flat.mpf", &["CYCLE800()", "G1 "][..]), ("tilted.mpf", &["CYCLE800()", "AROT", "G1 ", "CYCLE800()", "M30"])]
+    {
+        shop.run([name, "-o", "out.mpf", "--machine", &machine]).exits(0);
+        let text = shop.text("out.mpf");
+        let mut rest = text.as_str();
+        for word in order {
+            let at = rest.find(word);
+            assert!(at.is_some(), "{word} is missing or too early:\n{text}");
+            rest = &rest[at.unwrap_or(0) + word.len()..];
+        }
+        shop.run(["verify", name, "out.mpf", "--machine", &machine]).exits(0);
+    }
 }
 
 #[test]

@@ -508,6 +508,13 @@ fn wear_that_the_control_has_told_is_not_in_the_path() {
     assert!(wear.contains("X-5 Y40") && wear.contains("G41"), "{wear}");
     let verified = shop.run(["verify", "part.mpf", "wear"].iter().chain(&arguments));
     assert_eq!(verified.code, 0, "{}{}", verified.stdout, verified.stderr);
+    // The text of the program does not show what is in the register: a person must look.
+    verified.says("W0237");
+    shop.run(["diff", "part.mpf", "wear"].iter().chain(&arguments)).says("W0237");
+    assert!(!shop.run(["verify", "part.mpf", "center"].iter().chain(&arguments)).stderr.contains("W0237"));
+    let guarded =
+        shop.run(["fix", "part.mpf", "-o", "guarded", "--compensation", "wear", "--guard"].iter().chain(&arguments));
+    guarded.exits(0).says("not that tool radii are 0");
     // The whole radius in the path and the register of the control is what verify sees where the stamp is gone.
     let bare: String = wear.lines().filter(|line| !line.contains("ncfix")).map(|line| format!("{line}\n")).collect();
     let shop = shop.file("bare", bare);

@@ -18,9 +18,9 @@ use crate::interval;
 use crate::machine::Machine;
 use crate::program::Program;
 use crate::run::{self, Running, Watch, is_wear_alone};
-use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::{Axis, AxisVector};
-use ncfix_base::source::{FileId, Source};
+use ncfix_base::source::{FileId, Source, Span};
 use ncfix_language::exec::{Options, Radius, RapidOrder};
 use ncfix_machine::machine::Kinematics;
 use ncfix_machine::snc::{Element, Origin};
@@ -90,6 +90,9 @@ impl Pair<'_> {
         let chosen = self.machine;
         let sources = &self.programs.map(|program| program.source().clone());
         let has_wear_alone = is_wear_alone(&sources[1]);
+        if has_wear_alone && !is_wear_alone(&sources[0]) {
+            findings.add(wear_alone(&sources[1]), &sources[1..]);
+        }
         let start = |opened: run::Opened, program: &Program, requires_values: bool| {
             let is_stamped = emit::is_stamped(opened.source.bytes());
             let rapid_order = if is_stamped { RapidOrder::None } else { RapidOrder::Stated };
@@ -388,4 +391,12 @@ impl<I: Iterator<Item = Item>> Iterator for Clean<'_, '_, I> {
             }
         }
     }
+}
+
+/// The diagnostic for a program that leaves the wear to the control: nothing in its text shows that a register has the radius of the tool in addition.
+fn wear_alone(source: &Source) -> Diagnostic {
+    let place = Place { file: source.id(), span: Span::new(0, 1) };
+    let message = "radius compensation at the control is for wear alone: the radius must be 0 there in each register of G41 and G42, plus wear";
+    let help = "set the radius in the register to 0 before the program runs, and restore it before another program uses the register";
+    Diagnostic::at(Code::WEAR_ALONE, place, message, help)
 }

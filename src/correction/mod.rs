@@ -360,7 +360,10 @@ impl<'a> Prepared<'a> {
         writer.mark_passes();
         writer.keep_free(numbers);
         if options.guard {
-            let words = guard::of_program(program, machine, &writing)?;
+            let mut words = guard::of_program(program, machine, &writing)?;
+            if matches!(options.compensation, Compensation::Wear(_)) {
+                words.left.push("that tool radii are 0".to_owned());
+            }
             report.guard = Some(GuardReport { checked: words.checked, left: words.left });
             writer.begin_with(words.lines);
         }

@@ -850,6 +850,9 @@ Temperature and weight count differently. Without a stated method or time, their
 temperature and the empty table. A zero that was touched off on the warm or loaded machine already contains this effect, and the
 correction is then too large by it.
 
+A machine file can state \"absolute\" beside a value, and a set-up file can give another value. Somebody has set the zero since: if
+by touching off, the statement is no longer true.
+
 State the method: set = \"touched\", \"probed\" or \"absolute\" in [zero_offset.NAME], or --zero G54=touched. State the time with
 --zero-time. docs/how-to/set-the-zero.md has examples.";
     UNKNOWN_CUT = "W0322" "cut at a position that is not known"

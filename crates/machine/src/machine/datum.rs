@@ -67,6 +67,8 @@ pub struct Datum {
     pub setting: Option<ZeroSetting>,
     /// Poses at which the sides along X, Y and Z were touched.
     pub at: [TouchedAt; 3],
+    /// `true` if the method was stated as absolute beside another value than the present one: somebody has set the zero since, maybe by touching off.
+    pub is_of_other_value: bool,
 }
 
 impl Datum {

@@ -6,7 +6,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{AXES, Axis, AxisSet, FrameParts};
 
 use super::Machine;
-use super::datum::Datum;
+use super::datum::{Datum, ZeroSetting};
 use super::section::Section;
 
 /// Settable zero offsets of a control.
@@ -127,6 +127,10 @@ impl Machine {
     pub fn set_zero_offset(&mut self, name: String, parts: FrameParts) {
         if let Some(datum) = self.datums.get_mut(&name) {
             datum.at = Default::default();
+            // An entry without value states the method of every value.
+            let earlier = self.zero_offsets.get(&name).filter(|earlier| **earlier != FrameParts::default());
+            let is_other = earlier.is_some_and(|earlier| *earlier != parts);
+            datum.is_of_other_value |= is_other && datum.setting == Some(ZeroSetting::Absolute);
         }
         self.partial_offsets.remove(&name);
         self.zero_offsets.insert(name, parts);

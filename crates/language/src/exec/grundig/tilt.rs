@@ -15,6 +15,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame, Matrix, ROTARY_AXES, RotationOrder, Vector, about};
 use ncfix_base::source::Span;
 use ncfix_machine::machine::{Kinematics, PlaneOrder};
+use ncfix_machine::snc::Kind;
 
 /// The words of a block with G7.
 struct Words {
@@ -33,17 +34,21 @@ pub(super) fn plane(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
         let message = "G7 while a radius compensation is on";
         return Err(fault(Code::FORBIDDEN_STATE, span, message, "program G40 before it"));
     }
-    channel.modal.tilted = None;
+    let was_tilted = channel.modal.tilted.take().is_some();
     setup::refresh_setup(channel)?;
     let Some(angles) = words.angles else {
         if words.turns {
             let message = "G7 with L1=1 and without angles";
             return Err(bad_value(span, message, "write the angles, for example G7 A5=0 B5=0 C5=0 L1=1"));
         }
+        end_on_control(channel);
         return Ok(());
     };
     let rotation = rotation(angles, channel.settings.machine.control.grundig.plane_order, span)?;
     let (turned, is_tilted) = aligned(channel, &rotation, span)?;
+    if !was_tilted || !is_tilted {
+        end_on_control(channel);
+    }
     store(channel, &words.registers, &turned)?;
     if words.turns {
         turn(channel, &turned)?;
@@ -55,6 +60,11 @@ pub(super) fn plane(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
         setup::refresh_setup(channel)?;
     }
     Ok(())
+}
+
+/// Writes `G7` alone: the output states the axes in their own coordinates, in which no plane of an earlier program may be in force.
+fn end_on_control(channel: &mut Channel<'_>) {
+    channel.outlet.push_line(Kind::Verbatim(b"G7".to_vec()));
 }
 
 fn words(gathered: &mut Gathered) -> Result<Words, Fault> {

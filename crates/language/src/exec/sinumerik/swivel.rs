@@ -24,7 +24,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame, Matrix, Vector, about};
 use ncfix_base::source::Span;
 use ncfix_machine::machine::Kinematics;
-use ncfix_machine::snc::RotaryDirection;
+use ncfix_machine::snc::{Kind, RotaryDirection};
 
 /// Resolution of the rotary positions, parts of a degree: beyond it is rounding noise.
 const PARTS: f64 = 1e9;
@@ -150,6 +150,7 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
     let has_rotary = kinematics.rotary_axes().next().is_some();
     if request.is_reset || request.is_plain() && has_rotary {
         channel.modal.swivelled = None;
+        delete_swivel_frames(channel);
         return save::restate(channel, span);
     }
     let below = channel.modal.base.compose(&channel.modal.settable);
@@ -191,8 +192,18 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
     let total = total.ok_or_else(|| save::refused(span, "the tilted plane does not give a valid frame".to_owned()))?;
     let relative = below.inverse().compose(&total);
     let (frame, statements) = tilt_frame::stated(channel, &relative, span)?;
+    if channel.modal.swivelled.is_none() {
+        delete_swivel_frames(channel);
+    }
     channel.modal.swivelled = Some(Box::new(Swivelled { frame, statements, tilt, tool_mm, is_of_tool: false }));
     save::restate(channel, span)
+}
+
+/// Writes `CYCLE800()`, which deletes the system frames of the cycle. The output states a tilted plane with the programmable frame, and frame statements
+/// delete no system frame. These frames survive a reset: the one of a job that was stopped in a tilted plane would be added to the plane of the output.
+fn delete_swivel_frames(channel: &mut Channel<'_>) {
+    channel.outlet.begin_line();
+    channel.push(Kind::Verbatim(b"CYCLE800()".to_vec()));
 }
 
 /// Reports positions on which a retraction or a plane depends, and which the program has not stated. The linear axes keep their places while the rotary

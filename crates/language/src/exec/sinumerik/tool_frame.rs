@@ -33,6 +33,7 @@ pub(super) fn tool_frame(channel: &mut Channel<'_>, gathered: &Gathered) -> Resu
             return Ok(());
         }
         channel.modal.swivelled = None;
+        end_on_control(channel);
         return save::restate(channel, span);
     }
     if channel.modal.transform.turning().is_none() {
@@ -47,6 +48,7 @@ pub(super) fn tool_frame(channel: &mut Channel<'_>, gathered: &Gathered) -> Resu
     }
     let kinematics = Kinematics::of_head(channel.settings.machine, channel.modal.tool.head);
     let has_origin = name == "TOFRAME";
+    let is_first = channel.modal.swivelled.is_none();
     check_known(channel, &kinematics, has_origin, span);
     let below = channel.modal.base.compose(&channel.modal.settable);
     let along = below.unapply_direction(kinematics.direction(&channel.modal.position.command));
@@ -64,9 +66,18 @@ pub(super) fn tool_frame(channel: &mut Channel<'_>, gathered: &Gathered) -> Resu
         tilt = Frame::translation(origin).compose(&tilt);
     }
     let (frame, statements) = tilt_frame::stated(channel, &tilt, span)?;
+    if is_first {
+        end_on_control(channel);
+    }
     let tool_mm = channel.modal.tool_mm();
     channel.modal.swivelled = Some(Box::new(Swivelled { frame, statements, tilt, tool_mm, is_of_tool: true }));
     save::restate(channel, span)
+}
+
+/// Writes `TOROTOF`: a tool frame of an earlier program would be added to the frame that the output states with TRANS and AROT, which delete no tool frame.
+fn end_on_control(channel: &mut Channel<'_>) {
+    channel.outlet.begin_line();
+    save::keep(channel, "TOROTOF");
 }
 
 /// Reports axes on whose positions the frame depends, and which the program has not stated.
