@@ -8,6 +8,7 @@ use crate::error::Error;
 use crate::machine::Machine;
 use ncfix_metrology::measure::data::DataSet;
 use ncfix_metrology::measure::plan::builder::PlannedPart;
+use ncfix_metrology::measure::plan::duration::{PlanTime, duration};
 use ncfix_metrology::measure::plan::{PlanKind, Wishes, table};
 use ncfix_metrology::results::planned::{PlanResult, has_reading, judge, told_by_tool};
 use ncfix_path::emit::{PartFrame, flat, flat_part};
@@ -82,6 +83,8 @@ impl PlanRequest<'_> {
         result.notes.clone_from(&plan.notes);
         result.rows = plan.data.observations.len();
         result.setups = plan.data.setups.len();
+        let PlanTime { seconds, stops, is_without_rapids } = duration(&plan);
+        (result.duration_s, result.stops, result.is_without_rapids) = (seconds, stops, is_without_rapids);
         let title = format!("plan {} for {}", self.kind.name, machine.name);
         let written = || match &plan.part {
             Some(PlannedPart { zero_offset, origin_mm, tool, tool_mm }) => {

@@ -120,8 +120,7 @@ impl RealtimeCorrection {
                         continue;
                     }
                     out.flush().map_err(failed)?;
-                    let message = "the tool of the set-points has no kernel".to_owned();
-                    return Ok(Some(Diagnostic::nowhere(Code::BAD_SET_POINT, message, self.held())));
+                    return Ok(Some(self.no_kernel()));
                 }
                 Ok(None) => break,
                 Err(NoSetPoint::Unreadable(error)) => {
@@ -166,7 +165,26 @@ impl RealtimeCorrection {
 
     /// Serves rings until the control or `is_over` ends it.
     pub(crate) fn serve(&mut self, ring: &Ring, is_over: impl Fn() -> bool) -> ServingEnd {
-        serve(ring, &mut self.cycle, &mut self.counts, is_over)
+        loop {
+            match serve(ring, &mut self.cycle, &mut self.counts, &is_over) {
+                ServingEnd::Tool(tool_mm) => {
+                    let mut found = Diagnostics::default();
+                    let is_sound = tool_mm.iter().all(|mm| mm.is_finite());
+                    let is_made = is_sound && self.change_tool(ToolVector::Tip(Vector::from(tool_mm)), &mut found);
+                    (self.source.complain)(&found);
+                    if !is_made {
+                        return ServingEnd::NoKernel;
+                    }
+                }
+                end => return end,
+            }
+        }
+    }
+
+    /// The diagnostic for a tool without a kernel.
+    pub(crate) fn no_kernel(&self) -> Diagnostic {
+        let message = "the tool of the set-points has no kernel".to_owned();
+        Diagnostic::nowhere(Code::BAD_SET_POINT, message, self.held())
     }
 
     /// The diagnostic for a control that writes past the end of a ring with `records` records.

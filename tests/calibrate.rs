@@ -52,6 +52,7 @@ pub(crate) fn measurement(kind: &str, free: &[Free]) -> DataSet {
         is_in_order: true,
         is_unit_stated: false,
         is_square_stated: false,
+        sensors: None,
         has_senses: true,
         name: kind.to_owned(),
         kind: Instruments::default().find(kind).copied().unwrap(),

@@ -258,3 +258,75 @@ fn lines_and_sensors_that_are_unknown_are_named() {
     std::fs::write(shop.path("d.txt"), "drift\n").unwrap();
     calibrate("d.txt").says("E0501").says("T_head");
 }
+
+/// Transducers at two heights of a cylinder in the spindle, 60 and 260 mm from the gauge point, read along Y: 2 µm/K of displacement, and a rotation about X
+/// of 5 µrad/K, which is 5 · 0.06 = 0.3 and 5 · 0.26 = 1.3 µm/K (Spaan 1995, Fig. 5.1).
+#[test]
+fn two_heights_of_transducers_give_the_rotation_of_the_tool_holder() {
+    let mut table = "t_s,T_head_C,tool_z_mm,dy_um\n".to_owned();
+    for k in 0..40 {
+        let rise = f64::from(k) / 4.0;
+        let noise = if k % 2 == 0 { 0.1 } else { -0.1 };
+        for (tool_mm, per_k) in [(-60, 2.3), (-260, 3.3)] {
+            let _ = writeln!(table, "{},{},{tool_mm},{:.4}", 60 * k, 20.0 + rise, per_k * rise + noise);
+        }
+    }
+    let entry = |direction: &str, key: &str| {
+        format!("[[drift]]\ndirection = \"{direction}\"\nsensors = [{{ name = \"T_head\", {key} = 0 }}]\n")
+    };
+    let shop = Shop::new()
+        .file("start.toml", format!("{THREE}{}{}", entry("Y", "um_per_K"), entry("A", "urad_per_K")))
+        .file("run.csv", table)
+        .file(
+            "run.toml",
+            "[measurement]\nkind = \"displacement\"\nsigma_um = 0.1\n[position]\nX_mm = 350\nY_mm = 250\nZ_mm = 300\n",
+        )
+        .file("model.txt", "drift\n");
+    let arguments =
+        ["calibrate", "run.csv", "--machine", "start.toml", "--model", "model.txt", "-o", "m.toml", "--json"];
+    let report = shop.run(arguments).exits(0).json();
+    let list = report["parameters"].as_array().unwrap();
+    assert_eq!(list.len(), 2, "{report}");
+    for (name, value) in [("drift.Y.T_head", 2.0), ("drift.A.T_head", 5.0)] {
+        let one = list.iter().find(|one| one["name"] == name).unwrap_or_else(|| panic!("{report}"));
+        assert!((one["value"].as_f64().unwrap() - value).abs() < 0.05, "{one}");
+    }
+    assert!(shop.text("m.toml").contains("urad_per_K = "), "{}", shop.text("m.toml"));
+}
+
+/// An analytical model with an empirical part (Spaan 1995, ch. 9): a column of 800 mm with 11 µm/(m K) lengthens by 8.8 µm/K. What it leaves is fitted to the
+/// head: 1.5 µm/K along Z and 3 µm/K along Y.
+#[test]
+fn a_drift_is_fitted_to_what_the_segments_leave() {
+    let segment = "[[segment]]\nname = \"column\"\nbefore = \"Z\"\nfrom_mm = [250, 300, -600]\nto_mm = [250, 300, 200]\num_per_m_K = 11.0\n\
+        across = [0, 1, 0]\nacross_mm = 400\nsensors_from = [\"T_c1\", \"T_c2\"]\nsensors_to = [\"T_c3\", \"T_c4\"]\n";
+    let mut table = "t_s,T_head_C,T_c1_C,T_c2_C,T_c3_C,T_c4_C,dy_um,dz_um\n".to_owned();
+    for k in 0..40 {
+        // The head is warm before the column.
+        let (head, column) = (f64::from(k.min(10)), f64::from(k) / 10.0);
+        let noise = if k % 2 == 0 { 0.1 } else { -0.1 };
+        let (y, z) = (3.0 * head + noise, 8.8 * column + 1.5 * head - noise);
+        let (head, column) = (20.0 + head, 20.0 + column);
+        let _ = writeln!(table, "{},{head},{column},{column},{column},{column},{y:.4},{z:.4}", 60 * k);
+    }
+    let entry = |direction: &str| {
+        format!("[[drift]]\ndirection = \"{direction}\"\nsensors = [{{ name = \"T_head\", um_per_K = 0 }}]\n")
+    };
+    let shop = Shop::new()
+        .file("start.toml", format!("{THREE}{segment}{}{}", entry("Y"), entry("Z")))
+        .file("run.csv", table)
+        .file(
+            "run.toml",
+            "[measurement]\nkind = \"displacement\"\nsigma_um = 0.1\n[position]\nX_mm = 350\nY_mm = 250\nZ_mm = 300\n",
+        )
+        .file("model.txt", "drift\n");
+    let arguments =
+        ["calibrate", "run.csv", "--machine", "start.toml", "--model", "model.txt", "-o", "m.toml", "--json"];
+    let report = shop.run(arguments).exits(0).json();
+    let list = report["parameters"].as_array().unwrap();
+    for (name, value) in [("drift.Y.T_head", 3.0), ("drift.Z.T_head", 1.5)] {
+        let one = list.iter().find(|one| one["name"] == name).unwrap_or_else(|| panic!("{report}"));
+        assert!((one["value"].as_f64().unwrap() - value).abs() < 0.02, "{one}");
+    }
+    assert!(report["data"][0]["left_rms"].as_f64().unwrap() < 0.15, "{report}");
+}

@@ -263,6 +263,41 @@ fn the_residual_over_the_nodes_of_a_grid_is_that_of_linear_interpolation() {
     assert_eq!(made["kinds"], serde_json::json!(["L-VOL"]));
 }
 
+/// Tables that each error needs alone (Esmaeili 2021, ch. 9.2): a scale is a table of the axis itself, a squareness moves one axis by an angle times another.
+/// Each of them is one table.
+#[test]
+fn each_error_alone_has_its_number_of_tables() {
+    let shop = shop(MILL, SCALES);
+    let made = shop.run(make("cec", "fik", "CEC.INI", &["--each-error", "--json"])).exits(0).json();
+    let rows = made["single_errors"].as_array().unwrap();
+    let row = |name: &str| rows.iter().find(|row| row["error"] == name).unwrap_or_else(|| panic!("{made}"));
+    for name in ["EXX1", "EYY1", "EZZ1", "EC0Y", "EA0Z", "EB0Z"] {
+        let row = row(name);
+        assert_eq!(row["tables"], 1, "{row}");
+        assert!(row["rms_um"].as_f64().unwrap() < 0.1 && row["before_rms_um"].as_f64().unwrap() > 1.0, "{row}");
+    }
+    // The size of the machine file, and an assumed one.
+    assert_eq!((row("EXX1")["size"].as_str(), row("EC0Y")["size"].as_str()), (Some("40.0 µm/m"), Some("400 µrad")));
+    let text = shop.run(make("cec", "fik", "CEC.INI", &["--each-error"])).exits(0).stdout;
+    assert!(text.contains("tables for a machine with one error\n"), "{text}");
+}
+
+/// Tables for a machine at 25 °C: a scale of 8 µm/(m K) is 40 µm/m longer. Over 500 mm these are 20 µm, beside the 20 µm of the cold machine.
+#[test]
+fn tables_are_those_of_the_temperatures_that_are_given() {
+    let expansion =
+        "[[expansion]]\naxis = \"X\"\nfixed_mm = 0\nscale = { sensors = [\"T_scale\"], um_per_m_K = 8.0 }\n";
+    let shop = shop(MILL, &format!("{SCALES}{expansion}"))
+        .file("warm.toml", "[temperature_C]\nT_scale = 25.0\n")
+        .file("cold.toml", "[temperature_C]\nT_scale = 20.0\n");
+    let largest = |state: &str| {
+        let made = shop.run(make("cec", "fik", "CEC.INI", &["--state", state, "--json"])).exits(0).json();
+        let sums = made["sums"].as_array().unwrap().clone();
+        sums.iter().find(|one| one["axis"] == "X").unwrap()["largest"].as_f64().unwrap()
+    };
+    assert!((largest("cold.toml") - 0.02).abs() < 1e-4 && (largest("warm.toml") - 0.04).abs() < 1e-4);
+}
+
 /// 40 µm/m over 500 mm are 0.02 mm, for which the limit of the sum in the control must suffice (Esmaeili 2021, Fig. 5.2).
 #[test]
 fn the_largest_sum_of_an_axis_and_the_kinds_are_said() {
@@ -272,6 +307,16 @@ fn the_largest_sum_of_an_axis_and_the_kinds_are_said() {
         assert!(shown.contains(text), "{text}: {shown}");
     }
     assert!(shop.text("CEC.INI").contains("; largest sum of the corrections of an axis: X 0.0200 mm, Y 0.0080 mm"));
+    // The limit of the control is a remark: a tenth above 0.02 mm, which its operator enters.
+    let limit = |text: &str| -> f64 {
+        let line =
+            text.lines().find(|line| line.starts_with("; $MA_CEC_MAX_SUM[AX1]=")).unwrap_or_else(|| panic!("{text}"));
+        assert!(line.contains(" ; mm, MD32720"), "{line}");
+        line.split('=').nth(1).unwrap().split(' ').next().unwrap().parse().unwrap()
+    };
+    assert!((limit(&shop.text("CEC.INI")) - 0.022).abs() < 1.5e-4);
+    let read = shop.run(["tables", "--read", "CEC.INI", "--machine", "m.toml", "--check"]).exits(0);
+    assert!(!read.stderr.contains("W0901"), "{}", read.stderr);
     // Two tables of one axis are added: X over X, and X over Y by a squareness of 50 µrad over 400 mm.
     let square = format!("{SCALES}[location]\nEC0Y = -50\n");
     let made = self::shop(MILL, &square).run(make("cec", "fik", "CEC.INI", &["--json"])).exits(0).json();

@@ -192,6 +192,13 @@ fn the_command_divides_names_and_extends() {
         found["compliances"].as_array().unwrap().iter().map(|one| one["component"].as_str().unwrap()).collect();
     assert_eq!(named, ["EYY", "EXX"]);
     assert!(shop.text("extended.toml").contains("[[dynamic]]\ncomponent = \"EYY\"\num_per_m_s2 = 1."));
+    // One figure: the length of the vector of the fastest run.
+    let dynamic = &found["runs"][2]["rms_um"]["dynamic"];
+    let length = (0..3).map(|k| dynamic[k].as_f64().unwrap().powi(2)).sum::<f64>().sqrt();
+    let figure = &found["dynamic_accuracy"];
+    assert!((figure["rms_um"].as_f64().unwrap() - length).abs() < 1e-9, "{figure}");
+    let by = figure["rms_95_um"].as_f64().unwrap();
+    assert!(by > 0.0 && by < 0.5 * length && figure["feed_mm_min"] == FEEDS[5], "{figure}");
     let page = shop.text("r.html");
     roxmltree::Document::parse(page.strip_prefix("<!DOCTYPE html>\n").unwrap()).unwrap();
     assert!(page.contains("Compliance") && page.contains("Along the path at 18,896 mm/min"));
@@ -203,6 +210,35 @@ fn the_command_divides_names_and_extends() {
     let text = shop.run(["decompose", "runs.csv", "--machine", "mill.toml"]).exits(0).stdout;
     assert!(text.starts_with("Of the error at 18,896 mm/min: "), "{text}");
     assert!(text.contains("Compliance: EYY, EXX."), "{text}");
+    assert!(text.contains("dynamic accuracy on this path: ") && text.contains(" µm RMS at 18,896 mm/min"), "{text}");
+}
+
+/// Accelerations and block transitions along the path (Andolfatto et al. 2011, Figs. 9 and 10). The column `block` changes three times: three teeth, each
+/// with one point at the top. The plant moves X, Y, Z, A and C.
+#[test]
+fn accelerations_and_block_transitions_are_drawn() {
+    let (trace, _) = trace(&Hidden::default(), &[0, 5], 7);
+    let plain = table(&trace);
+    let mut lines = plain.lines();
+    let mut out = format!("{},block\n", lines.next().unwrap());
+    for line in lines {
+        let cells: Vec<&str> = line.split(',').collect();
+        let time: f64 = cells[2].parse().unwrap();
+        let end = if cells[0] == "F18896" { 1.0 } else { 10.0 };
+        let block = if cells[3].is_empty() { String::new() } else { format!("N{}", (time / end * 4.0) as u32 % 4) };
+        out += &format!("{line},{block}\n");
+    }
+    let shop = Shop::new().file("mill.toml", MACHINE).file("runs.csv", out).file("runs.toml", description());
+    shop.run(["decompose", "runs.csv", "--machine", "mill.toml", "--report", "r.html"]).exits(0);
+    let page = shop.text("r.html");
+    for title in ["Accelerations of linear axes", "Accelerations of rotary axes"] {
+        assert!(page.matches(title).count() >= 2, "{title}");
+    }
+    assert!(page.contains("block transition") && page.contains("m/s²") && page.contains("rad/s²"));
+    // Without the column there is no such line.
+    let shop = shop.file("runs.csv", plain);
+    shop.run(["decompose", "runs.csv", "--machine", "mill.toml", "--report", "r.html"]).exits(0);
+    assert!(!shop.text("r.html").contains("block transition"));
 }
 
 /// The links of the plant by the names of the machine file. The squareness of X and Y belongs to X, on the side of the tool, with the opposite sign.

@@ -12,6 +12,7 @@ use ncfix_metrology::measure::iso230::positioning::{ApproachReading, FiguresErro
 use ncfix_model::file;
 
 use crate::bench_machine::Random;
+use crate::support::Shop;
 use crate::thermal_plant::gauss;
 
 /// Deviations, µm: by target, by run, positive and negative sense.
@@ -255,4 +256,82 @@ fn what_is_no_circle_has_no_figures() {
     assert!(minimum_zone(&[[1.0, 1.0]; 9]).is_none());
     assert!(minimum_zone(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]).is_none());
     assert!(minimum_zone(&[[f64::NAN, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]]).is_none());
+}
+
+/// The program moves the tool by 100 µm along each component before the runs, and the readings must follow (Spaan 1995, ch. 9). The machine is 20 µm/m too long
+/// along X and bent by 30 µm/m² along Y.
+#[test]
+fn a_laser_with_the_wrong_sign_is_refused_by_its_test() {
+    let text = "[machine]\nname = \"three\"\ntopology = \"wXFYZSt\"\n[axis.X]\ndirection = [-1, 0, 0]\ntravel_mm = [0, 700]\n\
+        [axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [0, 500]\n[axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [0, 600]\n";
+    let shop = Shop::new().file("m.toml", text).file("model.txt", "EXX1\nEYX2\n");
+    let plan = [
+        "plan",
+        "laser",
+        "--axis",
+        "X",
+        "--component",
+        "EXX",
+        "--component",
+        "EYX",
+        "--variant",
+        "signs",
+        "--machine",
+        "m.toml",
+        "--runs",
+        "2",
+        "-o",
+        "plan.csv",
+        "--program",
+        "PLAN.MPF",
+    ];
+    shop.run(plan).exits(0);
+    let csv = shop.text("plan.csv");
+    let head: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+    let place = |name: &str| head.iter().position(|one| *one == name).unwrap_or_else(|| panic!("{name}"));
+    // Two rows for each component, and 2 · 2 · 11 readings of each.
+    assert_eq!(csv.lines().count(), 1 + 4 + 88);
+    let moves: Vec<&str> =
+        csv.lines().skip(1).map(|line| line.split(',').nth(place("moved_um")).unwrap()).take(5).collect();
+    // X is on the workpiece side: readings are those of the table relative to the tool.
+    assert_eq!(moves, ["0", "-100", "0", "-100", ""]);
+    let filled = |factors: [f64; 2]| {
+        let mut out = head.join(",") + "\n";
+        for (number, line) in csv.lines().skip(1).enumerate() {
+            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            let x: f64 = cells[place("X")].parse().unwrap();
+            let moved: f64 = cells[place("moved_um")].parse().unwrap_or(0.0);
+            let noise = if number % 3 == 0 { 0.05 } else { -0.02 };
+            let (error, factor) =
+                if cells[place("component")] == "EXX" { (0.02 * x, factors[0]) } else { (3e-5 * x * x, factors[1]) };
+            cells[place("value_um")] = format!("{:.4}", factor * (moved + error + noise));
+            out += &(cells.join(",") + "\n");
+        }
+        out
+    };
+    let description = shop.text("plan.toml");
+    let shop = shop.file("laser.toml", &description).file("laser.csv", filled([1.0, 1.0]));
+    shop.run(["iso230", "laser.csv", "--machine", "m.toml"]).exits(0);
+    let words = ["calibrate", "laser.csv", "--machine", "m.toml", "--model", "model.txt", "-o", "out.toml", "--json"];
+    let json = shop.run(words).exits(0).json();
+    let value = json["parameters"][0]["value"].as_f64().unwrap();
+    assert!((value - 20.0).abs() < 0.5, "{json}");
+    let shop = shop.file("laser.csv", filled([-1.0, 1.0]));
+    let run = shop.run(words);
+    assert!(run.code == 4, "{}", run.stderr);
+    let run = shop.run(["iso230", "laser.csv", "--machine", "m.toml"]).exits(4).says("E0619");
+    assert!(
+        run.stderr.contains("the readings of EXX have the opposite sign") && !run.stderr.contains("of EYX"),
+        "{}",
+        run.stderr
+    );
+    let shop = shop.file("laser.csv", filled([1.0, 0.5]));
+    shop.run(["iso230", "laser.csv", "--machine", "m.toml"])
+        .exits(4)
+        .says("of EYX follow a known move by a factor of 0.5");
+    let shop = shop.file("laser.csv", filled([1.0, 0.01]));
+    shop.run(["iso230", "laser.csv", "--machine", "m.toml"]).exits(4).says("of EYX do not follow a known move");
+    // What is simulated follows.
+    shop.run(["simulate", "plan.csv", "--machine", "m.toml", "-o", "made.csv", "--noise", "0.1um"]).exits(0);
+    shop.run(["iso230", "made.csv", "--machine", "m.toml"]).exits(0);
 }

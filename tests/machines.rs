@@ -54,6 +54,7 @@ pub(crate) fn xyz_machine() -> Machine {
         system: BTreeMap::new(),
         gud: BTreeMap::new(),
         strain: None,
+        load_sensors: Vec::new(),
         servo: None,
         measured: None,
         uncertainty: None,

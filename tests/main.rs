@@ -181,6 +181,7 @@ mod presets;
 mod programs;
 mod real_mills;
 mod realtime;
+mod realtime_drift;
 mod realtime_stability;
 mod reference_points;
 mod rotary;
@@ -195,6 +196,7 @@ mod sense;
 mod sense_files;
 #[cfg(all(feature = "modbus", feature = "mqtt", feature = "mtconnect"))]
 mod sense_network;
+mod sensor_nest;
 mod sensors;
 mod servo;
 mod singularity;

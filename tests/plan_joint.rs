@@ -117,3 +117,62 @@ fn poses_are_chosen_for_what_the_others_do_not_tell() {
         improve(&machine, &ErrorModel::default(), &parameters, std::slice::from_ref(&few.data), &few.candidates, 4);
     assert!(rank(&together(&chosen)) >= rank(&together(&alone)));
 }
+
+/// A plate that is moved along the diagonal of the plane; four of its holes come to places where others were (Spaan 1995, Fig. 3.6: at least two). The machine
+/// has the same error there, so the difference of the readings is that of the two mountings alone: with rotations of 80 and −150 µrad, dx differs by 230 µrad
+/// times Y. What the machine does between the places of one mounting and those of the other is then known too.
+#[test]
+fn shared_holes_tie_two_places_of_a_plate() {
+    let text = "[machine]\nname = \"three\"\ntopology = \"wFXYZSt\"\n[axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [0, 700]\n\
+        [axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [0, 500]\n[axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [0, 600]\n";
+    // Offsets in µm and the rotation in µrad of either mounting.
+    let mountings = [[100.0, -50.0, 80.0], [-200.0, 30.0, -150.0]];
+    // The tip stands at the axis positions; the error of X grows with its square, that of Y with Y.
+    let read = |x: f64, y: f64, [ox, oy, turn]: [f64; 3]| {
+        let [ex, ey] = [0.04 * x + 60e-6 * x * x, -0.03 * y];
+        [ex + turn * 1e-3 * y - ox, ey - turn * 1e-3 * x - oy]
+    };
+    let mut table = "setup,X,Y,Z,dx_um,dy_um\n".to_owned();
+    let mut holes = Vec::new();
+    for (number, mounting) in mountings.into_iter().enumerate() {
+        let corner = 50.0 + 150.0 * number as f64;
+        for (i, j) in (0..25).map(|k| (k % 5, k / 5)) {
+            let (x, y) = (corner + 50.0 * f64::from(i), corner + 50.0 * f64::from(j));
+            let [dx, dy] = read(x, y, mounting);
+            table += &format!("P{},{x},{y},100,{dx:.5},{dy:.5}\n", number + 1);
+            holes.push((number, x, y, dx));
+        }
+    }
+    // By hand: the holes at which both were.
+    let shared: Vec<(f64, f64)> = holes
+        .iter()
+        .filter(|hole| hole.0 == 0)
+        .filter_map(|(_, x, y, dx)| {
+            let other = holes.iter().find(|other| other.0 == 1 && (other.1, other.2) == (*x, *y))?;
+            Some((*y, dx - other.3))
+        })
+        .collect();
+    assert_eq!(shared.len(), 4);
+    let (first, last) = (shared[0], shared[3]);
+    let turn = (last.1 - first.1) / (last.0 - first.0) * 1e3;
+    assert!((turn - 230.0).abs() < 0.01, "{turn}");
+    let shop = Shop::new().file("m.toml", text).file("model.txt", "EXX1\nEXX2\nEYY1\n").file("plates.csv", table).file(
+        "plates.toml",
+        "[measurement]\nkind = \"displacement\"\nsigma_um = 0.1\nfree = [\"offset\", \"rotation\"]\n",
+    );
+    let words = ["calibrate", "plates.csv", "--machine", "m.toml", "--model", "model.txt", "-o", "out.toml", "--json"];
+    let json = shop.run(words).exits(0).json();
+    let value = |list: &str, is_it: &dyn Fn(&str) -> bool| {
+        let rows = json[list].as_array().unwrap();
+        let row = rows.iter().find(|row| is_it(row["name"].as_str().unwrap())).unwrap_or_else(|| panic!("{json}"));
+        row["value"].as_f64().unwrap()
+    };
+    for (name, expected) in [("EXX1", 40.0), ("EXX2", 60.0), ("EYY1", -30.0)] {
+        let found = value("parameters", &|one| one == name);
+        assert!((found - expected).abs() < 0.1, "{name}: {found}");
+    }
+    let turned = ["P1", "P2"].map(|setup| {
+        value("unknowns", &|name| name.contains(setup) && name.contains("rotation") && name.contains('Z'))
+    });
+    assert!((turned[0] - turned[1] - turn).abs() < 0.2, "{turned:?}");
+}

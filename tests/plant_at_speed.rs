@@ -337,6 +337,7 @@ pub(crate) fn trace(hidden: &Hidden, feeds: &[usize], seed: u64) -> (Trace, Vec<
             tool_mm: V::from(TOOL),
             control: ControlSamples::default(),
             readings: Deviations::default(),
+            transitions_s: Vec::new(),
             place: None,
         };
         let mut truth = Truth::default();

@@ -229,6 +229,62 @@ fn rings_carry_set_points_there_and_corrections_back() {
     }
 }
 
+/// The same orders in a ring (Spaan 1995, Fig. 6.2, processes 2 and 5): 100 µrad times the height of the tip, 200 mm with a tool of 100 mm and 50 mm with one
+/// of 250 mm. Bytes are read and written as documented.
+#[test]
+fn another_tool_and_a_reference_run_are_orders_of_a_ring() {
+    let shop = tilted_shop();
+    let path = shop.path("ring");
+    let name = path.display().to_string();
+    let arguments =
+        ["realtime", "--machine", "m.toml", "--ring", &name, "--records", "4", "--tool", "100", "--dose-um", "8"];
+    let child = shop.command(arguments).spawn().unwrap();
+    let mut client = None;
+    for _ in 0..2000 {
+        let opened = File::options().read(true).write(true).open(&path);
+        client =
+            opened.ok().filter(|file| file.metadata().unwrap().len() > 0).and_then(|file| Client::open(&file).ok());
+        if client.is_some() {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let client = client.unwrap();
+    let here = at(&[(Axis::Z, 300.0)]);
+    let taken = || {
+        for _ in 0..2000 {
+            if let Some((_, answer)) = client.take() {
+                return (answer.correction[Axis::X] * 1e3).round();
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        panic!("no answer");
+    };
+    let mut found = Vec::new();
+    for number in 0..3 {
+        assert!(client.put(number, &here));
+        found.push(taken());
+    }
+    assert!(client.put_after_reference(3, &here));
+    found.push(taken());
+    assert!(client.put_with_tool(4, &here, &[0.0, 0.0, -250.0]));
+    found.push(taken());
+    // More set-points than the ring has records: no order of an earlier round comes again.
+    for number in 5..12 {
+        assert!(client.put(number, &here));
+        found.push(taken());
+    }
+    assert_eq!(found, [-8.0, -16.0, -20.0, -8.0, -5.0, -5.0, -5.0, -5.0, -5.0, -5.0, -5.0, -5.0]);
+    // The tool of the order stands at byte 832, and the order of set-point 4 after its number and three values.
+    let bytes = std::fs::read(&path).unwrap();
+    assert_eq!(f64::from_le_bytes(bytes[848..856].try_into().unwrap()), -250.0);
+    // A tool of 10 m has no kernel.
+    assert!(client.put_with_tool(12, &here, &[0.0, 0.0, -10_000.0]));
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(4));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("the tool of the set-points has no kernel"));
+}
+
 #[test]
 fn every_line_has_its_correction() {
     let shop = Shop::new();

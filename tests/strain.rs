@@ -400,6 +400,41 @@ fn the_command_writes_a_state_file() {
     assert!(run.stdout.contains("[[load]]\nforce_N = "), "{}", run.stdout);
 }
 
+/// Sensors that need no motion (Spaan 1995, ch. 9). The current of a vertical axis is 4.1 A for the empty table and 2 mA for each N: 1700 N are 3.4 A, and
+/// friction of 1.2 A has the sign of the motion.
+#[test]
+fn the_current_of_an_axis_in_both_directions_is_a_weight() {
+    let sensor = "[[load_sensor]]\nname = \"current_Z_A\"\nper_N = 0.002\nempty = 4.1\nsigma = 0.02\n";
+    let shop = Shop::new()
+        .file("m.toml", format!("{MACHINE}{sensor}"))
+        .file("both.csv", "direction,current_Z_A\n1,8.7\n-1,6.3\n1,8.7\n-1,6.3\n")
+        .file("one.csv", "direction,current_Z_A\n1,8.7\n1,8.7\n")
+        .file("none.csv", "torque\n1\n");
+    let json = shop.run(["weigh", "both.csv", "--machine", "m.toml", "-o", "state.toml", "--json"]).exits(0).json();
+    assert!((json["force_N"].as_f64().unwrap() - 1700.0).abs() < 1e-6, "{json}");
+    // The mean of four readings of 20 mA: 10 mA, or 5 N.
+    assert!((json["force_sigma_N"].as_f64().unwrap() - 5.0).abs() < 1e-6, "{json}");
+    assert!(shop.text("state.toml").contains("force_N = 1700"), "{}", shop.text("state.toml"));
+    shop.run(["weigh", "one.csv", "--machine", "m.toml"]).exits(4).says("E0604").says("friction");
+    shop.run(["weigh", "none.csv", "--machine", "m.toml"]).exits(4).says("current_Z_A");
+}
+
+/// Two load cells at X ±300 mm carry F (1/2 ± x/600): 2000 N at x = 60 mm are 1200 N and 800 N.
+#[test]
+fn two_load_cells_give_a_weight_and_its_place() {
+    let cell = |name: &str, sign: f64| {
+        format!("[[load_sensor]]\nname = \"{name}\"\nper_N = 0.5\nx_per_N_mm = {}\nsigma = 2\n", sign / 600.0)
+    };
+    let shop = Shop::new()
+        .file("m.toml", format!("{MACHINE}{}{}", cell("right_N", 1.0), cell("left_N", -1.0)))
+        .file("cells.csv", "right_N,left_N\n1200,800\n1200,800\n");
+    let json = shop.run(["weigh", "cells.csv", "--machine", "m.toml", "--json"]).exits(0).json();
+    assert!((json["force_N"].as_f64().unwrap() - 2000.0).abs() < 1e-6, "{json}");
+    assert!((json["place"][0]["value_mm"].as_f64().unwrap() - 60.0).abs() < 1e-6, "{json}");
+    // F is the sum of two means of 1.41 N each: 2 N.
+    assert!((json["force_sigma_N"].as_f64().unwrap() - 2.0).abs() < 1e-6, "{json}");
+}
+
 #[test]
 fn faults_of_the_command_are_told_with_their_place() {
     let shop = Shop::new()

@@ -321,3 +321,28 @@ fn faults_of_expansions_are_found_at_their_places() {
         &[("E0403", "{ sensors = [\"T\", \"U\"], weights = [1, 0], um_per_K = 8 }"), ("E0402", "um_per_K")],
     );
 }
+
+/// The tool holder also turns (Spaan 1995, Fig. 5.1). At a rise of 5 K it turns by 20 µrad about X and −15 µrad about Y. The tip is at (12, −7, −150) mm from
+/// the gauge point, so ω × r is 15 · 0.150 = 2.25 µm along X, 20 · 0.150 = 3 µm along Y, and −20 · 0.007 + 15 · 0.012 = 0.04 µm along Z.
+#[test]
+fn rotations_of_the_tool_holder_move_the_tip_by_its_arm() {
+    let turned = "[[drift]]\ndirection = \"A\"\nsensors = [{ name = \"T_head\", urad_per_K = 4 }]\n\
+        [[drift]]\ndirection = \"B\"\nsensors = [{ name = \"T_head\", urad_per_K = -3 }]\n";
+    for (topology, backwards) in [("wFXYZSt", ""), ("wXYFZSt", "XY"), ("wCAYFXZSt", "Y")] {
+        let machine = sound(&(bare(topology, backwards) + turned));
+        let found = tip_um(&machine, &readings(&[("T_head", 25.0)]), &at(&[(Axis::X, 30.0)]));
+        assert!((found - Vector::new(2.25, 3.0, 0.04)).norm() < 1e-3, "{topology}: {found}");
+    }
+    // A rotation has no unit of length, and no positions.
+    for (wrong, code) in [
+        ("[[drift]]\ndirection = \"A\"\nsensors = [{ name = \"T\", um_per_K = 4 }]\n", "urad_per_K"),
+        (
+            "[[drift]]\ndirection = \"A\"\nover = \"Z\"\nat_mm = 0\nsensors = [{ name = \"T\", urad_per_K = 4 }]\n",
+            "a rotation of the tool holder over an axis",
+        ),
+    ] {
+        let (machine, findings) = load(&(bare("wFXYZSt", "") + wrong));
+        assert!(machine.is_none(), "{wrong}");
+        assert!(findings.iter().any(|one| one.message.contains(code) || one.help.contains(code)), "{findings:#?}");
+    }
+}

@@ -12,13 +12,14 @@ use crate::error::Error;
 use crate::machine::Machine;
 use crate::tool::ToolVector;
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::Axis;
+use ncfix_base::geometry::{AXES, Axis};
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::ActiveTables;
 use ncfix_model::coverage::UsedRanges;
 use ncfix_tables::results::made::{Filling, MadeTables, make, misfits};
 use ncfix_tables::results::request::{TablesRequest, region};
 use ncfix_tables::results::result::TablesResult;
+use ncfix_tables::results::single::single_errors;
 use ncfix_tables::tables::{self, Format, Multiplication, Orientation, Scheme, Schemes, Wiring};
 
 /// Options for making tables. `TableOptions::default()` gives the options of `ncfix tables` without arguments.
@@ -54,6 +55,8 @@ pub struct TableOptions {
     pub multiplication: Option<Multiplication>,
     /// `true` to compute the residuals with fewer tables too, which takes longer.
     pub tries_fewer: bool,
+    /// `true` to also count the tables that each single error of the machine needs, which takes longer.
+    pub each_error: bool,
 }
 
 impl Default for TableOptions {
@@ -69,6 +72,7 @@ impl Default for TableOptions {
             axis_names: Vec::new(),
             multiplication: None,
             tries_fewer: false,
+            each_error: false,
         }
     }
 }
@@ -156,8 +160,11 @@ impl Tables {
         let scheme = scheme_of(schemes, &options.scheme)?;
         let request = request(machine, options)?;
         let &TableOptions { points, tolerance_mm, tries_fewer, .. } = options;
-        let made = match make(&request, &Filling { format, scheme, schemes, points, tolerance_mm, tries_fewer }, result)
-        {
+        let filling = Filling { format, scheme, schemes, points, tolerance_mm, tries_fewer };
+        if options.each_error {
+            result.single_errors = single_errors(&request, &filling);
+        }
+        let made = match make(&request, &filling, result) {
             Ok(made) => made,
             Err(why) => {
                 found.add(*why, &[]);
@@ -384,8 +391,15 @@ fn notes(machine: &Machine, request: &TablesRequest<'_>, format: &Format, made: 
     let sums = request.largest_sums(&made.tables);
     if !made.tables.lookups.is_empty() && !sums.is_empty() {
         let unit = |axis: &str| if axis.starts_with(['A', 'B', 'C']) { "deg" } else { "mm" };
-        let sums = sums.iter().map(|one| format!("{} {:.4} {}", one.axis, one.largest, unit(&one.axis)));
-        notes.push(format!("largest sum of the corrections of an axis: {}", sums.collect::<Vec<_>>().join(", ")));
+        let shown = sums.iter().map(|one| format!("{} {:.4} {}", one.axis, one.largest, unit(&one.axis)));
+        notes.push(format!("largest sum of the corrections of an axis: {}", shown.collect::<Vec<_>>().join(", ")));
+        for one in sums.iter().filter(|_| format.sum_limit.is_some()) {
+            let axis = AXES.into_iter().find(|axis| axis.to_string() == one.axis);
+            let remark = axis
+                .zip(format.sum_limit)
+                .map(|(axis, limit)| limit(&request.wiring.name(axis), one.largest, unit(&one.axis)));
+            notes.extend(remark);
+        }
     }
     let ranges = request.asked_ranges();
     if !ranges.is_empty() {

@@ -9,7 +9,7 @@ use super::json::DiagnosticReport;
 use super::number::{grouped, significant};
 use ncfix_metrology::decompose::DETERMINED_EXPONENT;
 use ncfix_metrology::results::decomposition::{
-    ComplianceReport, DecompositionResult, Delay, Law, LinkReport, Loop, RunReport,
+    ComplianceReport, DecompositionResult, Delay, DynamicAccuracy, Law, LinkReport, Loop, RunReport,
 };
 
 /// Output of `ncfix decompose`: the result, with its output files.
@@ -110,6 +110,9 @@ impl DecompositionReport {
                 }
                 out.push('\n');
             }
+        }
+        if let Some(one) = &self.found.dynamic_accuracy {
+            let _ = writeln!(out, "\ndynamic accuracy on this path: {}", accuracy_cell(one));
         }
         for (title, is_max) in [("largest", true), ("RMS", false)] {
             let sources: &[(&str, usize)] = if self.found.is_measured() {
@@ -216,6 +219,12 @@ impl DecompositionReport {
 
 /// The words instead of a value that the data do not determine.
 const NO_NUMBER: &str = "not determined";
+
+/// The dynamic accuracy with its interval.
+pub(super) fn accuracy_cell(one: &DynamicAccuracy) -> String {
+    let feed = one.feed_mm_min.map_or_else(String::new, |feed| format!(" at {} mm/min", grouped(feed.round() as u64)));
+    format!("{} ± {} µm RMS{feed}", significant(one.rms_um), significant(one.rms_95_um))
+}
 
 /// A delay with its interval.
 pub(super) fn delay_cell(delay: &Delay) -> String {

@@ -121,6 +121,11 @@ pub fn table(machine: &Machine, errors: &ErrorModel) -> String {
         line("");
         line(&format!("strain      a gauge along {}", strain.axis));
     }
+    if !machine.load_sensors.is_empty() {
+        let names: Vec<&str> = machine.load_sensors.iter().map(|sensor| sensor.name.as_str()).collect();
+        line("");
+        line(&format!("load        by {}", names.join(", ")));
+    }
     out
 }
 

@@ -23,10 +23,24 @@ pub fn page(plan: &PlanResult, table: &str, description: &str) -> String {
     for note in &plan.notes {
         let _ = writeln!(out, "note: {note}");
     }
+    let _ = writeln!(out, "measuring time: {}", time(plan));
     let [rows, set_ups] =
         [(plan.rows, "row"), (plan.setups, "set-up")].map(|(count, noun)| counted(count as u64, noun));
     let _ = writeln!(out, "{table}: {rows} in {set_ups}; description in {description}");
     out
+}
+
+/// `14 min and 5 stops`
+fn time(plan: &PlanResult) -> String {
+    const MINUTE_S: f64 = 60.0;
+    let moved = if plan.duration_s < MINUTE_S {
+        format!("{:.0} s", plan.duration_s)
+    } else {
+        format!("{:.0} min", plan.duration_s / MINUTE_S)
+    };
+    let stops = if plan.stops > 0 { format!(" and {}", counted(plan.stops as u64, "stop")) } else { String::new() };
+    let rapids = if plan.is_without_rapids { ", without rapid moves" } else { "" };
+    format!("{moved} of motion and dwells{stops}{rapids}")
 }
 
 /// `A, B and C`

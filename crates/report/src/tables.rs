@@ -114,6 +114,7 @@ impl TablesReport {
             }
         }
         self.limits_page(&mut page);
+        self.single_errors_page(&mut page);
         self.reversals_page(&mut page);
         if let Some(count) = self.found.errors_found {
             let _ = writeln!(page, "{} found from the tables", counted(count as u64, "error"));
@@ -173,6 +174,28 @@ impl TablesReport {
                 let line = format!("  {:>4} {:>9.3}  {bar}", one.count, one.rms_um);
                 let _ = writeln!(page, "{}", line.trim_end());
             }
+        }
+    }
+
+    /// Adds the number of tables that each single error needs.
+    fn single_errors_page(&self, page: &mut String) {
+        if self.found.single_errors.is_empty() {
+            return;
+        }
+        page.push_str("tables for a machine with one error\n");
+        for one in &self.found.single_errors {
+            let _ = match (one.tables, one.before_rms_um, one.rms_um) {
+                (Some(tables), Some(before), Some(left)) => writeln!(
+                    page,
+                    "  {:<6} {:>12}  {tables:>3} by {}, rms {} → {} µm",
+                    one.error,
+                    one.size,
+                    one.scheme,
+                    significant(before),
+                    significant(left)
+                ),
+                _ => writeln!(page, "  {:<6} {:>12}  {}", one.error, one.size, one.reason.as_deref().unwrap_or("–")),
+            };
         }
     }
 

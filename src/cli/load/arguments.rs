@@ -10,7 +10,7 @@ use ncfix_metrology::measure::weighing::known_place;
 /// End of `ncfix weigh --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
 STRAIN.csv has a line of column names: the letter of the moved axis (X; mm), strain_um_m (µm/m), and optionally run and t_s (s). [strain] of the \
-machine file has the reading of the gauge for a load. Readings of one run share an offset, which drifts linearly with time if t_s is present. \
+machine file has the reading of the gauge for a load; for a [[load_sensor]], the table has its column instead. Readings of one run share an offset, which drifts linearly with time if t_s is present. \
 Measure every position twice, so that a reading disturbed by a lubrication pulse is detected. Uncertainties are standard uncertainties.
 
 Examples:

@@ -73,6 +73,7 @@ fn serve(name: &str, records: u64, correction: &mut RealtimeCorrection) -> Resul
     Ok(match correction.serve(&ring, || is_over.load(Ordering::Relaxed)) {
         ServingEnd::Control => ExitCode::Done,
         ServingEnd::Stopped => ExitCode::Interrupted,
+        ServingEnd::Tool(_) | ServingEnd::NoKernel => refused(correction.no_kernel()),
         ServingEnd::Overrun(overrun) => refused(correction.overrun(overrun, records)),
     })
 }

@@ -68,6 +68,9 @@ pub(in crate::cli) struct TablesArguments {
     /// Compute the residual error over the volume with the tables as written
     #[arg(long)]
     pub(in crate::cli) check: bool,
+    /// Also count the tables that each error needs if the machine has no other; without a size in the machine file, 10 µm, 400 µrad or 40 µm/m
+    #[arg(long, conflicts_with = "read")]
+    pub(in crate::cli) each_error: bool,
     /// Number of poses of the check
     #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(in crate::cli) poses: u32,
@@ -121,6 +124,7 @@ impl TablesArguments {
             axis_names: self.axis_name.clone(),
             multiplication: self.multiplication.map(MultiplicationChoice::multiplication),
             tries_fewer: self.check || self.report.is_some(),
+            each_error: self.each_error,
         }
     }
 

@@ -586,6 +586,10 @@ faults: they are wrong by a factor of units (1000, 25.4); they agree with the mo
 reversed; they fit only a machine with another order of the axes; or they lack exactly the errors of the machine file, because a
 compensation table of the control was active during the measurement. Causes found in such readings would be meaningless. The
 message gives the evidence. Change the columns, the machine file or active_tables as it states, or measure again.";
+    DATA_SIGN = "E0619" "readings that do not follow a known move"
+"The table has rows in which the tool was moved by a known amount (moved_um), and the readings do not follow it. With the opposite
+sign, a correction would double the errors of the machine. Correct the sign, the unit or the component of the readings, then repeat
+the test of signs. ncfix plan laser --variant signs plans one.";
     BAD_HYPOTHESIS = "E0615" "hypothesis that cannot be read"
 "ncfix diagnose --hypothesis tests a term: a deviation and what it depends on, such as EXX ~ Y^2 or EYY ~ T_head_C lag 600s, or a
 cause by the name that findings have, such as backlash EXX. Here the text is not complete, or it names an axis that the machine
@@ -1005,6 +1009,11 @@ show only how scales compare with the places of the rotary axes and the length o
 is 20 µm from that place, the fit turns this into scales that are wrong by 20 µm over the distance to it, and its residual stays
 small. Give the calibrated distance of two balls in [[length]], measure one axis with a laser, or fit the offset of the rotary
 axis instead of the scales.";
+    SENSOR_LINEARITY = "W0614" "sensor that is not linear"
+"The star of [sensors] shows that a sensor departs from its fitted response by more than 0.5 % of its range. At the ends of the
+range the displacements are then wrong by this share, and calibrate or decompose would take it for an error of the machine. Write
+degree = 3 in [sensors] with a star of more rows, keep the ball nearer to the middle of the sensors, or repeat the star if a row
+of it is a mistake.";
     STARVING = "W0701" "the link is too slow in places"
 "At some places the control waits for lines, but only briefly: less than half a second in all, or less than 1 % of the motion.
 ncfix therefore sends the program. The axes stop for a moment there and can leave a mark on the surface. Make the link faster or

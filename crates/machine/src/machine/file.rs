@@ -13,7 +13,7 @@ use super::condition::file::READABLE_C;
 use super::controller::{ControllerMeaning, controller, starts_with_g98, states_retraction};
 use super::zero_offset::{ZeroOffsets, check_name, common_name, read_zero_offsets};
 use super::{ActiveTables, AxisData, Control, Firmware, Lever, Machine, ToolChange, Topology};
-use super::{active, head, measured, opaque, orientation, servo, setting, strain, tool, uncertainty};
+use super::{active, head, load_sensor, measured, opaque, orientation, servo, setting, strain, tool, uncertainty};
 
 pub use super::document::Document as MachineFile;
 pub use super::section::{Section, nearest};
@@ -33,6 +33,7 @@ pub const SECTIONS: &[&str] = &[
     "tool",
     "sensor",
     "strain",
+    "load_sensor",
     "servo",
     "measured",
     "uncertainty",
@@ -76,6 +77,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     let system = setting::read(root.section("system"), true, &mut findings);
     let gud = setting::read(root.section("gud"), false, &mut findings);
     let strain = root.section("strain").and_then(|section| strain::read(section, axis_set, &mut findings));
+    let load_sensors = load_sensor::read(root.sections("load_sensor"), &mut findings);
     let servo = root.section("servo").and_then(|section| servo::read(section, &axes, axis_set, &mut findings));
     let measured = root.section("measured").map(|section| measured::read(section, axis_set, &mut findings));
     let uncertainty = root.section(uncertainty::SECTION).map(|section| uncertainty::read(section, &mut findings));
@@ -124,6 +126,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
         system,
         gud,
         strain,
+        load_sensors,
         servo,
         measured,
         uncertainty,

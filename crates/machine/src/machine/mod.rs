@@ -20,6 +20,7 @@ mod grundig_control;
 mod head;
 mod iso_control;
 mod kinematics;
+mod load_sensor;
 mod macro_control;
 mod measured;
 mod opaque;
@@ -51,6 +52,7 @@ pub use grundig_control::{GrundigControl, PlaneOrder, ScaledAxes};
 pub use head::{Head, MOST_HEADS, Spindle};
 pub use iso_control::{DecimalPoint, IncrementSystem, IsoControl, LengthAxis, OneAxis, WordMeaning};
 pub use kinematics::Kinematics;
+pub use load_sensor::LoadSensor;
 pub use macro_control::MacroControl;
 pub use measured::MeasuredRanges;
 pub use opaque::{AllowedSynchronised, Opaque};
@@ -113,6 +115,8 @@ pub struct Machine {
     pub axis_order: Vec<Axis>,
     /// Strain gauge that weighs workpieces.
     pub strain: Option<StrainGauge>,
+    /// Sensors that show the weight of a workpiece at once.
+    pub load_sensors: Vec<LoadSensor>,
     /// Servo behavior of the axes at feed.
     pub servo: Option<Servo>,
     /// Ranges in which the errors were measured; `None` if the file does not state them.

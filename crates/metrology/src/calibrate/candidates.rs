@@ -128,6 +128,7 @@ mod tests {
             is_in_order: true,
             is_unit_stated: false,
             is_square_stated: false,
+            sensors: None,
             has_senses: true,
             fixed: Vec::new(),
             drivers: Vec::new(),

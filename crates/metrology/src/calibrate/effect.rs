@@ -179,6 +179,7 @@ fn shown(stem: &str, key: &str, factor: f64) -> (f64, String) {
     let word = word.split('[').next().unwrap_or_default();
     let unit = match word {
         "um_per_K" => "µm/K",
+        "urad_per_K" => "µrad/K",
         "um_per_m_K" => "µm/(m K)",
         _ if word.ends_with("_um") => "µm",
         _ if word.ends_with("_urad") => "µrad",

@@ -103,6 +103,7 @@ pub fn measurement(machine: &Machine, trace: &Trace, of: Of<'_>, place: Place) -
         is_in_order: true,
         is_unit_stated: false,
         is_square_stated: false,
+        sensors: None,
         has_senses: true,
         observations,
         drivers: if has_feeds { vec![DataColumn { name: FEED.to_owned(), values: feeds }] } else { Vec::new() },

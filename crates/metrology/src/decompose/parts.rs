@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::measure::trace::Trace;
-use ncfix_base::geometry::{Axis, Vector};
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
 use ncfix_base::numeric::in_parts;
 use ncfix_machine::machine::Machine;
 use ncfix_model::preset;
@@ -96,6 +96,8 @@ pub struct RunParts {
     pub t_s: Vec<f64>,
     /// Relative path position, 0 to 1.
     pub path: Vec<f64>,
+    /// Accelerations of the axes from the encoders, averaged as for compliances, mm/s² or rad/s².
+    pub acceleration: Vec<AxisVector>,
     /// Contouring as the difference of the axes, link, motion, thermal, dynamic; `None` if the instrument did not record.
     pub parts: Vec<Option<[Vector; 5]>>,
     /// Contouring by sample, with or without instrument recording.
@@ -460,7 +462,7 @@ impl Work<'_> {
         let shares = shares(divided.iter().map(|(_, parts)| *parts));
         let thermal_95_mm = if has_readings { self.thermal_95(run, &thermal_mm) } else { none };
         let shares_95 = self.shares_95(run, &divided, &thermal_95_mm, grid.step_s);
-        let tips = |of: &[ncfix_base::geometry::AxisVector]| -> Vec<Vector> {
+        let tips = |of: &[AxisVector]| -> Vec<Vector> {
             of.iter().map(|at| self.nominal.nominal(at, &self.tool_mm).translation).collect()
         };
         let path = tips(&poses.set);
@@ -472,6 +474,7 @@ impl Work<'_> {
             feed_mm_min: self.feeds[run],
             t_s: (0..count).map(|k| grid.time(k)).collect(),
             path: poses.share.clone(),
+            acceleration: poses.acceleration.clone(),
             parts,
             following,
             contouring,

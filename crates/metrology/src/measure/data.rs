@@ -9,8 +9,9 @@ mod description;
 mod drivers;
 mod repeats;
 mod rows;
+mod signs;
 
-pub use drivers::{DataColumn, FEATURE_COLUMNS, TIME};
+pub use drivers::{DataColumn, FEATURE_COLUMNS, MOVED, TIME};
 
 use std::sync::LazyLock;
 
@@ -25,6 +26,7 @@ use ncfix_model::ErrorName;
 use self::cycles::RepeatCycle;
 use super::circles;
 use super::kind::{Instrument, Instruments};
+use super::nest::SensorNest;
 use super::reading::{Reading, Readings};
 
 /// A measurement.
@@ -44,6 +46,8 @@ pub struct DataSet {
     pub sigma_rad: Option<f64>,
     /// Unknowns of every set-up.
     pub free: Vec<Free>,
+    /// The response of sensors whose columns are no displacements along F.
+    pub sensors: Option<SensorNest>,
     /// Data of every set-up without an entry of its own, because all use the same artifact.
     pub artefact: Setup,
     /// Mountings of the instrument.
@@ -303,6 +307,9 @@ pub fn load_with(
             rows::read(&rows, readings, of_dead, &mut data, &mut findings);
             missing_axes(&data, &rows, machine, &mut findings);
             data.drivers = drivers::read(&rows, machine, sign, &data);
+            if findings.is_empty() && !data.is_plan {
+                signs::test(&mut data, &rows, sign, &mut findings);
+            }
         }
     }
     let is_stated = |axis| rows.column(&format!("{axis}_dir")).is_some();

@@ -12,6 +12,7 @@ pub mod data;
 pub mod iso230;
 pub mod kind;
 pub mod mode;
+pub mod nest;
 pub mod plan;
 pub mod ranges;
 pub mod reading;

@@ -6,7 +6,7 @@ use crate::decompose::signal::SIGMAS_95;
 use crate::decompose::{self, AxisServoErrors, DecompositionError, LinkError, RunParts, Smooth};
 use crate::measure::trace::Trace;
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_base::geometry::Vector;
+use ncfix_base::geometry::{AXES, AxisVector, Vector};
 use ncfix_base::units::{Unit, UnitKey, um_from_mm};
 use ncfix_machine::machine::edit::{Edit, Given};
 use ncfix_model::name::ErrorKind;
@@ -17,6 +17,8 @@ pub const SCHEMA: u32 = 1;
 
 /// m/min per mm in 1/s: 1 mm per second per mm is 0.06 m/min per mm.
 const M_MIN_MM_OF_PER_S: f64 = 0.06;
+/// Millimeters of a meter.
+const MM_PER_M: f64 = 1e3;
 
 /// Decomposition of traces at several feeds.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -44,6 +46,31 @@ pub struct DecompositionResult {
     pub compliances: Vec<ComplianceReport>,
     /// Power laws of the RMS: contouring and dynamics, along X, Y, Z.
     pub power_laws: Vec<Law>,
+    /// One figure for the dynamic accuracy on this path; `null` if nothing was measured.
+    pub dynamic_accuracy: Option<DynamicAccuracy>,
+}
+
+/// One figure for the dynamic accuracy of a machine: comparable between machines and dates that run the same path at the same feed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct DynamicAccuracy {
+    /// Programmed feed of the fastest run.
+    pub feed_mm_min: Option<f64>,
+    /// RMS of the dynamic part of this run, as the length of the vector along X, Y, Z.
+    pub rms_um: f64,
+    /// Half width of its 95 % interval, with fully correlated directions.
+    pub rms_95_um: f64,
+}
+
+impl DynamicAccuracy {
+    /// The figure of a run.
+    fn of(run: &RunReport) -> DynamicAccuracy {
+        let [rms, by] = [run.rms_um.dynamic, run.rms_95_um.dynamic];
+        let rms_um = rms.iter().map(|um| um * um).sum::<f64>().sqrt();
+        let slope: f64 = rms.iter().zip(by).map(|(um, by)| um * by).sum();
+        let rms_95_um = if rms_um > 0.0 { slope / rms_um } else { 0.0 };
+        DynamicAccuracy { feed_mm_min: run.feed_mm_min, rms_um, rms_95_um }
+    }
 }
 
 /// A delay.
@@ -203,6 +230,9 @@ pub struct RunReport {
     /// Samples along the path, for pictures.
     #[serde(skip)]
     pub along: Vec<Along>,
+    /// Times since the start of motion at which another block began, s, for pictures.
+    #[serde(skip)]
+    pub transitions_s: Vec<f64>,
 }
 
 /// A sample, for pictures.
@@ -214,6 +244,8 @@ pub struct Along {
     pub parts_um: [[f64; 3]; 5],
     /// Part explained by compliances, µm.
     pub explained_um: [f64; 3],
+    /// Accelerations of the axes, m/s² or rad/s².
+    pub acceleration: AxisVector,
 }
 
 /// A compliance.
@@ -382,7 +414,9 @@ pub fn fill(found: &decompose::Decomposition, trace: &Trace, report: &mut Decomp
     };
     let held = |number: usize| found.held_out_mm.get(number).map(|both| both.map(um_from_mm));
     let runs = found.runs.iter().enumerate();
-    report.runs = runs.map(|(place, run)| shown_run(run, trace, held(found.fold(place)))).collect();
+    let delay_s = found.servo.as_ref().map_or(0.0, |servo| servo.delay_s);
+    report.runs = runs.map(|(place, run)| shown_run(run, trace, delay_s, held(found.fold(place)))).collect();
+    report.dynamic_accuracy = report.runs.last().filter(|_| report.is_measured()).map(DynamicAccuracy::of);
     report.compliances = found.compliances.iter().map(compliance).collect();
     for (source, laws) in [LawOf::Contouring, LawOf::Dynamic].into_iter().zip(&found.laws) {
         for (direction, law) in DIRECTIONS.into_iter().zip(laws) {
@@ -501,7 +535,8 @@ fn um(vector: &Vector) -> [f64; 3] {
     [0, 1, 2].map(|k| um_from_mm(vector[k]))
 }
 
-fn shown_run(run: &RunParts, trace: &Trace, held_out_um: Option<[f64; 2]>) -> RunReport {
+fn shown_run(run: &RunParts, trace: &Trace, delay_s: f64, held_out_um: Option<[f64; 2]>) -> RunReport {
+    let transitions = trace.runs.get(run.number).into_iter().flat_map(|one| &one.transitions_s);
     let in_um = |of: &[[f64; 3]; 5]| BySource::new(of.map(|along| along.map(um_from_mm)));
     let norms: Vec<f64> = run.moving.clone().map(|k| um_from_mm(run.contouring[k].norm())).collect();
     let rms = (norms.iter().map(|norm| norm * norm).sum::<f64>() / norms.len().max(1) as f64).sqrt();
@@ -509,7 +544,16 @@ fn shown_run(run: &RunParts, trace: &Trace, held_out_um: Option<[f64; 2]>) -> Ru
     let along = run.moving.clone().map(|k| {
         let none = Vector::zeros();
         let parts = run.parts[k].unwrap_or([run.following[k], none, none, none, none]);
-        Along { t_s: run.t_s[k] - start, parts_um: parts.map(|part| um(&part)), explained_um: um(&run.explained[k]) }
+        let mut acceleration = run.acceleration[k];
+        for axis in AXES.into_iter().filter(|axis| !axis.is_rotary()) {
+            acceleration[axis] /= MM_PER_M;
+        }
+        Along {
+            t_s: run.t_s[k] - start,
+            parts_um: parts.map(|part| um(&part)),
+            explained_um: um(&run.explained[k]),
+            acceleration,
+        }
     });
     RunReport {
         run: trace.runs.get(run.number).map_or_else(String::new, |one| one.label.clone()),
@@ -529,6 +573,8 @@ fn shown_run(run: &RunParts, trace: &Trace, held_out_um: Option<[f64; 2]>) -> Ru
         noise_um: run.fast_mm.map(um_from_mm),
         held_out_um,
         along: along.collect(),
+        // Blocks begin by the set-points, which the encoders follow later.
+        transitions_s: transitions.map(|t_s| t_s + delay_s - start).collect(),
     }
 }
 

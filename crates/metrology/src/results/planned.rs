@@ -36,6 +36,12 @@ pub struct PlanResult {
     pub rows: usize,
     /// Number of set-ups.
     pub setups: usize,
+    /// Time of the moves and dwells of its program, s.
+    pub duration_s: f64,
+    /// True if rapid moves are not included, because an axis has no largest feed.
+    pub is_without_rapids: bool,
+    /// Number of stops of its program for a person.
+    pub stops: usize,
 }
 
 /// The judged measurements.

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::measurement::Measurement;
-use crate::measure::data::Observation;
+use crate::measure::data::{MOVED, Observation};
 use crate::measure::noise::Noise;
 use crate::measure::reading::Readings;
 use crate::measure::simulate::{ReadValue, Simulation};
@@ -55,7 +55,11 @@ impl PlannedReadings<'_> {
         let mut next = |sigma: f64| if noise_mm.is_some() { sigma * noise.normal() } else { 0.0 };
         let sigma_mm = noise_mm.unwrap_or(0.0);
         let mut rows = Vec::new();
-        for row in &data.observations {
+        let sign = self.sign();
+        let moved = self.table.column(MOVED);
+        for (row, cells) in data.observations.iter().zip(self.table.rows()) {
+            // A known move of a test of signs shows in the reading.
+            let moved_um = moved.and_then(|column| cells.number(column, sign).ok()).unwrap_or(0.0);
             match simulation.read(row) {
                 Ok(ReadValue::Values(values)) => {
                     let cells = values.iter().enumerate().filter_map(|(k, value)| {
@@ -66,7 +70,7 @@ impl PlannedReadings<'_> {
                         } else {
                             um_from_mm(value + next(sigma_mm))
                         };
-                        Some(SimulatedCell { column, value: um, decimals: DECIMALS_UM })
+                        Some(SimulatedCell { column, value: um + moved_um, decimals: DECIMALS_UM })
                     });
                     rows.push(cells.collect());
                 }
@@ -119,8 +123,7 @@ impl PlannedReadings<'_> {
     /// # Errors
     /// Errors of `out`.
     pub fn write(&self, rows: &[Vec<SimulatedCell>], out: &mut dyn Write) -> io::Result<()> {
-        let sign = Readings::with(self.table, self.machine, &self.plan.data.fixed)
-            .map_or(DecimalSign::Point, |readings| readings.sign());
+        let sign = self.sign();
         let separator = char::from(self.table.separator());
         let mut added: Vec<&str> = Vec::new();
         for cell in rows.iter().flatten() {
@@ -147,6 +150,11 @@ impl PlannedReadings<'_> {
             copy.replace(self.table.place_behind(row.place(last)), &more.collect::<String>())?;
         }
         copy.finish()
+    }
+
+    fn sign(&self) -> DecimalSign {
+        Readings::with(self.table, self.machine, &self.plan.data.fixed)
+            .map_or(DecimalSign::Point, |readings| readings.sign())
     }
 
     fn text(&self, cell: &SimulatedCell, row: &Row<'_>, column: usize, sign: DecimalSign) -> String {

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::has_errors;
 use crate::measure::strain;
-use crate::measure::weighing::{self, Coordinate as Weighed, Weighing};
+use crate::measure::weighing::{self, Coordinate as Weighed, Weighing, at_rest};
 use ncfix_base::csv::Table;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::Source;
@@ -83,7 +83,7 @@ impl From<&Weighing> for WeighingResult {
                 };
                 LoadCoordinate { value_mm: coordinate.value(), sigma_mm, basis }
             })),
-            noise_um_m: Some(weighing.noise_um_m),
+            noise_um_m: Some(weighing.noise_um_m).filter(|noise| noise.is_finite()),
             degrees_of_freedom: weighing.freedom,
             readings: weighing.used,
             left_out: weighing.left_out.len(),
@@ -99,15 +99,28 @@ pub fn weigh(
     known: [Option<f64>; 3],
     findings: &mut Vec<Diagnostic>,
 ) -> Option<Weighing> {
-    let Some(gauge) = &machine.strain else {
+    if machine.strain.is_none() && machine.load_sensors.is_empty() {
         let message = format!("the machine {} has no section [strain]", machine.name);
-        let help = "give the signals of the strain gauge in [strain] of the machine file, or the load itself";
+        let help = "give the signals of the strain gauge in [strain] of the machine file, or a [[load_sensor]], or the load itself";
         findings.push(Diagnostic::nowhere(Code::MISSING_KEY, message, help));
         return None;
-    };
+    }
     let (table, found) = Table::read(source);
     findings.extend(found);
-    let readings = strain::read(&table?, gauge).map_err(|found| findings.extend(found)).ok()?;
+    let table = table?;
+    if at_rest::has_readings(&table, &machine.load_sensors) {
+        let (weighing, found) = at_rest::weigh_at_rest(&table, &machine.load_sensors, known);
+        findings.extend(found);
+        return weighing.filter(|_| !has_errors(findings));
+    }
+    let Some(gauge) = &machine.strain else {
+        let names: Vec<&str> = machine.load_sensors.iter().map(|sensor| sensor.name.as_str()).collect();
+        let message = format!("the table has no column of a load sensor: {}", names.join(", "));
+        let help = "name the column of the readings as in [[load_sensor]]";
+        findings.push(Diagnostic::at(Code::DATA_COLUMN, table.header_place(None), message, help));
+        return None;
+    };
+    let readings = strain::read(&table, gauge).map_err(|found| findings.extend(found)).ok()?;
     let (weighing, found) = weighing::weigh(&readings, gauge, known);
     findings.extend(found);
     weighing.filter(|_| !has_errors(findings))

@@ -1,6 +1,7 @@
 //! Zero-point drift: displacement of the tool relative to the workpiece as a weighted sum of temperatures (Spaan 1995, ch. 5 and 6).
 //!
-//! d = Σ cᵢ ΔTᵢ along an axis of F. ΔTᵢ is the rise of a sensor above the reference state, or of a body that follows the sensor with a time constant: a
+//! d = Σ cᵢ ΔTᵢ along an axis of F, or a rotation of the tool holder about it, at the gauge point of the spindle (Fig. 5.1: three displacements and two
+//! rotations are measured.) ΔTᵢ is the rise of a sensor above the reference state, or of a body that follows the sensor with a time constant: a
 //! sensor close to a heat source is ahead of the casting that expands. Coefficients are valid at one position of an axis; with several positions the drift is
 //! linear between them and constant outside. `[[drift]]` has one entry for each direction and position.
 //!
@@ -10,10 +11,10 @@ use crate::ErrorModel;
 use crate::accumulator::Accumulator;
 use crate::motion::EntryFunction;
 use crate::motion::table::ErrorTable;
-use crate::name::{DIRECTIONS, Direction};
+use crate::name::{DIRECTIONS, Direction, ErrorName};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::{Axis, AxisSet, Vector, about};
-use ncfix_base::units::{mm_from_um, um_from_mm};
+use ncfix_base::units::{mm_from_um, rad_from_urad, um_from_mm, urad_from_rad};
 use ncfix_machine::machine::file::Section;
 use ncfix_machine::machine::{Condition, Lever, Machine};
 
@@ -41,10 +42,14 @@ sensors = [{ name = \"T_head\", um_per_K = 3.1, lag_s = 600 }, { name = \"T_colu
 ",
 };
 
+/// Key of a coefficient of a displacement, and of a rotation.
+const UM_PER_K: &str = "um_per_K";
+const URAD_PER_K: &str = "urad_per_K";
+
 /// Drift in one direction.
 #[derive(Clone, Debug)]
 struct Drift {
-    /// X, Y or Z of F.
+    /// X, Y or Z of F; A, B or C for a rotation of the tool holder.
     direction: Direction,
     /// Axis along which it changes; `None` if it is constant over all positions.
     over: Option<Axis>,
@@ -66,7 +71,8 @@ struct Node {
 #[derive(Clone, Debug)]
 struct Term {
     sensor: String,
-    mm_per_k: f64,
+    /// mm or rad per K.
+    per_k: f64,
     lag_s: f64,
 }
 
@@ -79,9 +85,9 @@ struct Entry {
 }
 
 impl Node {
-    /// Returns the drift in a condition, mm. A sensor without a reading adds nothing; it is reported where readings are input.
-    fn drift_mm(&self, machine: &Machine, condition: &Condition) -> f64 {
-        let part = |term: &Term| Some(term.mm_per_k * machine.rise_k(condition, &term.sensor, term.lag_s)?);
+    /// Returns the drift in a condition, mm or rad. A sensor without a reading adds nothing; it is reported where readings are input.
+    fn drift(&self, machine: &Machine, condition: &Condition) -> f64 {
+        let part = |term: &Term| Some(term.per_k * machine.rise_k(condition, &term.sensor, term.lag_s)?);
         self.terms.iter().filter_map(part).sum()
     }
 }
@@ -98,7 +104,10 @@ impl Effect for Drift {
 
     fn contribute(&self, condition: &Condition, sum: &mut Accumulator<'_>) {
         let machine = sum.machine();
-        let values: Vec<f64> = self.nodes.iter().map(|node| node.drift_mm(machine, condition)).collect();
+        let values: Vec<f64> = self.nodes.iter().map(|node| node.drift(machine, condition)).collect();
+        if self.direction.is_rotation() {
+            return sum.add_location(ErrorName::spindle(self.direction), values.iter().sum());
+        }
         let unit = Vector::ith(self.direction.index(), 1.0);
         let Some(over) = self.over else {
             return sum.add_offset(&(unit * values.iter().sum::<f64>()));
@@ -123,6 +132,7 @@ impl Effect for Drift {
 
     fn visit_parameters(&mut self, visit: &mut dyn FnMut(&Parameter<'_>, &mut f64)) {
         let (direction, over) = (self.direction.letter(), self.over);
+        let is_rotation = self.direction.is_rotation();
         for node in &mut self.nodes {
             let place = match over {
                 Some(axis) if axis.is_rotary() => format!("{direction}@{axis}{}", node.at.to_degrees()),
@@ -137,9 +147,11 @@ impl Effect for Drift {
                 let again = before.iter().filter(|other| other.sensor == term.sensor).count();
                 let number = if again > 0 { format!("~{}", again + 1) } else { String::new() };
                 let name = format!("drift.{place}.{}{number}", term.sensor);
-                let key = format!("sensors[{index}].um_per_K");
-                let written = Some(WrittenAt { entry, key: &key, factor: um_from_mm(1.0) });
-                visit(&Parameter { name: &name, is_linear: true, written }, &mut term.mm_per_k);
+                let (unit, factor) =
+                    if is_rotation { (URAD_PER_K, urad_from_rad(1.0)) } else { (UM_PER_K, um_from_mm(1.0)) };
+                let key = format!("sensors[{index}].{unit}");
+                let written = Some(WrittenAt { entry, key: &key, factor });
+                visit(&Parameter { name: &name, is_linear: true, written }, &mut term.per_k);
                 if term.lag_s > 0.0 {
                     let key = format!("sensors[{index}].lag_s");
                     let written = Some(WrittenAt { entry, key: &key, factor: 1.0 });
@@ -171,7 +183,7 @@ pub(super) fn read(reading: &mut MachineFileReading<'_, '_>, errors: &mut ErrorM
             Some(entry)
         })
         .collect();
-    for direction in DIRECTIONS.into_iter().take(3) {
+    for direction in DIRECTIONS {
         let own = entries.iter().filter(|entry| entry.direction == direction).collect();
         errors.effects.extend(join(own, reading.findings).map(|drift| Box::new(drift) as Box<dyn Effect>));
     }
@@ -215,7 +227,13 @@ fn read_entry(
 ) -> Option<Entry> {
     let direction = read_direction(&mut section);
     let over = read_over(&mut section, axes, machine);
-    let terms = read_terms(&mut section);
+    let is_rotation = direction.is_some_and(Direction::is_rotation);
+    let terms = read_terms(&mut section, is_rotation);
+    if is_rotation && section.has("over") {
+        let help = "write one entry for all positions; only displacements may change along an axis";
+        let place = section.place_of_key("over");
+        section.report(Code::BAD_VALUE, place, "a rotation of the tool holder over an axis", help);
+    }
     let place = section.place();
     section.finish(findings);
     let (over, at) = over?;
@@ -228,11 +246,14 @@ fn read_direction(section: &mut Section<'_>) -> Option<Direction> {
         "X" => Some(Direction::X),
         "Y" => Some(Direction::Y),
         "Z" => Some(Direction::Z),
+        "A" => Some(Direction::A),
+        "B" => Some(Direction::B),
+        "C" => Some(Direction::C),
         _ => None,
     };
     if known.is_none() {
-        let message = format!("direction must be \"X\", \"Y\" or \"Z\", found \"{text}\"");
-        let help = "write the axis of the machine coordinates along which the tool drifts";
+        let message = format!("direction must be \"X\", \"Y\" or \"Z\", or \"A\", \"B\" or \"C\", found \"{text}\"");
+        let help = "write the axis of the machine coordinates along which the tool drifts; A, B and C are rotations about X, Y and Z";
         section.report(Code::BAD_VALUE, section.place_of("direction"), message, help);
     }
     known
@@ -303,8 +324,11 @@ fn turned_by(machine: &Machine, axis: Axis) -> Option<Axis> {
     branch.iter().copied().take_while(|&carrier| carrier != axis).find(|carrier| carrier.is_rotary())
 }
 
-fn read_terms(section: &mut Section<'_>) -> Option<Vec<Term>> {
-    let example = "[{ name = \"T_head\", um_per_K = 3.1, lag_s = 600 }]";
+fn read_terms(section: &mut Section<'_>, is_rotation: bool) -> Option<Vec<Term>> {
+    let example = match is_rotation {
+        true => "[{ name = \"T_head\", urad_per_K = 2.4, lag_s = 600 }]",
+        false => "[{ name = \"T_head\", um_per_K = 3.1, lag_s = 600 }]",
+    };
     let sections = section.required("sensors", example, |section, key| Some(section.sections(key)))?;
     if sections.is_empty() {
         let place = section.place_of("sensors");
@@ -312,17 +336,23 @@ fn read_terms(section: &mut Section<'_>) -> Option<Vec<Term>> {
         return None;
     }
     let mut findings = Vec::new();
-    let terms: Vec<Option<Term>> = sections.into_iter().map(|section| read_term(section, &mut findings)).collect();
+    let terms: Vec<Option<Term>> =
+        sections.into_iter().map(|section| read_term(section, is_rotation, &mut findings)).collect();
     section.add(findings);
     terms.into_iter().collect()
 }
 
-fn read_term(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Option<Term> {
+fn read_term(mut section: Section<'_>, is_rotation: bool, findings: &mut Vec<Diagnostic>) -> Option<Term> {
     let sensor = section.required("name", "\"T_head\"", Section::text);
-    let um_per_k = section.required("um_per_K", "3.1", |section, key| {
+    let key = if is_rotation { URAD_PER_K } else { UM_PER_K };
+    let per_k = section.required(key, "3.1", |section, key| {
         section.number_where(key, "a number from -10000 to 10000", |value| value.abs() <= 1e4)
     });
     let lag_s = section.number_where("lag_s", "a time in s that is not negative", |lag_s| lag_s >= 0.0);
     section.finish(findings);
-    Some(Term { sensor: sensor?.to_owned(), mm_per_k: mm_from_um(um_per_k?), lag_s: lag_s.unwrap_or(0.0) })
+    Some(Term {
+        sensor: sensor?.to_owned(),
+        per_k: if is_rotation { rad_from_urad(per_k?) } else { mm_from_um(per_k?) },
+        lag_s: lag_s.unwrap_or(0.0),
+    })
 }

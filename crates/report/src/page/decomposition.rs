@@ -4,11 +4,13 @@ use super::parts::{MOST_ROWS, diagnostics, origin};
 use super::{PageRow, columns, figure, page, pictures, strip, table};
 use crate::component::spelled_out;
 use crate::decomposition::{
-    DecompositionReport, compliance_unit, delay_cell, exponent_cell, factor_cell, link_cell, loop_cells, slowest_cell,
+    DecompositionReport, accuracy_cell, compliance_unit, delay_cell, exponent_cell, factor_cell, link_cell, loop_cells,
+    slowest_cell,
 };
 use crate::markup::Markup;
 use crate::number::{grouped, significant};
 use crate::plot::{Chart, PlotSeries, Shape};
+use ncfix_base::geometry::{AXES, Axis};
 use ncfix_metrology::decompose::SOURCES;
 use ncfix_metrology::results::decomposition::{
     Along, ComplianceReport, DIRECTIONS, DecompositionResult, LinkReport, Loop, RunReport,
@@ -48,6 +50,7 @@ fn summary(out: &mut Markup, found: &DecompositionResult) {
     ];
     if let Some(one) = &found.reading_delay {
         entries.push(("reading delay after encoders", delay_cell(one).trim().to_owned()));
+        entries.extend(found.dynamic_accuracy.map(|one| ("dynamic accuracy on this path", accuracy_cell(&one))));
         entries.push(("compliances", found.compliances.len().to_string()));
     }
     strip(out, &entries);
@@ -207,6 +210,9 @@ fn along(out: &mut Markup, found: &DecompositionResult) {
                 };
                 figure(out, &chart, "");
             }
+            for chart in accelerations(run) {
+                figure(out, &chart, "From the encoders, averaged as for compliances.");
+            }
             if !found.compliances.is_empty() {
                 for (k, direction) in DIRECTIONS.iter().enumerate() {
                     let series = |label: &str, of: &dyn Fn(&Along) -> f64| PlotSeries {
@@ -254,6 +260,50 @@ fn along(out: &mut Markup, found: &DecompositionResult) {
     };
     let heads = columns(["F, mm/min", "#dynamic part, RMS µm", "#residual with the compliances of other feeds"]);
     table(out, &heads, &found.runs.iter().filter_map(held).collect::<Vec<_>>(), "", MOST_ROWS);
+}
+
+/// Accelerations of the axes that move, linear and rotary, with the block transitions.
+fn accelerations(run: &RunReport) -> Vec<Chart> {
+    let mut charts = Vec::new();
+    for (is_rotary, unit) in [(false, "m/s²"), (true, "rad/s²")] {
+        let moves = |axis: &Axis| run.along.iter().any(|one| one.acceleration[*axis] != 0.0);
+        let axes = AXES.into_iter().filter(|axis| axis.is_rotary() == is_rotary).filter(moves);
+        let mut series: Vec<PlotSeries> = axes
+            .map(|axis| PlotSeries {
+                label: axis.to_string(),
+                points: run.along.iter().map(|one| (one.t_s, one.acceleration[axis])).collect(),
+                shape: Shape::Line,
+                ..PlotSeries::default()
+            })
+            .collect();
+        if series.is_empty() {
+            continue;
+        }
+        series.extend(transitions(run, &series));
+        charts.push(Chart {
+            title: format!("Accelerations of {} axes", if is_rotary { "rotary" } else { "linear" }),
+            across: "time, s".into(),
+            up: unit.into(),
+            series,
+            ..Chart::default()
+        });
+    }
+    charts
+}
+
+/// A line with a tooth at each block transition within the motion, over the height of the others.
+fn transitions(run: &RunReport, others: &[PlotSeries]) -> Option<PlotSeries> {
+    let end_s = run.along.last()?.t_s;
+    let [low, high] = others
+        .iter()
+        .flat_map(|series| &series.points)
+        .fold([0.0_f64, 0.0_f64], |[low, high], (_, value)| [low.min(*value), high.max(*value)]);
+    let within = run.transitions_s.iter().copied().filter(|t_s| (0.0..=end_s).contains(t_s));
+    let mut points = vec![(0.0, low)];
+    points.extend(within.flat_map(|t_s| [(t_s, low), (t_s, high), (t_s, low)]));
+    points.push((end_s, low));
+    let label = "block transition".to_owned();
+    (points.len() > 2).then(|| PlotSeries { label, points, shape: Shape::Line, ..PlotSeries::default() })
 }
 
 fn loops(out: &mut Markup, found: &DecompositionResult) {

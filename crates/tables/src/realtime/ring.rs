@@ -16,12 +16,14 @@
 //! 64        512     control     corrections read
 //! 80        640     ncfix       heartbeat: cycles of waiting
 //! 96        768     control     not 0: requests the end of ncfix
-//! 128       1024    control     c records of set-points: number, n values (f64; mm, rad)
+//! 104       832     control     tool vector of an order, x, y, z (f64; mm, from the gauge point to the tip along the axes of F)
+//! 128       1024    control     c records of set-points: number, n values (f64; mm, rad), order before this set-point (0 for none)
 //! 128 + cw          ncfix       c records of corrections: number of the set-point, signals, n values (f64; mm, rad)
 //! ```
 //!
 //! A writer fills the record `count mod c`, then increments its count (release). A reader reads the count (acquire), copies the record and then
-//! increments its own count. A ring is full when both counts are c apart. Every set-point gets one correction, in order.
+//! increments its own count. Orders: 1, an axis was referenced, so the control has dropped all corrections; 2, the tool of word 104 is in the spindle.
+//! ncfix answers a set-point with order 2 when the corrections for the tool are ready, which takes longer than a cycle: the axes must stand. A ring is full when both counts are c apart. Every set-point gets one correction, in order.
 
 use std::fs::File;
 use std::io;
@@ -46,6 +48,10 @@ const CORRECTIONS_WRITTEN: usize = 48;
 const CORRECTIONS_READ: usize = 64;
 const ALIVE: usize = 80;
 const STOP: usize = 96;
+const TOOL: usize = 104;
+/// Orders of a set-point.
+const ORDER_RESET: u64 = 1;
+const ORDER_TOOL: u64 = 2;
 const RECORDS: usize = 128;
 /// Maximum number of records of a ring.
 const MOST_RECORDS: u64 = 1 << 20;
@@ -113,6 +119,11 @@ impl Shape {
         RECORDS + (number % self.capacity) as usize * self.stride
     }
 
+    /// The order of a set-point. Its record has room for it, because a correction has one word more.
+    fn order(&self, number: u64) -> usize {
+        self.set_point(number) + 1 + self.count
+    }
+
     fn correction(&self, number: u64) -> usize {
         self.set_point(number) + self.capacity as usize * self.stride
     }
@@ -151,6 +162,8 @@ impl Overrun {
 pub struct Ring {
     words: Words,
     shape: Shape,
+    /// Number of set-points that were read when an order was taken, plus one; 0 before the first.
+    taken: AtomicU64,
 }
 
 /// The side of the control.
@@ -188,11 +201,11 @@ impl Ring {
         ];
         head.into_iter().for_each(|(word, value)| words.set(word, value, Ordering::Relaxed));
         words.set(0, MAGIC, Ordering::Release);
-        Ok(Ring { words, shape })
+        Ok(Ring { words, shape, taken: AtomicU64::new(0) })
     }
 
-    /// Answers one set-point and returns the status bits of the answer; `None` if there is none, or no room for the answer. Does not allocate or
-    /// wait.
+    /// Answers one set-point and returns the status bits of the answer; `None` if there is none, no room for the answer, or another tool to take
+    /// before ([`Ring::tool`]). Does not allocate or wait.
     ///
     /// # Errors
     /// [`Overrun`]: some set-points were overwritten before they were answered, so answers would not match their set-points.
@@ -208,6 +221,11 @@ impl Ring {
             return Ok(None);
         }
         let from = self.shape.set_point(read);
+        match self.words.get(self.shape.order(read), Ordering::Relaxed) {
+            ORDER_TOOL if self.taken.load(Ordering::Relaxed) != read.wrapping_add(1) => return Ok(None),
+            ORDER_RESET => cycle.reset(),
+            _ => {}
+        }
         let number = self.words.get(from, Ordering::Relaxed);
         let mut set_point = AxisVector::ZERO;
         for (index, &axis) in self.shape.axes().iter().enumerate() {
@@ -223,6 +241,17 @@ impl Ring {
         }
         self.words.set(CORRECTIONS_WRITTEN, written.wrapping_add(1), Ordering::Release);
         Ok(Some(answer.signals))
+    }
+
+    /// The tool vector, mm, that the next set-point orders; `None` without such an order. It is returned once.
+    #[must_use]
+    pub fn tool(&self) -> Option<[f64; 3]> {
+        let read = self.words.get(SET_POINTS_READ, Ordering::Relaxed);
+        let written = self.words.get(SET_POINTS_WRITTEN, Ordering::Acquire);
+        let is_ordered = written != read
+            && self.words.get(self.shape.order(read), Ordering::Relaxed) == ORDER_TOOL
+            && self.taken.swap(read.wrapping_add(1), Ordering::Relaxed) != read.wrapping_add(1);
+        is_ordered.then(|| [0, 1, 2].map(|k| self.words.number(TOOL + k)))
     }
 
     /// Signals that this side is alive. Returns `true` if the control requests the end.
@@ -266,6 +295,24 @@ impl Client {
     /// Writes a set-point with a number; `false` if the ring is full.
     #[must_use]
     pub fn put(&self, number: u64, set_point: &AxisVector) -> bool {
+        self.put_after(number, set_point, 0)
+    }
+
+    /// As [`Client::put`], after an axis was referenced: the correction begins again at 0.
+    #[must_use]
+    pub fn put_after_reference(&self, number: u64, set_point: &AxisVector) -> bool {
+        self.put_after(number, set_point, ORDER_RESET)
+    }
+
+    /// As [`Client::put`], with another tool in the spindle: its vector, mm. The set-points before must be answered, and the axes must stand until
+    /// this one is.
+    #[must_use]
+    pub fn put_with_tool(&self, number: u64, set_point: &AxisVector, tool_mm: &[f64; 3]) -> bool {
+        tool_mm.iter().enumerate().for_each(|(k, mm)| self.words.set(TOOL + k, mm.to_bits(), Ordering::Relaxed));
+        self.put_after(number, set_point, ORDER_TOOL)
+    }
+
+    fn put_after(&self, number: u64, set_point: &AxisVector, order: u64) -> bool {
         let written = self.words.get(SET_POINTS_WRITTEN, Ordering::Relaxed);
         let read = self.words.get(SET_POINTS_READ, Ordering::Acquire);
         if written.wrapping_sub(read) >= self.shape.capacity {
@@ -276,6 +323,7 @@ impl Client {
         for (index, &axis) in self.shape.axes().iter().enumerate() {
             self.words.set(to + 1 + index, set_point[axis].to_bits(), Ordering::Relaxed);
         }
+        self.words.set(self.shape.order(written), order, Ordering::Relaxed);
         self.words.set(SET_POINTS_WRITTEN, written.wrapping_add(1), Ordering::Release);
         true
     }

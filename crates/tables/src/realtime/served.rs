@@ -11,7 +11,7 @@ const LOOKS: u32 = 2000;
 const REST: Duration = Duration::from_micros(50);
 
 /// Reason of the end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ServingEnd {
     /// The control ended it.
     Control,
@@ -19,6 +19,10 @@ pub enum ServingEnd {
     Stopped,
     /// The control overran a ring.
     Overrun(Overrun),
+    /// Another tool is in the spindle, with this vector, mm: serve again when its kernel is in the cycle.
+    Tool([f64; 3]),
+    /// There is no kernel for the tool.
+    NoKernel,
 }
 
 /// Answers the set-points of a ring until the control ends it, a ring is overrun, or `is_over` returns `true`.
@@ -34,6 +38,9 @@ pub fn serve(ring: &Ring, cycle: &mut Cycle, counts: &mut CycleCounts, is_over: 
             counts.note(signals, start.elapsed());
             looks = 0;
             continue;
+        }
+        if let Some(tool_mm) = ring.tool() {
+            return ServingEnd::Tool(tool_mm);
         }
         if ring.beat() {
             return ServingEnd::Control;

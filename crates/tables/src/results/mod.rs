@@ -6,3 +6,4 @@ pub mod made;
 pub mod realtime;
 pub mod request;
 pub mod result;
+pub mod single;

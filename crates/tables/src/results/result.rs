@@ -51,6 +51,8 @@ pub struct TablesResult {
     pub left_out: Vec<MissingPart>,
     /// Residual with fewer tables, or with the nodes of smaller grids.
     pub fewer: Vec<FewerRow>,
+    /// Number of tables that each error needs if it is the only one.
+    pub single_errors: Vec<SingleErrorRow>,
     /// Number of errors in the machine file that was made from the tables.
     pub errors_found: Option<usize>,
 }
@@ -87,6 +89,26 @@ pub struct FewerRow {
     pub count: usize,
     /// Root mean square of the tip error, µm.
     pub rms_um: f64,
+}
+
+/// Number of tables for a machine with a single error.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SingleErrorRow {
+    /// Name of the error.
+    pub error: String,
+    /// Its size, with unit: that of the machine file, else an assumed one.
+    pub size: String,
+    /// Number of tables; `null` if no tables were made.
+    pub tables: Option<usize>,
+    /// Scheme of these tables; empty without tables.
+    pub scheme: String,
+    /// Root mean square of the tip error without tables, µm.
+    pub before_rms_um: Option<f64>,
+    /// Root mean square of the tip error with the tables, µm.
+    pub rms_um: Option<f64>,
+    /// Reason why no tables were made.
+    pub reason: Option<String>,
 }
 
 impl From<&SecondAxisPart> for MissingPart {

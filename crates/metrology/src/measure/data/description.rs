@@ -7,6 +7,7 @@ use ncfix_base::units::{mm_from_um, rad_from_urad};
 use ncfix_machine::machine::file::{MachineFile, Section};
 
 use super::super::kind::{self, Instruments, Measurand};
+use super::super::nest;
 use super::{DataSet, Free, KnownLength, Setup, bodies, number_of};
 
 /// Reads the description; the result is a measurement without rows, if its kind is known.
@@ -29,6 +30,8 @@ pub(super) fn read(name: &str, source: &Source, instruments: &Instruments) -> (O
         artefact = bodies::read_artefact(&mut section);
         section.finish(&mut findings);
     }
+    let sensors = (measurand == Measurand::Displacement).then(|| root.section("sensors")).flatten();
+    let sensors = sensors.and_then(|section| nest::read(section, &mut findings));
     let (mut setups, mut rods) = (Vec::new(), Vec::new());
     if let Some(mut section) = root.section("setup") {
         let labels: Vec<&str> = section.keys().collect();
@@ -73,6 +76,7 @@ pub(super) fn read(name: &str, source: &Source, instruments: &Instruments) -> (O
         (data.setups, data.rods, data.artefact) = (setups, rods, artefact);
         data.balls = balls;
         data.fixed = fixed;
+        data.sensors = sensors;
         for (from, to, value_mm, sigma_mm) in lengths {
             let between = [from, to].map(|label| number_of(&mut data.targets, &label));
             data.lengths.push(KnownLength { between, value_mm, sigma_mm });
@@ -190,6 +194,7 @@ fn read_measurement(name: &str, section: &mut Section<'_>, instruments: &Instrum
         is_in_order,
         is_unit_stated,
         is_square_stated: reference == Some(0),
+        sensors: None,
         conditions: Vec::new(),
         has_senses: false,
         observations: Vec::new(),

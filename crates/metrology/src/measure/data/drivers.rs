@@ -16,10 +16,12 @@ pub struct DataColumn {
 
 /// The column with the time of a row, s.
 pub const TIME: &str = "t_s";
+/// The column with known moves of the tool in a test of signs, µm.
+pub const MOVED: &str = "moved_um";
 /// Columns about the feature of a workpiece that was measured: its name, its level, its nominal position relative to the zero of the workpiece.
 pub const FEATURE_COLUMNS: [&str; 5] = ["feature", "level", "nominal_x_mm", "nominal_y_mm", "nominal_z_mm"];
 /// Columns with a meaning of their own.
-const OWN: [&str; 8] = ["setup", "run", TIME, "target", "component", "tool_x_mm", "tool_y_mm", "tool_z_mm"];
+const OWN: [&str; 9] = ["setup", "run", TIME, MOVED, "target", "component", "tool_x_mm", "tool_y_mm", "tool_z_mm"];
 
 /// Reads all purely numeric columns.
 pub(super) fn read(table: &Table, machine: &Machine, sign: DecimalSign, data: &DataSet) -> Vec<DataColumn> {
@@ -34,6 +36,9 @@ pub(super) fn read(table: &Table, machine: &Machine, sign: DecimalSign, data: &D
         let is_of_feature = has_features && FEATURE_COLUMNS.contains(&name.as_str());
         if is_of_feature || OWN.contains(&name.as_str()) || data.kind.columns.contains(&name.as_str()) || is_axis(name)
         {
+            continue;
+        }
+        if data.sensors.as_ref().is_some_and(|sensors| sensors.columns.contains(name)) {
             continue;
         }
         let number = |row: ncfix_base::csv::Row<'_>| {

@@ -8,6 +8,7 @@ use nalgebra::Rotation3;
 
 use super::{Equation, Instrument, Measurand, Seen, Unknown, no_expansion, no_ties, optional, three, vector_at, zeros};
 use crate::measure::data::{DataSet, Free, Observation};
+use crate::measure::nest::SensorNest;
 use ncfix_base::csv::{DecimalSign, Row, Table};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::Vector;
@@ -49,14 +50,50 @@ pub(super) fn read(
         }
         return Ok(());
     }
+    if let Some(sensors) = &data.sensors {
+        return read_sensors(sensors, row, sign, observation);
+    }
     for (value, name) in observation.values.iter_mut().zip(COLUMNS) {
         *value = optional(row, row.column(name).filter(|&column| is_read(column)), sign)?.map(mm_from_um);
     }
     Ok(())
 }
 
+/// Reads three sensors with directions of their own: each displacement needs all of them.
+fn read_sensors(
+    sensors: &SensorNest,
+    row: &Row<'_>,
+    sign: DecimalSign,
+    observation: &mut Observation,
+) -> Result<(), Diagnostic> {
+    let [first, ..] = &sensors.columns;
+    let mut readings = [None; 3];
+    for (reading, name) in readings.iter_mut().zip(&sensors.columns) {
+        *reading = optional(row, row.column(name), sign)?;
+    }
+    let place = row.place(row.column(first).unwrap_or_default());
+    match readings {
+        [None, None, None] => return Ok(()),
+        [Some(one), Some(two), Some(three)] => {
+            let readings = [one, two, three];
+            if let Some((message, help)) = sensors.beyond_text(&readings) {
+                return Err(Diagnostic::at(Code::DATA_SIZE, place, message, help));
+            }
+            let [x, y, z]: [f64; 3] = sensors.displacement_mm(&readings).into();
+            observation.values = [Some(x), Some(y), Some(z)];
+        }
+        _ => {
+            let help = "a displacement needs the readings of all three sensors: leave all of them empty, or fill all";
+            return Err(Diagnostic::at(Code::DATA_CELL, place, "a sensor without a reading", help));
+        }
+    }
+    Ok(())
+}
+
 pub(super) fn check(data: &DataSet, table: &Table, findings: &mut Vec<Diagnostic>) {
-    if !data.is_plan && COLUMNS.iter().all(|name| table.column(name).is_none()) {
+    if let Some(sensors) = data.sensors.as_ref().filter(|_| !data.is_plan) {
+        sensors.missing(table, findings);
+    } else if !data.is_plan && COLUMNS.iter().all(|name| table.column(name).is_none()) {
         let is_in_mm = COLUMNS.iter().any(|name| table.column(&name.replace("_um", "_mm")).is_some());
         let help = match is_in_mm {
             true => "convert the readings to µm, and name their columns dx_um, dy_um, dz_um",

@@ -28,6 +28,8 @@ pub struct Extra {
     pub feed: Option<f64>,
     /// Weight on the table, N, and its position, mm.
     pub load: Option<(f64, Vector)>,
+    /// A known move of the tool along the measured component in a test of signs, µm.
+    pub moved_um: Option<f64>,
     /// The feature of a workpiece that the row is about.
     pub feature: Option<PlannedFeature>,
 }

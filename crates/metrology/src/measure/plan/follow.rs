@@ -70,7 +70,7 @@ pub(super) fn turns(machine: &Machine, wishes: &Wishes) -> Result<Vec<TurnedAxis
 }
 
 /// Angle between rows, rad.
-fn every(wishes: &Wishes) -> f64 {
+pub(super) fn every(wishes: &Wishes) -> f64 {
     wishes.every.unwrap_or(EVERY).clamp(1e-4, PI)
 }
 

@@ -8,15 +8,16 @@ use super::random::Random;
 use super::{PlanKind, PlanRefused, RowSpacing, Wishes, empty, kind};
 use crate::measure::data::{Free, Setup, number_of};
 use crate::measure::kind::direct::is_straightness;
-use ncfix_base::geometry::Axis;
-use ncfix_machine::machine::Machine;
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_base::units::um_from_mm;
+use ncfix_machine::machine::{Branch, Machine};
 use ncfix_model::ErrorName;
 use ncfix_model::name::{Carrier, ErrorKind};
 
 /// The plan.
 pub(super) const PLAN: PlanKind = PlanKind {
     name: "laser",
-    title: "one axis in steps, forward and backward (ISO 230-2); variant equal: equal steps",
+    title: "one axis in steps, forward and backward (ISO 230-2); variant equal: equal steps, signs: with a test of signs",
     wishes: &["axis", "component", "range", "points", "runs", "centre", "feed", "dwell", "variant", "seed"],
     spacing: RowSpacing::Angle,
     has_setups: false,
@@ -25,14 +26,19 @@ pub(super) const PLAN: PlanKind = PlanKind {
 
 /// Range of r, as a share of a step.
 const SCATTER: f64 = 0.3;
+/// Known move in a test of signs, mm: far above the errors of a machine, within the range of instruments.
+const MOVE_MM: f64 = 0.1;
 
 fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     let axis = wishes.axis.unwrap_or(Axis::X);
     let data = machine.axis(axis).ok_or_else(|| PlanRefused(format!("{} has no axis {axis}", machine.name)))?;
-    let is_equal = match wishes.variant.as_deref() {
-        None | Some("iso") => false,
-        Some("equal") => true,
-        Some(other) => return Err(PlanRefused(format!("unknown steps '{other}'; the variants are iso, equal"))),
+    let (is_equal, has_signs) = match wishes.variant.as_deref() {
+        None | Some("iso") => (false, false),
+        Some("equal") => (true, false),
+        Some("signs") => (false, true),
+        Some(other) => {
+            return Err(PlanRefused(format!("unknown steps '{other}'; the variants are iso, equal, signs")));
+        }
     };
     let components = if wishes.components.is_empty() {
         let own = format!("E{axis}{axis}").parse::<ErrorName>();
@@ -88,6 +94,12 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     pose[axis] = low;
     plan.approach(&pose, feed)?;
     plan.stop("set the instrument to zero");
+    if has_signs {
+        pose[axis] = targets.first().copied().unwrap_or(low);
+        test_signs(&mut plan, &pose, &components, &numbers, (tool_mm, feed, dwell_s))?;
+        pose[axis] = low;
+        plan.go(&pose, Some(feed))?;
+    }
     for run in 1..=runs {
         for is_back in [false, true] {
             let label = format!("{run}{}", if is_back { "-" } else { "+" });
@@ -108,4 +120,39 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
         }
     }
     Ok(plan)
+}
+
+/// Readings at a pose and beside it, by a known move along each component.
+fn test_signs(
+    plan: &mut Builder,
+    pose: &AxisVector,
+    components: &[ErrorName],
+    targets: &[usize],
+    (tool_mm, feed, dwell_s): (Vector, f64, f64),
+) -> Result<(), PlanRefused> {
+    let pose = &plan.on_increments(pose);
+    for (component, target) in components.iter().zip(targets) {
+        let moved = [Axis::X, Axis::Y, Axis::Z].get(component.direction.index()).copied();
+        let moved = moved.filter(|axis| plan.machine.axis(*axis).is_some());
+        let Some(moved) = moved.filter(|_| !component.direction.is_rotation()) else {
+            plan.notes.push(format!("no axis moves along {component} alone: its sign is not tested"));
+            continue;
+        };
+        let mut beside = *pose;
+        beside[moved] += MOVE_MM;
+        // Readings are deviations of the body that the axis moves: on the workpiece side relative to the tool.
+        let tip = |at: &AxisVector| plan.kinematics.tip_mm(at, &tool_mm);
+        let on_table = component.axis().and_then(|axis| plan.machine.topology.branch(axis)) == Some(Branch::Workpiece);
+        let by_mm = (tip(&beside) - tip(pose))[component.direction.index()] * if on_table { -1.0 } else { 1.0 };
+        for (at, moved_um) in [(pose, 0.0), (&beside, um_from_mm(by_mm))] {
+            plan.go(at, Some(feed))?;
+            let extra =
+                Extra { run: "signs".to_owned(), feed: Some(feed), moved_um: Some(moved_um), ..Extra::default() };
+            plan.row(pose, tool_mm, 0, extra)?;
+            plan.of_last(Some(*target), Some(*component));
+            plan.dwell(dwell_s);
+        }
+        plan.go(pose, Some(feed))?;
+    }
+    Ok(())
 }

@@ -8,6 +8,7 @@ mod ballbar;
 pub mod builder;
 mod diagonal;
 mod drift;
+pub mod duration;
 mod follow;
 mod laser;
 mod load;
@@ -17,6 +18,7 @@ mod random;
 mod rtest;
 mod sphere;
 pub mod table;
+mod together;
 mod turned_bar;
 mod way;
 mod workpiece;
@@ -270,6 +272,7 @@ fn empty(kind: &'static super::kind::Instrument, free: &[super::data::Free]) -> 
         is_in_order: true,
         is_unit_stated: false,
         is_square_stated: false,
+        sensors: None,
         has_senses: true,
         name: kind.name.to_owned(),
         kind,

@@ -1,25 +1,33 @@
 //! R-test: a ball in the spindle stays at a point of the table while one rotary axis after the other turns forward and back; a nest of sensors reads its
 //! displacement (ISO 10791-6, tests with three linear displacement sensors).
 //!
-//! Each axis is a set-up of its own, because the nest is set to zero before each.
+//! With a variant, the axes turn [together]. Otherwise each axis is a set-up of its own, because the nest is set to zero before each.
 
 use super::builder::Builder;
 use super::follow::{Following, pose, turns};
-use super::{PlanKind, PlanRefused, RowSpacing, Wishes, empty, kind, probe};
+use super::{PlanKind, PlanRefused, RowSpacing, Wishes, empty, kind, probe, together};
 use crate::measure::data::{Free, Setup};
 use ncfix_machine::machine::Machine;
 
 /// The plan.
 pub(super) const PLAN: PlanKind = PlanKind {
     name: "rtest",
-    title: "ball at a point of the table while each rotary axis turns, read in X, Y and Z (ISO 10791-6)",
-    wishes: &["axis", "range", "tilt", "ball", "radius", "every", "chord", "runs", "feed", "dwell"],
+    title: "ball at a point of the table while rotary axes turn, read in X, Y and Z (ISO 10791-6)",
+    wishes: &[
+        "variant", "axis", "range", "tilt", "ball", "radius", "every", "chord", "points", "runs", "feed", "dwell",
+    ],
     spacing: RowSpacing::Angle,
     has_setups: false,
     build,
 };
 
 fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
+    if let Some(variant) = &wishes.variant {
+        return together::build(machine, wishes, variant);
+    }
+    if wishes.points.is_some() {
+        return Err(PlanRefused("--points is the number of blocks of --variant corner".into()));
+    }
     let tool_mm = wishes.tool_mm();
     let turns = turns(machine, wishes)?;
     let place_mm = probe::balls(machine, wishes, 1)?.first().copied().unwrap_or_default();

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::measure::data::FEATURE_COLUMNS;
+use crate::measure::data::{FEATURE_COLUMNS, MOVED};
 use crate::measure::kind::{self, Measurand, NOT_READ};
 use ncfix_base::geometry::{AXES, Axis};
 use ncfix_model::name::Direction;
@@ -18,13 +18,14 @@ pub fn csv(plan: &Builder) -> String {
     let data = &plan.data;
     let axes: Vec<Axis> = AXES.into_iter().filter(|&axis| plan.machine.axis(axis).is_some()).collect();
     let has = |of: fn(&Extra) -> bool| plan.extras.iter().any(of);
-    let [feature, run, time, speed, feed, load] = [
+    let [feature, run, time, speed, feed, load, moved] = [
         has(|extra| extra.feature.is_some()),
         has(|extra| !extra.run.is_empty()),
         has(|extra| extra.time_s.is_some()),
         has(|extra| extra.speed.is_some()),
         has(|extra| extra.feed.is_some()),
         has(|extra| extra.load.is_some()),
+        has(|extra| extra.moved_um.is_some()),
     ];
     let measurand = data.kind.measurand;
     let mut header: Vec<String> = Vec::new();
@@ -55,6 +56,7 @@ pub fn csv(plan: &Builder) -> String {
     for column in ["load_N", "load_x_mm", "load_y_mm", "load_z_mm"] {
         named(load, column);
     }
+    named(moved, MOVED);
     let readings = readings(plan);
     for column in &readings {
         named(true, column);
@@ -96,6 +98,9 @@ pub fn csv(plan: &Builder) -> String {
             let (force_n, place_mm) = extra.load.unwrap_or_default();
             cells.push(number(force_n));
             cells.extend(place_mm.iter().copied().map(number));
+        }
+        if moved {
+            cells.push(extra.moved_um.map_or_else(String::new, number));
         }
         let reads = plan.reads_of(extra);
         let is_left_out = |column: &&str| {

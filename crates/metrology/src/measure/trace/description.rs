@@ -9,6 +9,7 @@ use ncfix_base::units::mm_from_um;
 use ncfix_machine::machine::file::{MachineFile, Section};
 
 use super::{Trace, UNKNOWNS};
+use crate::measure::nest::{self, SensorNest};
 
 /// A description.
 #[derive(Clone, Debug, Default)]
@@ -21,6 +22,8 @@ pub struct Described {
     pub signals: BTreeMap<String, String>,
     /// Programmed feed of a trace of one run, mm/min.
     pub feed_mm_min: Option<f64>,
+    /// The response of the sensors, if their columns are not yet displacements along F.
+    pub sensors: Option<SensorNest>,
 }
 
 /// Reads the description of a trace; `None` for another kind, which is not an error.
@@ -38,6 +41,9 @@ pub fn describe(name: &str, source: &Source) -> Option<(Option<Described>, Vec<D
     section.finish(&mut findings);
     if let Some(section) = root.section("ball") {
         described.trace.ball_mm = read_ball(section, &mut findings);
+    }
+    if let Some(section) = root.section("sensors") {
+        described.sensors = nest::read(section, &mut findings);
     }
     if let Some(mut section) = root.section("signals") {
         let keys: Vec<&str> = section.keys().collect();
@@ -70,7 +76,7 @@ fn read_measurement(section: &mut Section<'_>) -> Described {
     }
     let control = section.text("control").map(str::to_owned);
     let feed_mm_min = section.number_where("feed_mm_min", "a feed above 0", |feed| feed > 0.0);
-    Described { trace, control, signals: BTreeMap::new(), feed_mm_min }
+    Described { trace, control, signals: BTreeMap::new(), feed_mm_min, sensors: None }
 }
 
 /// `[ball.NAME] place_mm`: as for other kinds; a trace has one ball.

@@ -8,6 +8,7 @@
 //! | `X` …, `A` … | set-points of the control, mm, deg |
 //! | `X_enc` … | positions by the encoders, mm, deg |
 //! | `dx_um dy_um dz_um` | displacement of the tool from the table ball, or from its nominal point of the workpiece; along F's directions |
+//! | `block` | number of the block, a row of the control each; may be missing |
 //! | `run`, `feed_mm_min` | label and programmed feed of a run |
 //! | `tool_x_mm` … | vector from the spindle gauge point to the tip |
 //!
@@ -65,6 +66,8 @@ pub struct TraceRun {
     pub control: ControlSamples,
     /// Samples of the instrument.
     pub readings: Deviations,
+    /// Times at which the control began another block, by its clock, s; empty without the column `block`.
+    pub transitions_s: Vec<f64>,
     /// Its first row.
     pub place: Option<Place>,
 }

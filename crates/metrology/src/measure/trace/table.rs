@@ -34,6 +34,7 @@ struct Columns {
     tool: [Option<usize>; 3],
     run: Option<usize>,
     feed: Option<usize>,
+    block: Option<usize>,
 }
 
 /// Reads a trace: its table, and optionally the recording of a control in a separate file. All diagnostics are reported in one run.
@@ -47,7 +48,7 @@ pub fn read(
     let (rows, mut findings) = Table::read(table);
     let Some(rows) = rows else { return (None, findings) };
     let mut trace = described.trace.clone();
-    if let Some(columns) = columns(&rows, machine, control.is_some(), &mut findings) {
+    if let Some(columns) = columns(&rows, machine, control.is_some(), described, &mut findings) {
         read_rows(&rows, &columns, machine, described, &mut trace, &mut findings);
         if let (Some(signals), true) = (control, findings.is_empty()) {
             join(&rows, signals, machine, &mut trace, &mut findings);
@@ -60,7 +61,13 @@ pub fn read(
     (sound.then_some(trace), findings)
 }
 
-fn columns(rows: &Table, machine: &Machine, has_control: bool, findings: &mut Vec<Diagnostic>) -> Option<Columns> {
+fn columns(
+    rows: &Table,
+    machine: &Machine,
+    has_control: bool,
+    described: &Described,
+    findings: &mut Vec<Diagnostic>,
+) -> Option<Columns> {
     let before = findings.len();
     let mut missing = |name: &str, help: String| {
         let message = format!("there is no column {name}");
@@ -84,11 +91,16 @@ fn columns(rows: &Table, machine: &Machine, has_control: bool, findings: &mut Ve
             }
         }
     }
-    let readings = READINGS.map(|name| rows.column(name));
-    if has_control && readings.iter().all(Option::is_none) {
+    let names = described.sensors.as_ref().map_or(READINGS, |sensors| sensors.columns.each_ref().map(String::as_str));
+    let readings = names.map(|name| rows.column(name));
+    if described.sensors.is_some() {
+        for (name, _) in names.iter().zip(readings).filter(|(_, column)| column.is_none()) {
+            missing(name, "columns in [sensors] of the description names the columns of the three sensors".into());
+        }
+    } else if has_control && readings.iter().all(Option::is_none) {
         missing("dx_um", "name the columns of the readings dx_um, dy_um, dz_um".into());
     }
-    if readings.iter().any(Option::is_some) && readings.iter().any(Option::is_none) {
+    if described.sensors.is_none() && readings.iter().any(Option::is_some) && readings.iter().any(Option::is_none) {
         let name = READINGS.iter().zip(readings).find(|(_, column)| column.is_none()).map_or("dx_um", |(name, _)| name);
         missing(
             name,
@@ -96,7 +108,7 @@ fn columns(rows: &Table, machine: &Machine, has_control: bool, findings: &mut Ve
         );
     }
     let tool = TOOL.map(|name| rows.column(name));
-    let [run, feed] = ["run", "feed_mm_min"].map(|name| rows.column(name));
+    let [run, feed, block] = ["run", "feed_mm_min", "block"].map(|name| rows.column(name));
     let numbers: Vec<usize> = time
         .into_iter()
         .chain(axes.iter().flat_map(|(_, pair)| *pair))
@@ -107,7 +119,7 @@ fn columns(rows: &Table, machine: &Machine, has_control: bool, findings: &mut Ve
         findings.push(finding);
         DecimalSign::Point
     });
-    (findings.len() == before).then_some(Columns { sign, time: time?, axes, readings, tool, run, feed })
+    (findings.len() == before).then_some(Columns { sign, time: time?, axes, readings, tool, run, feed, block })
 }
 
 fn read_rows(
@@ -119,6 +131,7 @@ fn read_rows(
     findings: &mut Vec<Diagnostic>,
 ) {
     let mut numbers: HashMap<Vec<u8>, usize> = HashMap::new();
+    let mut blocks: Vec<Option<Vec<u8>>> = Vec::new();
     for row in rows.rows() {
         if findings.len() >= MOST_FINDINGS {
             return;
@@ -135,18 +148,40 @@ fn read_rows(
                     ..TraceRun::default()
                 });
                 numbers.insert(label.to_vec(), trace.runs.len() - 1);
+                blocks.push(None);
                 trace.runs.len() - 1
             }
         };
         if let Some(run) = trace.runs.get_mut(number)
-            && let Err(found) = read_row(&row, columns, machine, run)
+            && let Err(found) = read_row(&row, columns, described, machine, run)
         {
             findings.push(found);
+        }
+        if let (Some(run), Some(block)) = (trace.runs.get_mut(number), blocks.get_mut(number)) {
+            note_block(&row, columns, block, run);
         }
     }
 }
 
-fn read_row(row: &Row<'_>, columns: &Columns, machine: &Machine, run: &mut TraceRun) -> Result<(), Diagnostic> {
+/// Notes the time of a block that differs from the one of the row before.
+fn note_block(row: &Row<'_>, columns: &Columns, known: &mut Option<Vec<u8>>, run: &mut TraceRun) {
+    let Some(text) = columns.block.map(|column| row.text(column)).filter(|text| !text.is_empty()) else { return };
+    if known.as_deref() == Some(text) {
+        return;
+    }
+    if known.is_some() {
+        run.transitions_s.extend(run.control.t_s.last());
+    }
+    *known = Some(text.to_vec());
+}
+
+fn read_row(
+    row: &Row<'_>,
+    columns: &Columns,
+    described: &Described,
+    machine: &Machine,
+    run: &mut TraceRun,
+) -> Result<(), Diagnostic> {
     let number = |column: usize| row.number(column, columns.sign);
     let is_empty = |column: usize| row.text(column).is_empty();
     let t_s = number(columns.time)?;
@@ -195,7 +230,18 @@ fn read_row(row: &Row<'_>, columns: &Columns, machine: &Machine, run: &mut Trace
         later(run.readings.t_s.last())?;
         let mut along = [0.0; 3];
         for (value, column) in along.iter_mut().zip([x, y, z]) {
-            *value = mm_from_um(number(column)?);
+            *value = number(column)?;
+        }
+        match &described.sensors {
+            Some(sensors) => {
+                if let Some((message, help)) = sensors.beyond_text(&along) {
+                    return Err(Diagnostic::at(Code::DATA_SIZE, row.place(x), message, help));
+                }
+                along = sensors.displacement_mm(&along).into();
+            }
+            None => along = along.map(mm_from_um),
+        }
+        for (value, column) in along.iter().zip([x, y, z]) {
             if value.abs() > MOST_MM {
                 let message = "a deviation of centimeters".to_owned();
                 let help = "dx_um, dy_um, dz_um are the position of the tool relative to the ball in micrometers";

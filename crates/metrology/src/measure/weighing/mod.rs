@@ -5,6 +5,7 @@
 //! needs more readings than unknowns: every position twice for detection, three times for location. The uncertainties are those of the readings
 //! (`sigma_um_per_m`, unless the residuals contradict it, otherwise from the residuals); that of p = (F p)/F follows from both and their covariance.
 
+pub mod at_rest;
 mod fit;
 mod outlier;
 

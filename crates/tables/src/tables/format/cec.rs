@@ -35,8 +35,20 @@ pub(super) const FORMAT: Format = Format {
     read: reader::read,
     numbers: reader::numbers,
     beside: &["enc"],
+    sum_limit: Some(sum_limit),
     is_mine,
 };
+
+/// Room of the limit of a sum above the largest one at the poses of the check, as a factor.
+const ROOM: f64 = 1.1;
+
+/// MD32720, as a remark: machine data needs a password and takes effect later than tables, so that the operator decides (K3 4.4.3).
+fn sum_limit(axis: &str, largest: f64, unit: &str) -> String {
+    let value = (largest * ROOM * 1e4).ceil() / 1e4;
+    format!(
+        "$MA_CEC_MAX_SUM[{axis}]={value} ; {unit}, MD32720: not less than this, which is a tenth above the largest sum"
+    )
+}
 
 fn round(tables: &mut Tables) {
     let named: Vec<usize> = tables.lookups.iter().filter_map(|one| one.factor).collect();

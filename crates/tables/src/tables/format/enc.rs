@@ -36,6 +36,7 @@ pub(super) const FORMAT: Format = Format {
     read,
     numbers: super::without_numbers,
     beside: &["cec"],
+    sum_limit: None,
     is_mine,
 };
 

@@ -43,6 +43,7 @@ pub(super) const FORMAT: Format = Format {
     read,
     numbers: super::without_numbers,
     beside: &[],
+    sum_limit: None,
     is_mine,
 };
 

@@ -56,6 +56,9 @@ pub struct Format {
     pub numbers: fn(&Source) -> BTreeSet<usize>,
     /// Formats whose tables may be in the same file of a control; the control adds the values of both.
     pub beside: &'static [&'static str],
+    /// The setting of the control that limits the sum of the corrections of an axis, as a remark: from the name of the axis at the control, the largest
+    /// sum in mm or deg, and its unit.
+    pub sum_limit: Option<fn(&str, f64, &str) -> String>,
     /// `true` if a file looks like this format, by its name and first bytes.
     pub is_mine: fn(&str, &[u8]) -> bool,
 }
