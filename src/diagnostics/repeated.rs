@@ -19,10 +19,13 @@ fn without_quantities(message: &str) -> Cow<'_, str> {
         return Cow::Borrowed(message);
     }
     let mut words: Vec<&str> = message.split(' ').collect();
-    for at in 1..words.len() {
-        if unit(words[at]) && words[at - 1].trim_start_matches('(').parse::<f64>().is_ok() {
-            words[at - 1] = "#";
-        }
+    let is_quantity = |pair: &[&str]| match pair {
+        [number, of] => unit(of) && number.trim_start_matches('(').parse::<f64>().is_ok(),
+        _ => false,
+    };
+    let quantities: Vec<bool> = words.windows(2).map(is_quantity).collect();
+    for (word, _) in words.iter_mut().zip(quantities).filter(|(_, is_quantity)| *is_quantity) {
+        *word = "#";
     }
     Cow::Owned(words.join(" "))
 }

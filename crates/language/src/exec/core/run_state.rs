@@ -167,7 +167,10 @@ impl RunState {
     /// `true` if the line of a place may have a word of X, Y or Z.
     fn has_position_word(&self, place: Place) -> bool {
         let source = self.sources.get(usize::from(place.file.0));
-        let is_word = |pair: &[u8]| matches!(pair, [letter, value] if b"XYZxyz".contains(letter) && (value.is_ascii_digit() || b"+-.#=[".contains(value)));
+        let is_word = |pair: &[u8]| match pair {
+            [letter, value] => b"XYZxyz".contains(letter) && (value.is_ascii_digit() || b"+-.#=[".contains(value)),
+            _ => false,
+        };
         source.is_some_and(|source| source.line_at(place.span.start).0.windows(2).any(is_word))
     }
 
