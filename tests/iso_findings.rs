@@ -98,6 +98,24 @@ fn a_block_with_an_error_takes_its_feed_with_it() {
     }
 }
 
+/// The position of a block with an error was not reached; an arc from there is not an error of its own.
+#[test]
+fn a_block_with_an_error_takes_its_position_with_it() {
+    for (name, head, error, other, end) in [
+        ("sinumerik", "G90 G17 G71 G94\nG0 X0 Y0 Z0 F100", "G1 X=1/0 Y10", "R1=1/0", "M30"),
+        ("fanuc", "G90 G17 G21 G94\nG0 X0. Y0. Z0. F100.", "G1 X[1/0] Y10.", "#1=[1/0]", "M30"),
+        ("rs274", "G90 G17 G21 G94 F100\nG0 X0 Y0 Z0", "G1 X[1/0] Y10", "#1=[1/0]", "M2"),
+    ] {
+        // From (0, 0) about (5, 0) to (50, 0): the radii are 5 and 45.
+        let arc = "G2 X50. Y0. I5. J0.";
+        let found = strict(name, &format!("{head}\n{error}\n{arc}\n{end}"));
+        assert!(found.len() == 1 && !found[0].starts_with("E0203"), "{name}: {found:?}");
+        // Without a position in the block with the error, both are reported.
+        let found = strict(name, &format!("{head}\n{other}\n{arc}\n{end}"));
+        assert!(found.len() == 2 && found[1].starts_with("E0203"), "{name}: {found:?}");
+    }
+}
+
 /// LinuxCNC shows `val 2.500000 7 1.25  x` and `a 2.500000`.
 #[test]
 fn texts_show_the_values_that_are_executed_away() {

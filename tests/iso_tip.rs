@@ -2,7 +2,7 @@
 
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
 use ncfix_language::exec::{NoLibrary, Options};
-use ncfix_machine::machine::LengthAxis;
+use ncfix_machine::machine::{LengthAxis, Machine};
 use ncfix_machine::snc::{Element, Kind};
 
 use crate::iso::elements;
@@ -35,7 +35,12 @@ fn tip_on_table(command: &AxisVector) -> Vector {
 /// The axis commands at the ends of the lines of a program.
 #[track_caller]
 fn ends(topology: &str, text: &str, lines: &[u32]) -> Vec<AxisVector> {
-    let (elements, codes) = elements("fanuc", text, &machine(topology), Box::new(NoLibrary), strict());
+    ends_on(&machine(topology), text, lines)
+}
+
+#[track_caller]
+fn ends_on(machine: &Machine, text: &str, lines: &[u32]) -> Vec<AxisVector> {
+    let (elements, codes) = elements("fanuc", text, machine, Box::new(NoLibrary), strict());
     assert!(codes.is_empty(), "{codes:?}");
     let end = |line: &u32| {
         let step = |element: &Element| if let Kind::Move(step) = &element.kind { Some(step.target) } else { None };
@@ -101,6 +106,31 @@ fn coordinates_begin_on_the_table_as_it_stands() {
     assert_eq!(found, [""; 0]);
     // A head turns no workpiece.
     codes("wFXYZCBSt", &format!("{begin} B30. C45.\nG43.4 H1 X0 Y0 Z100.\nM30"), &[]);
+}
+
+/// Mill Operator's Manual of Haas, G234: the example turns B and C before it. The coordinates are those of the table at zero.
+#[test]
+fn coordinates_of_the_table_at_zero_count_wherever_it_is() {
+    let mut machine = machine("wCAYXFZSt");
+    machine.control.iso.tip_of_table_at_zero = true;
+    let begin = "G17 G90 G21 G54\nG0 X0 Y0 Z300. A30. C40.\n";
+    let text = format!("{begin}G43.4 H1 X10. Y20. Z30.\nG1 X11. Z25. A35. F500.\nG91 X2. C10.\nM30");
+    let found = ends_on(&machine, &text, &[3, 4, 5]);
+    let wanted =
+        [([10.0, 20.0, 30.0], [30.0, 40.0]), ([11.0, 20.0, 25.0], [35.0, 40.0]), ([13.0, 20.0, 25.0], [35.0, 50.0])];
+    for (command, (point, angles)) in found.iter().zip(wanted) {
+        let off = (tip_on_table(command) - Vector::from(point) - G54).norm();
+        assert!(off < 1e-9, "{point:?}: {off}");
+        let turned = [Axis::A, Axis::C].map(|axis| command[axis].to_degrees());
+        assert!(turned.iter().zip(angles).all(|(a, b)| (a - b).abs() < 1e-9), "{turned:?}");
+    }
+    // Whether X and Y keep their values or their places at G43.4 is not certain: they are unknown until the program states them.
+    let codes = |text: &str| elements("fanuc", text, &machine, Box::new(NoLibrary), strict()).1;
+    assert_eq!(codes(&format!("{begin}G43.4 H1 Z100.\nG91 G1 X1. F500.\nM30")), ["E0304:4"]);
+    assert_eq!(codes(&format!("{begin}G43.4 H1 Z100.\nG1 X1. Y2. Z50. F500.\nG91 X1.\nM30")), [""; 0]);
+    // With the table at zero, the places are the values.
+    let zero = "G17 G90 G21 G54\nG0 X0 Y0 Z300. A0 C0\n";
+    assert_eq!(codes(&format!("{zero}G43.4 H1 Z100.\nG91 G1 X1. F500.\nM30")), [""; 0]);
 }
 
 #[test]

@@ -74,6 +74,64 @@ fn a_program_of_a_haas_verifies() {
     assert!(!text.contains("G70") && !text.contains("G13"), "{text}");
 }
 
+/// The order of a post for a Haas: the table turns, then G234. At C90 the point (10, 20) of the workpiece is at (20, -10) of the machine.
+#[test]
+fn a_haas_turns_its_table_before_g234() {
+    let program = "O1\nG21 G90 G17 G40 G49 G80\nT1 M6\nG54\nG0 A0 C90.\nG234 H1 X10. Y20. Z30.\nG1 X12. Z25. F500.\nY25. C80.\nG0 Z100.\n\
+                   G49\nG53 G0 Z400.\nM30\n";
+    let fanuc = machine("five_fanuc");
+    let haas = fanuc
+        .replace("controller = \"fanuc\"", "controller = \"haas\"")
+        .replace("decimal_point = \"calculator\"\n", "");
+    let text = corrected_on(haas.clone(), "tip.nc", program);
+    assert!(text.contains("G234"), "{text}");
+    let shop = Shop::new().file("m.toml", haas).file("tip.nc", program);
+    let moves = shop.run(["snc", "tip.nc", "--machine", "m.toml"]).exits(0).stdout;
+    assert!(moves.contains("X20 Y-10 Z30") && moves.contains("X20 Y-12 Z25"), "{moves}");
+    // A Fanuc fixes the coordinates to the table as it stands, unless the machine file states otherwise.
+    let fanuc_program = program.replace("G234", "G43.4");
+    let shop = Shop::new().file("m.toml", fanuc.as_str()).file("tip.nc", fanuc_program.as_str());
+    shop.run(["check", "tip.nc", "--machine", "m.toml"]).exits(3).says("E0201").says("control.tip_coordinates");
+    let stated = fanuc.replace("[control]\n", "[control]\ntip_coordinates = \"table_at_zero\"\n");
+    corrected_on(stated, "tip.nc", &fanuc_program);
+}
+
+/// G61.1 is the geometry compensation of a Mazak: it stays, and the moves after it are corrected.
+#[test]
+fn geometry_compensation_of_a_mazak_stays() {
+    let program =
+        "O1\nG21 G90 G54 G17\nT1 M6\nG43 H1 Z50.\nG61.1\nG0 X10. Y10.\nG1 Z-1. F300.\nX30.\nG64\nG0 Z50.\nM30\n";
+    let text = corrected("fanuc", "mazak.nc", program);
+    assert_eq!((text.matches("G61.1").count(), text.matches("G64").count()), (1, 1), "{text}");
+}
+
+/// Holes of a cycle that is still in force after a tool change are refused, because Z is unknown there. That they were not executed is no correction of X.
+#[test]
+fn a_block_that_was_not_executed_makes_no_large_correction() {
+    let program = "O1\nG21 G90 G17 G94\nT1 M6\nG90 G54 G0 X5. Y5.\nG43 Z20. H1\nG98 G73 Z-5. R2. Q2. F100.\nX40. Y-30.\nG91 G28 Z0.\n\
+                   T1 M6\nG90 G54 X12. Y-14.\nG43 Z20. H1\nX20. Y-5.\nG91 G28 Z0.\nM30\n";
+    let shop = Shop::new().file("m.toml", machine("fanuc")).file("p.nc", program);
+    let run = shop.run(["fix", "p.nc", "-o", "out.nc", "--machine", "m.toml"]);
+    assert!(run.code == 4 && run.stderr.contains("E0304") && !run.stderr.contains("E0303"), "{run:?}");
+}
+
+/// Programs of hobby controls leave the first motion code or the first feed to the control: the refusal names the key, and with it they run.
+#[test]
+fn what_the_control_starts_with_is_a_setting() {
+    let rs274 = machine("rs274");
+    for (program, code, stated) in [
+        ("G21 G90 G17 G54\nX0 Y0 Z5\nG1 X10 F100\nM2\n", "E0210", "G0"),
+        ("G21 G90 G17 G54\nG0 X0 Y0 Z5\nG1 X10\nM2\n", "E0215", "F300"),
+    ] {
+        let shop = Shop::new().file("m.toml", rs274.as_str()).file("p.ngc", program);
+        let run = shop.run(["check", "p.ngc", "--machine", "m.toml"]);
+        assert!(run.code != 0 && run.stderr.contains(code) && run.stderr.contains("control.startup_code"), "{run:?}");
+        let file = rs274.replacen("[control]\n", &format!("[control]\nstartup_code = \"{stated}\"\n"), 1);
+        assert_ne!(file, rs274);
+        corrected_on(file, "p.ngc", program);
+    }
+}
+
 /// A plane of G7 with a contour and holes, its end, and a path of the tip on which head and table turn: the output has positions of axes, on a machine
 /// with a squareness of 40 µrad.
 #[test]

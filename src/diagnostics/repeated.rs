@@ -1,5 +1,6 @@
-//! Diagnostics with one text: they are drawn once, with the lines of the others.
+//! Diagnostics with one text, apart from its quantities: they are drawn once, with the lines of the others.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 use ncfix_base::diagnostic::Diagnostic;
@@ -8,6 +9,27 @@ use ncfix_base::source::Source;
 /// Further lines of a repeated diagnostic that are named.
 const MOST_LINES: usize = 8;
 
+/// Units of quantities in messages.
+const UNITS: &[&str] = &["mm", "µm", "mm/min", "deg", "degrees"];
+
+/// A message in which each quantity with a unit is `#`. The same fault has other numbers in each block, such as the radii of arcs without a common center.
+fn without_quantities(message: &str) -> Cow<'_, str> {
+    let unit = |word: &str| UNITS.contains(&word.trim_end_matches([',', ';', ':', ')', '.']));
+    if !message.split(' ').skip(1).any(unit) {
+        return Cow::Borrowed(message);
+    }
+    let mut words: Vec<&str> = message.split(' ').collect();
+    let is_quantity = |pair: &[&str]| match pair {
+        [number, of] => unit(of) && number.trim_start_matches('(').parse::<f64>().is_ok(),
+        _ => false,
+    };
+    let quantities: Vec<bool> = words.windows(2).map(is_quantity).collect();
+    for (word, _) in words.iter_mut().zip(quantities).filter(|(_, is_quantity)| *is_quantity) {
+        *word = "#";
+    }
+    Cow::Owned(words.join(" "))
+}
+
 /// The diagnostics in groups with the same text in the same file, in order of their first occurrence.
 pub(super) fn repeated<'a>(shown: &[&'a (Diagnostic, Option<Source>)]) -> Vec<Vec<&'a (Diagnostic, Option<Source>)>> {
     let mut groups: Vec<Vec<&(Diagnostic, Option<Source>)>> = Vec::new();
@@ -15,8 +37,9 @@ pub(super) fn repeated<'a>(shown: &[&'a (Diagnostic, Option<Source>)]) -> Vec<Ve
     for &entry in shown {
         let (diagnostic, source) = entry;
         let name = source.as_ref().map(Source::name);
-        let index =
-            *known.entry((diagnostic.code, &*diagnostic.message, &*diagnostic.help, name)).or_insert(groups.len());
+        let index = *known
+            .entry((diagnostic.code, without_quantities(&diagnostic.message), &*diagnostic.help, name))
+            .or_insert(groups.len());
         match groups.get_mut(index) {
             Some(group) => group.push(entry),
             None => groups.push(vec![entry]),

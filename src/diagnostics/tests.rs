@@ -39,6 +39,23 @@ fn a_text_that_is_repeated_is_drawn_once_with_the_lines() {
 }
 
 #[test]
+fn quantities_make_no_other_text_and_names_do() {
+    let source = Source::new(FileId(0), "a", b"N1\nN2\nN3\nN4\nN5\n".to_vec()).unwrap();
+    let drawn = |messages: [&str; 3]| {
+        let mut findings = Diagnostics::default();
+        let all = messages.iter().zip([0, 6, 12]);
+        let found = all.map(|(text, start)| Diagnostic { message: (*text).into(), ..at(Code::UNEXPECTED, start) });
+        findings.extend(found, std::slice::from_ref(&source));
+        findings.drawing(terminal::Colors::Plain, true)
+    };
+    let radii = drawn(["radius 1.5 mm, end 2.5 mm", "radius 3 mm, end 2.25 mm", "radius -4.0 mm, end 1 mm"]);
+    assert!(radii.contains("radius 1.5 mm, end 2.5 mm\n") && !radii.contains("2.25"), "{radii}");
+    assert!(radii.ends_with("  = also in lines 3 and 5\n\n"), "{radii}");
+    let names = drawn(["there is no O9810", "there is no O9811", "X 5 mm"]);
+    assert_eq!(names.matches("error[E0101]").count(), 3, "{names}");
+}
+
+#[test]
 fn the_drawing_is_bounded_and_errors_come_first() {
     let source = Source::new(FileId(0), "a", vec![b'X'; 5000]).unwrap();
     let mut findings = Diagnostics::default();

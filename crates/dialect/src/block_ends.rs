@@ -57,7 +57,7 @@ mod tests {
     }
 
     /// Programming manuals: Sinumerik "Job Planning" (G groups 10 and 11; G62 is of group 57), Fanuc B-64484 "Feed functions" (G61 exact stop mode, G60 single
-    /// direction positioning), LinuxCNC "G-Codes" (G61 exact path, which slows down or stops where it must; G61.1 exact stop), MillPlus (G9 pole, G61 and G62
+    /// direction positioning), LinuxCNC "G-Codes" (G61 exact path, which slows down or stops where it must; G61.1 exact stop), Mazak EIA (G61.1 geometry compensation), MillPlus (G9 pole, G61 and G62
     /// tangential approach and leaving, G63 and G64 calculation of geometry).
     #[test]
     fn a_word_is_an_exact_stop_where_its_language_says_so() {
@@ -65,7 +65,10 @@ mod tests {
         let words = ["G9", "G60", "G61", "G61.1", "G62", "G63", "G64", "G642"];
         for (name, expected) in [
             ("sinumerik", [Some(Once), Some(Exact), None, None, None, None, Some(Running), Some(Running)]),
-            ("fanuc", [Some(Once), None, Some(Exact), None, Some(Running), Some(Running), Some(Running), None]),
+            (
+                "fanuc",
+                [Some(Once), None, Some(Exact), Some(Running), Some(Running), Some(Running), Some(Running), None],
+            ),
             ("rs274", [None, None, Some(Running), Some(Exact), None, None, Some(Running), None]),
             ("grundig", [None; 8]),
         ] {

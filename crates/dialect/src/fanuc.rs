@@ -14,7 +14,12 @@ pub(super) const FANUC: Dialect = Dialect {
     extensions: &["eia", "fan"],
     mark: MARK,
     is_executable: true,
-    block_ends: BlockEnds { exact: "G61", running: "G64", once: Some("G9"), group: &["G61", "G62", "G63", "G64"] },
+    block_ends: BlockEnds {
+        exact: "G61",
+        running: "G64",
+        once: Some("G9"),
+        group: &["G61", "G61.1", "G62", "G63", "G64"],
+    },
     codes: || &CODES,
 };
 

@@ -117,6 +117,27 @@ const LANGUAGES: &[Language] = &[
         enough: 2,
     },
     Language {
+        name: "a program of a Cincinnati Acramatic control",
+        // `: (PGM, NAME="1001")`, `(MSG, TEXT)` alone is also LinuxCNC.
+        marks: &[r"^:\s*(?:[0-9]+\s*)?\(PGM,\s*NAME="],
+        enough: 1,
+    },
+    Language {
+        name: "a program of an EdingCNC or KinetiC-NC control",
+        // `MSG "TEXT"`
+        marks: &[r#"^(?:N[0-9]+\s*)?MSG\s+["']"#],
+        enough: 1,
+    },
+    Language {
+        name: "a Fadal program (format 1)",
+        // `N5E1X1.Y1.` calls a work offset, `N6H1Z1.` a tool length
+        marks: &[
+            r"^(?:N[0-9]+\s*)?(?:G0*\s*)?E[0-9]{1,2}\s*X[-.0-9]",
+            r"^(?:N[0-9]+\s*)?(?:G0*\s*)?H[0-9]{1,2}\s*Z[-.0-9]+\s*(?:M[0-9]+\s*)*$",
+        ],
+        enough: 2,
+    },
+    Language {
         name: "a program of a wire EDM machine",
         // `//ACCUTEX WEDM CUTTING CONDITIONS`
         marks: &[r"^//.*WEDM"],
@@ -185,6 +206,9 @@ mod tests {
             ("%00228\nN0000 M6\nN0010 T1.1 (PLATO D63)", "Fagor"),
             ("%1\nL1=5\nG77 H100 N10 N20", "NUM"),
             ("//\n//ACCUTEX WEDM CUTTING CONDITIONS --BEGIN--", "wire EDM"),
+            (": (PGM, NAME=\"1001\")\nN10 G0 X1", "Acramatic"),
+            ("G21\nN5 msg \"Tool 3\"", "EdingCNC"),
+            ("N5E1X1.Y1.\nN6 H1 Z1. M8", "Fadal"),
         ] {
             assert!(foreign(text.as_bytes()).is_some_and(|found| found.name.contains(name)), "{text}");
         }
@@ -198,6 +222,9 @@ mod tests {
             "$PART.MIN\nTOCALL O1",
             "G12 E5\nG92 E0",
             "%00228\nT1 M6",
+            "(MSG, Tool 3)\nMSG(\"Tool 3\")\n: (PART)",
+            "G43 H1 Z1.\nE1 X1",
+            "H1 Z1.\nG1 E0.3 X1",
             "T1.1\nM6",
             "%00228\n(T1.1)\nSET1.1",
             "",

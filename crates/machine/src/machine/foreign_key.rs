@@ -48,6 +48,7 @@ const KEYS: &[(&[&str], &[&str])] = &[
             "one_axis_in_rotation",
             "orient_shift",
             "signed_angles",
+            "tip_coordinates",
             "word_meaning",
         ],
         &[FANUC],

@@ -105,6 +105,8 @@ pub struct IsoControl {
     pub word_meaning: Option<WordMeaning>,
     /// True if the control compares the radii at start and end of an arc (Fanuc parameter 3410 is not 0).
     pub checks_arc_radii: bool,
+    /// True if tip coordinates are those of the work offset on a table at zero, wherever the table is at G43.4.
+    pub tip_of_table_at_zero: bool,
 }
 
 impl IsoControl {
@@ -125,6 +127,8 @@ impl IsoControl {
         self.word_meaning = Some(WordMeaning::Haas);
         // A Haas taps rigidly.
         self.rigid_tapping = Some(true);
+        // The example of G234 in the manual of Haas (Mill Operator's Manual) turns both rotary axes before G234.
+        self.tip_of_table_at_zero = true;
     }
 }
 
@@ -147,6 +151,7 @@ impl Default for IsoControl {
             is_mill: false,
             word_meaning: None,
             checks_arc_radii: true,
+            tip_of_table_at_zero: false,
         }
     }
 }
@@ -269,6 +274,17 @@ fn read_rotation(section: &mut Section<'_>, iso: &mut IsoControl) {
     }
     if let Some(value) = section.boolean("arc_radius_check") {
         iso.checks_arc_radii = value;
+    }
+    match section.text("tip_coordinates") {
+        None => {}
+        Some("table_at_start") => iso.tip_of_table_at_zero = false,
+        Some("table_at_zero") => iso.tip_of_table_at_zero = true,
+        Some(other) => {
+            let message = format!("tip_coordinates must be \"table_at_start\" or \"table_at_zero\", found \"{other}\"");
+            let help = "table_at_start: the work coordinate system is fixed to the table where it is at G43.4; table_at_zero: as if \
+                        the rotary axes of the table were at zero there";
+            section.report(Code::BAD_VALUE, section.place_of("tip_coordinates"), message, help);
+        }
     }
     match section.text("one_axis_in_rotation") {
         None => {}

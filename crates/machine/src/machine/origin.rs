@@ -247,6 +247,7 @@ mod tests {
             "codes_within_rotation",
             "program_kind",
             "dwell_with_point",
+            "tip_coordinates",
             "word_meaning",
             "number",
             "length_mm",

@@ -449,7 +449,12 @@ where
                     }
                     _ => self.take_in(element),
                 },
-                Err(finding) => return Some(Err(finding)),
+                Err(finding) => {
+                    if finding.is_error() {
+                        self.findings.distrust_positions();
+                    }
+                    return Some(Err(finding));
+                }
             }
         }
     }

@@ -27,6 +27,8 @@ pub(super) struct DiagnosticCollector<'a> {
     reported: HashSet<(FileId, u32, Code)>,
     new: Vec<Diagnostic>,
     tolerance_was_missed: bool,
+    /// True after an error of the program: a block was not executed, so a difference from its positions is not a correction.
+    has_missed_a_block: bool,
     /// Axes whose unknown direction was reported.
     unsensed: AxisSet,
 }
@@ -40,8 +42,14 @@ impl<'a> DiagnosticCollector<'a> {
             reported: HashSet::new(),
             new: Vec::new(),
             tolerance_was_missed: false,
+            has_missed_a_block: false,
             unsensed: AxisSet::EMPTY,
         }
+    }
+
+    /// Notes an error of the program.
+    pub(super) fn distrust_positions(&mut self) {
+        self.has_missed_a_block = true;
     }
 
     /// Changes the head.
@@ -105,7 +113,8 @@ impl<'a> DiagnosticCollector<'a> {
                 correction
             };
             // Beyond the travel the errors are extrapolated, and their size says nothing about the machine.
-            if !is_outside && !(..=self.max_correction_mm).contains(&at_tip_mm.abs()) {
+            let can_judge = !is_outside && !self.has_missed_a_block;
+            if can_judge && !(..=self.max_correction_mm).contains(&at_tip_mm.abs()) {
                 let message = format!(
                     "the correction of {} is {} at the tool, more than {}",
                     data.axis,

@@ -81,6 +81,11 @@ impl<M> Modes<M> {
         self.lack = FeedLack::Zero;
     }
 
+    /// `true` if neither the program nor the start of the control has named a feed.
+    pub(in crate::exec) fn never_had_feed(&self) -> bool {
+        matches!(self.lack, FeedLack::Never)
+    }
+
     /// Why a feed move has no feed, and what to do.
     pub(in crate::exec) fn no_feed(&self) -> (&'static str, &'static str) {
         match self.lack {

@@ -40,6 +40,8 @@ pub(in crate::exec) struct RunState {
     errors: usize,
     /// A block with an F word was not executed because of an error.
     has_lost_feed: bool,
+    /// A block with a position was not executed because of an error.
+    has_lost_place: bool,
     executed: u64,
     limit: u64,
     /// Call chains: the chain of the caller and its line.
@@ -64,6 +66,7 @@ impl RunState {
             without_value: HashSet::new(),
             errors: 0,
             has_lost_feed: false,
+            has_lost_place: false,
             executed: 0,
             limit: options.max_blocks.unwrap_or_else(|| MAX_BLOCKS.max(blocks as u64 * 20)),
             chains: Vec::new(),
@@ -129,8 +132,10 @@ impl RunState {
         {
             place.span = source.in_file(place.span);
         }
-        // The F of a block with an error was not executed.
-        let is_consequence = finding.code == Code::MISSING_FEED && self.has_lost_feed;
+        // The F and the motion of a block with an error were not executed: an arc after it would begin elsewhere.
+        let is_of_arc = [Code::ARC_OFF_CIRCLE, Code::RADIUS_TOO_SMALL].contains(&finding.code);
+        let is_consequence =
+            finding.code == Code::MISSING_FEED && self.has_lost_feed || is_of_arc && self.has_lost_place;
         if is_consequence
             || self.is_known_variable(&mut finding)
             || !self.reported.insert((finding.code, finding.place))
@@ -139,6 +144,7 @@ impl RunState {
         }
         if finding.is_error() {
             self.has_lost_feed |= finding.place.is_some_and(|place| self.has_feed_word(place));
+            self.has_lost_place |= !is_of_arc && finding.place.is_some_and(|place| self.has_position_word(place));
             self.errors += 1;
             if self.errors == 1 {
                 self.limit = self.limit.min(self.executed + BLOCKS_AFTER_ERROR);
@@ -156,6 +162,16 @@ impl RunState {
         source.is_some_and(|source| {
             source.line_at(place.span.start).0.iter().any(|byte| byte.eq_ignore_ascii_case(&b'F'))
         })
+    }
+
+    /// `true` if the line of a place may have a word of X, Y or Z.
+    fn has_position_word(&self, place: Place) -> bool {
+        let source = self.sources.get(usize::from(place.file.0));
+        let is_word = |pair: &[u8]| match pair {
+            [letter, value] => b"XYZxyz".contains(letter) && (value.is_ascii_digit() || b"+-.#=[".contains(value)),
+            _ => false,
+        };
+        source.is_some_and(|source| source.line_at(place.span.start).0.windows(2).any(is_word))
     }
 
     /// `true` if a diagnostic is about a variable without a value that was already reported in the file. Other variables without value as a

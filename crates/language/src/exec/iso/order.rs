@@ -126,7 +126,8 @@ pub(super) fn move_axes(channel: &mut Channel<'_>, gathered: &Gathered, takes_ax
     if let Some(code) = code {
         if !takes_axes && code == G80 && !gathered.axes.is_empty() {
             let message = "axis words without a motion mode in force";
-            let help = "program G0 or G1 in this block: G80 has ended the motion code";
+            let help = "program G0 or G1 in this block: at the start and after G80 no motion code is in force; if the control starts \
+                        with one, state it in control.startup_code, for example \"G0\"";
             done = Err(fault(Code::BAD_WORD_VALUE, gathered.span, message, help));
             gathered.use_up(b"XYZABCUVW");
         } else {

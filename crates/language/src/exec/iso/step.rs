@@ -210,6 +210,9 @@ pub(super) fn send(
     Ok(())
 }
 
+/// What to do about a program without any F.
+const FIRST_FEED: &str = "program F before it or in it; if the control starts with a feed, state it in control.startup_code, for example \"F300\"";
+
 pub(super) fn check_feed(
     settings: &RunSettings<'_>,
     modal: &Modal,
@@ -225,6 +228,7 @@ pub(super) fn check_feed(
     }
     let (message, help) = match modal.modes.feed_unit {
         FeedUnit::InverseTime => ("a feed move in G93 without F", "program F in each block with G93"),
+        _ if modal.modes.never_had_feed() => (modal.modes.no_feed().0, FIRST_FEED),
         _ => modal.modes.no_feed(),
     };
     if settings.strict {

@@ -60,8 +60,8 @@ pub(super) fn switch_tip(channel: &mut Channel<'_>, code: u16, gathered: &Gather
             let message = format!("G43.4 needs X, Y, Z and one or two rotary axes, and the machine has {rotary}");
             return Err(fault(Code::NO_AXIS, span, message, "check the topology in the machine file"));
         }
-        check_table(channel, gathered, span)?;
     }
+    let is_table_turned = turning.is_some() && check_table(channel, gathered, span)?;
     channel.outlet.finish();
     let Some(kinematics) = &channel.outlet.kinematics else { return Ok(()) };
     let tool_mm = channel.standing.setup.tool_mm;
@@ -74,22 +74,28 @@ pub(super) fn switch_tip(channel: &mut Channel<'_>, code: u16, gathered: &Gather
     };
     // Each linear coordinate depends on all axes.
     let needed: AxisSet = LINEAR_AXES.into_iter().take(3).chain(kinematics.rotary_axes()).collect();
-    if !needed.difference(modal.position.known).is_empty() {
+    // With a turned table, no manual states whether an axis without a word keeps its place or its value.
+    if is_table_turned || !needed.difference(modal.position.known).is_empty() {
         modal.position.keep(modal.position.known.intersection(ROTARY_AXES.into_iter().collect()));
     }
     Ok(())
 }
 
-/// Checks the table at the start of tip control. The tip coordinates are those of the work coordinate system on the table at that moment, even within
-/// that block. They equal those of the zero offset if the table is at zero (Fanuc parameter 19696, bit 5, default).
-fn check_table(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Result<(), Fault> {
+/// Checks the table at the start of tip control, and returns true if it is turned there.
+///
+/// The tip coordinates are those of the work coordinate system on the table at that moment, even within that block (Fanuc parameter 19696, bit 5 as
+/// delivered), or those on the table at zero (a Haas, `tip_coordinates`). Both equal those of the zero offset if the table is at zero.
+fn check_table(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Result<bool, Fault> {
+    let iso = &channel.settings.machine.control.iso;
+    let (is_of_zero, name) = (iso.tip_of_table_at_zero, if iso.is_haas() { "G234" } else { "G43.4" });
+    let mut is_turned = false;
     for &axis in channel.settings.machine.topology.workpiece.iter().filter(|axis| axis.is_rotary()) {
         let (here, is_known) = (channel.modal.position.command[axis], channel.modal.position.known.contains(axis));
+        let shift = channel.standing.setup.frame.shift(axis);
         let mut places = vec![here];
         if gathered.axes.contains(axis) {
             let value = target::axis_value(channel, gathered, axis)?;
-            let from = if channel.modal.modes.incremental { here } else { channel.standing.setup.frame.shift(axis) };
-            let end = from + value;
+            let end = value + if channel.modal.modes.incremental { here } else { shift };
             places = if is_known { vec![here, end] } else { vec![end] };
         } else {
             target::check_stated(channel.settings.strict, &channel.modal, axis, span)?;
@@ -97,13 +103,24 @@ fn check_table(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Re
         // In a corrected program the table is at its corrected position.
         let most = if channel.settings.strict { SAME_ANGLE_RAD } else { CORRECTED_ANGLE_RAD };
         let is_zero = |place: &f64| (place - (place / TAU).round() * TAU).abs() < most;
-        if !places.iter().all(is_zero) {
-            let message = format!("G43.4 while {axis}, which carries the workpiece, is not at machine zero");
-            let help = "program G43.4 while the table is at zero, and turn it afterwards";
+        if places.iter().all(is_zero) {
+            continue;
+        }
+        if is_of_zero && shift != 0.0 {
+            let message = format!("{name} while {axis}, which carries the workpiece, is turned and has a work offset");
+            let help = format!("set the work offset of {axis} to 0, or program {name} while the table is at zero");
             return Err(fault(Code::NOT_SUPPORTED, span, message, help));
         }
+        if !is_of_zero {
+            let message = format!("{name} while {axis}, which carries the workpiece, is not at machine zero");
+            let help = "program G43.4 while the table is at zero, and turn it afterwards; if the coordinates of the program are \
+                        those with the table at zero, and the control reads them so, set control.tip_coordinates = \
+                        \"table_at_zero\"";
+            return Err(fault(Code::NOT_SUPPORTED, span, message, help));
+        }
+        is_turned = true;
     }
-    Ok(())
+    Ok(is_turned)
 }
 
 /// Current axis commands.

@@ -69,8 +69,11 @@ pub(super) fn position(
     }
     if !(0.0..TAU).contains(&value) {
         let shown = value.to_degrees();
-        let message = format!("{axis} is a modulo axis, and {shown} is not a position from 0 to below 360 degrees");
-        return Err(bad_value(span, message, "write a position within the turn, or IC(…)"));
+        let message =
+            format!("{axis} is a modulo axis, and {shown} degrees is not a position from 0 to below 360 degrees");
+        let help = "write a position within the turn, or IC(…); if the control executes the word, its axis is not modulo: write \
+                    travel_deg instead of modulo in the machine file";
+        return Err(bad_value(span, message, help));
     }
     let within = here.rem_euclid(TAU);
     let forward = (value - within).rem_euclid(TAU);
