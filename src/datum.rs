@@ -10,10 +10,10 @@ use crate::program::Program;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Vector};
 use ncfix_base::number::significant;
-use ncfix_base::units::um_from_mm;
+use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_language::exec;
 use ncfix_machine::machine::condition::Condition;
-use ncfix_machine::machine::{Datum, TouchedAt, ZeroSetting};
+use ncfix_machine::machine::{Datum, State, TouchedAt, ZeroSetting};
 use ncfix_machine::snc::Kind;
 use ncfix_model::Model;
 use ncfix_report::json::{ZeroReport, components_um};
@@ -220,7 +220,7 @@ pub(crate) fn of_run(
 ) -> Vec<ZeroReport> {
     let machine = &chosen.machine;
     let used: Vec<_> = all(chosen).zip(0_u16..).filter(|(_, index)| used.contains(index)).collect();
-    let reports = used.iter().map(|((name, _), index)| {
+    let reports = used.iter().map(|((name, shift), index)| {
         let datum = machine.datums.get(*name).copied().unwrap_or_default();
         let contains_mm = model.touch_mm(*index);
         ZeroReport {
@@ -229,6 +229,7 @@ pub(crate) fn of_run(
             is_stated: datum.setting.is_some(),
             contains_um: [0, 1, 2].map(|axis| um_from_mm(contains_mm[axis])),
             distance_um: um_from_mm(contains_mm.norm()),
+            turned_urad: turned_urad(machine, model, &datum, shift),
         }
     });
     let reports: Vec<ZeroReport> = reports.collect();
@@ -284,6 +285,37 @@ pub(crate) fn of_run(
         finding.into_iter().for_each(|finding| found.add(finding, &[]));
     }
     reports
+}
+
+/// Step of a rotary axis for the direction in which it turns the tool relative to the workpiece, rad.
+const TURN_STEP_RAD: f64 = 1e-3;
+
+/// The rotary axes of the workpiece with a zero of their own, and the error of each angle where the zero was set, µrad: an axis turns this much farther than
+/// commanded. A workpiece that was aligned by turning the axis stands at this true angle.
+fn turned_urad(
+    machine: &ncfix_machine::machine::Machine,
+    model: &Model,
+    datum: &Datum,
+    shift: &AxisVector,
+) -> Vec<(Axis, f64)> {
+    let pose = datum.pose(2, shift, machine);
+    let state = State { direction: pose.direction, ..State::default() };
+    // Squareness and tilts act at every angle: only the difference from the zero of the axis is an error of the angle.
+    let turned_rad = |command: &AxisVector, axis: Axis| {
+        let nominal = model.nominal(command, &pose.tool_mm);
+        let mut next = *command;
+        next[axis] += TURN_STEP_RAD;
+        let way = nominal.turn_to(&model.nominal(&next, &pose.tool_mm)) / TURN_STEP_RAD;
+        nominal.turn_to(&model.actual(command, &pose.tool_mm, &state)).dot(&way) / way.norm_squared()
+    };
+    let of_axis = |axis: Axis| {
+        let mut zero = pose.command;
+        zero[axis] = 0.0;
+        let urad = urad_from_rad(turned_rad(&pose.command, axis) - turned_rad(&zero, axis));
+        urad.is_finite().then_some((axis, urad))
+    };
+    let is_own = |axis: &Axis| axis.is_rotary() && machine.topology.workpiece.contains(axis) && shift[*axis] != 0.0;
+    machine.axis_set().iter().filter(is_own).filter_map(of_axis).collect()
 }
 
 /// Warns of each zero offset whose method the command line states and in which no axis moves.

@@ -172,3 +172,36 @@ fn a_term_that_the_readings_do_not_show_is_named() {
     let shown = shop.run(["calibrate", "grid.csv"].into_iter().chain(arguments("EXX1,EXX ~ Y^2").into_iter().skip(2)));
     assert!(!shown.exits(0).stderr.contains("W0608"));
 }
+
+/// A wave of 3 µm with the period 10 mm at 241 places, 2.5 mm apart, with a scatter of 1/sqrt(12) µm. Least squares give its sine and its cosine an uncertainty of
+/// 0.289 · sqrt(2/241) = 0.026 µm each.
+#[test]
+fn a_fitted_wave_has_an_uncertainty_of_its_own() {
+    let mut text = "setup,run,X,Y,Z,dx_um\n".to_owned();
+    for count in 0..=240 {
+        let x = 2.5 * f64::from(count);
+        let scatter_um = (f64::from(count) * 0.618_033_988_749_895_f64).fract() - 0.5;
+        let wave_um = 3.0 * (std::f64::consts::TAU * x / 10.0 + 0.7).sin();
+        text += &format!("S1,r0,{x},0,0,{:.4}\n", 0.02 * x + wave_um + scatter_um);
+    }
+    let description = "[measurement]\nkind = \"displacement\"\nsigma_um = 0.3\nfree = [\"offset\"]\n";
+    let shop = shop().file("fine.csv", text).file("fine.toml", description);
+    let model = "EXX1,EXX ~ sin(X/10mm)";
+    shop.run(["calibrate", "fine.csv", "--machine", "bench.toml", "--model", model, "-o", "out.toml"]).exits(0);
+    let row = |text: &str| {
+        let line = text.lines().find(|line| line.starts_with("\"EXX~10\" = ")).map(str::to_owned);
+        line.unwrap_or_else(|| panic!("{text}"))
+    };
+    let own = row(&shop.text("out.toml"));
+    let sigma_um: f64 = own.rsplit(' ').next().unwrap().parse().unwrap();
+    assert!((0.01..0.06).contains(&sigma_um), "{own}");
+    shop.run(["machine", "show", "out.toml"]).exits(0).says("EXX~10").says(" µm");
+    // Without this row the wave is not known, although EXX1 is.
+    let program = "N10 G90 G71 G17 G500\nN20 G0 X100 Y50 Z-50\nN30 G1 X400 F500\nN40 M30\n";
+    let without = shop.text("out.toml").replace(&own, "");
+    let shop = shop.file("in.mpf", program).file("without.toml", without);
+    for (machine, unknown) in [("out.toml", "[]"), ("without.toml", "[\"EXX~10\"]")] {
+        let json = shop.run(["in.mpf", "-o", "out.mpf", "--machine", machine, "--json"]).exits(0).json();
+        assert_eq!(json["prediction"]["unknown"].to_string(), unknown, "{machine}");
+    }
+}

@@ -424,3 +424,27 @@ fn the_length_of_the_tool_at_the_touch_is_asked_for_where_it_matters() {
     near(last(&shop, 'Z', &["--zero", "G54=touched@L110"]), 0.0);
     near(last(&shop, 'Z', &["--zero", "G54=touched"]), -0.011);
 }
+
+/// C turns 0.2 mrad per radian too far. At C 90 this is 0.2 · π/2 = 0.314 mrad; the table turns about −Z, so the sign is that of the axis. The zero of X, Y and Z is
+/// on the axis of the table, where this turn moves nothing.
+#[test]
+fn the_zero_of_a_rotary_table_is_a_true_angle() {
+    let table = "[machine]\nname = \"m\"\ntopology = \"wCXYFZt\"\ncontroller = \"sinumerik\"\n\
+        [axis.X]\ndirection = [-1, 0, 0]\ntravel_mm = [-400, 400]\n[axis.Y]\ndirection = [0, -1, 0]\ntravel_mm = [-400, 400]\n\
+        [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-200, 200]\n\
+        [axis.C]\ndirection = [0, 0, SIGN]\ntravel_deg = [-360, 360]\n\
+        [[motion]]\ncomponent = \"ECC\"\nkind = \"polynomial\"\ncoefficients = [0, 2e-4]\n";
+    let program = "N10 G17 G90 G71 G94 G54\nN20 G0 X100 Y0 Z20 C0\nN30 G1 Z-2 F600\nN40 X150\nN50 M30\n";
+    for (sign, urad) in [("1", "C 314 µrad"), ("-1", "C -314 µrad")] {
+        let offset = |c: &str| format!("[zero_offset.G54]\nX_mm = 0\nY_mm = 0\nZ_mm = 0\nC_deg = {c}\n");
+        let run = |c: &str, zero: &'static str| {
+            let shop = shop(&format!("{}{}", table.replace("SIGN", sign), offset(c)), program);
+            shop.run(["fix", "in.mpf", "-o", "out.mpf", "--machine", "m.toml", "--zero", zero]).exits(0)
+        };
+        run("90", "G54=touched").says("its rotary zero counts as a true angle, and would contain").says(urad);
+        for (c, zero) in [("0", "G54=touched"), ("90", "G54=absolute")] {
+            let text = run(c, zero).stderr;
+            assert!(!text.contains("true angle"), "{c} {zero}: {text}");
+        }
+    }
+}

@@ -215,17 +215,27 @@ fn made(text: &str, change: &Change) -> Result<(String, Anchor), String> {
 
 #[test]
 fn waves_of_one_period_add_up_as_phasors() {
-    let wave = |period, parts| Change::Wave { name: "EXX".parse().unwrap(), period, parts, travel: [0.0, 700.0] };
+    let wave = |period, parts| Change::Wave {
+        name: "EXX".parse().unwrap(),
+        period,
+        parts,
+        sigma: 0.2e-3,
+        travel: [0.0, 700.0],
+    };
     // 3 µm sin + 4 µm cos: 5 µm at 53.13°.
     let (once, anchor) = made("# mine\n", &wave(10.0, [3e-3, 4e-3])).unwrap();
     assert_eq!(anchor, Anchor::Entry("motion", 0));
     assert!(once.contains("amplitude_um = 5.0") && once.contains("phase_deg = 53.130102"), "{once}");
     let (twice, _) = made(&once, &wave(10.0, [3e-3, -4e-3])).unwrap();
     assert!(twice.contains("amplitude_um = 6.0") && twice.matches("[[motion]]").count() == 1, "{twice}");
+    // The uncertainty of sine and cosine, 0.2 µm, has the name of the wave.
+    assert!(once.contains("\"EXX~10\" = 0.2") && twice.matches("EXX~10").count() == 1, "{twice}");
     let (other, anchor) = made(&once, &wave(5.0, [1e-3, 0.0])).unwrap();
+    assert!(other.contains("\"EXX~5\" = 0.2"), "{other}");
     assert_eq!((other.matches("[[motion]]").count(), anchor), (2, Anchor::Entry("motion", 1)));
     // Nearly the same period: one wave, in step in the middle. At X 350 the second has 35 turns less 0.63°.
     let (near, _) = made(&once, &wave(10.0005, [5e-3, 0.0])).unwrap();
+    assert!(!near.contains("EXX~10.0005"), "{near}");
     let turned = (360.0_f64 * (350.0 / 10.0005 - 35.0)).to_radians();
     let (sine, cosine) = (3.0 + 5.0 * turned.cos(), 4.0 + 5.0 * turned.sin());
     let amplitude: f64 = near.lines().find_map(|line| line.strip_prefix("amplitude_um = ")).unwrap().parse().unwrap();

@@ -127,6 +127,7 @@ mod import_directions;
 mod import_drivers;
 mod import_wrong;
 mod instruments;
+mod interval_axes;
 mod iso;
 mod iso230;
 mod iso230_figures;

@@ -333,6 +333,9 @@ pub(super) struct CheckArguments {
     pub(super) program: ProgramChoice,
     #[command(flatten)]
     pub(super) correction: CorrectionChoice,
+    /// Refuse the program if its positions, tools, temperatures or load are beyond the measured ranges of the machine file
+    #[arg(long)]
+    pub(super) require_coverage: bool,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub(super) json: bool,

@@ -4,9 +4,10 @@
 //! model with one column added is the model after one standard deviation of this source, so the same forward function gives its effect on the tool. An error
 //! that is known as a whole (`EXX`) may vary by any smooth function of this standard deviation along its axis; a few waves over the travel stand for it.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::ErrorModel;
+use super::motion::periodic::Periodic;
 use super::motion::table::ErrorTable;
 use super::motion::{EntryFunction, MotionError};
 use super::name::{ErrorKind, ErrorName};
@@ -29,6 +30,13 @@ pub enum UncertainParameter {
     Number(ParameterName),
     /// Motion error as a whole.
     Whole(ErrorName),
+    /// Wave of a motion error: each of its sine and its cosine.
+    Wave {
+        /// Motion error.
+        name: ErrorName,
+        /// Period, mm or rad.
+        period: f64,
+    },
     /// Parameter of an effect: indices of the effect and of the parameter in it, and the factor to the unit of the file.
     OfEffect {
         /// Index in [`ErrorModel::effects`].
@@ -74,6 +82,9 @@ impl UncertainParameter {
         if let Ok(name) = text.parse::<ErrorName>() {
             return (name.kind == ErrorKind::Motion).then_some(UncertainParameter::Whole(name));
         }
+        if let Some(wave) = wave_by_name(text, errors) {
+            return Some(wave);
+        }
         let mut found = None;
         visit_effects(errors, &mut |name, [effect, index], parameter, _| {
             if name == text {
@@ -89,7 +100,7 @@ impl UncertainParameter {
     pub fn component(&self) -> Option<ErrorName> {
         match self {
             UncertainParameter::Number(name) => Some(name.component),
-            UncertainParameter::Whole(name) => Some(*name),
+            UncertainParameter::Whole(name) | UncertainParameter::Wave { name, .. } => Some(*name),
             UncertainParameter::OfEffect { .. } => None,
         }
     }
@@ -106,8 +117,22 @@ impl UncertainParameter {
                 ComponentTerm::Backlash => 2.0 * of_deviation(&name.component),
                 ComponentTerm::Coefficient(_) | ComponentTerm::Knot { .. } => 1.0,
             },
-            UncertainParameter::Whole(name) => of_deviation(name),
+            UncertainParameter::Whole(name) | UncertainParameter::Wave { name, .. } => of_deviation(name),
             UncertainParameter::OfEffect { factor, .. } => *factor,
+        }
+    }
+
+    /// Returns the unit of its number in the file; empty for a parameter of an effect, whose name has it.
+    #[must_use]
+    pub fn file_unit(&self) -> String {
+        let of_deviation = |name: &ErrorName| if name.direction.is_rotation() { "µrad" } else { "µm" }.to_owned();
+        match self {
+            UncertainParameter::Number(name) => match name.term {
+                ComponentTerm::Whole | ComponentTerm::Backlash => of_deviation(&name.component),
+                ComponentTerm::Coefficient(_) | ComponentTerm::Knot { .. } => name.unit(),
+            },
+            UncertainParameter::Whole(name) | UncertainParameter::Wave { name, .. } => of_deviation(name),
+            UncertainParameter::OfEffect { .. } => String::new(),
         }
     }
 
@@ -130,9 +155,81 @@ impl UncertainParameter {
                     });
                 }
             }
-            UncertainParameter::Whole(_) => {}
+            UncertainParameter::Whole(_) | UncertainParameter::Wave { .. } => {}
         }
     }
+
+    /// Returns the independent motion errors of one standard deviation, mm or rad; empty for a parameter that is a number of the model.
+    fn apart(&self, machine: &Machine, sigma: f64) -> Vec<MotionError> {
+        match *self {
+            UncertainParameter::Whole(name) => waves(machine, name, sigma),
+            UncertainParameter::Wave { name, period } => {
+                let of = |phase_rad| Periodic { period, amplitude: sigma, phase_rad };
+                let parts = [0.0, FRAC_PI_2].map(|phase| EntryFunction::Periodic(of(phase)));
+                parts.map(|function| MotionError { name, function }).into()
+            }
+            UncertainParameter::Number(_) | UncertainParameter::OfEffect { .. } => Vec::new(),
+        }
+    }
+
+    /// True if this parameter has the uncertainty of an entry: of a polynomial or a backlash through its numbers, of a wave through its period, of any
+    /// other entry as a whole.
+    fn is_of_entry(&self, entry: &MotionError) -> bool {
+        let has_numbers = matches!(
+            entry.function,
+            EntryFunction::Polynomial(_) | EntryFunction::Piecewise(_) | EntryFunction::Backlash(_)
+        );
+        self.component() == Some(entry.name)
+            && match (self, &entry.function) {
+                (UncertainParameter::Whole(_), _) => true,
+                (UncertainParameter::Wave { period, .. }, EntryFunction::Periodic(own)) => is_same(*period, own.period),
+                (UncertainParameter::Number(_), _) => has_numbers,
+                _ => false,
+            }
+    }
+}
+
+/// Between the name of an error and the period of its wave: `EXX~10`.
+const OF_PERIOD: char = '~';
+/// Periods are equal within this share.
+const SAME_PERIOD: f64 = 1e-6;
+
+fn is_same(period: f64, other: f64) -> bool {
+    (period - other).abs() <= SAME_PERIOD * other.abs()
+}
+
+/// Returns the name of a wave in `[uncertainty]`: that of the error, and the period in mm or degrees.
+#[must_use]
+pub fn wave_name(name: ErrorName, period: f64) -> String {
+    // Ten digits hide the rounding of a conversion between degrees and rad.
+    let period: f64 = format!("{period:.9e}").parse().unwrap_or(period);
+    format!("{name}{OF_PERIOD}{period}")
+}
+
+/// Finds a wave of the model by its name.
+fn wave_by_name(text: &str, errors: &ErrorModel) -> Option<UncertainParameter> {
+    let (name, period) = text.split_once(OF_PERIOD)?;
+    let name: ErrorName = name.parse().ok()?;
+    let period: f64 = period.parse().ok()?;
+    let period = if name.axis()?.is_rotary() { period.to_radians() } else { period };
+    let of_model = errors.motion.iter().filter(|entry| entry.name == name);
+    let is_there = of_model.filter_map(period_of).any(|own| is_same(period, own));
+    is_there.then_some(UncertainParameter::Wave { name, period })
+}
+
+/// Returns the period of a wave, mm or rad.
+fn period_of(entry: &MotionError) -> Option<f64> {
+    match &entry.function {
+        EntryFunction::Periodic(wave) => Some(wave.period),
+        _ => None,
+    }
+}
+
+/// Returns the key of an entry in `[uncertainty]` for people: the error, for a wave with its period.
+fn name_of_entry(entry: &MotionError) -> String {
+    let is_rotary = entry.name.axis().is_some_and(|axis| axis.is_rotary());
+    let in_file = |period: f64| if is_rotary { period.to_degrees() } else { period };
+    period_of(entry).map_or_else(|| entry.name.to_string(), |period| wave_name(entry.name, in_file(period)))
 }
 
 /// Returns the models after one standard deviation of each independent source of uncertainty.
@@ -153,8 +250,8 @@ pub fn variations(machine: &Machine, errors: &ErrorModel, uncertainty: &Uncertai
         for (parameter, row) in &known {
             let UncertaintyRow::Shared(row) = row else { continue };
             let Some(&part) = row.get(cause).filter(|part| **part != 0.0) else { continue };
-            // The waves of a whole error are sources of their own; a list of one entry is a number.
-            if matches!(parameter, UncertainParameter::Whole(_)) {
+            // The waves of a whole error are sources of their own, as are the parts of a wave; a list of one entry is a number.
+            if matches!(parameter, UncertainParameter::Whole(_) | UncertainParameter::Wave { .. }) {
                 continue;
             }
             parameter.add(&mut varied, part);
@@ -168,8 +265,8 @@ pub fn variations(machine: &Machine, errors: &ErrorModel, uncertainty: &Uncertai
             continue;
         }
         match (parameter, row) {
-            (UncertainParameter::Whole(name), _) => {
-                all.extend(waves(machine, *name, sigma / parameter.file_factor()).into_iter().map(|wave| {
+            (UncertainParameter::Whole(_) | UncertainParameter::Wave { .. }, _) => {
+                all.extend(parameter.apart(machine, sigma / parameter.file_factor()).into_iter().map(|wave| {
                     let mut varied = errors.clone();
                     varied.motion.push(wave);
                     varied
@@ -208,10 +305,11 @@ fn waves(machine: &Machine, name: ErrorName, sigma: f64) -> Vec<MotionError> {
 pub fn unknown_of(errors: &ErrorModel, uncertainty: &Uncertainty) -> Vec<String> {
     let known: Vec<UncertainParameter> =
         uncertainty.rows.keys().filter_map(|name| UncertainParameter::find(name, errors)).collect();
-    let is_component = |name: ErrorName| known.iter().any(|one| one.component() == Some(name));
-    let mut names: Vec<String> = Vec::new();
-    let components = errors.location.iter().map(|error| error.name).chain(errors.motion.iter().map(|error| error.name));
-    names.extend(components.filter(|&name| !is_component(name)).map(|name| name.to_string()));
+    let is_location = |name: ErrorName| known.iter().any(|one| one.component() == Some(name));
+    let is_entry = |entry: &MotionError| known.iter().any(|one| one.is_of_entry(entry));
+    let locations = errors.location.iter().map(|error| error.name).filter(|&name| !is_location(name));
+    let mut names: Vec<String> = locations.map(|name| name.to_string()).collect();
+    names.extend(errors.motion.iter().filter(|entry| !is_entry(entry)).map(name_of_entry));
     for (number, effect) in errors.effects.iter().enumerate() {
         let is_known =
             known.iter().any(|one| matches!(one, UncertainParameter::OfEffect { effect, .. } if *effect == number));
@@ -275,8 +373,35 @@ mod tests {
     }
 
     #[test]
+    fn a_wave_has_a_row_of_its_own() {
+        let wave =
+            "[[motion]]\ncomponent = \"EXX\"\nkind = \"periodic\"\nperiod_mm = 10\namplitude_um = 3\nphase_deg = 20\n";
+        let (machine, errors) = read(&format!("{wave}[uncertainty]\nEC0X = 1\nEXX1 = 1e-6\nEYX = 1\n"));
+        assert_eq!(unknown_of(&errors, machine.uncertainty.as_ref().unwrap()), ["EXX~10"]);
+        let (machine, errors) = read(&format!("{wave}[uncertainty]\n\"EXX~10\" = 0.5\n"));
+        let uncertainty = machine.uncertainty.as_ref().unwrap();
+        // The coefficients and the backlash of the same error stay unknown.
+        assert_eq!(unknown_of(&errors, uncertainty), ["EC0X", "EXX", "EYX"]);
+        let all = variations(&machine, &errors, uncertainty);
+        assert_eq!(all.len(), 2);
+        for x in [0.0, 1.3, 2.5, 307.0] {
+            let at = |errors: &ErrorModel| -> f64 {
+                let mut command = ncfix_base::geometry::AxisVector::ZERO;
+                command[ncfix_base::geometry::Axis::X] = x;
+                let own = errors.motion.iter().filter(|error| error.name.to_string() == "EXX");
+                own.map(|error| error.function.value(ncfix_base::geometry::Axis::X, &command, &Default::default()))
+                    .sum()
+            };
+            let square: f64 = all.iter().map(|varied| (at(varied) - at(&errors)).powi(2)).sum();
+            assert!((square.sqrt() - 0.5e-3).abs() < 1e-12, "{x} {square}");
+        }
+    }
+
+    #[test]
     fn unknown_names_are_refused_at_their_place() {
-        for (text, code) in [("EXQ1", "E0406"), ("EYY1", "E0406"), ("\"load.EAX\"", "E0406"), ("ezx", "E0406")] {
+        for (text, code) in
+            [("\"EXX~10\"", "E0406"), ("EXQ1", "E0406"), ("EYY1", "E0406"), ("\"load.EAX\"", "E0406"), ("ezx", "E0406")]
+        {
             let source = Source::new(FileId(0), "m.toml", format!("{MILL}[uncertainty]\n{text} = 1\n").into_bytes());
             let (_, findings) = crate::file::load(&source.unwrap());
             let own: Vec<_> = findings.iter().filter(|one| one.code.as_str() == code).collect();

@@ -3,8 +3,9 @@
 use serde::Serialize;
 
 use super::excerpt::Excerpt;
-use super::number::micrometers;
+use super::number::{micrometers, significant};
 use ncfix_base::diagnostic::{Diagnostic, Severity};
+use ncfix_base::geometry::Axis;
 use ncfix_base::source::{Source, is_deceptive};
 
 /// A diagnostic.
@@ -78,20 +79,46 @@ pub struct ZeroReport {
     pub contains_um: [f64; 3],
     /// Its size, µm.
     pub distance_um: f64,
+    /// Rotary axes of the workpiece that have a zero of their own, with the error of the angle there, µrad. Their zeros count as true angles.
+    #[serde(skip)]
+    pub turned_urad: Vec<(Axis, f64)>,
 }
+
+/// Errors of angles below this are not named, µrad.
+const LEAST_TURN_URAD: f64 = 0.5;
 
 impl ZeroReport {
     /// Returns the error that the zero offset contains if it was touched, in words.
     #[must_use]
     pub fn contents(&self) -> String {
         let parts = components_um(self.contains_um);
+        let turned = self.turned();
         match (parts.is_empty(), self.set == "absolute") {
+            (true, false) if !turned.is_empty() => {
+                format!("a zero touched off here has no error of X, Y and Z{turned}")
+            }
             (true, _) => "a zero touched off here has no geometric error".to_owned(),
+            (false, false) if !turned.is_empty() => {
+                format!("a touched-off zero contains the machine error {}{turned}", parts.join(", "))
+            }
             (false, false) => format!("a touched-off zero contains the machine error {}", parts.join(", ")),
             (false, true) => {
                 format!("if it had been touched off, it would contain the machine error {}", parts.join(", "))
             }
         }
+    }
+
+    /// The rotary axes whose zeros count as true angles, in words; empty without any.
+    fn turned(&self) -> String {
+        let felt = self.turned_urad.iter().filter(|(_, urad)| urad.abs() >= LEAST_TURN_URAD);
+        let parts: Vec<String> = felt.map(|(axis, urad)| format!("{axis} {} µrad", significant(*urad))).collect();
+        if parts.is_empty() {
+            return String::new();
+        }
+        format!(
+            "; its rotary zero counts as a true angle, and would contain {} if it was set on this machine",
+            parts.join(", ")
+        )
     }
 
     /// Returns these words for the line of a zero offset, after its method: in parentheses if they state only a possibility.

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use ncfix_base::geometry::{AXES, Vector};
 use ncfix_machine::machine::{AxisData, Machine, MeasuredRanges};
-use ncfix_model::uncertainty::unknown_of;
+use ncfix_model::uncertainty::{UncertainParameter, unknown_of};
 use ncfix_model::volume_shares::volume_shares;
 use ncfix_model::{Effect, ErrorModel};
 
@@ -202,12 +202,16 @@ fn uncertainty_rows(machine: &Machine, errors: &ErrorModel) -> Vec<String> {
     let Some(uncertainty) = &machine.uncertainty else {
         return vec!["uncertainty not known: the machine file does not state it".to_owned()];
     };
-    let mut rows = vec!["uncertainty (standard, in the units of the machine file)".to_owned()];
+    let mut rows = vec!["uncertainty (standard, k = 1)".to_owned()];
     for (name, row) in &uncertainty.rows {
         let sigma = row.sigma();
         // Coefficients are in mm and rad per power.
         let size = if sigma < LEAST_DECIMAL { format!("{sigma:.2e}") } else { significant(sigma) };
-        rows.push(format!("{name:<12}± {size}"));
+        let unit = UncertainParameter::find(name, errors).map_or_else(String::new, |one| one.file_unit());
+        rows.push(format!("{name:<12}± {size} {unit}").trim_end().to_owned());
+    }
+    if uncertainty.is_correlated() {
+        rows.push(format!("correlated  through {} causes that the rows share", uncertainty.causes()));
     }
     if let Some(um) = uncertainty.unexplained_um {
         rows.push(format!("unexplained {} µm RMS of the readings, not in the model", decimal(um)));

@@ -6,6 +6,7 @@ use crate::cli::exit_code::ExitCode;
 use crate::cli::findings::Findings;
 use crate::cli::stop::Stop;
 use crate::cli::{machine_choice, print, program, progress, tell};
+use crate::options::Options;
 use ncfix_report::{json, number::counted};
 
 /// Checks a program.
@@ -44,7 +45,8 @@ fn examine(arguments: &CheckArguments, findings: &mut Findings) -> Result<(Check
         true => None,
         false => machine_choice::choose_in(&arguments.machine, &arguments.state, search, findings)?,
     };
-    let how = (arguments.syntax_only, &arguments.correction.options());
+    let options = Options { require_coverage: arguments.require_coverage, ..arguments.correction.options() };
+    let how = (arguments.syntax_only, &options);
     let name = machine.as_ref().filter(|_| !arguments.syntax_only).map(|chosen| chosen.machine.name.clone());
     Ok((program.examine(machine.as_ref(), how, Some(progress::watch), findings)?, name))
 }

@@ -59,6 +59,13 @@ impl Uncertainty {
         self.shared().map(|row| row.len()).max().unwrap_or(0)
     }
 
+    /// Returns `true` if two parameters have a cause in common.
+    #[must_use]
+    pub fn is_correlated(&self) -> bool {
+        let has = |row: &&Vec<f64>, cause: usize| row.get(cause).is_some_and(|part| *part != 0.0);
+        (0..self.causes()).any(|cause| self.shared().filter(|row| has(row, cause)).nth(1).is_some())
+    }
+
     fn shared(&self) -> impl Iterator<Item = &Vec<f64>> {
         self.rows.values().filter_map(|row| match row {
             UncertaintyRow::Shared(row) => Some(row),

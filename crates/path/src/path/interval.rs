@@ -87,7 +87,9 @@ pub fn predict(
     let of = |model: &Model, is_after: bool| -> Vec<Vector> {
         places.iter().map(|place| error(model, place, is_after)).collect()
     };
-    let own = [false, true].map(|is_after| of(model, is_after));
+    let own = [0, 1].map(|which: usize| places.iter().map(|place| place.errors_mm[which]).collect::<Vec<Vector>>());
+    // The same with each body on a side of its dead band, as in the varied models.
+    let base = [false, true].map(|is_after| of(model, is_after));
     // Displacements differ before and after only where the directions of motion do.
     let is_same = places.iter().all(|place| place.states[0] == place.states[1]);
     let sides: &[bool] = if is_same { &[true] } else { &[false, true] };
@@ -95,7 +97,7 @@ pub fn predict(
     for model in varied {
         let by = sides.iter().map(|&is_after| {
             let mut by = of(model, is_after);
-            by.iter_mut().zip(&own[usize::from(is_after)]).for_each(|(by, own)| *by -= own);
+            by.iter_mut().zip(&base[usize::from(is_after)]).for_each(|(by, base)| *by -= base);
             by
         });
         let by: Vec<Vec<Vector>> = by.collect();
@@ -242,11 +244,13 @@ mod tests {
             let mut command = nominal;
             command[Axis::X] -= scale * nominal[Axis::X];
             let states = [State::default(); 2];
+            let errors_mm = [nominal[Axis::X], 0.0].map(|x| Vector::new(scale * x, 0.0, 0.0));
             let origin = Origin { line: k as u32, ..Origin::default() };
             ErrorPlace {
                 nominal,
                 command,
                 states,
+                errors_mm,
                 tool_mm: Vector::zeros(),
                 origin,
                 zero: None,
@@ -287,6 +291,16 @@ mod tests {
         let found = predict(&places(5e-6), NONE, &model(5e-6), &[], 1e-3).unwrap();
         let [low, high] = found.after.rms_mm;
         assert!(low < 1.732e-3 && 1.732e-3 < high && high - low < 0.6e-3, "{low} {high}");
+    }
+
+    #[test]
+    fn the_errors_are_those_of_the_places() {
+        // A body that waits 3 µm before its side, which no direction of motion states.
+        let mut waiting = places(0.0);
+        waiting.iter_mut().for_each(|place| place.errors_mm[1] = Vector::new(0.0, 0.0, 3e-3));
+        let found = predict(&waiting, NONE, &model(0.0), &[model(1e-6)], 0.0).unwrap();
+        assert_eq!(found.before.axes_mm[2], [0.0; 2]);
+        assert!(found.after.axes_mm[2].iter().all(|end| (end - 3e-3).abs() < 1e-12));
     }
 
     #[test]

@@ -30,6 +30,8 @@ pub struct ErrorPlace {
     pub command: AxisVector,
     /// Direction of motion of the program, and of the emitted commands.
     pub states: [State; 2],
+    /// Displacement of the tip on the model as programmed and as emitted, in the workpiece frame, mm. A body may be within its dead band, where it has no direction.
+    pub errors_mm: [Vector; 2],
     /// From the spindle gauge point to the tip, in F at the zero pose, mm.
     pub tool_mm: Vector,
     /// Block of the program.

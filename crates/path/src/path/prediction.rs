@@ -6,6 +6,7 @@
 
 use ncfix_base::geometry::AxisVector;
 use ncfix_machine::snc::Origin;
+use ncfix_model::Off;
 
 use super::poses::{ErrorPlace, Thinned};
 use super::repeated_blocks::RepeatedBlocks;
@@ -126,7 +127,17 @@ const MOST_PLACES: usize = 192;
 #[derive(Clone, Debug, Default, PartialEq)]
 struct PlacesOfMoves {
     spread: Thinned<ErrorPlace, MOST_PLACES>,
-    largest: [Option<(f64, ErrorPlace)>; 2],
+    /// For each [`ErrorSide`], the largest distance and the largest parts along X, Y and Z, mm.
+    largest: [[Option<(f64, ErrorPlace)>; 4]; 2],
+}
+
+/// Side of the correction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ErrorSide {
+    /// As programmed.
+    Before,
+    /// As emitted.
+    After,
 }
 
 /// Spreads before and after.
@@ -188,22 +199,42 @@ impl Prediction {
         pair.add(before_mm, after_mm, origin);
     }
 
-    /// Offers the place of a sample with its error before and after, mm.
-    pub(super) fn offer(&mut self, rapid: bool, errors_mm: [f64; 2], place: impl Fn() -> ErrorPlace) {
-        let own = &mut self.places[usize::from(rapid)];
-        own.spread.offer(&place);
-        for (largest, error_mm) in own.largest.iter_mut().zip(errors_mm) {
-            if largest.as_ref().is_none_or(|(known_mm, _)| error_mm > *known_mm) {
-                *largest = Some((error_mm, place()));
-            }
-        }
+    /// Offers the place of a station.
+    pub(super) fn offer(&mut self, rapid: bool, place: impl FnOnce() -> ErrorPlace) {
+        self.places[usize::from(rapid)].spread.offer(place);
     }
 
-    /// Places of the samples, spread over the program, and then those of the largest errors before and after.
+    /// Offers a place with its error, which may be the largest: as a distance, or along X, Y or Z. Returns `true` if it is.
+    pub(super) fn offer_largest(
+        &mut self,
+        rapid: bool,
+        side: ErrorSide,
+        off: &Off,
+        place: impl Fn() -> ErrorPlace,
+    ) -> bool {
+        let [x, y, z]: [f64; 3] = off.nearest.into();
+        let mut is_largest = false;
+        let own = &mut self.places[usize::from(rapid)].largest[side as usize];
+        for (largest, error_mm) in own.iter_mut().zip([off.most_mm, x.abs(), y.abs(), z.abs()]) {
+            if largest.as_ref().is_none_or(|(known_mm, _)| error_mm > *known_mm) {
+                *largest = Some((error_mm, ErrorPlace { is_even: false, ..place() }));
+                is_largest = true;
+            }
+        }
+        is_largest
+    }
+
+    /// `true` if an emitted place with this distance has the largest one.
+    pub(super) fn is_largest_after(&self, rapid: bool, after_mm: f64) -> bool {
+        let [of_distance, ..] = &self.places[usize::from(rapid)].largest[ErrorSide::After as usize];
+        of_distance.as_ref().is_none_or(|(known_mm, _)| after_mm > *known_mm)
+    }
+
+    /// Places of the samples, spread over the program, and then those of the largest errors before and after: as distances, and along X, Y and Z.
     #[must_use]
     pub fn places(&self) -> Vec<ErrorPlace> {
         let own = &self.places[usize::from(self.feed.before.samples == 0)];
-        let largest = own.largest.iter().flatten().map(|(_, place)| ErrorPlace { is_even: false, ..*place });
+        let largest = own.largest.iter().flatten().flatten().map(|(_, place)| *place);
         own.spread.kept().iter().copied().chain(largest).collect()
     }
 

@@ -6,9 +6,10 @@
 
 use ncfix_base::geometry::{AxisSet, ROTARY_AXES, Vector};
 use ncfix_machine::snc::Origin;
-use ncfix_model::{DeadBand, Model};
+use ncfix_model::{DeadBand, Model, Off};
 
 use super::lead::Lead;
+use super::prediction::ErrorSide;
 use super::route::Route;
 use super::{ErrorPlace, Prediction};
 
@@ -105,22 +106,38 @@ pub(super) struct PieceErrors {
     pub(super) start_mm: f64,
 }
 
+impl PieceErrors {
+    /// Notes the largest and the smallest error at a place, mm.
+    fn note(&mut self, [most_mm, nearest_mm]: [f64; 2]) {
+        self.after_mm = self.after_mm.max(most_mm);
+        self.nearest_mm = self.nearest_mm.max(nearest_mm);
+    }
+}
+
 impl SampledPiece<'_> {
-    /// Error of the program at a parameter of the move, and its part beyond the displacement that a touched zero takes up, mm.
-    pub(super) fn before(&self, parameter: f64) -> [f64; 2] {
+    /// Error of the program at a parameter of the move.
+    pub(super) fn before(&self, parameter: f64) -> Off {
         let (nominal, band) = (self.programmed.route.at(parameter), self.programmed.band_at(parameter, self.lead));
-        let off = self.lead.error_mm(&band, (&nominal, &nominal), self.programmed.tool_mm, None);
-        [off.most_mm, self.base.form_mm(self.zero, &off.nearest)]
+        self.lead.error_mm(&band, (&nominal, &nominal), self.programmed.tool_mm, None)
     }
 
-    /// Largest and smallest error at a share of the piece, mm. On its path the tool may lag with a body; at the end it must have arrived.
-    fn after(&self, share: f64, [from, to]: [f64; 2]) -> [f64; 2] {
+    /// Error at a share of the piece. On its path the tool may lag with a body; at the end it must have arrived.
+    fn after(&self, share: f64, [from, to]: [f64; 2]) -> Off {
         let parameter = parameter_at(share, [from, to]);
         let places = (&self.programmed.route.at(parameter), &self.emitted.route.at(share));
         let band = self.emitted.band_at(share, self.lead);
         let way = (parameter < 1.0).then_some((self.programmed.route, parameter));
-        let off = self.lead.error_mm(&band, places, self.emitted.tool_mm, way);
-        [off.most_mm, off.nearest.norm()]
+        self.lead.error_mm(&band, places, self.emitted.tool_mm, way)
+    }
+
+    /// Notes the error at a share of the piece, which may be the largest of the program.
+    fn note(&self, share: f64, between: [f64; 2], prediction: &mut Prediction, out: &mut PieceErrors) -> Off {
+        let off = self.after(share, between);
+        out.note([off.most_mm, off.nearest.norm()]);
+        let parameter = parameter_at(share, between);
+        let place = || self.place(parameter, share, [&self.before(parameter), &off]);
+        prediction.offer_largest(self.rapid, ErrorSide::After, &off, place);
+        off
     }
 
     /// Offset of the tool from the place of the move at `parameter`, with the bodies `band` at the end of the piece.
@@ -203,12 +220,13 @@ impl SampledPiece<'_> {
         }
         let mut out = PieceErrors::default();
         let chord_mm = self.off_curve_mm;
-        let mut note = |[most_mm, nearest_mm]: [f64; 2]| {
-            out.after_mm = out.after_mm.max(most_mm);
-            out.nearest_mm = out.nearest_mm.max(nearest_mm);
-        };
-        note(self.after(1.0, between));
-        note(self.middle_mm.map_or_else(|| self.after(0.5, between), |middle_mm| [middle_mm; 2]));
+        self.note(1.0, between, prediction, &mut out);
+        match self.middle_mm.filter(|&middle_mm| !prediction.is_largest_after(self.rapid, middle_mm)) {
+            Some(middle_mm) => out.note([middle_mm; 2]),
+            None => {
+                self.note(0.5, between, prediction, &mut out);
+            }
+        }
         scratch.clear();
         self.lead.edges(self.emitted.band, self.emitted.route, scratch);
         // Rounding has its largest effect at the turning point of an axis on an arc.
@@ -220,19 +238,33 @@ impl SampledPiece<'_> {
             }
             scratch.push(place);
         }
-        scratch.iter().for_each(|&share| note(self.after(share, between)));
-        let mut before_mm: Option<f64> = None;
+        for &share in scratch.iter() {
+            self.note(share, between, prediction, &mut out);
+        }
+        let (mut before_mm, mut has_largest): (Option<f64>, bool) = (None, false);
         for parameter in prediction.stations(self.rapid, whole_mm, between) {
             let share = (parameter - from) / (to - from);
-            let (before, after) = (self.before(parameter), self.after(share, between));
-            note(after);
-            before_mm = Some(before_mm.map_or(before[0], |most_mm| most_mm.max(before[0])));
-            prediction.add(self.rapid, before, after[0] + chord_mm, &self.origin);
-            prediction.offer(self.rapid, [before[0], after[0]], || self.place(parameter, share));
+            let (before, after) = (self.before(parameter), self.note(share, between, prediction, &mut out));
+            before_mm = Some(before_mm.map_or(before.most_mm, |most_mm| most_mm.max(before.most_mm)));
+            let form_mm = self.base.form_mm(self.zero, &before.nearest);
+            prediction.add(self.rapid, [before.most_mm, form_mm], after.most_mm + chord_mm, &self.origin);
+            let place = || self.place(parameter, share, [&before, &after]);
+            prediction.offer(self.rapid, place);
+            has_largest |= prediction.offer_largest(self.rapid, ErrorSide::Before, &before, place);
+        }
+        if has_largest {
+            // The error is even larger at an end of the move.
+            for (share, parameter) in
+                [0.0, 1.0].into_iter().zip(between).filter(|(share, parameter)| share == parameter)
+            {
+                let before = self.before(parameter);
+                let place = || self.place(parameter, share, [&before, &self.after(share, between)]);
+                prediction.offer_largest(self.rapid, ErrorSide::Before, &before, place);
+            }
         }
         if !self.lead.axes.is_empty() {
-            let [most_mm, nearest_mm] = self.after(0.0, between);
-            (out.after_mm, out.start_mm) = (out.after_mm.max(most_mm), nearest_mm);
+            let off = self.after(0.0, between);
+            (out.after_mm, out.start_mm) = (out.after_mm.max(off.most_mm), off.nearest.norm());
         }
         out.after_mm += chord_mm;
         prediction.note_after(self.rapid, out.after_mm, &self.origin);
@@ -240,8 +272,9 @@ impl SampledPiece<'_> {
         Some(out)
     }
 
-    fn place(&self, parameter: f64, share: f64) -> ErrorPlace {
+    fn place(&self, parameter: f64, share: f64, offs: [&Off; 2]) -> ErrorPlace {
         ErrorPlace {
+            errors_mm: offs.map(|off| off.nearest),
             nominal: self.programmed.route.at(parameter),
             command: self.emitted.route.at(share),
             states: [

@@ -3,8 +3,10 @@
 use ncfix_base::geometry::Axis;
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_machine::machine::edit::{Edit, Given};
+use ncfix_machine::machine::uncertainty;
 use ncfix_model::ParameterName;
 use ncfix_model::name::{ErrorKind, ErrorName};
+use ncfix_model::uncertainty::wave_name;
 
 use super::warm;
 
@@ -37,6 +39,8 @@ pub enum Change {
         period: f64,
         /// Amplitudes.
         parts: [f64; 2],
+        /// Standard uncertainty of each amplitude, mm or rad.
+        sigma: f64,
         /// First and last position at which it was measured, mm or degrees.
         travel: [f64; 2],
     },
@@ -151,7 +155,9 @@ impl Change {
     pub fn make(&self, edit: &mut Edit) -> Result<Anchor, String> {
         let is_done = match self {
             Change::Parameter { name, .. } => return Err(format!("{} is not an entry", name.component)),
-            Change::Wave { name, period, parts, travel } => wave(edit, *name, (*period, *travel), *parts),
+            Change::Wave { name, period, parts, sigma, travel } => {
+                wave(edit, *name, (*period, *travel), *parts, *sigma)
+            }
             Change::Shape { .. } => self.shape(edit),
             Change::Drift { direction, sensor, lag_s, um_per_k } => {
                 warm::drift(edit, direction, (sensor, *lag_s), *um_per_k)
@@ -220,6 +226,7 @@ fn wave(
     name: ErrorName,
     (period, [low, high]): (f64, [f64; 2]),
     [sine, cosine]: [f64; 2],
+    sigma: f64,
 ) -> Option<Anchor> {
     let (factor, unit) = unit_of(name);
     let (amplitude, phase) = (format!("amplitude_{unit}"), "phase_deg");
@@ -241,10 +248,11 @@ fn wave(
         sine += old * angle.cos();
         cosine += old * angle.sin();
     }
+    let written = found.map_or(period, |(_, own)| own);
     let found = found.map(|(index, _)| index);
     let keys =
         [number(&amplitude, rounded(sine.hypot(cosine))), number(phase, rounded(cosine.atan2(sine).to_degrees()))];
-    match found {
+    let anchor = match found {
         Some(index) => keys
             .iter()
             .all(|(key, given)| edit.set_in("motion", index, key, given))
@@ -253,7 +261,12 @@ fn wave(
             let head = [text("component", name.to_string()), text("kind", "periodic"), number(key, period)];
             pushed(edit, "motion", &head.into_iter().chain(keys).collect::<Vec<_>>())
         }
-    }
+    };
+    // An unknown uncertainty is not 0.
+    let sigma = rounded(factor * sigma);
+    let is_known = sigma.is_finite() && sigma > 0.0;
+    let is_done = !is_known || edit.set(uncertainty::SECTION, &wave_name(name, written), &Given::Number(sigma));
+    anchor.filter(|_| is_done)
 }
 
 fn entry(

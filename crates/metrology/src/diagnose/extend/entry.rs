@@ -25,7 +25,9 @@ pub(super) fn periodic(one: &AcceptedCause, scene: &Scene<'_>) -> Result<Vec<Cha
     let axis = name.axis().ok_or("it is not an error of an axis")?;
     let travel = super::super::cause::range(scene, axis).ok_or("it has no travel")?;
     let travel = travel.map(|place| if axis.is_rotary() { place.to_degrees() } else { place });
-    Ok(vec![Change::Wave { name, period, parts: [*sine, *cosine], travel }])
+    // Sine and cosine have about the same uncertainty; the larger one stands for both.
+    let sigma = [[1.0, 0.0], [0.0, 1.0]].map(|part| one.amounts.form(&part).1).into_iter().fold(0.0, f64::max);
+    Ok(vec![Change::Wave { name, period, parts: [*sine, *cosine], sigma, travel }])
 }
 
 /// Name of a sensor, from its column.

@@ -195,7 +195,7 @@ impl MoveGroup<'_> {
 
     /// The largest error of the original at a parameter, mm.
     pub(super) fn before_mm(&self, parameter: f64) -> f64 {
-        self.beside(self.step).before(parameter)[0]
+        self.beside(self.step).before(parameter).most_mm
     }
 
     /// The data of a piece that covers the original move up to the parameter.
@@ -368,7 +368,7 @@ impl MoveGroup<'_> {
         let Some(found) = found else { return (None, seen) };
         // If the side of an axis is unknown, the place for either side satisfies the promise.
         seen.most_mm = found.nearest_mm;
-        let before_mm = found.before_mm.unwrap_or_else(|| beside.before(0.5 * (course.from + course.to))[0]);
+        let before_mm = found.before_mm.unwrap_or_else(|| beside.before(0.5 * (course.from + course.to)).most_mm);
         (Some([before_mm, found.after_mm]), seen)
     }
 }
