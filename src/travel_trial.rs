@@ -42,13 +42,17 @@ pub(crate) fn try_travel(machine: &Machine) -> Result<Option<TravelSizes>, Error
 }
 
 /// Tries the text of an extended machine file, and notes the errors along the travel in the result of the diagnosis.
-/// If the lines are refused, the file must not be written; a diagnostic states the reason.
+/// If the lines are refused, the file must not be written; a diagnostic states the reason. A file that needs no change is
+/// not written either, which is no error.
 pub(crate) fn tried(
     made: Extended,
     old: Option<&Source>,
     result: &mut DiagnosisResult,
     found: &mut Vec<Diagnostic>,
 ) -> Option<String> {
+    if result.needs_no_change() {
+        return None;
+    }
     let text = made.text(found)?;
     // A file that only completes others is not a machine by itself.
     let Ok(machine) = Machine::from_text("extended machine file", &text) else { return Some(text) };

@@ -134,11 +134,12 @@ fn what_is_hidden_is_found_extends_the_machine_and_is_gone_then() {
 fn nothing_is_written_where_there_is_nothing() {
     let (shop, data, _) = shop(&case(Bench::Plate, &[], 5.0, 4));
     let run = run(&shop, &data, "machine.toml", &["-o", "extended.toml"]);
-    assert_ne!(run.code, 0);
+    // Nothing had to be extended, which is no error.
+    assert_eq!(run.code, 0, "{run:?}");
     let found = report(&run);
     assert_eq!(findings(&found).len(), 0, "{found:#}");
     assert!(found["output"].is_null() && !shop.path("extended.toml").exists());
-    assert_eq!(found["diagnostics"][0]["code"], "E0606");
+    assert!(found["diagnostics"].as_array().unwrap().iter().all(|one| one["code"] != "E0606"), "{found:#}");
     assert_eq!(found["unexplained"]["structure"], false);
 }
 

@@ -615,3 +615,39 @@ fn positions_follow_their_targets_and_a_copy_of_the_targets_is_none() {
     import(&shop, "far.csv", "tool.toml", &more).exits(4).says("E0618").says("run 2+ has 20 at the target 2");
     import(&shop, "mixed.csv", "tool.toml", &more).exits(4).says("E0618");
 }
+
+/// A line may state whether the readings refer to 20 °C. At 24 °C a scale of 11.7 µm/m per K is 46.8 µm/m longer.
+#[test]
+fn a_laser_that_states_its_conversion_to_20_degrees_needs_no_material() {
+    let head = |line: &str| {
+        format!("Axis;X\nUnit;um\nMaterial temperature (°C);24.0\nExpansion coefficient (ppm/°C);11.7\n{line}\n")
+    };
+    let heading = "Target [mm];1+;1-";
+    let rows_of = |shop: &Shop| -> Vec<[f64; 2]> {
+        let text = shop.text("out.csv");
+        let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+        let names = lines.next().unwrap();
+        let place = |name: &str| names.iter().position(|own| own == name).unwrap();
+        let (x, value) = (place("X"), place("value_um"));
+        lines.map(|cells| [x, value].map(|k| cells[k].parse().unwrap())).collect()
+    };
+    let yes = shop().file("l.csv", laser(&head("Compensated to 20 C: Yes"), heading));
+    import(&yes, "l.csv", "tool.toml", LASER).exits(0);
+    let converted = rows_of(&yes);
+    assert!(yes.text("out.toml").contains("# - the readings refer to 20 °C (line 5"), "{}", yes.text("out.toml"));
+    let twice = [LASER, &["--material", "11.7@24"]].concat();
+    import(&yes, "l.csv", "tool.toml", &twice).exits(4).says("E0618").says("line 5");
+    let no = shop().file("l.csv", laser(&head("Material compensation;Off"), heading));
+    import(&no, "l.csv", "tool.toml", LASER).exits(0);
+    assert!(no.text("out.toml").contains("11.7 µm/m per K at 24 °C"), "{}", no.text("out.toml"));
+    let grown = rows_of(&no);
+    assert!(grown.len() == converted.len() && grown.len() > 3);
+    for ([x, raw], [_, own]) in converted.iter().zip(&grown) {
+        assert!((raw - own - 11.7e-6 * 4.0 * x * 1e3).abs() < 0.01, "{x}: {raw} {own}");
+    }
+    let plain = [LASER, &["--material", "20C"]].concat();
+    import(&no, "l.csv", "tool.toml", &plain).exits(4).says("E0618").says("do not refer to 20 °C");
+    // The air of the beam is no material.
+    let air = shop().file("l.csv", laser(&head("Air temperature compensation: On"), heading));
+    import(&air, "l.csv", "tool.toml", LASER).exits(4).says("E0616");
+}

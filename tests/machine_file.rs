@@ -395,3 +395,40 @@ fn the_output_is_not_finer_than_the_words_that_a_control_reads() {
     let shop = shop.file("part.pm", "%PM9001\nN9001\nN1 G54\nN2 G0 X0 Y0 Z0\nN3 G1 X1 F1000\nN4 M30\n");
     shop.run(["part.pm", "-o", "fine.pm", "--machine", &mill, "--increment", "0.1um"]).exits(2).says("finer than");
 }
+
+/// The chain of a mill with a travel of 500 mm in X, and errors below it.
+fn with_errors(errors: &str) -> Vec<(String, String, String)> {
+    let text = format!(
+        "[machine]\nname = \"mill\"\ntopology = \"wXYFZSt\"\n[axis.X]\ndirection = [-1, 0, 0]\ntravel_mm = [0, 500]\n\
+         [axis.Y]\ndirection = [0, -1, 0]\ntravel_mm = [0, 400]\n[axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [0, 300]\n{errors}"
+    );
+    let found = load(&text).1.into_iter();
+    found.map(|one| (one.code.as_str().to_owned(), one.message, one.help)).collect()
+}
+
+#[test]
+fn a_number_in_another_unit_is_named_with_what_was_meant() {
+    // 0.03 µrad over the longest travel, 500 mm, is 0.015 µm; 0.03 mm/m is 30 µrad.
+    let found = with_errors("[location]\nEC0X = 0.03\n");
+    assert_eq!(found.len(), 1, "{found:?}");
+    let (code, message, help) = &found[0];
+    assert!(code == "W0408" && message.contains("0.03 µrad is 0.015 µm over 500 mm"), "{message}");
+    assert!(help.contains("mm/m, write 30;") && help.contains("rad, write 30000;"), "{help}");
+    // 50 mm per mm over 500 mm is 25 m; 50 µm/m is 5e-5.
+    let found = with_errors("[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0, 50]\n");
+    assert_eq!(found.len(), 1, "{found:?}");
+    let (code, message, help) = &found[0];
+    assert!(code == "W0408" && message.contains("EXX is 25000000 µm at X = 500 mm"), "{message}");
+    assert!(help.contains("if 50 is in µm/m, write 5e-5"), "{help}");
+    // A reversal value in mm instead of µm would be small, one in nm large; a usual one is neither.
+    assert!(with_errors("[[motion]]\ncomponent = \"EXX\"\nkind = \"backlash\"\nvalue_um = 8.0\n").is_empty());
+    let found = with_errors("[[motion]]\ncomponent = \"EXX\"\nkind = \"backlash\"\nvalue_um = 14000.0\n");
+    assert!(found.len() == 1 && found[0].0 == "W0408", "{found:?}");
+}
+
+#[test]
+fn a_small_number_that_a_fit_has_found_is_no_mistake() {
+    assert!(with_errors("[location]\nEC0X = 0.03\n[uncertainty]\nEC0X = 0.4\n").is_empty());
+    assert!(with_errors("[location]\nEC0X = 0\n").is_empty());
+    assert!(with_errors("[location]\nEC0X = 30\n").is_empty());
+}

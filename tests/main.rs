@@ -177,6 +177,7 @@ mod plant;
 mod plant_at_speed;
 mod plots;
 mod positioning;
+mod positioning_files;
 mod prediction;
 mod presets;
 mod programs;

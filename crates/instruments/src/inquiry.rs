@@ -477,6 +477,74 @@ impl<'a> Inquiry<'a> {
         })
     }
 
+    /// Temperature state of the scale of the axis that moved: as the file states it, else by the option.
+    ///
+    /// # Errors
+    /// If lines of the file contradict each other, or the option contradicts the file.
+    pub fn scale_material(&mut self) -> Result<ReadingMaterial, ImportStop> {
+        const SCALE: &str = "the scale of the axis";
+        if let Some((material, line)) = self.stated_material()? {
+            let shown = match material {
+                ReadingMaterial::Reference => "the readings refer to 20 °C".to_owned(),
+                ReadingMaterial::Expanded { per_k, celsius } => format!(
+                    "the readings do not refer to 20 °C, so they are converted; {SCALE}: {} µm/m per K at {} °C",
+                    shown(per_k * 1e6),
+                    shown(celsius)
+                ),
+            };
+            self.note(shown, line);
+            return Ok(material);
+        }
+        self.material(SCALE)
+    }
+
+    /// State of the material by the file alone, with the line that states whether the readings refer to 20 °C; `None` if the file does not state enough.
+    ///
+    /// # Errors
+    /// If its lines contradict each other, or the option contradicts them.
+    fn stated_material(&self) -> Result<Option<(ReadingMaterial, usize)>, ImportStop> {
+        /// Temperatures that differ by less, K, are one temperature.
+        const SAME_K: f64 = 0.5;
+        let stated = stated::conversions(self.text);
+        let Some(&(is_converted, line)) = stated.first() else { return Ok(None) };
+        if let Some((_, other)) = stated.iter().find(|(one, _)| *one != is_converted) {
+            let message = format!("line {other} contradicts line {line}: whether the readings refer to 20 °C");
+            return Err(self.refused(message, "correct the file", *other));
+        }
+        let temperatures = stated::temperatures(self.text);
+        let [low, high] = temperatures
+            .iter()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], (one, _)| [low.min(*one), high.max(*one)]);
+        let is_reference = temperatures.iter().all(|(celsius, _)| (celsius - 20.0).abs() < SAME_K);
+        match (self.answers.material, is_converted) {
+            (Some(ReadingMaterial::Expanded { .. }), true) => {
+                let message = format!(
+                    "line {line} of the file states that the readings refer to 20 °C; --material would convert them again"
+                );
+                Err(self.refused(message, "omit --material; if the line is wrong, correct the file", line))
+            }
+            (Some(ReadingMaterial::Reference), false) if temperatures.is_empty() || !is_reference => {
+                let message =
+                    format!("--material 20C contradicts line {line} of the file: the readings do not refer to 20 °C");
+                let help = "state expansion and temperature of the scale, such as --material 11.5@26; if the line is wrong, correct the file";
+                Err(self.refused(message, help, line))
+            }
+            (_, true) => Ok(Some((ReadingMaterial::Reference, line))),
+            (Some(_), false) => Ok(None),
+            (None, false) => {
+                let expansions = stated::expansions(self.text);
+                let is_one = |value: f64| expansions.iter().all(|(other, _)| *other == value);
+                let expansion =
+                    expansions.first().map(|(value, _)| *value).filter(|value| *value > 0.0 && is_one(*value));
+                let found = expansion.filter(|_| high - low < SAME_K).map(|expansion| ReadingMaterial::Expanded {
+                    per_k: expansion * 1e-6,
+                    celsius: f64::midpoint(low, high),
+                });
+                Ok(found.map(|found| (found, line)))
+            }
+        }
+    }
+
     /// Makes a refusal at a line (0 for none).
     #[must_use]
     pub fn refused(&self, message: impl Into<String>, help: impl Into<String>, line: usize) -> ImportStop {

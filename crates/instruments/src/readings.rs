@@ -129,6 +129,23 @@ impl ImportedReadings {
         }
     }
 
+    /// Remedy for positions of a measured axis beyond its travel, mm or rad.
+    fn help_of_place(&self, axis: Axis, [low, high]: [f64; 2]) -> String {
+        let letter = char::from(axis.letter());
+        let place = self.axes.iter().position(|own| *own == axis);
+        let own = self.rows.iter().filter_map(|row| row.position.get(place?).copied());
+        let own = own.map(|at| if axis.is_rotary() { at.to_radians() } else { at });
+        let [first, last] = own.fold([f64::MAX, f64::MIN], |[first, last], at| [first.min(at), last.max(at)]);
+        if last - first > high - low {
+            return format!(
+                "the positions of {letter} span more than the travel: check columns and unit, and travel of {letter} in the machine file"
+            );
+        }
+        format!(
+            "positions must be machine coordinates: if the targets of the file begin at another zero, state the position of {letter} at this zero with --at {letter}…; else check columns and unit"
+        )
+    }
+
     /// Checks that positions are within the travel of the machine and that readings have a plausible size.
     ///
     /// # Errors
@@ -164,9 +181,11 @@ impl ImportedReadings {
                         shown_of(low),
                         shown_of(high)
                     );
-                    let help = format!(
-                        "positions must be machine coordinates: give the position of their zero, such as --at {letter}100, or check columns and unit"
-                    );
+                    let help = if self.axes.contains(&axis) {
+                        self.help_of_place(axis, [low, high])
+                    } else {
+                        format!("state {letter} of --at in machine coordinates, within the travel")
+                    };
                     return Err(Box::new(Diagnostic::at(
                         Code::IMPORT_CONTRADICTION,
                         text.place(row.line),

@@ -1,4 +1,4 @@
-//! Facts that lines of a file state in any layout: unit, and temperature and expansion of a scale or a workpiece.
+//! Facts that lines of a file state in any layout: unit, temperature and expansion of a scale or a workpiece, and whether readings refer to 20 °C.
 
 use ncfix_base::csv::DecimalSign;
 
@@ -73,6 +73,40 @@ pub(crate) fn expansions(text: &DecodedText) -> Vec<(f64, usize)> {
     pairs(text).filter(|(key, ..)| is_key(key)).map(|(_, value, line)| (value, line)).collect()
 }
 
+/// Words of a conversion of readings to 20 °C.
+const CONVERSIONS: &[&str] =
+    &["compens", "kompens", "normali", "refer", "corrected", "korrigiert", "bezogen", "corrig", "corregid"];
+/// Words of what is converted, beside the temperature 20; the air of a laser beam has a compensation too.
+const CONVERTED: &[&str] =
+    &["material", "expansion", "ausdehnung", "dilat", "scale", "workpiece", "werkst", "thermal", "thermi", "termic"];
+const AIR: &[&str] = &["air", "luft", "environment", "umwelt", "wavelength", "refract", "beam"];
+/// Answers of such lines.
+const YES: &[&str] =
+    &["yes", "on", "true", "ja", "ein", "an", "oui", "si", "sì", "sí", "enabled", "active", "aktiv", "applied", "1"];
+const NO: &[&str] =
+    &["no", "off", "false", "nein", "aus", "non", "disabled", "inactive", "inaktiv", "none", "not applied", "0"];
+
+/// Statements whether the readings were converted to 20 °C with the temperature of the material, with their lines: `Compensated to 20 C: Yes`.
+pub(crate) fn conversions(text: &DecodedText) -> Vec<(bool, usize)> {
+    let mut found = Vec::new();
+    for (number, line, _) in text.lines() {
+        let line = line.trim_start_matches(['#', '/', '!', '(', ';', ' ', '"']).to_lowercase();
+        let Some((key, value)) = line.split_once([';', ':', '=', '\t', ',']) else { continue };
+        let has = |words: &[&str]| words.iter().any(|word| key.contains(word));
+        let is_at_20 = key.split(|c: char| !c.is_ascii_digit()).any(|digits| digits == "20");
+        if !has(CONVERSIONS) || has(AIR) || !(is_at_20 || has(CONVERTED)) {
+            continue;
+        }
+        let value = value.trim_matches([';', ',', '\t', '"', ' ', '.', ')']);
+        if YES.contains(&value) {
+            found.push((true, number));
+        } else if NO.contains(&value) {
+            found.push((false, number));
+        }
+    }
+    found
+}
+
 /// Lines with a key and a number, in lower case.
 fn pairs(text: &DecodedText) -> impl Iterator<Item = (String, f64, usize)> {
     text.lines().filter_map(|(number, line, _)| {
@@ -95,6 +129,19 @@ mod tests {
         assert_eq!(of("# units: mm\n").unwrap(), [(ReadingUnit::find("mm").unwrap(), 1)]);
         assert_eq!(of("Unit;target;dev\num;0;1\nUnits;3\nunits: metric\n").unwrap(), []);
         assert_eq!(of("x\nEinheit;Elle\n").unwrap_err(), ("elle".to_owned(), 2));
+    }
+
+    #[test]
+    fn lines_state_whether_readings_refer_to_20_degrees() {
+        let of = |text: &str| conversions(&DecodedText::of_text("a.csv", text, "UTF-8").unwrap());
+        assert_eq!(of("Axis;X\nCompensated to 20 C: Yes\n"), [(true, 2)]);
+        assert_eq!(
+            of("Material compensation;OFF\n# thermal expansion compensation = enabled\n"),
+            [(false, 1), (true, 2)]
+        );
+        assert_eq!(of("Auf 20 °C kompensiert: nein\nReadings referred to 20 °C,no\n"), [(false, 1), (false, 2)]);
+        // The beam of the laser, the table of the control, and a number.
+        assert_eq!(of("Air temperature compensation: On\nCompensation: On\nCompensated to 20 C: 3.5\n"), []);
     }
 
     #[test]

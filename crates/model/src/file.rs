@@ -12,6 +12,7 @@ use ncfix_machine::machine::{MOST_HEADS, Machine, uncertainty};
 use super::location;
 use super::motion::{Entry, MotionKind, MotionKinds};
 use super::name::{ErrorKind, ErrorName};
+use super::plausible;
 use super::source::MachineFileReading;
 use super::uncertainty::UncertainParameter;
 use super::{ErrorModel, HeadEntries, LocationError, ModelRegisters, MotionError};
@@ -69,6 +70,7 @@ pub fn load_with(source: &Source, registers: &ModelRegisters) -> (Option<(Machin
     check_uncertainty(&mut root, axes, &errors, &mut findings);
     if let Some(machine) = &machine {
         check_location(&mut root, machine, &errors);
+        check_sizes(&mut root, machine, &errors);
         if machine.heads.is_empty() {
             check_spindle(&mut root, &machine.spindle.axis);
         }
@@ -133,6 +135,27 @@ fn check_location(root: &mut Section<'_>, machine: &Machine, errors: &ErrorModel
             "{name} has no effect on this machine: it tilts the workpiece together with all axes on its side, so no angle between axes changes"
         );
         root.report(Code::NO_EFFECT, section.place_of_key(&name.to_string()), message, help);
+    }
+}
+
+/// Reports errors of the machine and of its heads whose size is not plausible.
+fn check_sizes(root: &mut Section<'_>, machine: &Machine, errors: &ErrorModel) {
+    let is_fitted = plausible::fitted(machine);
+    let [location, motion] = match errors.head_entries {
+        Some(HeadEntries { common: [location, motion, _], .. }) => [location, motion],
+        None => [errors.location.len(), errors.motion.len()],
+    };
+    let common = (errors.location.get(..location), errors.motion.get(..motion));
+    if let (Some(location), Some(motion)) = common {
+        let found = plausible::check(root, machine, (location, motion), &is_fitted);
+        root.add(found);
+    }
+    for (mut section, own) in root.sections("head").into_iter().zip(&errors.heads) {
+        let Some([location, motion, _]) = own.head_entries.map(|entries| entries.common) else { continue };
+        if let (Some(location), Some(motion)) = (own.location.get(location..), own.motion.get(motion..)) {
+            let found = plausible::check(&mut section, machine, (location, motion), &is_fitted);
+            root.add(found);
+        }
     }
 }
 

@@ -23,6 +23,7 @@ pub mod motion;
 pub mod name;
 mod orientation;
 pub mod parameter;
+mod plausible;
 pub mod preset;
 mod rotation;
 pub mod shares;

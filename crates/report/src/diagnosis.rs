@@ -29,6 +29,9 @@ pub struct DiagnosisReport {
     pub report: Option<String>,
     /// Diagnostics of the files in order of occurrence.
     pub diagnostics: Vec<json::DiagnosticReport>,
+    /// True if a machine file is to be written.
+    #[serde(skip)]
+    pub is_to_be_written: bool,
 }
 
 impl DiagnosisReport {

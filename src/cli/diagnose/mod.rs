@@ -76,6 +76,7 @@ fn find(
 ) -> Result<(), Stop> {
     let first = arguments.data.first().map_or(Path::new("."), PathBuf::as_path);
     let target = arguments.output.as_deref().map(Target::new).transpose()?;
+    report.is_to_be_written = target.is_some();
     let Some(chosen) = machine_choice::choose(&arguments.machine, first, findings)? else { return Ok(()) };
     report.found.machine.clone_from(&chosen.machine.name);
     if target.is_some() && chosen.is_demo {

@@ -619,7 +619,10 @@ has this code, or E0601 if the rows then differ in their cells.";
     IMPORT_CONTRADICTION = "E0618" "file contradicts what it seems to be"
 "The content of the file does not agree with the options of `ncfix import`, or with itself. Examples are a position outside of the
 travel of the machine, a deviation that is not actual minus nominal, a measured axis that the machine lacks, a unit that the
-heading contradicts. Correct the option, or export the file again.";
+heading contradicts. Correct the option, or export the file again.
+
+Targets mostly count from a zero of their own, not from machine zero. --at X-600 states that target 0 of the file is X-600 of the machine.
+The other axes of --at have the machine positions at which they stood.";
     NOT_FOR_LINK = "E0701" "line that the link cannot send"
 "The program has a line that cannot be sent over this link. Nothing was sent. There are four reasons; the message states which. With --sensors,
 temperatures can add words and digits to a line while the job runs.
@@ -924,6 +927,11 @@ came from another machine, or controller names the wrong language. Remove the ke
 of a program (MD20150), or the axes of rotation of TRAORI (MD24500 to MD24572). ncfix calculates with the machine file, so these data
 have no effect. One of the two files may be old. If the control begins programs with another zero offset or unit, the correction is for a wrong position.
 Correct the machine file, or write the word at the beginning of the program.";
+    IMPLAUSIBLE_SIZE = "W0408" "error of an implausible size"
+"An error in the machine file has a size that no machine has, or that no instrument resolves. Mostly its number is in another unit. In
+[location] angles are in µrad and displacements in µm. Coefficients of polynomials are in mm (rad for angles) per power of mm: 50 µm per
+meter is 5e-5. The message states the size at the worst place of the travel, or over the travel, and the help what the number
+may have been meant to be. A small number with an entry in [uncertainty] comes from a fit and is not reported. Correct the number.";
     NO_TEMPERATURES = "W0501" "temperatures not given, or without effect"
 "The error model has sources that depend on temperatures, and neither --state nor, in a calibration, the table of readings gives
 them. All sensors are assumed to be at their reference temperature: no drift, no expansion. On a warm machine this part of the

@@ -4,14 +4,14 @@
 //! the readings come from the residuals of all candidates together: in a model without it, a true effect looks like outliers. Readings of one set-up,
 //! run, component and direction are a series, in the order of `t_s` or otherwise of the rows.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use nalgebra::DMatrix;
 
 use crate::measure::data::DataSet;
 use ncfix_base::geometry::{AXES, AXIS_COUNT};
 use ncfix_base::numeric::Normal;
-use ncfix_base::numeric::stepwise::{Choice, Rows, Rule, choose};
+use ncfix_base::numeric::stepwise::{Choice, REPEATED, Rows, Rule, choose};
 use ncfix_machine::machine::Machine;
 use ncfix_model::ErrorModel;
 
@@ -209,10 +209,13 @@ impl Job<'_> {
             cluster: Vec::new(),
             run: Vec::new(),
             place: Vec::new(),
+            side: Vec::new(),
             handicaps: self.candidates.iter().map(handicap).collect(),
         };
         let mut clusters = HashMap::new();
         let mut places = HashMap::new();
+        let mut sides = HashMap::new();
+        let one_sided = self.one_sided(&equations, &keys);
         let mut series = 0;
         for (place, (key, _, k)) in keys.iter().enumerate() {
             let line = &equations.lines[*k];
@@ -234,10 +237,13 @@ impl Job<'_> {
             rows.cluster.push(cluster);
             rows.run.push(key.run);
             let next = places.len();
-            let place = self
-                .place(line)
-                .map(|own| *places.entry((key.set, key.setup, key.component, key.place, own)).or_insert(next));
-            rows.place.push(place);
+            let own = self.place(line);
+            let direction = own.as_ref().map(|place| place.direction);
+            let next_side = sides.len();
+            rows.side.push(*sides.entry(direction).or_insert(next_side));
+            let place = own.map(|own| if one_sided.contains(&group_of(line)) { own.from_any_side() } else { own });
+            let label = (key.set, key.setup, key.component, key.place);
+            rows.place.push(place.map(|own| *places.entry((label, own)).or_insert(next)));
         }
         Ok(rows)
     }
@@ -262,12 +268,33 @@ impl Job<'_> {
         (key, observation.t_s.unwrap_or(0.0))
     }
 
+    /// Groups of readings of which too few are repeated from one direction: there, the readings from the other direction show the noise.
+    fn one_sided(&self, equations: &Equations, keys: &[(Key, f64, usize)]) -> HashSet<usize> {
+        let mut counts = HashMap::new();
+        let mut groups: HashMap<usize, [usize; 2]> = HashMap::new();
+        let places: Vec<_> = keys
+            .iter()
+            .filter_map(|(key, _, k)| {
+                let line = equations.lines.get(*k)?;
+                Some((group_of(line), (key.set, key.setup, key.component, key.place, self.place(line)?)))
+            })
+            .collect();
+        places.iter().for_each(|(_, place)| *counts.entry(place).or_insert(0_usize) += 1);
+        for (group, place) in &places {
+            let [repeated, all] = groups.entry(*group).or_default();
+            *all += 1;
+            *repeated += usize::from(counts.get(place).is_some_and(|&count| count > 1));
+        }
+        let is_one_sided = |&(_, [repeated, all]): &(usize, [usize; 2])| (repeated as f64) < REPEATED * all as f64;
+        groups.into_iter().filter(is_one_sided).map(|(group, _)| group).collect()
+    }
+
     /// Position and senses of a reading: repeated readings have the same; `None` for a known distance.
-    fn place(&self, line: &ReadingEquation) -> Option<(Vec<i64>, [i8; AXIS_COUNT])> {
+    fn place(&self, line: &ReadingEquation) -> Option<ReadingPlace> {
         let reading = &self.data.get(line.set)?.observations.get(line.row()?)?.reading;
         let place = AXES.map(|axis| (reading.position[axis] / SAME_PLACE).round() as i64);
         let tool = [0, 1, 2].map(|k| (reading.tool_mm[k] / SAME_PLACE).round() as i64);
-        Some((place.into_iter().chain(tool).collect(), reading.state.direction))
+        Some(ReadingPlace { position: place.into_iter().chain(tool).collect(), direction: reading.state.direction })
     }
 
     /// Weights of the equations, and the uncertainty of each group of readings, from all candidates together. With too few rows, from the fixed
@@ -309,6 +336,20 @@ struct Key {
     component: usize,
     run: usize,
     place: usize,
+}
+
+/// Place of a reading: axis positions and tool, in steps of [`SAME_PLACE`], and the directions of approach.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+struct ReadingPlace {
+    position: Vec<i64>,
+    direction: [i8; AXIS_COUNT],
+}
+
+impl ReadingPlace {
+    /// The place without its directions.
+    fn from_any_side(self) -> ReadingPlace {
+        ReadingPlace { direction: [0; AXIS_COUNT], ..self }
+    }
 }
 
 /// Residuals of the values after a fit of the first columns.

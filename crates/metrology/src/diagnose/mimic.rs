@@ -2,9 +2,10 @@
 //!
 //! At places one step apart, a wave of frequency ν equals one of |ν − k/step|. With steps of 50 mm, a period of 16 mm (3.125 cycles per step) advances by an
 //! eighth of a cycle. A polynomial fits these values, but differs between the places. A usual screw pitch that explains the readings as well is an alias of a
-//! smooth shape. For a shape with many coefficients, any wave that explains the readings better with fewer coefficients is one.
+//! smooth shape. For a shape with many coefficients, any wave that explains the readings better with fewer coefficients is one. A shape with more
+//! coefficients than a wave with a slope may be both: the pitch of a screw on an axis that has a scale error.
 
-use super::cause::{Candidate, EffectKind, own, periodic};
+use super::cause::{Candidate, EffectKind, Weight, motion, own, periodic};
 use super::doubt::ExtrapolationRisk;
 use super::refine::PEAK;
 use super::scene::Through;
@@ -35,6 +36,9 @@ const MANY: usize = 3;
 /// Cycles over the travel of these waves: range and step.
 const SLOW: [f64; 2] = [0.5, 3.0];
 const STEP: f64 = 0.1;
+/// Number of coefficients from which a shape is a table of its own values, and the largest number of cycles that are tried.
+const TABLE: usize = 6;
+const MOST_CYCLES: f64 = 500.0;
 /// Amounts of a wave: sine and cosine.
 const WAVE: usize = 2;
 /// A sine or cosine is zero at the measured places if the sum of its squares is less than this share of that of the other one.
@@ -118,32 +122,44 @@ impl Field<'_, '_> {
         let own = series.gain(&columns);
         let price = (series.count().max(2) as f64).ln();
         let (amounts, _) = series.amounts(&columns);
-        let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
-        let mut places: Vec<f64> = Vec::new();
+        let (mut places, mut values): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
         let used = self.scene.items.iter().zip(&weights.items).filter(|(_, weight)| **weight > 0.0);
         for row in used.filter_map(|(item, _)| self.scene.rows.get(item.row)) {
             let value = weights_at(one, row).iter().zip(&amounts).map(|(weight, amount)| weight * amount).sum::<f64>();
-            ends = [ends[0].min(value), ends[1].max(value)];
             places.push(row.position[axis]);
+            values.push(value);
         }
-        let most = LARGER * (ends[1] - ends[0]);
-        let explains = |period: f64, slack: f64, is_short: bool| {
+        // A shape with as many coefficients as a wave and a slope may be both at once.
+        let bends = |is_short: bool| one.columns.len() > if is_short { MANY } else { TABLE };
+        let most = [false, true].map(|has_slope| LARGER * range_of(&places, &values, has_slope));
+        let line = self.columns(&slope_of(name, axis));
+        let explains_with = |has_slope: bool, period: f64, slack: f64, is_short: bool| {
             let mut columns = self.columns(&periodic::candidate(name, axis, period));
             // The readings do not determine the amount of a sine that is zero at all their places.
             let largest = columns.iter().map(|column| dot(column, column)).fold(0.0, f64::max);
             columns.retain(|column| dot(column, column) > SHOWS * largest);
-            let (parts, _) = series.amounts(&columns);
+            let waves = columns.len();
+            columns.extend(line.iter().filter(|_| has_slope).cloned());
+            let (mut parts, _) = series.amounts(&columns);
+            parts.truncate(waves);
             let gain = series.gain(&columns);
+            let most = most[usize::from(has_slope)];
             // A table with an amount for each place follows the noise too. A slow wave needs no fewer amounts than a curve: its period is one.
             let spared = if is_short { price * own.rank.saturating_sub(gain.rank.max(WAVE)) as f64 } else { 0.0 };
             let less = (own.squares - gain.squares) / noise.max(f64::MIN_POSITIVE) - spared;
             (parts.iter().map(|part| part * part).sum::<f64>().sqrt() <= most && less <= slack).then_some(less)
         };
+        let explains = |period: f64, slack: f64, is_short: bool| {
+            let both = || bends(is_short).then(|| explains_with(true, period, 0.0, is_short)).flatten();
+            explains_with(false, period, slack, is_short).or_else(both)
+        };
         let slack = if one.columns.len() > 1 { RIVAL } else { 0.0 };
         let all = self.pitches(axis).filter_map(|period| Some((period, explains(period, slack, true)?)));
         let (mut out, mut less): (Vec<f64>, Vec<f64>) = all.unzip();
         if let Some((step, travel)) = even(places).filter(|_| out.is_empty() && one.columns.len() >= MANY) {
-            let count = ((SLOW[1] - SLOW[0]) / STEP) as u32;
+            // A table follows every wave that the places show, a curve only a slow one.
+            let most = if one.columns.len() > TABLE { (0.5 * travel / step).max(SLOW[1]) } else { SLOW[1] };
+            let count = ((most.min(MOST_CYCLES) - SLOW[0]) / STEP) as u32;
             let slow = (0..=count).map(|k| (SLOW[0] + STEP * f64::from(k)) / travel).filter(|slow| *slow < 0.5 / step);
             if let Some((slow, apart)) =
                 slow.into_iter().find_map(|slow| Some((slow, explains(1.0 / slow, 0.0, false)?)))
@@ -173,6 +189,24 @@ fn smooth(one: &Candidate) -> Option<(ErrorName, Axis)> {
     // Errors of screws and scales are periodic along their own axis.
     let is_own = name == own(axis) && all.all(|through| through == first);
     (matches!(one.cause.effect, EffectKind::Motion | EffectKind::Unknown) && is_own).then_some((name, axis))
+}
+
+/// A positioning error that grows with the position.
+fn slope_of(name: ErrorName, axis: Axis) -> Candidate {
+    let slope = Weight::new(move |row| row.position[axis]);
+    Candidate::one(&motion::CAUSE, name, Through::Component(name), slope)
+}
+
+/// Returns the range of values at places, with or without their slope.
+fn range_of(places: &[f64], values: &[f64], has_slope: bool) -> f64 {
+    let count = places.len().max(1) as f64;
+    let [middle, mean] = [places, values].map(|all| all.iter().sum::<f64>() / count);
+    let squares: f64 = places.iter().map(|at| (at - middle).powi(2)).sum();
+    let along: f64 = places.iter().zip(values).map(|(at, value)| (at - middle) * (value - mean)).sum();
+    let slope = if has_slope && squares > 0.0 { along / squares } else { 0.0 };
+    let straight = places.iter().zip(values).map(|(at, value)| value - slope * (at - middle));
+    let ends = straight.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], one| [low.min(one), high.max(one)]);
+    ends[1] - ends[0]
 }
 
 /// Returns the step of evenly spaced places, some of which may be missing, and their range.

@@ -2,12 +2,18 @@
 //!
 //! If a laser shows another scale in a second file, either of the two set-ups may have it. The scale of the machine then has one of two sizes, and the residual
 //! is the same. So each other set-up takes the place of the one found, and every finding whose size changes with it shares its probability.
+//!
+//! The machine may have changed too: the scale of an axis follows its temperature and its maintenance. A scale that only one file shows, while another file
+//! has the same error of the axis, is that change with exactly the same effect on the readings. The odds of both alone decide.
 
-use super::cause::setup;
+use super::cause::{own, setup};
 use super::entrant::family;
+use super::explain::assumptions::Family;
 use super::reversed::SAME;
+use super::scene::Through;
 use super::search::{Field, Weights};
 use super::undecided::{LEAST, RivalCause};
+use ncfix_model::name::ErrorName;
 
 /// A finding whose cause or size depends on which set-up is wrong.
 #[derive(Clone, Debug)]
@@ -49,15 +55,22 @@ impl Field<'_, '_> {
                 .filter_map(|place| Some((place, (0.5 * (worth(place)? - own)).exp())))
                 .filter(|(_, weight)| *weight >= LEAST)
                 .collect();
-            if rivals.is_empty() {
+            let changed = self.changed(number);
+            if rivals.is_empty() && changed.is_none() {
                 continue;
             }
-            let whole = 1.0 + rivals.iter().map(|(_, weight)| weight).sum::<f64>();
+            let odds = |family: Family| family.assumption().odds;
+            let of_change =
+                if changed.is_some() { odds(Family::Expansion) / odds(Family::Setup) } else { 0.0 };
+            let whole = 1.0 + of_change + rivals.iter().map(|(_, weight)| weight).sum::<f64>();
+            let change = changed
+                .map(|(component, cause)| (component, RivalCause { cause, probability: of_change / whole }));
             let of = |place: usize, weight: f64| {
                 let cause = self.candidates.get(place)?.title();
                 Some(RivalCause { cause, probability: weight / whole })
             };
-            let all = rivals.iter().filter_map(|&(place, weight)| of(place, weight)).collect();
+            let all = rivals.iter().filter_map(|&(place, weight)| of(place, weight));
+            let all = all.chain(change.iter().map(|(_, rival)| rival.clone())).collect();
             out.push(SwappedSetups { number, is_itself: true, rivals: all });
             let given = self.sizes(weights, (&others, number), memory);
             let with: Vec<Vec<Vec<f64>>> =
@@ -66,13 +79,35 @@ impl Field<'_, '_> {
                 let is_changed =
                     |with: &Vec<Vec<f64>>| given.get(k).zip(with.get(k)).is_some_and(|(a, b)| differ(a, b));
                 let changing = rivals.iter().zip(&with).filter(|(_, with)| is_changed(with));
-                let rivals: Vec<RivalCause> = changing.filter_map(|(&(place, weight), _)| of(place, weight)).collect();
+                // With another scale since, the present size of the same error is another one.
+                let is_same = |name: ErrorName| {
+                    let parts = self.candidates.get(other).and_then(|one| one.columns.first()?.first());
+                    parts.is_some_and(|(through, _)| *through == Through::Component(name))
+                };
+                let of_change = change.iter().filter(|(name, _)| is_same(*name)).map(|(_, rival)| rival.clone());
+                let of_setups = changing.filter_map(|(&(place, weight), _)| of(place, weight));
+                let rivals: Vec<RivalCause> = of_setups.chain(of_change).collect();
                 if !rivals.is_empty() {
                     out.push(SwappedSetups { number: other, is_itself: false, rivals });
                 }
             }
         }
         out
+    }
+
+    /// The error of an axis whose change between files has the effect of the scale of a set-up, and the change in words; `None` if no other file shows this error.
+    fn changed(&self, number: usize) -> Option<(ErrorName, String)> {
+        let columns = self.columns_of(number);
+        let rows = || self.scene.items.iter().enumerate().filter_map(|(k, item)| Some((k, self.scene.rows.get(item.row)?)));
+        let is_inside = |k: usize| columns.iter().any(|column| column.get(k).is_some_and(|value| *value != 0.0));
+        let (_, first) = rows().find(|(k, _)| is_inside(*k))?;
+        let component = first.component?;
+        let axis = component.axis().filter(|axis| !axis.is_rotary() && own(*axis) == component)?;
+        let is_alone = rows().all(|(k, row)| !is_inside(k) || (row.set, row.component) == (first.set, first.component));
+        let has_other = rows().any(|(_, row)| row.set != first.set && row.component == Some(component));
+        let file = &self.scene.sets.get(first.set)?.name;
+        (is_alone && has_other)
+            .then(|| (component, format!("{component} slope that differs between files ({axis} in {file}: temperature, maintenance)")))
     }
 
     /// Amounts of the columns of some terms, together with one more.

@@ -483,7 +483,7 @@ fn verdict(
         let doubt = reversed.filter(|_| own_share < CERTAIN).map(ReversedReadings::doubt);
         let of_setups = ExtrapolationRisk {
             rivals: of_swap.into_iter().map(|rival| rival.cause).collect(),
-            separate_by: "the same line measured once more with another mounting or instrument".to_owned(),
+            separate_by: "the same line measured once more with another mounting or instrument, and the temperature of the axis noted".to_owned(),
         };
         let doubt = doubt.or(Some(of_setups).filter(|risk| own_share < CERTAIN && !risk.rivals.is_empty()));
         let doubt = doubt.or_else(|| field.nature_doubt(candidate, &undecided)).or(relative);

@@ -96,7 +96,23 @@ pub struct DiagnosisResult {
     pub machine: String,
 }
 
+/// A residual beyond this multiple of the noise is no noise.
+const NOISY: f64 = 2.0;
+/// An explanation with this probability is more probable than all others together.
+const PROBABLE: f64 = 0.5;
+
 impl DiagnosisResult {
+    /// True if no cause is found or probable, and the residual does not exceed the noise: the machine file needs no change.
+    #[must_use]
+    pub fn needs_no_change(&self) -> bool {
+        let is_probable = |first: &ExplanationSummary| !first.terms.is_empty() && first.probability >= PROBABLE;
+        self.findings.is_empty()
+            && !self.expired
+            && !self.unexplained.structure
+            && self.after.rms_um <= NOISY * self.noise_um
+            && !self.explanations.first().is_some_and(is_probable)
+    }
+
     /// Sets all sizes to unknown if nothing was diagnosed: `null` in JSON, not zero.
     pub fn forget_sizes(&mut self) {
         let none = ReadingSizes {

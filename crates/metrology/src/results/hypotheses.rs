@@ -81,7 +81,7 @@ pub enum HypothesisAnswer {
     Supported,
     /// At least 20 times as probable with it, but the findings with its effect are 20 times as probable in its place.
     Outdone,
-    /// Neither; or its amount is smaller than its uncertainty, and left-out readings do not confirm it.
+    /// Neither; or its only amount is smaller than its uncertainty; or those of a sum are, and left-out readings do not confirm it.
     Undecided,
     /// At least 20 times as probable without it.
     Refuted,
@@ -139,9 +139,9 @@ pub(super) fn reports(trials: &StatedTrials, scene: &Scene<'_>) -> (Vec<Hypothes
 
 fn report(one: &HypothesisTrial, micro: f64) -> HypothesisReport {
     let is_shown = one.why_not_shown.is_none();
-    // The likelihood of a wrong noise may favor a term that the readings do not show otherwise.
-    let is_seen =
-        one.amounts.iter().any(|amount| amount.value.abs() > amount.u95) || one.gain.is_some_and(|gain| gain > 0.0);
+    // The likelihood of a wrong noise may favor a term that the readings do not show otherwise. The terms of a sum may be certain only together.
+    let is_seen = one.amounts.iter().any(|amount| amount.value.abs() > amount.u95)
+        || (one.amounts.len() != 1 && one.gain.is_some_and(|gain| gain > 0.0));
     let answer = match one.evidence_beside {
         _ if !is_shown => HypothesisAnswer::NotShown,
         evidence if evidence >= STRONG && one.evidence_of_findings.is_some_and(|better| better >= STRONG) => {

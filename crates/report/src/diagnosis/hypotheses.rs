@@ -104,9 +104,17 @@ pub(crate) fn answer_in_words(one: &HypothesisReport) -> String {
             let better = one.log_evidence_of_findings.unwrap_or_default();
             format!("supported, but with {others} instead, the readings are {} times as probable", factor(better))
         }
-        HypothesisAnswer::Undecided if one.log_evidence_beside.is_some_and(|evidence| evidence >= STRONG) => format!(
-            "undecided: the readings are {times}, but its amount is smaller than its uncertainty, and left-out readings do not confirm it"
-        ),
+        HypothesisAnswer::Undecided if one.log_evidence_beside.is_some_and(|evidence| evidence >= STRONG) => {
+            match one.amounts.as_slice() {
+                [amount] => format!(
+                    "undecided: the readings are {times}, but its amount {} is smaller than its uncertainty, so these data do not determine it",
+                    in_words(amount)
+                ),
+                _ => format!(
+                    "undecided: the readings are {times}, but its amounts are smaller than their uncertainties, and left-out readings do not confirm it"
+                ),
+            }
+        }
         HypothesisAnswer::Undecided => format!("undecided, the readings are {times}"),
         HypothesisAnswer::Refuted => format!("refuted, the readings are {times}"),
     }

@@ -173,7 +173,14 @@ impl DiagnosisReport {
             }
             count => format!("{} {count} of them with a probability below 50 %.", others.replace("found.", "found,")),
         };
-        let first = if is_sure(&largest) { "Largest cause".to_owned() } else { self.not_certain(largest) };
+        // Another cause may be larger and not certain, or have a larger effect that others cancel.
+        let is_larger = |one: &&CauseReport| one.share > largest.share || one.rms_um > largest.rms_um;
+        let first = match (is_sure(&largest), found.findings.iter().filter(is_larger).any(|one| one.certain)) {
+            (false, _) => self.not_certain(largest),
+            (true, true) => "Cause of the largest part of the residual".to_owned(),
+            (true, false) if found.findings.iter().any(|one| is_larger(&one)) => "Largest certain cause".to_owned(),
+            (true, false) => "Largest cause".to_owned(),
+        };
         let expired = self.expired_sentence().map_or(String::new(), |sentence| format!("{sentence} "));
         // The beginning of an uncertain result states the probability of noise.
         let is_of_noise = found.explanations.first().is_some_and(|first| first.terms.is_empty());
@@ -470,6 +477,9 @@ impl DiagnosisReport {
             let _ = writeln!(out, "{sentence}");
         }
         let _ = writeln!(out, "{}", self.unexplained_sentence());
+        if self.is_to_be_written && self.found.needs_no_change() {
+            let _ = writeln!(out, "\nNot written: nothing had to be extended, the present machine file stays valid.");
+        }
         if let Some(path) = &self.output {
             let _ = writeln!(out, "\nWritten: {path}");
             for one in self.found.findings.iter().filter(|one| !one.extends) {

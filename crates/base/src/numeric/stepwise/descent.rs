@@ -1,4 +1,5 @@
-//! Descent of one criterion by steps: enter, remove, exchange; the largest decrease first.
+//! Descent of one criterion by steps: enter, remove, exchange; the largest decrease first. If no such step decreases it, two candidates enter together: each
+//! of the two pieces of an S-shaped curve explains nothing without the other.
 
 use super::Change;
 use super::sweep::Swept;
@@ -59,7 +60,17 @@ pub(super) fn descend(
         for &column in chosen.iter() {
             consider(change(-swept.loss(column)) - price(column), column, Change::Left);
         }
-        let Some((_, column, how)) = best else { return };
+        let Some((_, column, how)) = best else {
+            let Some(pair) = best_pair(swept, criterion, chosen.len(), change) else { return };
+            for column in pair {
+                if !swept.pivot(column) {
+                    return;
+                }
+                chosen.push(column);
+                tell(column, Change::Entered);
+            }
+            continue;
+        };
         let is_done = match how {
             Change::Replaced(leaves) => {
                 chosen.retain(|&own| own != leaves);
@@ -78,4 +89,26 @@ pub(super) fn descend(
             return;
         }
     }
+}
+
+/// The two candidates outside that decrease the criterion most if they enter together; `change` is that of the criterion for a decrease of the squares.
+fn best_pair(swept: &Swept, criterion: &Criterion, chosen: usize, change: impl Fn(f64) -> f64) -> Option<[usize; 2]> {
+    if chosen + 2 > criterion.most {
+        return None;
+    }
+    let candidates = criterion.first..criterion.first + criterion.prices.len();
+    let outside = candidates.zip(&criterion.prices).filter(|&(column, _)| !swept.is_inside(column));
+    let outside: Vec<(usize, f64)> =
+        outside.filter(|&(column, _)| swept.is_told(column)).map(|(column, &price)| (column, price)).collect();
+    let mut best: Option<(f64, [usize; 2])> = None;
+    for (place, &(one, price)) in outside.iter().enumerate() {
+        for &(other, more) in outside.iter().skip(place + 1) {
+            let Some(fall) = swept.gain_of_two(one, other) else { continue };
+            let by = change(fall) + price + more;
+            if by < -LEAST_FALL && best.is_none_or(|(least, _)| by < least) {
+                best = Some((by, [one, other]));
+            }
+        }
+    }
+    best.map(|(_, pair)| pair)
 }

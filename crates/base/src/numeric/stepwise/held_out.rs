@@ -199,6 +199,7 @@ mod tests {
             cluster: vec![Some(0); count],
             run: (0..count).map(|row| row / length).collect(),
             place: Vec::new(),
+            side: Vec::new(),
             handicaps: Vec::new(),
         }
     }

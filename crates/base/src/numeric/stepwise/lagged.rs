@@ -37,6 +37,23 @@ struct Products {
     lag: DMatrix<f64>,
     /// Number of rows that follow another in their series.
     follow: usize,
+    /// Number of rows.
+    rows: usize,
+}
+
+impl Products {
+    /// Adds the products at an autocorrelation.
+    fn add_to(&self, out: &mut DMatrix<f64>, rho: f64) {
+        if self.follow == 0 {
+            *out += &self.own;
+            return;
+        }
+        let scale = 1.0 / (1.0 - rho * rho);
+        for (((to, own), inner), lag) in out.iter_mut().zip(self.own.iter()).zip(self.inner.iter()).zip(self.lag.iter())
+        {
+            *to += (own + rho * (rho * inner - lag)) * scale;
+        }
+    }
 }
 
 /// Products of all columns, by noise group.
@@ -82,7 +99,7 @@ impl Lagged {
                 add_products(&mut half, last.columns(0, borders).as_view(), first.columns(1, borders).as_view(), -1.0);
                 lag = half.transpose() + &half;
             }
-            Products { own, inner, lag, follow }
+            Products { own, inner, lag, follow, rows: count }
         };
         Lagged { groups: groups.iter().map(products).collect(), rows: rows.ncols() }
     }
@@ -91,19 +108,16 @@ impl Lagged {
     pub(super) fn gram(&self, correlation: &[f64]) -> DMatrix<f64> {
         let width = self.groups.first().map_or(0, |group| group.own.nrows());
         let mut out = DMatrix::zeros(width, width);
-        for (group, &rho) in self.groups.iter().zip(correlation) {
-            if group.follow == 0 {
-                out += &group.own;
-                continue;
-            }
-            let scale = 1.0 / (1.0 - rho * rho);
-            for (((to, own), inner), lag) in
-                out.iter_mut().zip(group.own.iter()).zip(group.inner.iter()).zip(group.lag.iter())
-            {
-                *to += (own + rho * (rho * inner - lag)) * scale;
-            }
-        }
+        self.groups.iter().zip(correlation).for_each(|(group, &rho)| group.add_to(&mut out, rho));
         out
+    }
+
+    /// Returns the products of one group at an autocorrelation, and the number of its rows.
+    pub(super) fn gram_of(&self, number: usize, rho: f64) -> Option<(DMatrix<f64>, usize)> {
+        let group = self.groups.get(number)?;
+        let mut out = DMatrix::zeros(group.own.nrows(), group.own.nrows());
+        group.add_to(&mut out, rho);
+        Some((out, group.rows))
     }
 
     /// Returns the products of some columns, the last of which is the value.
@@ -116,8 +130,25 @@ impl Lagged {
             inner: part(&group.inner),
             lag: part(&group.lag),
             follow: group.follow,
+            rows: group.rows,
         });
         Lagged { groups: groups.collect(), rows: self.rows }
+    }
+
+    /// Returns the products of one group alone.
+    fn alone(&self, number: usize) -> Lagged {
+        let groups: Vec<Products> = self.groups.get(number).into_iter().cloned().collect();
+        let rows = groups.iter().map(|group| group.rows).sum();
+        Lagged { groups, rows }
+    }
+
+    /// Returns the autocorrelation of each group and its variance, each from the rows of the group alone: for rows that have no columns in common.
+    pub(super) fn correlations_apart(&self) -> Vec<(f64, f64)> {
+        let each = (0..self.groups.len()).map(|number| {
+            let (rho, variance) = self.alone(number).correlations();
+            (rho.first().copied().unwrap_or(0.0), variance.first().copied().unwrap_or(0.0))
+        });
+        each.collect()
     }
 
     /// Returns −2 ln of the restricted likelihood; infinite if the columns are not independent.

@@ -28,6 +28,9 @@ use search::StepwiseSearch;
 /// Maximum number of iterations in which the autocorrelation is estimated again.
 const MOST_ROUNDS: usize = 8;
 
+/// Repeats are the yardstick of the noise of a group if this share of its rows is repeated.
+pub const REPEATED: f64 = 0.8;
+
 /// Rows for the selection. All lists except `handicaps` have one entry per row.
 #[derive(Clone, Debug)]
 pub struct Rows {
@@ -47,6 +50,8 @@ pub struct Rows {
     pub run: Vec<usize>,
     /// Place and condition: rows of one number are repeated readings, which differ by noise alone; `None` for a row that nothing repeats.
     pub place: Vec<Option<usize>>,
+    /// Side from which a place was reached. If rows of one place are repeats from several sides, a constant of each side is not part of their noise.
+    pub side: Vec<usize>,
     /// Additional gain that a candidate needs beyond its limit, in −2 ln of the likelihood: the simpler of two equivalent candidates comes first.
     pub handicaps: Vec<f64>,
 }
@@ -168,9 +173,37 @@ pub struct Choice {
     pub gain: Option<Gain>,
 }
 
+/// Maximum number of selections with the spread of each noise group renewed.
+const MOST_SPREADS: usize = 4;
+/// Relative change below which a spread is the same.
+const SAME_SPREAD: f64 = 0.1;
+
 /// Selects the terms. `None` if numbers are not finite, or there are no more rows than columns that are always in.
+///
+/// Each noise group has its own spread: what the terms leave in the readings of one instrument is no noise of another one.
 #[must_use]
 pub fn choose(rows: &Rows, rule: Rule) -> Option<Choice> {
+    let (mut choice, mut spreads) = choose_at(rows, rule)?;
+    if spreads.len() < 2 {
+        return Some(choice);
+    }
+    let mut scaled = rows.clone();
+    for _ in 1..MOST_SPREADS {
+        if spreads.values().all(|spread| (spread - 1.0).abs() <= SAME_SPREAD) {
+            break;
+        }
+        for (row, noise) in rows.noise.iter().enumerate() {
+            let Some(spread) = spreads.get(noise) else { continue };
+            scaled.factors.row_mut(row).scale_mut(1.0 / spread);
+            scaled.values[row] /= spread;
+        }
+        (choice, spreads) = choose_at(&scaled, rule)?;
+    }
+    Some(choice)
+}
+
+/// Selects the terms with the uncertainties as they are, and the spread of each noise group that the terms leave, by its label.
+fn choose_at(rows: &Rows, rule: Rule) -> Option<(Choice, HashMap<usize, f64>)> {
     let prepared = PreparedRows::new(rows)?;
     if prepared.count() <= prepared.always + 1 {
         return None;
@@ -204,5 +237,10 @@ pub fn choose(rows: &Rows, rule: Rule) -> Option<Choice> {
         search.demand_significance(&mut noise, &mut chosen, &mut choice.steps);
     }
     choice.terms = search.terms(&noise, &chosen, folds.as_ref());
-    Some(choice)
+    let spreads = labels.into_iter().zip(search.spreads(&noise, &chosen));
+    // A group that is never held out, such as known distances, has the uncertainty that was stated.
+    let is_read =
+        |label: usize| rows.noise.iter().zip(&rows.cluster).any(|(own, cluster)| *own == label && cluster.is_some());
+    let spreads = spreads.filter_map(|(label, spread)| Some((label, spread.filter(|_| is_read(label))?)));
+    Some((choice, spreads.collect()))
 }

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::Rows;
 use super::lagged::NoiseGroup;
+use super::{REPEATED, Rows};
 
 /// A column is dependent on those before it if less than this share of it remains; as [`crate::numeric::RANK_LIMIT`].
 const LEAST_LEFT: f64 = crate::numeric::RANK_LIMIT;
@@ -35,9 +35,6 @@ pub(super) struct PreparedRows {
     pub(super) repeated: Vec<Option<f64>>,
 }
 
-/// Repeats are the yardstick of the noise of a group if this share of its rows is repeated.
-const REPEATED: f64 = 0.8;
-
 impl PreparedRows {
     /// Prepares the rows; `None` if numbers are not finite or counts disagree.
     pub(super) fn new(rows: &Rows) -> Option<PreparedRows> {
@@ -49,6 +46,7 @@ impl PreparedRows {
             rows.cluster.len(),
             rows.run.len(),
             rows.place.len(),
+            rows.side.len(),
         ];
         let candidates = width.checked_sub(rows.always)?;
         if agree.iter().any(|&length| length != count) || rows.handicaps.len() != candidates {
@@ -182,7 +180,17 @@ fn repeats(rows: &Rows, order: &[usize], groups: &[NoiseGroup]) -> (DMatrix<f64>
     }
     let of = |row: usize| key(row).and_then(|key| places.get(&key)).copied().filter(|(_, count)| *count > 1);
     let difference = |&row: &usize| of(row).map_or(0.0, |(sum, count)| rows.values[row] - sum / count as f64);
-    let differences = DMatrix::from_iterator(1, order.len(), order.iter().map(difference));
+    // A constant of one side, such as backlash, is no noise.
+    let mut sides: HashMap<(usize, usize), (f64, usize)> = HashMap::new();
+    for row in order.iter().filter(|&&row| of(row).is_some()) {
+        let sum = sides.entry((rows.noise[*row], rows.side[*row])).or_insert((0.0, 0));
+        *sum = (sum.0 + difference(row), sum.1 + 1);
+    }
+    let mean = |row: &usize| {
+        let side = sides.get(&(rows.noise[*row], rows.side[*row])).filter(|_| of(*row).is_some());
+        side.map_or(0.0, |&(sum, count)| sum / count as f64)
+    };
+    let differences = DMatrix::from_iterator(1, order.len(), order.iter().map(|row| difference(row) - mean(row)));
     let repeated = groups.iter().map(|group| {
         let own = order.get(group.from..group.until).unwrap_or_default();
         let counts: Vec<f64> = own.iter().filter_map(|&row| of(row)).map(|(_, count)| count as f64).collect();

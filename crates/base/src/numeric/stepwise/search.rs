@@ -15,6 +15,11 @@ const ALIKE: f64 = 0.95;
 /// Increase of ν ln of the squares below which an exchange is not distinguishable: two standard deviations.
 const NOT_APART: f64 = 4.0;
 
+/// Degrees of freedom from which a noise group shows its own spread.
+const LEAST_FREEDOM: f64 = 8.0;
+/// Variance, in units of the stated one, below which a group counts as free of noise.
+const NO_NOISE: f64 = 1e-12;
+
 /// Tested t value.
 #[derive(Clone, Copy, Debug, Default)]
 struct Tested {
@@ -55,12 +60,11 @@ impl<'a> StepwiseSearch<'a> {
     pub(super) fn new(prepared: &'a PreparedRows, rows: &Rows, rule: Rule) -> StepwiseSearch<'a> {
         let lagged = Lagged::new(&prepared.rows, &prepared.groups);
         let handicaps = prepared.told.iter().map(|&candidate| rows.handicaps[candidate]).collect();
-        let (found, variances) = Lagged::new(&prepared.repeats, &prepared.groups).correlations();
-        let of_repeats =
-            prepared.repeated.iter().zip(found.into_iter().zip(variances)).map(|(count, (rho, variance))| {
-                // The mean of n repeats takes 1/n of the information.
-                count.map(|count| (rho, variance * count / (count - 1.0)))
-            });
+        let found = Lagged::new(&prepared.repeats, &prepared.groups).correlations_apart();
+        let of_repeats = prepared.repeated.iter().zip(found).map(|(count, (rho, variance))| {
+            // The mean of n repeats takes 1/n of the information.
+            count.map(|count| (rho, variance * count / (count - 1.0)))
+        });
         StepwiseSearch { prepared, lagged, of_repeats: of_repeats.collect(), rule, handicaps }
     }
 
@@ -99,6 +103,37 @@ impl<'a> StepwiseSearch<'a> {
 
     pub(super) fn swept(&self, noise: &CorrelatedNoise, chosen: &[usize]) -> Swept {
         self.swept_at(&noise.correlation, chosen)
+    }
+
+    /// Returns the standard deviation of the rows of each noise group, given these columns, in the order of the groups: its squares per degree of freedom
+    /// (Förstner 1979). `None` for a group with too few degrees of freedom, or without noise.
+    pub(super) fn spreads(&self, noise: &CorrelatedNoise, chosen: &[usize]) -> Vec<Option<f64>> {
+        let columns: Vec<usize> = self.inside(chosen).chain([self.prepared.width() - 1]).collect();
+        let own = self.lagged.only(&columns);
+        let count = columns.len() - 1;
+        let mut swept = Swept::new(own.gram(&noise.correlation));
+        (0..count).for_each(|column| {
+            swept.pivot(column);
+        });
+        let factor = |place: usize| match place {
+            value if value == count => 1.0,
+            column if swept.is_inside(column) => -swept.coefficient(column),
+            _ => 0.0,
+        };
+        let spread = |(number, &rho): (usize, &f64)| {
+            let (gram, rows) = own.gram_of(number, rho)?;
+            let (mut squares, mut used) = (0.0, 0.0);
+            for row in 0..=count {
+                for column in 0..=count {
+                    squares += factor(row) * factor(column) * gram[(row, column)];
+                    used += swept.cofactor(row, column) * gram[(row, column)];
+                }
+            }
+            let freedom = rows as f64 - used;
+            let variance = squares / freedom;
+            (freedom >= LEAST_FREEDOM && variance > NO_NOISE).then(|| variance.sqrt())
+        };
+        noise.correlation.iter().enumerate().map(spread).collect()
     }
 
     /// Returns the degrees of freedom of the t value of each column: those of the noise, reduced by the uncertainty of the autocorrelation.

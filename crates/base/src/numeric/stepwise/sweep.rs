@@ -99,6 +99,21 @@ impl Swept {
         (left > LEAST_LEFT * self.squares[enters]).then(|| along * along / left - coefficient * coefficient / variance)
     }
 
+    /// Returns the decrease of the squares if two columns enter together; `None` if they depend on each other, given those inside.
+    pub(super) fn gain_of_two(&self, one: usize, other: usize) -> Option<f64> {
+        let (first, second, shared) = (self.matrix[(one, one)], self.matrix[(other, other)], self.matrix[(one, other)]);
+        let (along_first, along_second) = (self.coefficient(one), self.coefficient(other));
+        let apart = first * second - shared * shared;
+        let fall = along_first * (along_first * second - along_second * shared)
+            + along_second * (along_second * first - along_first * shared);
+        (apart > LEAST_LEFT * first * second).then(|| fall / apart)
+    }
+
+    /// Returns an element of (XᵀX)⁻¹ of the columns inside; zero for others.
+    pub(super) fn cofactor(&self, one: usize, other: usize) -> f64 {
+        if self.is_inside(one) && self.is_inside(other) { -self.matrix[(one, other)] } else { 0.0 }
+    }
+
     /// Returns the partial correlation of two columns outside, given those inside.
     pub(super) fn correlation(&self, one: usize, other: usize) -> f64 {
         self.matrix[(one, other)] / (self.matrix[(one, one)] * self.matrix[(other, other)]).sqrt()
@@ -137,6 +152,7 @@ mod tests {
         assert!((swept.left() - both).abs() < 1e-9);
         assert!((swept.coefficient(0) - found[0]).abs() < 1e-9 && (swept.coefficient(2) - found[1]).abs() < 1e-9);
         assert!((swept.gain(3) - (both - squares(&[0, 2, 3]).0)).abs() < 1e-9);
+        assert!((swept.gain_of_two(1, 3).unwrap() - (both - squares(&[0, 1, 2, 3]).0)).abs() < 1e-9);
         assert!((swept.loss(2) - (squares(&[0]).0 - both)).abs() < 1e-9);
         assert!((swept.exchange(2, 1).unwrap() - (both - squares(&[0, 1]).0)).abs() < 1e-9);
         assert!(swept.pivot(2));

@@ -64,6 +64,7 @@ fn drift(runs: usize, length: usize, random: &mut Random) -> Rows {
         cluster: vec![Some(0); count],
         run: (0..count).map(|row| row / length).collect(),
         place: vec![None; count],
+        side: vec![0; count],
         handicaps: vec![0.0; sensors * lags],
     }
 }
@@ -259,6 +260,7 @@ fn repeats_show_the_noise_where_terms_are_missing() {
         cluster: vec![Some(0); count],
         run: (0..count).map(|row| row / length).collect(),
         place: (0..count).map(|row| Some(row % length)).collect(),
+        side: vec![0; count],
         handicaps: vec![0.0; shapes.len()],
     };
     let rule = Rule { significance: 1e-4, ..Rule::default() };
@@ -268,4 +270,83 @@ fn repeats_show_the_noise_where_terms_are_missing() {
     rows.place = vec![None; count];
     let without = choose(&rows, rule).unwrap();
     assert!(without.steps[0].correlation > 0.5, "{without:#?}");
+}
+
+/// Rows of independent noise in groups of equal length, one after the other, without repeats.
+fn groups(factors: DMatrix<f64>, values: Vec<f64>, count: usize) -> Rows {
+    let rows = values.len();
+    let group = |row: usize| row * count / rows;
+    Rows {
+        always: 0,
+        series: (0..rows).map(group).collect(),
+        noise: (0..rows).map(group).collect(),
+        cluster: (0..rows).map(|row| Some(group(row))).collect(),
+        run: vec![0; rows],
+        place: vec![None; rows],
+        side: vec![0; rows],
+        handicaps: vec![0.0; factors.ncols()],
+        factors,
+        values,
+    }
+}
+
+/// A signal of three standard deviations that is the difference of two nearly equal columns.
+#[test]
+fn two_columns_enter_together_if_neither_explains_anything_alone() {
+    let mut random = Random(3);
+    let count = 120;
+    let mut factors = DMatrix::zeros(count, 2);
+    let mut values = Vec::new();
+    for row in 0..count {
+        let (signal, common) = (random.normal(), random.normal());
+        factors[(row, 0)] = common + 0.02 * signal;
+        factors[(row, 1)] = common;
+        values.push(3.0 * signal + random.normal());
+    }
+    let found = choose(&groups(factors, values, 1), Rule::default()).unwrap();
+    let values: Vec<f64> = found.terms.iter().map(|term| term.value).collect();
+    // 3 / 0.02, with opposite signs.
+    assert!(values.len() == 2 && (values[0] - 150.0).abs() < 20.0 && (values[1] + 150.0).abs() < 20.0, "{values:?}");
+}
+
+/// The first group has a term of two standard deviations. The second one has readings of a hundred times the noise, which no column explains.
+#[test]
+fn the_misfit_of_one_group_hides_nothing_in_another() {
+    let mut random = Random(9);
+    let count = 160;
+    let mut factors = DMatrix::zeros(count, 1);
+    let mut values = Vec::new();
+    for row in 0..count {
+        let is_first = row < count / 2;
+        let shape = random.normal();
+        factors[(row, 0)] = if is_first { shape } else { 0.0 };
+        values.push(if is_first { 2.0 * shape + random.normal() } else { 100.0 * random.normal() });
+    }
+    let found = choose(&groups(factors, values, 2), Rule::default()).unwrap();
+    assert!(found.terms.len() == 1 && (found.terms[0].value - 2.0).abs() < 0.4, "{found:#?}");
+}
+
+/// One run forward and back over 60 places, with a curve that no column has and a backlash of ten standard deviations: white noise stays white.
+#[test]
+fn readings_from_two_sides_are_repeats_but_for_a_constant() {
+    let mut random = Random(21);
+    let places = 60;
+    let at = |row: usize| if row < places { row } else { 2 * places - 1 - row };
+    let values: Vec<f64> = (0..2 * places)
+        .map(|row| {
+            let side = if row < places { 5.0 } else { -5.0 };
+            20.0 * (0.1 * at(row) as f64).sin() + side + random.normal()
+        })
+        .collect();
+    let mut factors = DMatrix::zeros(2 * places, 1);
+    (0..2 * places).for_each(|row| factors[(row, 0)] = if row < places { 0.5 } else { -0.5 });
+    let mut rows = groups(factors, values, 1);
+    rows.always = 1;
+    rows.handicaps = Vec::new();
+    rows.place = (0..2 * places).map(|row| Some(at(row))).collect();
+    rows.side = (0..2 * places).map(|row| usize::from(row < places)).collect();
+    let correlation = |rows: &Rows| choose(rows, Rule::default()).unwrap().correlation[0].1;
+    assert!(correlation(&rows) < 0.3, "{}", correlation(&rows));
+    rows.place = vec![None; 2 * places];
+    assert!(correlation(&rows) > 0.8, "{}", correlation(&rows));
 }

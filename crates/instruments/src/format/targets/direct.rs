@@ -45,7 +45,7 @@ pub(super) fn rest(inquiry: &mut Inquiry<'_>, facts: &StatedFacts) -> ImportStop
     if !is_angle {
         inquiry.tool();
         // A contradiction is reported when the readings can be read.
-        _ = inquiry.material("the scale of the axis");
+        _ = inquiry.scale_material();
     }
     ImportStop::Asks
 }
@@ -204,7 +204,7 @@ pub(in crate::format) fn direct(
         inquiry.tool()
     };
     let is_length = component.is_positioning() && !component.is_angle();
-    let stretch = if is_length { inquiry.material("the scale of the axis")?.stretch() } else { 0.0 };
+    let stretch = if is_length { inquiry.scale_material()?.stretch() } else { 0.0 };
     let position =
         |target: f64| if axis.is_rotary() { target_unit.inner(target).to_degrees() } else { target_unit.inner(target) };
     let zero = inquiry.given(axis).unwrap_or(0.0);

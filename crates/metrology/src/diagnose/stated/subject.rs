@@ -123,7 +123,7 @@ fn visible(outcome: &Settled<'_, '_, '_>, number: usize, has_terms: bool, units:
     let squares =
         |column: &[f64]| column.iter().zip(&weights.items).map(|(value, weight)| (value * weight).powi(2)).sum::<f64>();
     let still = still(outcome, one);
-    let because = if still.is_empty() { String::new() } else { format!(": {}", still.join(" and ")) };
+    let because = if still.is_empty() { String::new() } else { format!(": {}", joined(&still)) };
     if columns.iter().all(|column| squares(column) == 0.0) {
         let has_effect = one
             .columns
@@ -144,6 +144,15 @@ fn visible(outcome: &Settled<'_, '_, '_>, number: usize, has_terms: bool, units:
     }
     if columns.iter().zip(&of_setups).all(|(column, rest)| *rest <= OWN * squares(column)) {
         return Err(format!("the unknowns of the set-ups absorb it completely{because}"));
+    }
+    // A factor that is the same in all readings has left no trace: a term without it has the same effect on them.
+    if has_terms && !still.is_empty() && still.len() < one.drivers.len() {
+        let names: Vec<&str> = still.iter().map(|(name, _)| name.as_str()).collect();
+        return Err(format!(
+            "{}, so a term without {} explains the same readings; measure at several of its values",
+            joined(&still),
+            names.join(" and ")
+        ));
     }
     if has_terms {
         let responses = one.columns.iter().flatten().filter_map(|(through, _)| field.factors.get(through));
@@ -178,8 +187,14 @@ fn visible(outcome: &Settled<'_, '_, '_>, number: usize, has_terms: bool, units:
     Ok(())
 }
 
-/// Drivers that are constant, as text.
-fn still(outcome: &Settled<'_, '_, '_>, one: &Candidate) -> Vec<String> {
+/// The constant drivers in words.
+fn joined(still: &[(String, String)]) -> String {
+    let all: Vec<String> = still.iter().map(|(name, at)| format!("{name} stays at {at}")).collect();
+    all.join(" and ")
+}
+
+/// Drivers that are constant, with their values as text.
+fn still(outcome: &Settled<'_, '_, '_>, one: &Candidate) -> Vec<(String, String)> {
     let scene = outcome.field.scene;
     let is_used = |row: usize| scene.rows.get(row).is_some_and(|row| row.set < outcome.used);
     let of = |name: &String| {
@@ -188,7 +203,7 @@ fn still(outcome: &Settled<'_, '_, '_>, one: &Candidate) -> Vec<String> {
         let (low, high) = values
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (_, value)| (low.min(*value), high.max(*value)));
         let unit = if found.unit.is_empty() { String::new() } else { format!(" {}", found.unit) };
-        (high >= low && high - low <= 1e-9 * high.abs().max(low.abs())).then(|| format!("{name} stays at {low}{unit}"))
+        (high >= low && high - low <= 1e-9 * high.abs().max(low.abs())).then(|| (name.clone(), format!("{low}{unit}")))
     };
     one.drivers.iter().filter_map(of).collect()
 }
