@@ -774,7 +774,9 @@ the value in the program, or in [system] of the machine file.";
     NOT_AT_THIS_CONTROL = "W0241" "words that the control does not have"
 "controller names a firmware of the Grbl family, and the output has words that this firmware does not document. Grbl 1.1 has no M6, no
 G43 with H and no P for several turns, for example. The control answers such a line with an error and executes nothing of it, not even
-its moves; many senders then stop. The original program has the same words. Remove them, or choose the post-processor of this control.
+its moves; many senders then stop. A line that begins with $1 would change a setting of the control. Only some builds have M7 (mist):
+without it, the spindle code in the same line has no effect either. The original program has the same words. Remove them, or choose
+the post-processor of this control. feed refuses words that no build has (E0701).
 ncfix writes drilling cycles (G81), variables and O words as moves where the firmware lacks them. If the control is another one, correct
 controller in the machine file.";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
