@@ -130,9 +130,10 @@ fn words_with_another_meaning_are_not_sent_to_marlin() {
 /// the first of them stands in more lines than are shown.
 #[test]
 fn words_that_grbl_lacks_are_named_before_the_first_byte() {
-    let many = "G0 X1 M6\nX0 M6\n".repeat(15);
-    let part =
-        format!("G21 G90 G17 G54\nG0 Z10\nX0 Y0\nM7\n{many}G43 H1\nG0 Z9\nG81 X1 Y1 Z-1 R2 F50\nG80\nG0 Z10\nM30\n");
+    let many = "T1 M6\nG0 X1 Y0 Z10\n".repeat(25);
+    let part = format!(
+        "G21 G90 G17 G54\nG0 Z10\nX0 Y0\nM7\n{many}G43 H1\nG0 Z9\nG98 G81 X1 Y1 Z-1 R2 F50\nG80\nG0 Z10\nM30\n"
+    );
     let tool = "[[tool]]\nnumber = 1\nlength_mm = 0\nradius_mm = 2\n";
     let shop = Shop::new().file("part.ngc", part).file("router.toml", format!("{ROUTER}{tool}"));
     let arguments = ["feed", "part.ngc", "--machine", "router.toml", "--dry-run", "--allow-starvation", "--link"];
