@@ -16,6 +16,7 @@ use crate::machine::Machine;
 use crate::options::ProgramReading;
 use crate::recognition;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::geometry::{Axis, AxisSet};
 use ncfix_base::source::{FileId, Source, Span};
 use ncfix_dialect::{Dialect, Language};
 use ncfix_language::exec::{Execution, Library, NoLibrary, Options, Radius, RapidOrder};
@@ -237,14 +238,20 @@ pub(crate) fn assumed_start(
         return Vec::new();
     }
     let (mut has_unit, mut has_return, mut motion, mut cycle) = (false, false, None, None);
-    let mut homes = [None; 2];
+    // The place of the first G28 and G30, and the axes that any of them moves.
+    let mut homes: [Option<(usize, AxisSet)>; 2] = [None; 2];
     let mut note = |code: u32, at: Option<usize>| match code {
         20 | 21 => has_unit = true,
         98 | 99 => has_return |= cycle.is_none(),
         0..=3 => motion = motion.or(at),
         73 | 81..=83 | 85 | 86 | 88 | 89 => cycle = cycle.or(at),
-        28 => homes[0] = homes[0].or(at),
-        30 => homes[1] = homes[1].or(at),
+        28 | 30 => {
+            let home = &mut homes[usize::from(code == 30)];
+            if let Some(at) = at {
+                let moved = home_axes(source.bytes(), at, machine.axis_set());
+                *home = Some(home.map_or((at, moved), |(first, known)| (first, known.union(moved))));
+            }
+        }
         _ => {}
     };
     each_g(machine.control.iso.startup_code.as_bytes(), |code, _| note(code, None));
@@ -263,17 +270,41 @@ pub(crate) fn assumed_start(
         let help = "write G98 (return to the initial level) or G99 (to R) before the cycle, or state startup_code in [control]";
         warn(at, message, help)
     });
-    // Parameters 5161 and 5181 are X of the two positions.
-    let home = [(28, 5161), (30, 5181)].into_iter().zip(homes).filter_map(|((code, parameter), at)| {
-        let at = at?;
-        let name = format!("#{parameter}");
-        let is_set = source.bytes().windows(name.len()).any(|text| text == name.as_bytes());
-        let is_stated = is_set || machine.system.contains_key(&name);
-        let message = format!("no file states the position of G{code}: the machine zero is assumed, so the output moves there at rapid");
-        let help = format!("give the file of the control with --setup (.var, or the answer to $#), or state \"#{parameter}\" … in [system] of the machine file");
-        (!is_stated).then(|| warn(at, &message, &help))
+    // From these parameters on, in the order of the axes, are the two positions.
+    let home = [(28, 5161), (30, 5181)].into_iter().zip(homes).filter_map(|((code, first), home)| {
+        let (at, moved) = home?;
+        let name = |axis: Axis| format!("#{}", first + axis.slot());
+        let is_stated = |name: &str| {
+            machine.system.contains_key(name) || source.bytes().windows(name.len()).any(|text| text == name.as_bytes())
+        };
+        let unstated: Vec<Axis> = moved.iter().filter(|&axis| !is_stated(&name(axis))).collect();
+        let lacking = name(*unstated.first()?);
+        let axes = unstated.iter().map(Axis::to_string).collect::<Vec<_>>().join(", ");
+        let message = format!("no file states the position of G{code} in {axes}: the machine zero is assumed, so the output moves there at rapid");
+        let help = format!("give the file of the control with --setup (.var, or the answer to $#), or state \"{lacking}\" … in [system] of the machine file");
+        Some(warn(at, &message, &help))
     });
     unit.into_iter().chain(retraction).chain(home).collect()
+}
+
+/// The axes that the block of a G28 or G30 at `at` moves: those that it names, or all.
+fn home_axes(bytes: &[u8], at: usize, all: AxisSet) -> AxisSet {
+    let is_end = |byte: &u8| matches!(byte, b'\n' | b'\r');
+    let start = bytes[..at].iter().rposition(is_end).map_or(0, |end| end + 1);
+    let (mut named, mut depth) = (AxisSet::EMPTY, 0_u32);
+    for &byte in bytes[start..].iter().take_while(|byte| !is_end(byte) && **byte != b';') {
+        match byte {
+            b'(' | b'[' | b'<' => depth += 1,
+            b')' | b']' | b'>' => depth = depth.saturating_sub(1),
+            _ if depth == 0 => {
+                if let Some(axis) = Axis::from_letter(byte.to_ascii_uppercase()) {
+                    named = named.union(std::iter::once(axis).collect());
+                }
+            }
+            _ => {}
+        }
+    }
+    if named.is_empty() { all } else { named.intersection(all) }
 }
 
 /// Calls `each` with every whole G code outside of comments, and its place.

@@ -148,6 +148,79 @@ fn blockwise_transfer_repeats_what_was_refused_and_nothing_else() {
     assert!(done > 1600, "{done}");
 }
 
+/// A program whose lines command a position each; the end is at X4 Y-2 Z30.
+const MOVES: &[&str] =
+    &["G21G90G54", "G0X1Y1", "G1Z-3F300", "X10", "Y5", "G91", "X-2", "X-2", "Y-7", "G90", "X4", "G0Z30", "M30"];
+
+/// Sends the lines to a control; returns how it ended, and whether the end position was confirmed.
+fn sent<C: Control>(name: &str, lines: &[&str], control: C, faults: Faults) -> (Ended, Option<String>) {
+    let profile = profile(name);
+    let mut notes = Notes::default();
+    let mut planned = Planned::new(lines.len(), 0.01);
+    planned.lines = lines.iter().map(|line| line.as_bytes().to_vec()).collect();
+    let mut cable = Cable::new(control, faults, 1);
+    let mut sender = sender(&profile, &mut notes);
+    let ended = controls::run(&mut sender, &mut cable, &mut planned);
+    (ended, sender.progress().in_position.clone())
+}
+
+/// A control accepts every line with `ok` and does not carry out one of them. The positions are summed by hand: X 1, 10, 8, 6, 4; Y 1, 5, -2; Z -3, 30.
+#[test]
+fn a_line_that_was_accepted_and_not_executed_is_found_at_the_end() {
+    let places = [("grbl", false, false), ("grbl", true, false), ("grbl", false, true), ("grblhal", false, false)];
+    for (name, tells_inches, tells_work) in places {
+        for (ignored, is_found) in [(None, false), (Some(9), true), (Some(12), true), (Some(4), false)] {
+            let faults = Faults { most_bytes: 40, latency_s: 0.002, ignored, ..Faults::default() };
+            let mut control = Grbl::new(&faults, 0.01).that_tells_its_place([-200.0, -150.5, -60.25]);
+            (control.tells_inches, control.tells_work) = (tells_inches, tells_work);
+            let (ended, confirmed) = sent(name, MOVES, control, faults);
+            if is_found {
+                let Ended::Lost(why) = &ended else { panic!("{name} {ignored:?}: {ended:?}") };
+                assert!(why.contains("at another position"), "{why}");
+            } else {
+                // X10 of the fourth line is hidden by the last X4, which is absolute.
+                assert_eq!((&ended, confirmed.as_deref()), (&Ended::Done, Some("XYZ")), "{name} {ignored:?}");
+            }
+        }
+    }
+    for (ignored, is_found) in [(None, false), (Some(9), true), (Some(12), true)] {
+        let faults = Faults { most_bytes: 40, latency_s: 0.002, ignored, ..Faults::default() };
+        let mut control = Marlin::new(&faults, 0.01);
+        control.tells_place = true;
+        // One command in a line, as they are sent.
+        let lines =
+            ["G21", "G0X1Y1", "G1Z-3F300", "G1X10", "G1Y5", "G91", "G1X-2", "G1X-2", "G1Y-7", "G90", "G1X4", "G0Z30"];
+        let (ended, confirmed) = sent("marlin", &lines, control, faults);
+        let is_lost = matches!(&ended, Ended::Lost(why) if why.contains("at another position"));
+        assert_eq!(is_lost, is_found, "{ignored:?}: {ended:?}");
+        assert_eq!(confirmed.as_deref(), (!is_found).then_some("XYZ"), "{ignored:?}: {ended:?}");
+    }
+}
+
+/// After a dwell the axes stand still in any case: there the position is compared, before a later line commands the same axis again.
+#[test]
+fn a_line_that_was_not_executed_is_found_at_the_next_dwell() {
+    let lines = ["G21G90G54", "G0X1Y1", "X10", "G4P0.5", "X20", "Y9", "G0X4", "M30"];
+    for (ignored, is_found) in [(None, false), (Some(3), true)] {
+        let faults = Faults { most_bytes: 40, latency_s: 0.002, ignored, ..Faults::default() };
+        let control = Grbl::new(&faults, 0.01).that_tells_its_place([5.0, 6.0, 7.0]);
+        let (ended, _) = sent("grbl", &lines, control, faults);
+        let is_lost = matches!(&ended, Ended::Lost(why) if why.contains("X at 1.000 mm") && why.contains("10.000 mm"));
+        assert_eq!((is_lost, ended == Ended::Done), (is_found, !is_found), "{ended:?}");
+    }
+}
+
+/// A control that states no offset, and one whose program ends with a move of unknown length: the job is done, and nothing is confirmed.
+#[test]
+fn without_a_position_that_can_be_compared_nothing_is_confirmed() {
+    let faults = || Faults { most_bytes: 40, latency_s: 0.002, ..Faults::default() };
+    let (ended, confirmed) = sent("grbl", MOVES, Grbl::new(&faults(), 0.01), faults());
+    assert_eq!((ended, confirmed), (Ended::Done, None));
+    let control = Grbl::new(&faults(), 0.01).that_tells_its_place([0.0, 0.0, 0.0]);
+    let (ended, confirmed) = sent("grbl", &["G21G90", "G0X1", "G28", "M30"], control, faults());
+    assert_eq!((ended, confirmed), (Ended::Done, None));
+}
+
 #[test]
 fn grbl_in_an_alarm_gets_no_line() {
     let profile = profile("grbl");

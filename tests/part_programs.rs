@@ -45,6 +45,13 @@ fn a_step_of_data_of_the_control_stays_a_step() {
         ("fanuc", "#5221=#5221-#1-1.", "#5221=#5221-3"),
         ("fanuc", "#2001=0.5+#2001", "#2001=#2001+0.5"),
         ("rs274", "#5221=[#5221+5]", "#5221=[#5221+5]"),
+        // G10 with the old value in its word, also through a variable.
+        ("fanuc", "G10 L2 P1 X[#5221+5.]", "G10 L2 P1 X[#5221+5]"),
+        ("fanuc", "#100=#5221\n#101=#100+#1\nG10 L2 P1 X#101", "G10 L2 P1 X[#5221+2]"),
+        ("fanuc", "#100=#5221\n#5221=3.+#100", "#5221=#5221+3"),
+        ("fanuc", "G10 L11 P1 R[#2001-0.2]", "G10 L11 P1 R[#2001-0.2]"),
+        ("rs274", "G10 L2 P1 X[#5221+5]", "G10 L2 P1 X[#5221+5]"),
+        ("rs274", "#<old>=#5221\n#100=[#<old>-2]\nG10 L2 P1 X#100 Y1", "G10 L2 P1 X[#5221-2] Y1"),
         ("sinumerik", "$P_UIFR[1,X,TR]=$P_UIFR[1,X,TR]+5", "$P_UIFR[1,X,TR]=$P_UIFR[1,X,TR]+5"),
         ("sinumerik", "$P_UIFR[1]=$P_UIFR[1]:CTRANS(X,5)", "$P_UIFR[1]=$P_UIFR[1]:CTRANS(X,5)"),
         ("sinumerik", "$TC_DP3[1,1]=$TC_DP3[1,1]-R1", "$TC_DP3[1,1]=$TC_DP3[1,1]-0.5"),
@@ -84,14 +91,50 @@ fn moves_after_a_step_count_from_the_new_zero() {
     }
 }
 
-/// A product of the old value is no step: the value of the machine file is written, as before.
+/// A product of the old value, a difference of two values, an argument and a rounded value: the control would compute another number than the machine file
+/// gives, and the output cannot keep the computation.
 #[test]
-fn other_values_are_written_as_values() {
-    for (block, wanted) in [("#5221=#5221*2", "#5221=200"), ("#5221=#5221+#5241", "#5221=100")] {
-        let machine = mill("fanuc", 100.0) + "[zero_offset.G55]\nX_mm = 0\nY_mm = 0\nZ_mm = 0\n";
-        let shop = Shop::new().file("m.toml", machine).file("in.nc", program("fanuc", block));
-        shop.run(["fix", "in.nc", "-o", "out.nc", "--machine", "m.toml"]).exits(0);
-        assert!(shop.text("out.nc").lines().any(|line| line == wanted), "{}", shop.text("out.nc"));
+fn a_value_that_cannot_be_kept_as_a_sum_is_refused() {
+    for (controller, block) in [
+        ("fanuc", "#5221=#5221*2"),
+        ("fanuc", "#5221=#5221+#5241"),
+        ("fanuc", "#100=FIX[#5221]\nG10 L2 P1 X#100"),
+        ("fanuc", "G91 G10 L2 P1 X[#5221/2]"),
+        ("rs274", "G10 L2 P1 X[#5221*2]"),
+        ("rs274", "#<half>=[#5221/2]\n#5221=#<half>"),
+    ] {
+        let ending = ending(controller);
+        let (source, out) = (format!("in.{ending}"), format!("out.{ending}"));
+        let machine = mill(controller, 100.0) + "[zero_offset.G55]\nX_mm = 0\nY_mm = 0\nZ_mm = 0\n";
+        let shop = Shop::new().file("m.toml", machine).file(&source, program(controller, block));
+        shop.run(["fix", &source, "-o", &out, "--machine", "m.toml"]).exits(4).says("error[E0219]").says("zero offset");
+    }
+}
+
+/// The program sets the value itself, to a number. What it computes from it is then a number, too.
+#[test]
+fn a_value_that_the_program_has_set_is_a_number() {
+    let block = "G10 L2 P1 X40.\n#5221=#5221*2";
+    let shop = Shop::new().file("m.toml", mill("fanuc", 100.0)).file("in.nc", program("fanuc", block));
+    shop.run(["fix", "in.nc", "-o", "out.nc", "--machine", "m.toml"]).exits(0);
+    let text = shop.text("out.nc");
+    assert!(text.lines().any(|line| line == "#5221=80"), "{text}");
+}
+
+/// B-62764EN: F of G93 is 0.001 to 9999.999 1/min on a Fanuc. LinuxCNC reads any number.
+#[test]
+fn a_reciprocal_time_that_a_fanuc_does_not_read_is_refused() {
+    for (controller, feed, code) in [("fanuc", "9999.999", 0), ("fanuc", "90000.", 4), ("rs274", "90000.", 0)] {
+        let ending = ending(controller);
+        let (source, out) = (format!("in.{ending}"), format!("out.{ending}"));
+        let text = format!(
+            "G21 G90 G17 G54 G40 G49\nT1 M6\nG43 H1 G0 Z50.\nX0. Y0.\nG93\nG1 X0.01 F{feed}\nG94\nG0 Z50.\nM30\n"
+        );
+        let shop = Shop::new().file("m.toml", mill(controller, 100.0)).file(&source, text);
+        let run = shop.run(["fix", &source, "-o", &out, "--machine", "m.toml"]).exits(code);
+        if code == 4 {
+            run.says("error[E0210]").says("at most F9999.999");
+        }
     }
 }
 

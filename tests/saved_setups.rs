@@ -94,6 +94,14 @@ fn positions_of_g28_and_g30_come_from_the_control() {
     }
     let run = shop.run(["fix", "p.ngc", "-o", "none.ngc", "--machine", "m.toml"]).exits(0);
     run.says("warning[W0240]").says("no file states the position of G30").says("p.ngc:4");
+    // X of the position is stated, Z is not: it counts for a block that moves Z alone.
+    let stated = format!("{mill}\n[system]\n\"#5181\" = 30.5\n\"#5182\" = 25.0\n");
+    for (block, axes) in [("G30 Z0", "G30 in Z:"), ("G91 G30 X0 Y0\nG90", ""), ("G30", "G30 in Z:")] {
+        let shop = Shop::new().file("m.toml", &stated).file("p.ngc", program.replace("G30", block));
+        let run = shop.run(["fix", "p.ngc", "-o", "none.ngc", "--machine", "m.toml"]).exits(0);
+        assert_eq!(run.stderr.contains("position of G30"), !axes.is_empty(), "{block}: {}", run.stderr);
+        assert!(run.stderr.contains(axes), "{block}: {}", run.stderr);
+    }
 }
 
 #[test]

@@ -17,7 +17,7 @@ pub enum ExitCode {
     Refused = 4,
     /// The link cannot be opened or was lost.
     Link = 5,
-    /// The control refused a line, was reset, is in an alarm state or does not answer.
+    /// The control refused a line, was reset, is in an alarm state, reports another position, or does not answer.
     Control = 6,
     /// Temperature sensors remained bad, and their file ends the transfer in that case.
     Sensor = 7,
@@ -72,7 +72,10 @@ const OF_IMPORT: &[(ExitCode, &str)] = &[
 /// Additional statuses of commands that talk to a control.
 const OF_LINK: &[(ExitCode, &str)] = &[
     (ExitCode::Link, "the link cannot be opened or was lost"),
-    (ExitCode::Control, "the control refused a line, was reset, is in an alarm state or does not answer"),
+    (
+        ExitCode::Control,
+        "the control refused a line, was reset, is in an alarm state, reports another position than the lines command, or does not answer",
+    ),
     (ExitCode::Sensor, "temperature sensors remained bad"),
 ];
 

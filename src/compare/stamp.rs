@@ -44,7 +44,7 @@ pub(crate) fn promise(
     }
     if let Some(model) = emit::stamped_model(bytes).filter(|model| *model != chosen.hash) {
         let message = format!(
-            "{name} was corrected for the machine file with the checksum {model}, but is compared on {}",
+            "{name} was corrected for another machine file, or this file was changed since (checksum {model} in the stamp, {} of the file)",
             chosen.hash
         );
         warn(
@@ -73,8 +73,10 @@ pub(crate) fn promise(
     }
     let hash = short_hash([original.bytes()]);
     if let Some(source) = emit::stamped_source(bytes).filter(|source| *source != hash) {
-        let message =
-            format!("{name} was made from a program with the checksum {source}, but {} has {hash}", original.name());
+        let message = format!(
+            "{name} was made from another program than {}, or that was changed since (checksum {source} in the stamp, {hash} of the program)",
+            original.name()
+        );
         warn(
             Code::OTHER_STAMP,
             message,

@@ -436,7 +436,7 @@ fn worse(prediction: &Prediction, tolerance_mm: f64) -> Option<Diagnostic> {
     let [before, after] = [before_mm, after_mm].map(|mm| micrometers(um_from_mm(mm)));
     let message =
         format!("the corrected program would have an error of {after} rms, but the original program has {before}");
-    let help = "nothing was written; a smaller --increment, if the control has one, or a smaller --tolerance; otherwise run the original program";
+    let help = "nothing was written; choose a smaller --increment, if the control has one, or a smaller --tolerance; otherwise run the original program";
     Some(Diagnostic::nowhere(Code::CORRECTION_MAKES_WORSE, message, help))
 }
 

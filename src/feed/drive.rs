@@ -17,9 +17,9 @@ use super::{FeedEnd, FeedView, Sent};
 use crate::error::Error;
 use ncfix_base::geometry::{AXES, AXIS_COUNT, AxisKey};
 use ncfix_dnc::drip::Lines;
-use ncfix_dnc::feed::{Ended, Event, Halt, HeadKey, Journal, Port, Sender, TransferProgress};
+use ncfix_dnc::feed::{ELSEWHERE, Ended, Event, Halt, HeadKey, Journal, Port, Sender, TransferProgress};
 use ncfix_dnc::sense::Panel;
-use ncfix_report::feed::{Before, FeedEvent, FeedOutcome, Status};
+use ncfix_report::feed::{Before, ExecutionEvidence, FeedEvent, FeedOutcome, Status};
 
 /// Interval between two checks of the clock, the keyboard and the sensors while nothing arrives.
 const IDLE: Duration = Duration::from_millis(5);
@@ -396,9 +396,25 @@ impl Drive<'_> {
             delay_us: self.meter.microseconds().filter(|_| !self.sends_file),
             control: progress.control.clone(),
             ended: word,
+            confirmed: evidence(ended, progress),
+            in_position: progress.in_position.clone().filter(|_| ended.is_some()),
             message,
             source_line: progress.last.source_line,
         }
+    }
+}
+
+/// Evidence that the control has executed the lines of a job that has ended.
+fn evidence(ended: Option<&Ended>, progress: &TransferProgress) -> Option<ExecutionEvidence> {
+    match ended? {
+        Ended::Lost(why) if why.starts_with(ELSEWHERE) => Some(ExecutionEvidence::Differs),
+        Ended::Done if progress.in_position.is_some() => Some(ExecutionEvidence::Position),
+        Ended::Done if progress.executed.is_some_and(|executed| executed >= progress.sent) => {
+            Some(ExecutionEvidence::Reported)
+        }
+        Ended::Done if progress.left > 0 => Some(ExecutionEvidence::Transmitted),
+        Ended::Done => Some(ExecutionEvidence::Accepted),
+        _ => None,
     }
 }
 

@@ -112,7 +112,11 @@ pub(crate) fn check_same(told: &JournalContents, job: &Transfer, before: &Before
     ] {
         if was != is {
             let message = format!("{what} has changed since the job began (was {was}, is {is})");
-            let help = "restore it; otherwise correct the original again, and feed it from its beginning or start it at the control with a block search";
+            let help = if what == "the machine file" {
+                "restore it; if a new tool has another length, the job cannot be resumed: feed the program from its beginning, or correct the original again and start it at the control with a block search"
+            } else {
+                "restore it; otherwise correct the original again, and feed it from its beginning or start it at the control with a block search"
+            };
             findings.add(Diagnostic::nowhere(Code::OTHER_JOB, message, help), &[]);
         }
     }

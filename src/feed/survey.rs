@@ -1,5 +1,7 @@
 //! The first run of a program that is fed: all diagnostics, a check of every line against the link, the forecast.
 
+use std::collections::BTreeSet;
+
 use crate::correction::corrected_before;
 use crate::coverage;
 use crate::datum;
@@ -12,6 +14,7 @@ use ncfix_base::source::Source;
 use ncfix_dnc::drip::Lines;
 use ncfix_dnc::feed::{Forecaster, Line, LinkRate, port};
 use ncfix_language::exec::RapidOrder;
+use ncfix_machine::machine::{Firmware, LackingWord};
 use ncfix_path::path::{Corrector, Output};
 use ncfix_report::feed::{Before, FeedEvent, Late, rate};
 
@@ -55,7 +58,8 @@ pub(crate) fn run(
     let link = if sends_file { own } else { lines };
     let mut forecaster = Forecaster::new(link);
     let end_of_block = profile.frame.end_of_block.len();
-    let mut refused = Vec::new();
+    // One line for each reason, so that no reason is hidden by many lines with another.
+    let (mut refused, mut reasons, mut options) = (Vec::new(), BTreeSet::new(), BuildOptions::default());
     let base = job.machine.model();
     let mut live = if has_sensors && !sends_file { LiveLines::new(job, &base)? } else { None };
     let program = walk(job, watch, findings, &mut |step| {
@@ -70,8 +74,12 @@ pub(crate) fn run(
         };
         if let Err(why) = profile.check(&line.text)
             && refused.len() < MOST_SHOWN
+            && reasons.insert(why.clone())
         {
-            refused.push(not_for_link(line, &why, profile.longest_line));
+            refused.push(not_for_link(line, &why, profile.longest_line, profile.firmware));
+        }
+        if let Some(firmware) = profile.firmware {
+            options.take(firmware, &line.text);
         }
         forecaster.line(line.text.len() + end_of_block, line.source_line, line.busy_s);
     })?;
@@ -80,6 +88,7 @@ pub(crate) fn run(
         refused = live.refused;
     }
     findings.extend(refused, &[]);
+    findings.extend(profile.firmware.and_then(|firmware| options.finish(firmware)), &[]);
     if findings.has_errors() {
         return Ok(None);
     }
@@ -225,10 +234,41 @@ fn judge(allows_starvation: bool, before: &Before, findings: &mut Diagnostics) {
     findings.add(Diagnostic::nowhere(code, message, help), &[]);
 }
 
-fn not_for_link(line: &Line, why: &str, longest_line: usize) -> Diagnostic {
+/// Words of the lines that only some builds of the firmware have.
+#[derive(Default)]
+struct BuildOptions(Vec<LackingWord>);
+
+impl BuildOptions {
+    fn take(&mut self, firmware: Firmware, line: &[u8]) {
+        firmware.each_lacking(line, |word| {
+            if word.is_option && !self.0.contains(&word) {
+                self.0.push(word);
+            }
+        });
+    }
+
+    fn finish(self, firmware: Firmware) -> Option<Diagnostic> {
+        if self.0.is_empty() {
+            return None;
+        }
+        let words: Vec<String> = self.0.iter().map(|word| word.text()).collect();
+        let message = format!(
+            "only some builds of {} have these words: {}; without it, the control refuses its line in the middle of the job",
+            firmware.name(),
+            words.join(", ")
+        );
+        let help = "check that your control has it, or remove it from the program: M8 switches the flood coolant";
+        Some(Diagnostic::nowhere(Code::NOT_AT_THIS_CONTROL, message, help))
+    }
+}
+
+fn not_for_link(line: &Line, why: &str, longest_line: usize, firmware: Option<Firmware>) -> Diagnostic {
     let text = String::from_utf8_lossy(&line.text);
     let message = format!("line {} of the original becomes '{text}': {why}", line.source_line);
-    let help = if text.len() > longest_line {
+    let lacks = firmware.is_some_and(|firmware| !firmware.lacks(&line.text).is_empty());
+    let help = if lacks {
+        "remove the word from the program, or choose the post-processor of this control; with its name as controller in the machine file, drilling cycles, variables and O words become moves; if the control is another one, choose its link with --link"
+    } else if text.len() > longest_line {
         "change the program there, choose a larger --increment for shorter numbers, or another profile with --link"
     } else {
         "change the program there, choose another profile with --link, or load the corrected program into the control (`ncfix IN -o OUT`)"

@@ -5,7 +5,7 @@
 
 use std::collections::VecDeque;
 
-use super::{Control, Faults};
+use super::{Control, Faults, Place};
 
 /// Size of the ring, bytes, and of the planner, blocks.
 const RING: usize = 128;
@@ -36,6 +36,12 @@ pub(crate) struct Grbl {
     lines: u64,
     out: Vec<u8>,
     executed: Vec<Vec<u8>>,
+    place: Place,
+    /// Offset of the program against the machine, mm, and whether it reports it, with positions in inches or of the program.
+    offset: Option<[f64; 3]>,
+    pub(crate) tells_inches: bool,
+    pub(crate) tells_work: bool,
+    reports: u64,
     /// Bytes that were lost.
     pub(crate) overflows: usize,
     /// Whether a reset locks it, as it does where homing is on.
@@ -70,6 +76,11 @@ impl Grbl {
             lines: 0,
             out: Vec::new(),
             executed: Vec::new(),
+            place: Place::default(),
+            offset: None,
+            tells_inches: false,
+            tells_work: false,
+            reports: 0,
             overflows: 0,
             locks: true,
             resets_from: 0,
@@ -91,6 +102,12 @@ impl Grbl {
 
     pub(crate) fn that_tells_no_sizes(mut self) -> Grbl {
         self.tells_sizes = false;
+        self
+    }
+
+    /// It reports where its axes are, and the offset of the program against the machine in every tenth report (report.c).
+    pub(crate) fn that_tells_its_place(mut self, offset: [f64; 3]) -> Grbl {
+        self.offset = Some(offset);
         self
     }
 
@@ -155,6 +172,19 @@ impl Grbl {
         self.out.extend(b"\r\nGrbl 1.1h ['$' for help]\r\n");
     }
 
+    /// The fields of a report for positions.
+    fn place(&mut self) -> (String, String) {
+        let Some(offset) = self.offset else { return ("MPos:0.000,0.000,0.000".to_owned(), String::new()) };
+        let (unit, digits) = if self.tells_inches { (25.4, 4) } else { (1.0, 3) };
+        let shown = |values: [f64; 3]| values.map(|value| format!("{:.digits$}", value / unit)).join(",");
+        let work = self.place.axes;
+        let machine = [0, 1, 2].map(|k| work[k] + offset[k]);
+        let place = if self.tells_work { format!("WPos:{}", shown(work)) } else { format!("MPos:{}", shown(machine)) };
+        self.reports += 1;
+        let has_offset = self.reports % 10 == 5;
+        (place, if has_offset { format!("|WCO:{}", shown(offset)) } else { String::new() })
+    }
+
     fn status(&mut self) {
         let state = match (self.is_alarmed, self.is_held, self.planner.is_empty()) {
             (true, _, _) => "Alarm",
@@ -167,7 +197,8 @@ impl Grbl {
         let ring = self.ring.len() - if self.dwells { b"G4 P0.01\n".len() } else { 0 };
         let free = [self.planner_size - self.planner.len(), self.ring_size - ring];
         let free = if self.tells_sizes { format!("|Bf:{},{}", free[0], free[1]) } else { String::new() };
-        let report = format!("<{state}|MPos:0.000,0.000,0.000{free}|FS:0,0>\r\n");
+        let (place, offset) = self.place();
+        let report = format!("<{state}|{place}{free}|FS:0,0{offset}>\r\n");
         self.out.extend(report.bytes());
     }
 }
@@ -195,6 +226,9 @@ impl Control for Grbl {
         }
         while self.done_s <= now_s {
             let Some(line) = self.planner.pop_front() else { break };
+            if self.faults.ignored != Some(1 + self.executed.len() as u64) {
+                self.place.take(&line);
+            }
             self.executed.push(line);
             self.done_s += self.busy_s;
         }

@@ -3,7 +3,7 @@
 
 use std::collections::VecDeque;
 
-use super::{Control, Faults};
+use super::{Control, Faults, Place};
 
 /// Blocks of the planner, one of which stays free, and lines of the queue before it.
 const BUFFER: usize = 15;
@@ -26,6 +26,9 @@ pub(crate) struct Marlin {
     pub(crate) says_ok: bool,
     /// Whether an `ok` has the number of its line and the free places (`ADVANCED_OK`).
     pub(crate) numbers_ok: bool,
+    /// Where it stands as far as it tells, and whether it answers `M114` with that.
+    place: Place,
+    pub(crate) tells_place: bool,
     out: Vec<u8>,
     executed: Vec<Vec<u8>>,
 }
@@ -46,6 +49,8 @@ impl Marlin {
             was_reset: false,
             says_ok: true,
             numbers_ok: false,
+            place: Place::default(),
+            tells_place: false,
             out: Vec::new(),
             executed: Vec::new(),
         }
@@ -128,10 +133,22 @@ impl Control for Marlin {
                 self.ok(Some(number));
                 continue;
             }
+            // `M114_Detail`: logical positions with two digits, then the counts of the steps.
+            if line == b"M114" {
+                if self.tells_place {
+                    let [x, y, z] = self.place.axes;
+                    self.out.extend(format!("X:{x:.2} Y:{y:.2} Z:{z:.2} E:0.00 Count X:0 Y:0 Z:0\n").bytes());
+                }
+                self.ok(Some(number));
+                continue;
+            }
             if let Some(text) = line.strip_prefix(b"M118 ") {
                 self.out.extend(text.iter().chain(b"\n"));
                 self.ok(Some(number));
                 continue;
+            }
+            if self.faults.ignored != Some(1 + self.executed.len() as u64) {
+                self.place.take(&line);
             }
             self.executed.push(line);
             self.done_s += self.busy_s;
@@ -141,7 +158,7 @@ impl Control for Marlin {
             if self.buffer.is_empty() {
                 self.done_s = now_s + self.busy_s;
             }
-            let is_move = line != b"M400" && !line.starts_with(b"M118");
+            let is_move = line != b"M400" && line != b"M114" && !line.starts_with(b"M118");
             self.buffer.push_back((number, line));
             // The other is answered when all before it is done.
             if is_move {

@@ -40,6 +40,8 @@ pub(crate) struct Faults {
     pub(crate) wrong_demands: Vec<u64>,
     /// Number of the line, from 1, that the control refuses.
     pub(crate) refuses: Option<u64>,
+    /// Number of the line, from 1, that the control accepts and does not carry out: its axes stay where they are.
+    pub(crate) ignored: Option<u64>,
     /// When the control is reset, s.
     pub(crate) reset_s: Option<f64>,
     /// When the cable is drawn, s.
@@ -54,6 +56,40 @@ pub(crate) struct Faults {
     pub(crate) tells_queue: bool,
     /// When somebody breaks off at the control what it does, s.
     pub(crate) broken_off_s: Option<f64>,
+}
+
+/// Where a machine stands in the coordinates of the program, mm, after lines with `G90`, `G91`, `G20`, `G21` and words X, Y, Z.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Place {
+    pub(crate) axes: [f64; 3],
+    is_relative: bool,
+    is_inch: bool,
+}
+
+impl Place {
+    /// Carries out a line.
+    pub(crate) fn take(&mut self, line: &[u8]) {
+        let text = String::from_utf8_lossy(line).to_uppercase();
+        let mut at = 0;
+        while let Some(letter) = text[at..].chars().next() {
+            let rest = &text[at + 1..];
+            let end = rest.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(rest.len());
+            at += 1 + end;
+            let Ok(value) = rest[..end].trim().parse::<f64>() else { continue };
+            match (letter, value) {
+                ('G', 90.0) => self.is_relative = false,
+                ('G', 91.0) => self.is_relative = true,
+                ('G', 20.0) => self.is_inch = true,
+                ('G', 21.0) => self.is_inch = false,
+                ('X' | 'Y' | 'Z', _) => {
+                    let axis = &mut self.axes[letter as usize - 'X' as usize];
+                    let mm = value * if self.is_inch { 25.4 } else { 1.0 };
+                    *axis = if self.is_relative { *axis + mm } else { mm };
+                }
+                _ => {}
+            }
+        }
+    }
 }
 
 /// A control as the cable sees it.

@@ -59,6 +59,47 @@ pub enum FeedOutcome {
     Fault,
 }
 
+/// Evidence at the end of a transfer that the control has executed the lines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum ExecutionEvidence {
+    /// The control reports the position that the last lines command.
+    Position,
+    /// The control reports another position than the last lines command.
+    Differs,
+    /// The control reports that it has executed all lines. No position was compared.
+    Reported,
+    /// The control has accepted all lines. The link cannot ask whether it has executed them.
+    Accepted,
+    /// All lines were transmitted. The link cannot ask whether the control has executed them.
+    Transmitted,
+}
+
+impl ExecutionEvidence {
+    /// Returns the last line of the table, for people. `axes` are the letters of the compared axes.
+    fn row(self, axes: Option<&str>) -> String {
+        match self {
+            ExecutionEvidence::Position => {
+                let letters: Vec<String> = axes.unwrap_or_default().chars().map(String::from).collect();
+                format!("confirmed    the control reports the end position of the program in {}", letters.join(", "))
+            }
+            ExecutionEvidence::Differs => "confirmed    no: the control reports another position".to_owned(),
+            ExecutionEvidence::Reported => {
+                "confirmed    the control reports that it has executed all lines; no position was compared".to_owned()
+            }
+            ExecutionEvidence::Accepted => {
+                "confirmed    no: the control accepted all lines, but this link cannot ask whether it executed them"
+                    .to_owned()
+            }
+            ExecutionEvidence::Transmitted => {
+                "confirmed    no: all lines were transmitted, but this link cannot ask whether the control executed them"
+                    .to_owned()
+            }
+        }
+    }
+}
+
 /// Stretch of lines in which the control waits for the link.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -212,6 +253,10 @@ pub struct Status {
     pub control: Option<String>,
     /// Outcome.
     pub ended: Option<FeedOutcome>,
+    /// Evidence that the control has executed the lines, at the end of a job that is done or whose end position differs.
+    pub confirmed: Option<ExecutionEvidence>,
+    /// Letters of the axes whose reported position is that of the last line sent.
+    pub in_position: Option<String>,
     /// Message for people.
     pub message: Option<String>,
     /// Source line of the last line.
@@ -276,6 +321,9 @@ impl Status {
         }
         if self.repeats + self.stalls > 0 {
             let _ = writeln!(out, "problems     {} lines sent again, {} times no answer", self.repeats, self.stalls);
+        }
+        if let Some(confirmed) = self.confirmed {
+            let _ = writeln!(out, "{}", confirmed.row(self.in_position.as_deref()));
         }
         out
     }

@@ -151,8 +151,9 @@ could change the motion. The message names it. Program the motion another way. I
 itself, name it in [[opaque]] of the machine file; ncfix then does not correct the moves within it. docs/how-to/refused-program.md
 has more.";
     NO_CENTER = "E0202" "arc without center or radius"
-"G2 and G3 need a center (I, J, K, incremental from the start, or absolute with =AC()) or a radius (CR=). Without them the path
-between the two points is not known. Add one of them.";
+"G2 and G3 need a center or a radius. The words depend on the control. Sinumerik: I, J, K from the start of the arc, I=AC() and so
+on for absolute values, or CR= for the radius. Fanuc, RS274/NGC and Grundig: I, J, K, or R for the radius. Without them,
+infinitely many arcs lead from the start to the end. Add the center or the radius to the block.";
     ARC_OFF_CIRCLE = "E0203" "arc end is not on the circle"
 "The radius at the start of the arc and the radius at its end differ by more than the control allows. Or the center is off the
 perpendicular bisector of the chord by more than that and, on a Sinumerik, by more than 1.8° as seen from the start. The limit is
@@ -164,8 +165,10 @@ the larger of control.arc_tolerance_mm and control.arc_tolerance_ratio times the
 
 Correct I and J, or the end point.";
     RADIUS_TOO_SMALL = "E0204" "arc radius smaller than half the chord"
-"With CR= the two points must be at most 2 · CR apart. A full circle cannot be programmed with CR: start and end coincide, so the
-center is not determined. Use I, J, K there, or correct CR or the end point.";
+"No circle of this radius (CR= on a Sinumerik, otherwise R) reaches both the start and the end of the arc: they are farther apart
+than its diameter. Usually the radius is wrong, or the start is not where the programmer expected it. A full circle cannot be
+programmed with a radius: its start is its end, so the center is not determined. Correct the radius or the end point, or write
+the center (I, J, K).";
     BAD_ARC = "E0205" "invalid arc"
 "The center coincides with the start, center words lie outside the working plane, or center and CR were given together. No arc, or
 more than one, fits these words. Correct the center, select the plane (G17, G18, G19) before the block, or remove CR.";
@@ -256,18 +259,22 @@ plane was changed after the pole, or the meaning of the value under G91 is ambig
 Program the pole in the plane in force, and write AC(…) or IC(…) under G91.";
 
     NO_SYSTEM_VALUE = "E0219" "system variable without a value"
-"The program reads a system variable whose value is known only to the machine: machine data, an input, a measured position, the tool
-in the spindle, an R parameter or a common variable that an earlier program has set. Where it affects motion, its value must be
-known in advance. Give it in the machine file, with the name and indices that the message shows:
+"The program reads a system variable whose value is known only to the machine: machine data, an input, a measured position, the
+tool in the spindle, an R parameter or a common variable that an earlier program has set. Where it affects motion, its value must
+be known in advance. Or the program computes a new zero offset or tool value from the old one, and not by adding a number. Then
+write it as a sum, such as X[#5221+5.]. Otherwise give the value in the machine file, with the name and indices that the message
+shows:
 
   [system]
   \"$R[5]\" = 12.5
   \"$MN_INT_INCR_PER_MM\" = 1000
   \"$A_IN[1]\" = true";
     OWN_COMPENSATION = "E0220" "the program changes the machine's own compensation"
-"The program writes compensation tables or backlash of the control ($AN_CEC, $AA_ENC_COMP, $AA_QEC, $MA_BACKLASH …). The error model
-in the machine file applies to the machine as it was measured, with the values that were active then. Load such tables first,
-measure, and remove the assignments from the program.";
+"The control has its own compensation: tables and a backlash value, with which it corrects its axes. This program changes them
+($AN_CEC, $AA_ENC_COMP, $AA_QEC, $MA_BACKLASH of a Sinumerik, G10 L50 of a Fanuc, for example). The machine file describes the
+errors that the machine had with the values of the day of the measurement. With other values the errors are others, and the
+correction of ncfix would be wrong. Load the values into the control once, measure the machine with them, and remove these blocks
+from the program.";
     LATHE_PROGRAM = "E0225" "lathe program"
 "The program is for a lathe, and the machine file does not describe one. On a lathe the same words move the tool differently: G92 X
 Z F is a thread cycle (on a mill it shifts the zero), G90 X Z F a turning cycle, X a diameter, U and W are increments of X and Z.
@@ -361,9 +368,10 @@ before the word, write the word into a block of its own, then select the tool an
 lines remain. Correcting it again would add the corrections twice. Correct the original.";
     OUT_OF_TRAVEL = "E0302" "position outside the travel of an axis"
 "A position lies beyond the travel of an axis (travel_mm or travel_deg of [axis.X] in the machine file). In fix and check this is
-the corrected position, in snc the position of the program. The message gives the axis, the limit and the position: the end of the
-move if that is outside, otherwise the farthest point of the path. Check zero offset and tool length first: a wrong one shifts the
-whole program.";
+the corrected position, in snc the position of the program. All values are positions of the axis in machine coordinates, as with
+G53. They are not positions of the tool tip, and not words of the program: zero offset and tool length lie between the two. The
+message gives the axis, the limit and the position: the end of the move if that is outside, otherwise the farthest point of the
+path. Check zero offset and tool length first: a wrong one shifts the whole program.";
     CORRECTION_TOO_LARGE = "E0303" "correction larger than allowed"
 "A correction exceeds --max-correction (default 0.2 mm; for a rotary axis, the arc at the tool counts). Milling machines in working
 order have smaller geometric errors, so the reason is usually a wrong unit in the machine file, such as mm instead of µm. A
@@ -484,13 +492,16 @@ spelling, remove the key, or move it to its section; the message lists the known
 "A section lacks a key that has no default. The message names the key and the section. Add it with the unit that its name states;
 docs/reference/machine-file.md lists all keys.";
     BAD_VALUE = "E0404" "value not allowed in the machine file"
-"The value of a key has the wrong type, is not a finite number, or is outside its range. A machine file with a wrong value would
-move the tool to a wrong position, so ncfix uses nothing of the file. The message states which value is possible. Correct the
-line. If it is the name of the control, docs/reference/machine-file.md lists the known names.";
+"The machine file has lines of the form key = value. One value cannot be used: it is a text where a number is expected, for
+example, or a number outside its range. A machine file with a wrong value would move the tool to a wrong position, so ncfix uses
+nothing of the file. The message states which value is possible. Correct the line. If it is the name of the control,
+docs/reference/machine-file.md lists the known names.";
     BAD_TOPOLOGY = "E0405" "invalid topology"
-"A topology reads from the workpiece w through the foundation F to the tool t, for example wCBXFZYSt. Each axis letter X Y Z U V W
-A B C occurs at most once, S (optional) is just before t, and every letter has its section [axis.…]. The order decides the sign of
-every error. Write the parts in the order in which they carry each other.";
+"The topology of a machine states which axis carries which. It reads from the workpiece w through the fixed bed F to the tool t.
+In wCBXFZYSt, the workpiece is on C, C is on B, B is on X, and X is on the bed. On the other side of the bed are Z, then Y, which
+carries the spindle S with the tool. Each axis letter X Y Z U V W A B C occurs at most once, S (optional) is just before t, and
+every letter has its section [axis.…]. The order decides the sign of every error. Write the parts in the order in which they
+carry each other.";
     UNKNOWN_COMPONENT = "E0406" "unknown error component"
 "The name is not an error of this machine. For [[motion]], write E, a direction (X Y Z A B C) and an axis of this machine: EXX,
 EAY. For [location], write E, a direction, 0 and an axis or S: EC0Y, EX0S. An error of an axis that the machine lacks would have
@@ -643,9 +654,14 @@ program with ncfix IN -o OUT, and load it into the control. --allow-starvation s
 "The journal of this transfer already exists, and shows that the job was aborted. It is not known whether the last lines were
 executed, so ncfix keeps this journal. Look at `ncfix resume JOURNAL`, remove the journal, or give another one with --journal.";
     OTHER_JOB = "E0704" "not the job that was aborted"
-"A job can be resumed only with the program, machine file, state and version with which it began. With others the sent lines cannot
-be distinguished from the rest, and the correction would jump. Nothing was sent. Give the same files again. If they have changed
-for a good reason, such as a new tool, lift the tool by hand, remove the journal and feed the program from its beginning.";
+"A job can be resumed only with the program, machine file, state and version with which it began. With others the sent lines
+cannot be distinguished from the rest, and the correction would jump. Nothing was sent. The message states what has changed. Give
+the same files again.
+
+After a broken tool, a new tool of another length is such a change: its length is in the machine file, and all corrected
+positions depend on it. Then this job cannot be resumed. Lift the tool by hand and enter the new length at the control and in the
+machine file. Then remove the journal and feed the program from its beginning, or start a corrected file at the control with a
+block search.";
     IDLE_UNKNOWN = "E0705" "standstill of the machine not confirmed"
 "Lines sent to a machine that executes something else, is held or waits at an open door interfere with that job. Some controls are
 queried: Grbl and grblHAL for their state, Marlin for completed moves, LinuxCNC and LSV/2 for their status; they get no line
@@ -702,9 +718,10 @@ the program (E0215). Program F before this block.";
 calls them. Put each main program into its own file. Lines after the % that closes the program belong to no program, and are
 ignored too.";
     LEFT_OUT = "W0204" "statement omitted from the output"
-"WRITE and DELETE access files of the control. They are not executed and not written to the output; their result variable counts as
-0, no error. The motion does not change. Tables of tools and zero offsets in the transfer of a Grundig program (%TM, %ZO) apply to
-the run and are not written either. Load the same tables into the control before it runs the output.";
+"The program has a statement that the output does not have. WRITE and DELETE change files of the control: with the output, the
+control does not write its log file, for example. In ncfix their result variable has the value 0, which means no error. The
+motion does not change. Tables of tools and zero offsets in the transfer of a Grundig program (%TM, %ZO) apply to the run and are
+not written either. Load the same tables into the control before it runs the output.";
     NOT_CORRECTED = "W0205" "moves that are not corrected"
 "SETINT lets an input of the control interrupt the program and start another one, which runs unchanged on the control. Its moves
 are not corrected. Correct that program too, or accept its errors if it only retracts the tool.";
@@ -779,10 +796,12 @@ Or a program reads an R parameter, or a variable such as #500, that keeps its va
 uses 0, for a variable of a Fanuc null. The moves that depend on it can be others. check, fix and feed refuse the program (E0219). Set
 the value in the program, or in [system] of the machine file.";
     NOT_AT_THIS_CONTROL = "W0241" "words that the control does not have"
-"controller names a firmware of the Grbl family, and the output has words that this firmware does not document. Grbl 1.1 has no M6, no
-G43 with H and no P for several turns, for example. The control answers such a line with an error and executes nothing of it, not even
-its moves; many senders then stop. The original program has the same words. Remove them, or choose the post-processor of this control.
-ncfix writes drilling cycles (G81), variables and O words as moves where the firmware lacks them. If the control is another one, correct
+"controller names a firmware of the Grbl family, and the output has words that this firmware does not document. Grbl 1.1 has no
+M6, no G43 with H and no P for several turns, for example. The control answers such a line with an error and executes nothing of
+it, not even its moves; many senders then stop. A line that begins with $1 would change a setting of the control. Only some
+builds have M7 (mist): without it, the spindle code in the same line has no effect either. The original program has the same
+words. Remove them, or choose the post-processor of this control. feed refuses words that no build has (E0701). ncfix writes
+drilling cycles (G81), variables and O words as moves where the firmware lacks them. If the control is another one, correct
 controller in the machine file.";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
 "The machine file has no value for this zero offset. snc uses zero, so its positions in the machine are wrong. check, fix, diff and
@@ -792,8 +811,9 @@ verify refuse the program. State the zero offset in the machine file or in a set
 fix, diff and verify refuse the program. State the tool in the machine file or in a set-up file (E0307 has an example).";
     NO_MACHINE = "W0304" "demo machine used"
 "Neither --machine nor the environment variable NCFIX_MACHINE names a machine file, and there is no ncfix.toml in this folder or
-above it, so the embedded demo machine was used. The output is corrected for the errors of that machine: do not run it. Give your
-file with --machine, or save it as ncfix.toml in the folder of the programs.";
+above it, so the embedded demo machine was used. The output is corrected for the errors of that machine, and on yours the
+correction is wrong. The verdict is therefore never better than: check it before it runs. Give your file with --machine, or save
+it as ncfix.toml in the folder of the programs, and correct the original again.";
     TOLERANCE_NOT_REACHED = "W0305" "tolerance not reached"
 "The output deviates from the exactly corrected path by more than --tolerance at some places. The pieces there are already as short
 as 0.01 mm, or as the increment. Either the tolerance is finer than the increment, or the error model has a step there, or the
@@ -801,9 +821,11 @@ increment keeps an axis within its backlash. Tapping stays one cycle even if the
 lose the synchronism of spindle and axis. The message states the deviation. Choose a finer --increment that the control reads if
 the deviation is too large, otherwise a larger --tolerance.";
     OTHER_STAMP = "W0306" "corrected for another machine file, state or original"
-"The stamp of the corrected program names another machine file, state or original than those given. Each correction is valid for
-one machine in one state. The errors in the result are those of this program on the given machine in the given state. Give the
-files of the correction. If tools, zeros or errors have changed since, correct the original again.";
+"ncfix writes a stamp into each corrected program: a comment with checksums. A checksum is a short number that ncfix computes from
+all characters of a file. If one character of the file changes, the checksum is another. Here the stamp has another checksum than
+the machine file, state or original that you gave: the file was changed, or it is not the one of the correction. Each correction
+is valid for one machine in one state. The errors in the result are those of this program on the given machine in the given
+state. Give the files of the correction. If tools, zeros or errors have changed since, correct the original again.";
     ONE_PIECE = "W0307" "move that cannot be divided deviates"
 "Threads (G33, G34, G35, G331, G332, G63) and positioning axes (POS) are not divided into pieces: spindle and axis would lose
 synchronism, or the axes would stop in between. The end of the move is corrected, but along the path the deviation is larger than
@@ -833,10 +855,11 @@ errors are unknown, not zero: the correction leaves them on the workpiece, and t
 the axis and calibrate. If it was measured and has no error worth a correction, state its range in [measured].";
     BEYOND_MEASURED = "W0317" "position beyond the measured range"
 "An axis goes beyond the range of [measured] in the machine file or, without it, beyond the positions of a table of this axis. The
-error model is extrapolated there: a polynomial may rise steeply, a table keeps its last value. The message states how far, and
-the part of the error at the tool tip that no measurement supports. Only feed moves count, unless the program has none. Measure
-the missing range and calibrate; for a linear axis you can also clamp the workpiece at another place. Otherwise decide whether the
-extrapolated part is small enough.";
+error model is extrapolated there: a polynomial may rise steeply, a table keeps its last value. The positions in the message are
+those of the axis in machine coordinates, not of the tool tip. The message states how far, and the part of the error at the tool
+tip that no measurement supports. Only feed moves count, unless the program has none. Measure the missing range and calibrate;
+for a linear axis you can also clamp the workpiece at another place. Otherwise decide whether the extrapolated part is small
+enough.";
     TOOL_BEYOND_MEASURED = "W0318" "tool length beyond the measured range"
 "Angular errors and rotary axes move the tool tip in proportion to the tool length. This tool is longer or shorter than all tools
 with which the machine was measured ([measured] tool_length_mm), so its error is extrapolated. The message states the extrapolated
@@ -1023,9 +1046,11 @@ range the displacements are then wrong by this share, and calibrate or decompose
 degree = 3 in [sensors] with a star of more rows, keep the ball nearer to the middle of the sensors, or repeat the star if a row
 of it is a mistake.";
     STARVING = "W0701" "the link is too slow in places"
-"At some places the control waits for lines, but only briefly: less than half a second in all, or less than 1 % of the motion.
-ncfix therefore sends the program. The axes stop for a moment there and can leave a mark on the surface. Make the link faster or
-the program shorter if this matters, as E0702 describes.";
+"The machine executes some lines faster than the link can deliver the next ones. At these places the axes stop for a moment until
+the next line arrives, and the tool can cut a mark into the surface. All stops together are short: less than half a second, or
+less than 1 % of the motion. Therefore ncfix sends the program, or you have permitted longer stops with --allow-starvation. The
+message states the lines of the program. Choose a higher baud rate or a larger --tolerance, which gives fewer lines, to avoid the
+stops. Or load the corrected file into the control and start it there.";
     SERIAL_SETTINGS = "W0702" "port with different settings or a name that may change"
 "The port did not accept all settings of the profile, or its name depends on the order in which adapters were plugged in.
 Characters could arrive wrong, or the program could go to another machine. Compare the settings with those of the control. On

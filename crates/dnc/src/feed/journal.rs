@@ -257,6 +257,7 @@ impl<S: Store> Record for Journal<S> {
             Event::Said(text) => self.note(now, &format!("W {}", text.replace(['\n', '\r'], " "))),
             Event::Paused(is_paused) => self.note(now, if *is_paused { "W paused" } else { "W goes on" }),
             Event::Executed(number) => self.note(now, &format!("X {number}")),
+            Event::InPosition(axes) => self.note(now, &format!("W in position {axes}")),
             Event::Holds(most, said) => self.note(now, &format!("P {most} {}", said.replace(['\n', '\r'], " "))),
             Event::Refused(..) | Event::Lost(_) => {}
         }

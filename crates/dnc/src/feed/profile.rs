@@ -9,6 +9,7 @@ use std::time::Duration;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::register::{Register, Registered};
 use ncfix_base::source::Source;
+use ncfix_machine::machine::Firmware;
 use ncfix_machine::machine::file::{MachineFile, Section, nearest};
 
 use super::dialogue::{Protocol, Protocols};
@@ -217,6 +218,8 @@ pub struct Profile {
     pub longest_line: usize,
     /// Dialects that the control executes; empty if the link serves any.
     pub dialects: Vec<String>,
+    /// Firmware whose words are known; a line with another word is not sent.
+    pub firmware: Option<Firmware>,
     /// True if letters are sent as capitals.
     pub is_upper_case: bool,
     /// Bytes that no line may contain: they have another meaning on this link.
@@ -239,6 +242,13 @@ impl Profile {
     /// # Errors
     /// The line cannot be sent. The error is a sentence with the reason.
     pub fn check(&self, text: &[u8]) -> Result<(), String> {
+        if let Some(firmware) = self.firmware {
+            let lacking = firmware.lacks(text);
+            if !lacking.is_empty() {
+                let words: Vec<String> = lacking.iter().map(|word| word.text()).collect();
+                return Err(format!("{} does not have {}", firmware.name(), words.join(", ")));
+            }
+        }
         (self.protocol.check)(self, text)
     }
 
@@ -343,11 +353,13 @@ impl Profile {
         let mut depth = None;
         own("depth", &mut |section| depth = bound(section, has_planner));
         let (mut longest_line, mut is_upper_case, mut refused, mut dialects) = (256, false, Vec::new(), Vec::new());
+        let mut firmware = None;
         own("text", &mut |section| {
             longest_line = section.integer("longest_line").map_or(longest_line, |value| value as usize);
             is_upper_case = section.boolean("upper_case").unwrap_or(false);
             refused = bytes(section, "refused").unwrap_or_default();
             dialects = section.texts("dialects").unwrap_or_default();
+            firmware = read_firmware(section);
         });
         let mut answer_s = 0.0;
         let (mut answer_within, mut most_repeats, mut avoids_controls) = (Duration::from_secs(10), 3, false);
@@ -387,6 +399,7 @@ impl Profile {
             depth,
             longest_line,
             dialects,
+            firmware,
             is_upper_case,
             refused,
             answer_s,
@@ -396,6 +409,22 @@ impl Profile {
             avoids_controls,
         })
     }
+}
+
+/// Reads the name of a firmware whose words are known.
+fn read_firmware(section: &mut Section<'_>) -> Option<Firmware> {
+    let name = section.text("firmware")?.to_owned();
+    let found = Firmware::of(&name);
+    if found.is_none() {
+        let message = format!("'{name}' is not a firmware whose words ncfix knows");
+        section.report(
+            Code::BAD_VALUE,
+            section.place_of("firmware"),
+            message,
+            "one of grbl, grblhal, fluidnc; for others, omit the key",
+        );
+    }
+    found
 }
 
 /// Reads an upper bound of the planner depth. Without its source it would be a guess, and a wrong one skips blocks that were not executed.

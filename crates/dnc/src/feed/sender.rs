@@ -121,6 +121,8 @@ pub struct TransferProgress {
     pub left: u64,
     /// Lines that the control has executed, if it reports them.
     pub executed: Option<u64>,
+    /// Axes whose reported position is that of the last line sent, if the control stands still there.
+    pub in_position: Option<String>,
     /// Maximum number of blocks that the control may have taken and not executed, if it states it.
     pub holds: Option<u64>,
     /// Lines and bytes currently under way.
@@ -328,6 +330,7 @@ impl<'a> Sender<'a> {
                     }
                 }
                 Event::Executed(number) => self.progress.executed = Some(number),
+                Event::InPosition(axes) => self.progress.in_position = Some(axes),
                 Event::Holds(most, _) => self.progress.holds = Some(most),
                 Event::Repeated(_) => self.progress.repeats += 1,
                 Event::Stalled => self.progress.stalls += 1,
@@ -388,6 +391,7 @@ impl<'a> Sender<'a> {
             }
             self.watch.sent(line.busy(), self.dialogue.in_flight().0 <= 1, now);
             self.progress.sent = line.number;
+            self.progress.in_position = None;
             self.progress.last = line;
         }
         if self.dialogue.is_open() && (self.pending.is_some() || !self.dialogue.has_room(1)) {

@@ -38,7 +38,7 @@ const M_OF_GRBL: &[u32] = &[0, 1, 2, 3, 4, 5, 7, 8, 9, 30, 56];
 impl Firmware {
     /// Returns the firmware of a controller name; `None` for all other controls.
     #[must_use]
-    pub(super) fn of(name: &str) -> Option<Firmware> {
+    pub fn of(name: &str) -> Option<Firmware> {
         let known = controller(name)?;
         FIRMWARES.iter().find(|(own, _)| *own == known.name).map(|&(_, firmware)| firmware)
     }
@@ -71,12 +71,23 @@ impl Firmware {
         self != Firmware::Grbl || M_OF_GRBL.contains(&number)
     }
 
+    /// True if only builds with an option have this M code: M7 needs the output for mist (`ENABLE_M7` of `config.h` of Grbl; an output of the driver in
+    /// grblHAL), M56 of Grbl needs `ENABLE_PARKING_OVERRIDE_CONTROL`.
+    #[must_use]
+    pub fn has_option(self, number: u32) -> bool {
+        match self {
+            Firmware::Grbl => matches!(number, 7 | 56),
+            Firmware::GrblHal => number == 7,
+            Firmware::FluidNc => false,
+        }
+    }
+
     /// True if it reads words with this letter. Letters of axes are those of the machine.
     #[must_use]
     pub fn reads(self, letter: u8) -> bool {
         match self {
-            Firmware::Grbl => !matches!(letter, b'D' | b'E' | b'H' | b'O' | b'Q' | b'#'),
-            Firmware::FluidNc => !matches!(letter, b'D' | b'H'),
+            Firmware::Grbl => !matches!(letter, b'D' | b'E' | b'H' | b'O' | b'Q' | b'#' | b'$'),
+            Firmware::FluidNc => !matches!(letter, b'D' | b'H' | b'$'),
             Firmware::GrblHal => true,
         }
     }

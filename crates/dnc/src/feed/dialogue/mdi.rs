@@ -1,5 +1,8 @@
 //! Words of a line that matter to MDI of LinuxCNC: O-words, stops, ends, the spindle.
 
+/// G codes of other controls that programs for LinuxCNC may have by mistake.
+const FOREIGN: [u32; 6] = [50, 51, 68, 69, 70, 71];
+
 /// Relevant words of a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Words {
@@ -13,6 +16,8 @@ pub(super) struct Words {
     pub(super) starts_spindle: bool,
     /// Any M code other than those and the coolant: it may stop the spindle.
     pub(super) has_other_m: bool,
+    /// G code of another control that LinuxCNC 2.9 does not have: the unit by G70 or G71, scaling, rotation.
+    pub(super) foreign: Option<u32>,
 }
 
 /// Reads letters and the numbers after them, outside comments.
@@ -29,6 +34,9 @@ pub(super) fn words(text: &[u8]) -> Words {
         // The coolant does not affect the spindle.
         (b'M', Some(value)) if [7.0, 8.0, 9.0].contains(&value) => {}
         (b'M', _) => words.has_other_m = true,
+        (b'G', Some(value)) => {
+            words.foreign = words.foreign.or(FOREIGN.into_iter().find(|code| f64::from(*code) == value));
+        }
         _ => {}
     };
     for byte in text.iter().map(u8::to_ascii_uppercase) {
@@ -62,6 +70,7 @@ mod tests {
         assert!(of("M 00").stops && of("G0 X1 m1").stops && of("M60").stops && !of("M6").stops && !of("G1 X60").stops);
         assert!(of("M02").ends && of("m30").ends && !of("M3").ends);
         assert!(of("S500 M3").starts_spindle && of("M4S1").starts_spindle && of("M5").has_other_m);
+        assert_eq!(["G71", "g 70 X1", "G17", "G1 X71"].map(|text| of(text).foreign), [Some(71), Some(70), None, None]);
         assert!(!of("M8").has_other_m && of("M8 M5").has_other_m && of("M19").has_other_m);
     }
 }

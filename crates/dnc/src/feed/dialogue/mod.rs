@@ -13,6 +13,7 @@ mod linuxcncrsh;
 mod lsv2;
 mod marlin;
 mod mdi;
+mod position;
 mod tape;
 
 use std::time::Duration;
@@ -21,6 +22,8 @@ use ncfix_base::register::{Register, Registered};
 
 use super::rewriter::LineRewriter;
 use super::{Line, Profile, Wire};
+
+pub use position::ELSEWHERE;
 
 /// Event of a dialogue, caused by received bytes or by elapsed time.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +35,8 @@ pub enum Event {
     Checked(u64),
     /// The control reports that it has executed this line and all before it.
     Executed(u64),
+    /// The control stands still, and reports the position that the lines sent command, for these axes.
+    InPosition(String),
     /// The control states the maximum number of blocks that are taken and not executed: the number, and its words.
     Holds(u64, String),
     /// The last byte of this line, and of all before it, went out over a link without answers. It is not known whether the control has executed the line.

@@ -2,6 +2,7 @@
 
 use super::call::Arguments;
 use super::expression::Scope;
+use super::origin;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::words::{Address, Value, Word};
 use ncfix_base::diagnostic::Code;
@@ -113,9 +114,9 @@ pub(super) fn read(
             _ => 1.0,
         };
         // Of two words for one variable the later one is used.
-        out.retain(|(known, _)| *known != number);
+        out.retain(|(known, ..)| *known != number);
         if let Some(value) = scope.word(word)? {
-            out.push((number, value * scale));
+            out.push((number, value * scale, origin::of_word(scope, word)?));
         }
     }
     Ok(out)

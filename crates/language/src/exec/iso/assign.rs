@@ -6,7 +6,7 @@
 use super::channel::Channel;
 use super::expression::{Scope, name_of, no_variable};
 use super::level::Loaded;
-use super::own_step;
+use super::origin::{self, Origin};
 use super::predefined;
 use super::system;
 use super::variables::{Place, Symbol};
@@ -28,8 +28,8 @@ enum Target {
 pub(super) struct Assignment {
     target: Target,
     value: Option<f64>,
-    /// The step, if the value is the old one of the variable and a step.
-    step: Option<f64>,
+    /// Origin of the value in data of the control.
+    origin: Option<Origin>,
     span: Span,
 }
 
@@ -75,15 +75,9 @@ fn one(scope: &Scope<'_, '_>, word: &Word) -> Result<Assignment, Fault> {
         return Err(at(word.span, Code::BAD_EXPRESSION, "nothing can be assigned to this", "write #1=…"));
     };
     let value = scope.word(word)?;
-    let step = match target {
-        Target::Number(number) if number >= FIRST_STORED => own_step::of(scope, number, word)?,
-        _ => None,
-    };
-    Ok(Assignment { target, value, step, span: word.span })
+    let origin = origin::of_word(scope, word)?;
+    Ok(Assignment { target, value, origin, span: word.span })
 }
-
-/// The control keeps variables from this number on as its own data, such as zero offsets and tools.
-const FIRST_STORED: i64 = 1000;
 
 /// Executes assignments.
 pub(super) fn assign(
@@ -94,7 +88,10 @@ pub(super) fn assign(
 ) -> Result<(), Fault> {
     for assignment in assignments {
         match assignment.target {
-            Target::Named(symbol) => channel.variables.set_named(symbol, assignment.value),
+            Target::Named(symbol) => {
+                channel.variables.set_named(symbol, assignment.value);
+                channel.variables.set_origin_of_name(symbol, assignment.origin);
+            }
             Target::Number(number) => assign_number(channel, number, assignment, loaded, block)?,
         }
     }
@@ -108,29 +105,32 @@ fn assign_number(
     loaded: &Loaded,
     block: &Block,
 ) -> Result<(), Fault> {
-    let Assignment { value, step, span, .. } = *assignment;
+    let Assignment { value, origin, span, .. } = *assignment;
     let known = u32::try_from(number).unwrap_or(u32::MAX);
     match channel.variables.place(known) {
         Place::Null => Err(at(span, Code::BAD_INDEX, "#0 is always null", "assign to another variable")),
         Place::Nowhere => Err(no_variable(number, span)),
-        Place::System => system::write_system(channel, known, (value, step), span, loaded, block),
+        Place::System => system::write_system(channel, known, (value, origin), span, loaded, block),
         Place::Variable if channel.language == Language::Rs274 && is_read_only(known) => {
             let message = format!("#{number} is read-only");
             Err(at(span, Code::BAD_WORD_VALUE, message, "it is a state variable of the machine"))
         }
         Place::Variable => {
-            if channel.language == Language::Rs274
-                && predefined::write_parameter(
-                    channel.settings.machine,
-                    &mut channel.written,
-                    &mut channel.outlet,
-                    known,
-                    (value.unwrap_or(0.0), step),
-                )
-            {
-                return Ok(());
+            if channel.is_rs274() {
+                let is_data = matches!(predefined::control_data(known), Some(Some(_)));
+                if is_data && origin == Some(Origin::Computed) && channel.settings.strict {
+                    return Err(origin::not_kept(span));
+                }
+                let value = value.unwrap_or(0.0);
+                let (machine, written) = (channel.settings.machine, &mut channel.written);
+                if predefined::write_parameter(machine, written, &mut channel.outlet, known, (value, origin)) {
+                    return Ok(());
+                }
             }
             channel.variables.set(known, value);
+            if let Some(origin) = origin {
+                channel.variables.set_origin(known, origin);
+            }
             Ok(())
         }
     }

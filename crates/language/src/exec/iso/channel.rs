@@ -4,7 +4,7 @@ use super::drill::Drill;
 use super::nurbs::Curve;
 use super::polar::Polar;
 use super::tilted::Collected;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::call::Call;
@@ -67,6 +67,19 @@ pub(super) struct WrittenData {
     pub(super) tools: ToolTable<ToolOffset>,
     /// The intermediate point of the last G28 or G30.
     pub(super) via: Via,
+    /// Values of zero offsets that the program has set to numbers: the system and the index of the axis in its parameters.
+    pub(super) stated: BTreeSet<(System, u32)>,
+}
+
+impl WrittenData {
+    /// Notes whether a value of a zero offset is a number of the program, or depends on a value of the control.
+    pub(super) fn state(&mut self, place: (System, u32), is_number: bool) {
+        if is_number {
+            self.stated.insert(place);
+        } else {
+            self.stated.remove(&place);
+        }
+    }
 }
 
 /// The zero offset in force where another was computed from the position: its index and, if the program has set it, its value.

@@ -5,6 +5,8 @@ use super::forbidden;
 use super::measure;
 use super::modal::Modal;
 use super::offsets;
+use super::origin;
+use super::system;
 use super::target;
 use super::text;
 use crate::exec::core::motion_sink::MotionSink;
@@ -70,8 +72,11 @@ fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, sp
     }
     let known = target::offset_of(channel.settings.machine, &channel.written, system);
     let mut parts = known.unwrap_or_default();
+    let mut sums = Vec::new();
     if let Some(angle) = gathered.raw(b'R').filter(|_| channel.is_rs274() && !is_relative) {
         parts.rotation[2] = angle.to_radians();
+        sums.extend(sum_of(channel, gathered, b'R', false)?);
+        channel.written.state((system, ROTATION), gathered.origin(b'R').is_none());
     }
     let mut here = None;
     // On a Fanuc, G91 adds to the existing value. The output adds too: the value of the control may differ from that of the machine file.
@@ -79,6 +84,8 @@ fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, sp
     let mut steps = AxisVector::ZERO;
     if is_relative {
         here = Some(place_here(channel, gathered, system, &mut parts)?);
+        // The zero depends on that of the control.
+        channel.written.stated.retain(|(known, _)| *known != system);
     } else {
         for axis in gathered.axes.iter() {
             let value = target::axis_value(channel, gathered, axis)?;
@@ -86,6 +93,12 @@ fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, sp
                 let message =
                     format!("{} is changed incrementally, but has no value in the machine file", system.words());
                 return Err(fault(Code::NO_OFFSET, span, message, format!("add [zero_offset.\"{}\"]", system.words())));
+            }
+            sums.extend(sum_of(channel, gathered, axis.letter(), adds)?);
+            let place = if channel.is_rs274() { place_of_rs274(axis) } else { system::place_of(channel.axes, axis) };
+            if let Some(place) = place {
+                let was_stated = !adds || channel.written.stated.contains(&(system, place));
+                channel.written.state((system, place), was_stated && gathered.origin(axis.letter()).is_none());
             }
             steps[axis] = value;
             parts.translation[axis] = value + if adds { parts.shift()[axis] } else { 0.0 };
@@ -101,7 +114,7 @@ fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, sp
             system,
             (&parts, adds.then_some(&steps)),
             gathered.axes,
-            gathered.has(b'R'),
+            (gathered.has(b'R'), &sums),
         ),
     }
     // Without a value in the machine file an offset is known once the program sets X, Y and Z. The offset of all systems counts as zero.
@@ -181,7 +194,7 @@ fn say_offset(
     system: System,
     (parts, steps): (&FrameParts, Option<&AxisVector>),
     named: AxisSet,
-    with_angle: bool,
+    (with_angle, sums): (bool, &[(u8, String)]),
 ) {
     let shift = steps.copied().unwrap_or_else(|| parts.shift());
     let mut text = match system.0.checked_sub(System::ADDITIONAL) {
@@ -189,14 +202,44 @@ fn say_offset(
         None => format!("G10 L2 P{}", system.0),
     };
     for axis in named.iter() {
+        if append_sum(&mut text, axis.letter(), sums) {
+            continue;
+        }
         let value = shift[axis];
         let shown = if axis.is_rotary() { value.to_degrees() } else { value / text::output_unit_mm(machine) };
         text::append(language, &mut text, axis.letter(), shown);
     }
-    if with_angle {
+    if with_angle && !append_sum(&mut text, b'R', sums) {
         text::append(language, &mut text, b'R', parts.rotation[2].to_degrees());
     }
     push_data(outlet, text, steps.is_some());
+}
+
+/// Index of the rotation among the parameters of a zero offset of RS274/NGC.
+const ROTATION: u32 = 9;
+
+/// The index of an axis among the parameters of a zero offset of RS274/NGC.
+fn place_of_rs274(axis: Axis) -> Option<u32> {
+    b"XYZABCUVW".iter().position(|&letter| letter == axis.letter()).map(|place| place as u32)
+}
+
+/// The letter and the sum of a word whose value is that of a variable of the control and a step; `None` if it does not depend on data of the control.
+/// `adds` if the control adds the value of the word to its own.
+fn sum_of(channel: &Channel<'_>, gathered: &Gathered, letter: u8, adds: bool) -> Result<Option<(u8, String)>, Fault> {
+    let Some(origin) = gathered.origin(letter) else { return Ok(None) };
+    let is_same_unit = (channel.modal.modes.scale() - text::output_unit_mm(channel.settings.machine)).abs() < 1e-9;
+    let sum = origin.text(1.0).filter(|_| is_same_unit && !adds);
+    if sum.is_none() && channel.settings.strict {
+        return Err(origin::not_kept(gathered.span_of(letter)));
+    }
+    Ok(sum.map(|sum| (letter, sum)))
+}
+
+/// Appends a word with a sum; false if the letter has none.
+fn append_sum(text: &mut String, letter: u8, sums: &[(u8, String)]) -> bool {
+    let Some((_, sum)) = sums.iter().find(|(known, _)| *known == letter) else { return false };
+    text.push_str(&format!(" {}[{sum}]", char::from(letter)));
+    true
 }
 
 /// Writes a G10. One that adds to the value of the control needs G91, and the output is in G90.
@@ -211,6 +254,11 @@ fn push_data(outlet: &mut MotionSink<'_>, text: String, adds: bool) {
 
 /// `G10 L1`, `L10`, `L11` of RS274/NGC: length and radius of a tool.
 fn set_tool(channel: &mut Channel<'_>, gathered: &Gathered, l: i64, number: u32, span: Span) -> Result<(), Fault> {
+    if channel.settings.strict
+        && let Some((letter, _)) = gathered.origins.first()
+    {
+        return Err(origin::not_kept(gathered.span_of(*letter)));
+    }
     let mut offset = channel.written.tools.find(channel.settings.machine, number, 1).unwrap_or_default();
     // L10 and L11 measure the tool here: the place of a compensated tool is not the programmed one.
     if l != 1 {
@@ -314,7 +362,10 @@ fn set_tool_value(
     }
     channel.written.tools.write(number, 1, ToolOffset { is_stated: true, ..offset });
     let mut text = format!("G10 L{l} P{number}");
-    text::append_length(channel.settings.machine, channel.language, &mut text, b'R', value);
+    let sums: Vec<_> = sum_of(channel, gathered, b'R', incremental)?.into_iter().collect();
+    if !append_sum(&mut text, b'R', &sums) {
+        text::append_length(channel.settings.machine, channel.language, &mut text, b'R', value);
+    }
     push_data(&mut channel.outlet, text, incremental);
     Ok(())
 }

@@ -21,6 +21,8 @@ use ncfix_base::diagnostic::Code;
 use ncfix_machine::snc::{Dwell, FeedUnit, Kind, Word, WordValue};
 
 const METERS_PER_FOOT: f64 = 0.3048;
+/// Largest F under G93 that a Fanuc reads, 1/min (B-62764EN, inverse time: 0.001 to 9999.999).
+const MOST_INVERSE_OF_FANUC: f64 = 9999.999;
 /// Letters whose values are lengths in codes that are passed through.
 const LENGTHS: &[u8] = b"XYZIJKUVW";
 
@@ -75,13 +77,21 @@ pub(super) fn feed_mode(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
     Ok(())
 }
 
-pub(super) fn feed(modal: &mut Modal, gathered: &Gathered) -> Result<(), Fault> {
+pub(super) fn feed(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    let limits_inverse = !channel.is_rs274() && !channel.settings.machine.control.iso.is_haas();
+    let modal = &mut channel.modal;
     let Some(value) = gathered.raw(b'F') else { return Ok(()) };
     if value.is_nan() || value < 0.0 {
         let message = "a feed must not be negative";
         return Err(bad_value(gathered.span_of(b'F'), message, "program F with a positive value"));
     }
-    let scale = if modal.modes.feed_unit == FeedUnit::InverseTime { 1.0 } else { modal.modes.scale() };
+    let is_inverse = modal.modes.feed_unit == FeedUnit::InverseTime;
+    if is_inverse && limits_inverse && value > MOST_INVERSE_OF_FANUC {
+        let message = format!("F{value} under G93: a Fanuc reads at most F{MOST_INVERSE_OF_FANUC}, a block of 6 ms");
+        let help = "program a longer block or a lower F there; the control would stop with an alarm";
+        return Err(bad_value(gathered.span_of(b'F'), message, help));
+    }
+    let scale = if is_inverse { 1.0 } else { modal.modes.scale() };
     modal.modes.set_feed(value * scale);
     Ok(())
 }

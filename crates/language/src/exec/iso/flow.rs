@@ -10,6 +10,7 @@ use super::gathered::Gathered;
 use super::level::{Action, Level, Loaded};
 use super::opaque;
 use super::order;
+use super::origin;
 use super::passes::Passes;
 use super::request::{Request, request};
 use crate::exec::core::fault::{Fault, at, fault};
@@ -191,7 +192,7 @@ fn call_of_sub(scope: &Scope<'_, '_>, name: String, arguments: &[ExprId], span: 
         let message = format!("{} arguments; a subroutine has {MAX_ARGUMENTS}", arguments.len());
         return Err(fault(Code::BAD_ARGUMENTS, span, message, "pass the others in global parameters"));
     }
-    let values = (1..).zip(arguments).map(|(number, &id)| Ok((number, scope.number(id)?)));
+    let values = (1..).zip(arguments).map(|(number, &id)| Ok((number, scope.number(id)?, origin::of(scope, id)?)));
     let arguments = values.collect::<Result<_, Fault>>()?;
     let callee = Callee::Sub(name);
     Ok(Call { callee, kind: CallKind::Sub, repeats: 1, at_block: None, arguments, span, is_of_code: false })

@@ -6,6 +6,7 @@ use super::gathered::Gathered;
 use super::haas_codes;
 use super::measure;
 use super::measure::NEAR;
+use super::origin;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::words::{Address, Value, Word};
 use ncfix_base::diagnostic::Code;
@@ -53,6 +54,11 @@ pub(super) fn gather(scope: &Scope<'_, '_>, words: &[Word], out: &mut Gathered) 
             _ => {
                 if out.set_value(letter, value, has_point, word.span) {
                     double(word.span, letter)?;
+                }
+                if let Value::Expr(id) = word.value
+                    && let Some(origin) = origin::of(&grid_scope(scope, letter, inch), id)?
+                {
+                    out.origins.push((letter, origin));
                 }
                 if matches!(word.value, Value::Number { has_point: true, .. }) {
                     out.note_point(letter);

@@ -5,6 +5,7 @@
 use std::cell::Cell;
 
 use super::codes::{GROUPS, Group};
+use super::origin::Origin;
 use ncfix_base::geometry::{Axis, AxisSet};
 use ncfix_base::source::Span;
 use ncfix_dialect::CodeEntry;
@@ -37,6 +38,8 @@ pub(super) struct Gathered {
     pub(super) passed: Option<(u16, &'static CodeEntry)>,
     /// M codes in the order of the block.
     pub(super) m_codes: Vec<(u32, Span)>,
+    /// Letters whose value depends on data of the control.
+    pub(super) origins: Vec<(u8, Origin)>,
     /// Named axes.
     pub(super) axes: AxisSet,
     /// The whole block.
@@ -59,6 +62,7 @@ impl Default for Gathered {
             keep: Vec::new(),
             passed: None,
             m_codes: Vec::new(),
+            origins: Vec::new(),
             axes: AxisSet::EMPTY,
             span: Span::default(),
         }
@@ -88,6 +92,11 @@ fn letter_of(slot: usize) -> String {
 }
 
 impl Gathered {
+    /// Origin of the value of a letter in data of the control.
+    pub(super) fn origin(&self, letter: u8) -> Option<Origin> {
+        self.origins.iter().find(|(known, _)| *known == letter).map(|&(_, origin)| origin)
+    }
+
     /// Clears it for the next block; allocated storage is kept.
     pub(super) fn clear(&mut self, span: Span) {
         self.codes = [NONE; GROUPS];
@@ -100,6 +109,7 @@ impl Gathered {
         self.keep.clear();
         self.passed = None;
         self.m_codes.clear();
+        self.origins.clear();
         self.axes = AxisSet::EMPTY;
         self.span = span;
     }

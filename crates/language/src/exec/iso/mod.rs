@@ -44,7 +44,8 @@ mod offsets;
 mod one_axis;
 mod opaque;
 mod order;
-mod own_step;
+mod origin;
+
 mod passed_axis;
 mod passes;
 mod pattern;

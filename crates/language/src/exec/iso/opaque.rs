@@ -13,6 +13,7 @@ use super::cycle;
 use super::expression::Scope;
 use super::haas_codes;
 use super::level::Interpreter;
+use super::origin::{self, Origin};
 use crate::exec::core::fault::{Fault, at};
 use crate::syntax::words::{Address, Program, Value, Word};
 use ncfix_base::diagnostic::Code;
@@ -196,19 +197,32 @@ impl Interpreter<'_> {
             let _ = write!(text, " L{}", call.repeats);
         }
         if call.kind == CallKind::Sub {
-            for (_, value) in &call.arguments {
-                let _ = write!(text, " [{value}]");
+            for (_, value, origin) in &call.arguments {
+                let sum = self.sum_of(*origin, call.span)?;
+                let _ = write!(text, " [{}]", sum.unwrap_or_else(|| value.to_string()));
             }
             return Ok(text);
         }
-        for &(number, value) in &call.arguments {
+        for &(number, value, origin) in &call.arguments {
             let Some(letter) = letter_of(number) else {
                 let message =
                     format!("argument #{number} cannot be passed on to a program that the control itself executes");
                 return Err(at(call.span, Code::NOT_SUPPORTED, message, "pass it with its own letter"));
             };
-            text::append(self.channel.language, &mut text, letter, value);
+            match self.sum_of(origin, call.span)? {
+                // Writing to a string cannot fail.
+                Some(sum) => _ = write!(text, " {}[{sum}]", char::from(letter)),
+                None => text::append(self.channel.language, &mut text, letter, value),
+            }
         }
         Ok(text)
+    }
+
+    /// The sum of an argument that the control computes from its own data; `None` if it does not depend on them.
+    fn sum_of(&self, origin: Option<Origin>, span: Span) -> Result<Option<String>, Fault> {
+        match origin.map(|origin| origin.text(1.0)) {
+            Some(None) if self.channel.settings.strict => Err(origin::not_kept(span)),
+            sum => Ok(sum.flatten()),
+        }
     }
 }

@@ -59,7 +59,7 @@ pub(super) fn execute(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Res
 /// The order of RS274/NGC in LinuxCNC.
 pub(super) fn execute_rs274(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
     feed::feed_mode(channel, gathered)?;
-    feed::feed(&mut channel.modal, gathered)?;
+    feed::feed(channel, gathered)?;
     feed::speed(channel.settings.machine, &mut channel.modal, &mut channel.block, gathered)?;
     feed::tool_word(&mut channel.modal, &mut channel.outlet, gathered)?;
     auxiliary::m_codes(channel, gathered)?;
@@ -99,7 +99,7 @@ pub(super) fn execute_fanuc(channel: &mut Channel<'_>, gathered: &mut Gathered) 
     let mut takes_axes = feed::passed_on(channel, gathered)?;
     feed::path_control(channel, gathered)?;
     if gathered.code(Group::Action) != Some(40) {
-        feed::feed(&mut channel.modal, gathered)?;
+        feed::feed(channel, gathered)?;
     }
     feed::tool_word(&mut channel.modal, &mut channel.outlet, gathered)?;
     compensation::compensation_codes(channel, gathered)?;

@@ -3,9 +3,9 @@
 use super::channel::Channel;
 use super::channel::WrittenData;
 use super::modal::Modal;
+use super::origin::Origin;
 use super::system;
 use super::target;
-use super::text;
 use super::variables::Missing;
 use super::zero_offset::System;
 use crate::exec::core::contour::Side;
@@ -29,6 +29,15 @@ fn offset_place(number: u32) -> Option<(System, u32)> {
     let from = number.checked_sub(5221)?;
     let (system, place) = (from / APART + 1, from % APART);
     (system <= 9 && place <= ROTATION).then_some((System(system as u16), place))
+}
+
+/// The place of a number with data of the control: `None` for other numbers, `Some(None)` for values of tools.
+pub(super) fn control_data(number: u32) -> Option<Option<(System, u32)>> {
+    match number {
+        5221..=5390 => offset_place(number).map(Some),
+        5401..=5403 | 5410 => Some(None),
+        _ => None,
+    }
 }
 
 fn truth(holds: bool) -> f64 {
@@ -123,9 +132,10 @@ pub(super) fn write_parameter(
     written: &mut WrittenData,
     outlet: &mut MotionSink<'_>,
     number: u32,
-    (value, step): (f64, Option<f64>),
+    (value, origin): (f64, Option<Origin>),
 ) -> bool {
     let Some((system, place)) = offset_place(number) else { return false };
+    written.state((system, place), origin.is_none());
     let mut parts = target::offset_of(machine, written, system).unwrap_or_default();
     match ORDER.get(place as usize) {
         Some(&axis) => {
@@ -136,8 +146,8 @@ pub(super) fn write_parameter(
     }
     written.offsets.insert(system, parts);
     written.shown.remove(&system);
-    let text = match step {
-        Some(step) => text::step(number, &step.to_string(), true),
+    let text = match origin.and_then(|origin| origin.text(1.0)) {
+        Some(sum) => format!("#{number}=[{sum}]"),
         None => format!("#{number}={value}"),
     };
     outlet.push(Kind::Verbatim(text.into_bytes()));

@@ -7,6 +7,7 @@ use super::codes::Group;
 use super::forbidden;
 use super::modal::Modal;
 use super::offsets;
+use super::origin::{self, Origin};
 use super::target;
 use super::text;
 use super::variables::Missing;
@@ -230,7 +231,7 @@ fn modal_value(modal: &Modal, modal_calls: &[Call], place: u32) -> Option<f64> {
 pub(super) fn write_system(
     channel: &mut Channel<'_>,
     number: u32,
-    (value, step): (Option<f64>, Option<f64>),
+    (value, origin): (Option<f64>, Option<Origin>),
     span: Span,
     loaded: &Loaded,
     block: &Block,
@@ -252,9 +253,9 @@ pub(super) fn write_system(
             Ok(())
         }
         Some(Meaning::Offset(system, place)) => {
-            write_offset(channel, number, (system, place), (number_value, step), span)
+            write_offset(channel, number, (system, place), (number_value, origin), span)
         }
-        Some(Meaning::Tool(tool, part)) => write_tool(channel, number, (tool, part), (number_value, step), span),
+        Some(Meaning::Tool(tool, part)) => write_tool(channel, number, (tool, part), (number_value, origin), span),
         Some(Meaning::Machine | Meaning::Position(..) | Meaning::Modal(_)) | None => {
             let message = format!("#{number} cannot be set here");
             Err(bad_value(span, message, "its value is set by the control only"))
@@ -267,16 +268,39 @@ fn tell(outlet: &mut MotionSink<'_>, number: u32, value: f64, behind: &str) {
     outlet.push(Kind::Verbatim(format!("#{number}={}{behind}", decimals(value)).into_bytes()));
 }
 
-/// Passes a new value of data of the control through: the step, if the program adds one to the old value.
-fn tell_new(outlet: &mut MotionSink<'_>, number: u32, value: f64, step: Option<f64>) {
-    match step {
-        Some(step) => outlet.push(Kind::Verbatim(text::step(number, &decimals(step), false).into_bytes())),
-        None => tell(outlet, number, value, ""),
+/// Passes a new value of data of the control through: a sum with a value of the control, if the program computes it so. `unit` is the factor for the
+/// unit of the output.
+fn tell_new(
+    channel: &mut Channel<'_>,
+    number: u32,
+    (value, unit): (f64, f64),
+    origin: Option<Origin>,
+    span: Span,
+) -> Result<(), Fault> {
+    match origin.map(|origin| origin.text(unit)) {
+        Some(Some(sum)) => channel.outlet.push(Kind::Verbatim(format!("#{number}={sum}").into_bytes())),
+        Some(None) if channel.settings.strict => return Err(origin::not_kept(span)),
+        Some(None) | None => tell(&mut channel.outlet, number, value * unit, ""),
+    }
+    Ok(())
+}
+
+/// The place of a number with data of the control: `None` for other numbers, `Some(None)` for values of tools.
+pub(super) fn control_data(number: u32, is_haas: bool) -> Option<Option<(System, u32)>> {
+    match meaning(number, is_haas)? {
+        Meaning::Offset(system, place) => Some(Some((system, place))),
+        Meaning::Tool(..) => Some(None),
+        _ => None,
     }
 }
 
+/// The index of an axis in the order of the control.
+pub(super) fn place_of(axes: AxisSet, axis: Axis) -> Option<u32> {
+    (0..AXES.len() as u32).find(|&place| axis_at(axes, place) == Some(axis))
+}
+
 /// A value with up to six decimals, without trailing zeros.
-fn decimals(value: f64) -> String {
+pub(super) fn decimals(value: f64) -> String {
     let mut shown = format!("{value:.6}");
     shown.truncate(shown.trim_end_matches('0').trim_end_matches('.').len());
     if shown == "-0" { "0".to_owned() } else { shown }
@@ -286,7 +310,7 @@ fn write_offset(
     channel: &mut Channel<'_>,
     number: u32,
     (system, place): (System, u32),
-    (value, step): (f64, Option<f64>),
+    (value, origin): (f64, Option<Origin>),
     span: Span,
 ) -> Result<(), Fault> {
     let Some(axis) = axis_at(channel.axes, place) else {
@@ -321,7 +345,8 @@ fn write_offset(
     } else {
         channel.modal.modes.scale() / text::output_unit_mm(channel.settings.machine)
     };
-    tell_new(&mut channel.outlet, number, value * unit, step.map(|step| step * unit));
+    channel.written.state((system, place), origin.is_none());
+    tell_new(channel, number, (value, unit), origin, span)?;
     if system == channel.modal.system || system == System::EXTERNAL {
         offsets::load_offset(channel, span)?;
     }
@@ -332,7 +357,7 @@ fn write_tool(
     channel: &mut Channel<'_>,
     number: u32,
     (tool, part): (u32, Part),
-    (value, step): (f64, Option<f64>),
+    (value, origin): (f64, Option<Origin>),
     span: Span,
 ) -> Result<(), Fault> {
     let known = channel.written.tools.find(channel.settings.machine, tool, 1);
@@ -348,8 +373,7 @@ fn write_tool(
     *part_of(&mut offset, part) = inside;
     channel.written.tools.write(tool, 1, ToolOffset { is_stated: true, ..offset });
     let unit = channel.modal.modes.scale() / text::output_unit_mm(channel.settings.machine);
-    tell_new(&mut channel.outlet, number, value * unit, step.map(|step| step * unit));
-    Ok(())
+    tell_new(channel, number, (value, unit), origin, span)
 }
 
 fn part_of(offset: &mut ToolOffset, part: Part) -> &mut f64 {

@@ -29,9 +29,3 @@ pub(super) fn append(language: Language, text: &mut String, letter: u8, value: f
     // Writing to a string cannot fail.
     let _ = write!(text, " {}{number}", char::from(letter));
 }
-
-/// Writes the assignment of a step: `#5221=#5221+0.1`; RS274/NGC needs brackets.
-pub(super) fn step(number: u32, shown: &str, is_rs274: bool) -> String {
-    let sign = if shown.starts_with('-') { "" } else { "+" };
-    if is_rs274 { format!("#{number}=[#{number}{sign}{shown}]") } else { format!("#{number}=#{number}{sign}{shown}") }
-}

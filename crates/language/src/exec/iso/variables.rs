@@ -4,6 +4,7 @@
 
 use std::collections::HashMap;
 
+use super::origin::Origin;
 use crate::exec::core::assumed_values::AssumedValues;
 use crate::syntax::words::{NameId, Program};
 use ncfix_base::geometry::AxisVector;
@@ -62,6 +63,9 @@ struct Locals {
     /// By number; those of the calling level, if it shares them.
     numbered: Vec<Option<f64>>,
     named: Vec<(Symbol, f64)>,
+    /// Origins of numbered and named variables whose value depends on data of the control, by index.
+    origins: Vec<(usize, Origin)>,
+    named_origins: Vec<(usize, Origin)>,
     /// `true` if the numbered variables are those of the caller.
     shares: bool,
 }
@@ -74,6 +78,9 @@ pub(super) struct Variables {
     /// The innermost level last; never empty.
     levels: Vec<Locals>,
     common: Vec<Option<f64>>,
+    /// Origins of common and of global named variables whose value depends on data of the control, by index.
+    common_origins: Vec<(usize, Origin)>,
+    global_origins: Vec<(usize, Origin)>,
     /// Named variables of all levels, by symbol.
     global: Vec<Option<f64>>,
     symbols: HashMap<Box<str>, u32>,
@@ -110,6 +117,8 @@ impl Variables {
             is_haas,
             levels: vec![Locals::default()],
             common,
+            common_origins: Vec::new(),
+            global_origins: Vec::new(),
             global: Vec::new(),
             symbols: HashMap::new(),
             texts: Vec::new(),
@@ -222,6 +231,53 @@ impl Variables {
         if let Some(cell) = cell {
             *cell = value;
         }
+        note(self.origins_mut(index), index, None);
+    }
+
+    /// Origins of the numbered variables among which an index is.
+    fn origins_mut(&mut self, index: usize) -> Option<&mut Vec<(usize, Origin)>> {
+        if index <= self.locals() {
+            self.levels.last_mut().map(|level| &mut level.origins)
+        } else {
+            Some(&mut self.common_origins)
+        }
+    }
+
+    /// Origin of the value of a variable by number, if it depends on data of the control.
+    pub(super) fn origin(&self, number: u32) -> Option<Origin> {
+        let index = self.index(number);
+        if index <= self.locals() {
+            find(&self.levels.last()?.origins, index)
+        } else {
+            find(&self.common_origins, index)
+        }
+    }
+
+    /// Notes the origin of the value that a variable was set to.
+    pub(super) fn set_origin(&mut self, number: u32, origin: Origin) {
+        let index = self.index(number);
+        note(self.origins_mut(index), index, Some(origin));
+    }
+
+    /// Origin of the value of a named variable, if it depends on data of the control.
+    pub(super) fn origin_of_name(&self, symbol: Symbol) -> Option<Origin> {
+        let index = symbol.0 as usize;
+        if self.is_global(symbol) {
+            find(&self.global_origins, index)
+        } else {
+            find(&self.levels.last()?.named_origins, index)
+        }
+    }
+
+    /// Notes the origin of the value that a named variable was set to; `None` if it does not depend on data of the control.
+    pub(super) fn set_origin_of_name(&mut self, symbol: Symbol, origin: Option<Origin>) {
+        let index = symbol.0 as usize;
+        let origins = if self.is_global(symbol) {
+            Some(&mut self.global_origins)
+        } else {
+            self.levels.last_mut().map(|level| &mut level.named_origins)
+        };
+        note(origins, index, origin);
     }
 
     /// `true` if a name is common to all levels.
@@ -252,18 +308,22 @@ impl Variables {
     }
 
     /// Begins a program level with its own local variables, the first of which have these values.
-    pub(super) fn enter(&mut self, arguments: &[(u32, f64)]) {
+    pub(super) fn enter(&mut self, arguments: &[(u32, f64, Option<Origin>)]) {
         let numbered = self.no_locals();
         self.levels.push(Locals { numbered, ..Locals::default() });
-        for &(number, value) in arguments {
+        for &(number, value, origin) in arguments {
             self.set(number, Some(value));
+            if let Some(origin) = origin {
+                self.set_origin(number, origin);
+            }
         }
     }
 
     /// Begins a program level that shares its caller's numbered variables.
     pub(super) fn enter_shared(&mut self) {
-        let numbered = self.levels.last_mut().map(|level| std::mem::take(&mut level.numbered)).unwrap_or_default();
-        self.levels.push(Locals { numbered, named: Vec::new(), shares: true });
+        let taken = |level: &mut Locals| (std::mem::take(&mut level.numbered), std::mem::take(&mut level.origins));
+        let (numbered, origins) = self.levels.last_mut().map(taken).unwrap_or_default();
+        self.levels.push(Locals { numbered, origins, shares: true, ..Locals::default() });
     }
 
     /// Ends the innermost level.
@@ -274,13 +334,30 @@ impl Variables {
         if let (Some(left), Some(level)) = (self.levels.pop(), self.levels.last_mut())
             && left.shares
         {
-            level.numbered = left.numbered;
+            (level.numbered, level.origins) = (left.numbered, left.origins);
         }
     }
 
     /// Number of levels above the outermost one.
     pub(super) fn depth(&self) -> usize {
         self.levels.len() - 1
+    }
+}
+
+/// Finds the origin of an index.
+fn find(origins: &[(usize, Origin)], index: usize) -> Option<Origin> {
+    origins.iter().find(|(known, _)| *known == index).map(|&(_, origin)| origin)
+}
+
+/// Sets or removes the origin of an index.
+fn note(origins: Option<&mut Vec<(usize, Origin)>>, index: usize, origin: Option<Origin>) {
+    let Some(origins) = origins else { return };
+    let known = origins.iter().position(|(known, _)| *known == index);
+    match (known, origin) {
+        (Some(at), Some(origin)) => origins[at].1 = origin,
+        (Some(at), None) => _ = origins.swap_remove(at),
+        (None, Some(origin)) => origins.push((index, origin)),
+        (None, None) => {}
     }
 }
 

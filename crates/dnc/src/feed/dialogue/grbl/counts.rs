@@ -69,7 +69,7 @@ impl Counts {
     }
 
     /// Notes the free bytes; the largest number ever free is the size of the buffer.
-    pub(super) fn see(&mut self, status: &GrblReport) {
+    pub(super) fn see(&mut self, status: &GrblReport<'_>) {
         self.bytes = self.bytes.max(status.free_bytes.unwrap_or(0));
     }
 
@@ -79,14 +79,14 @@ impl Counts {
     }
 
     /// True if the receive buffer is empty; `None` if the report does not say.
-    pub(super) fn is_empty(&self, status: &GrblReport) -> Option<bool> {
+    pub(super) fn is_empty(&self, status: &GrblReport<'_>) -> Option<bool> {
         status.free_bytes.map(|free| free >= self.bytes)
     }
 
     /// Compares a report with the count. `longest` is the longest line under way, bytes; `waiting` bytes have not left.
     pub(super) fn judge(
         &mut self,
-        status: &GrblReport,
+        status: &GrblReport<'_>,
         is_asked: bool,
         longest: usize,
         waiting: usize,
@@ -111,7 +111,7 @@ impl Counts {
 
     /// Returns the last line that was certainly taken. It follows from the buffer state, not from the count of answers, one of which may have come twice. A
     /// report may be older than the last question, but not than the one before that.
-    pub(super) fn taken(&mut self, status: &GrblReport) -> u64 {
+    pub(super) fn taken(&mut self, status: &GrblReport<'_>) -> u64 {
         let Some(free) = status.free_bytes else { return self.taken };
         let out = self.gone_before.saturating_sub((self.bytes.saturating_sub(free) + PLACE) as u64);
         while let Some(&(number, end)) = self.lines.front()
@@ -133,10 +133,9 @@ impl Counts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::feed::dialogue::grbl::status::GrblState;
 
-    fn report(free_bytes: usize) -> GrblReport {
-        GrblReport { word: GrblState::Run, free_blocks: None, free_bytes: Some(free_bytes) }
+    fn report(free_bytes: usize) -> GrblReport<'static> {
+        GrblReport { free_bytes: Some(free_bytes), ..GrblReport::read("<Run>").unwrap() }
     }
 
     #[test]

@@ -19,10 +19,12 @@ use std::time::Duration;
 use ncfix_base::pattern::{RegexSet, patterns};
 
 use super::counts::CountVerdict;
+use super::place::Look;
 use super::status::{GrblReport, GrblState};
 use super::{ASK_EVERY, Event, Grbl, HOLD, MARGIN, NO_LINE, STEPPED, State, Wire};
 use crate::feed::dialogue::answers::{impossible, is_greeting, shown};
 use crate::feed::dialogue::depth::not_idle;
+use crate::feed::dialogue::position::elsewhere;
 
 /// Answers other than `ok` and those with a code, addressed by their position in this list.
 static ANSWERS: LazyLock<RegexSet> = LazyLock::new(|| {
@@ -61,6 +63,10 @@ impl Grbl {
                 self.counts.has(bytes);
                 self.window.1 = self.window.1.min(bytes.saturating_sub(MARGIN)).max(1);
             }
+        } else if let Some(axes) = text.strip_prefix("[AXS:").and_then(|text| text.strip_suffix(']'))
+            && is_info
+        {
+            self.place.has_axes(axes);
         } else if text == "ok" {
             self.acknowledge(now, events);
         } else if let Some(code) = text.strip_prefix("error:") {
@@ -119,7 +125,7 @@ impl Grbl {
     }
 
     /// Reports the lines that were certainly taken; a duplicate answer does not count.
-    fn check(&mut self, status: &GrblReport, events: &mut Vec<Event>) {
+    fn check(&mut self, status: &GrblReport<'_>, events: &mut Vec<Event>) {
         let taken = self.counts.taken(status).min(self.acknowledged);
         if taken > self.checked {
             self.checked = taken;
@@ -166,9 +172,16 @@ impl Grbl {
         }
     }
 
-    fn report(&mut self, (status, text): (&GrblReport, &str), now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+    fn report(
+        &mut self,
+        (status, text): (&GrblReport<'_>, &str),
+        now: Duration,
+        wire: &mut Wire,
+        events: &mut Vec<Event>,
+    ) {
         let is_asked = std::mem::take(&mut self.asked) > 0;
         self.counts.see(status);
+        self.place.see(status);
         self.tells_buffers |= status.free_bytes.is_some();
         if status.word == GrblState::Idle && self.in_flight.is_empty() {
             let blocks = status.free_blocks.map(|blocks| blocks.to_string());
@@ -248,9 +261,15 @@ impl Grbl {
         }
         // Two reports: the first may be older than the last bytes.
         if self.idle >= 2 && self.is_drained && self.in_flight.is_empty() && self.sure < self.acknowledged {
+            let agreed = match self.place.look(status) {
+                Look::Again => return,
+                Look::Differs(why) => return self.lost(&elsewhere(&why), events),
+                Look::Done(agreed) => agreed,
+            };
             self.confirm(events);
             self.sure = self.acknowledged;
             events.push(Event::Executed(self.acknowledged));
+            events.extend(agreed.map(Event::InPosition));
             if self.state == State::Open {
                 (self.is_due, self.has_barrier, self.is_drained) = (false, false, false);
                 self.barrier.is_over();

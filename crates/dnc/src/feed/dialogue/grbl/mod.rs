@@ -4,9 +4,12 @@
 //! must not make the buffer overflow, so room for twice the longest line under way is kept free. A dwell follows the last line; it is answered when the
 //! planner is empty. The job is done only then, and when the control reports idle. If reports do not contain the buffer state, only the count of answers says
 //! what was taken. In this case a dwell is also sent now and then ([`super::barrier`]).
+//!
+//! When the control has come to a stop after such a dwell, its position must be that of the lines sent ([`place`]).
 
 mod counts;
 mod hear;
+mod place;
 mod status;
 
 use std::collections::VecDeque;
@@ -17,6 +20,7 @@ use super::barrier::Barrier;
 use super::depth::Depth;
 use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 use counts::{Counts, SURPLUS};
+use place::Place;
 
 /// Entry of this dialogue; profiles select it by its name.
 pub(super) const PROTOCOL: Protocol = Protocol {
@@ -102,6 +106,7 @@ struct Grbl {
     checked: u64,
     sure: u64,
     barrier: Barrier,
+    place: Place,
     /// True if the control is to stop before the next line; true if the dwell for that, or after the last line, was sent; true if it was answered.
     is_due: bool,
     has_barrier: bool,
@@ -143,6 +148,7 @@ impl Grbl {
             checked: 0,
             sure: 0,
             barrier: Barrier::default(),
+            place: Place::default(),
             is_due: false,
             has_barrier: false,
             is_drained: false,
@@ -221,7 +227,9 @@ impl Dialogue for Grbl {
         check_text(&line.text, self.longest_line, &self.refused)?;
         let bytes = [&line.text[..], b"\n"].concat();
         self.push((line.number, line.busy()), &bytes, now, wire);
-        self.is_due = self.barrier.sent(&line.text) && !self.tells_buffers;
+        let (is_late, stands) = (self.barrier.sent(&line.text), self.place.commanded.sent(&line.text));
+        // Where the axes stand still in any case, another stop leaves no mark.
+        self.is_due = is_late && !self.tells_buffers || stands;
         Ok(())
     }
 

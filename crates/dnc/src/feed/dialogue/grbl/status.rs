@@ -21,16 +21,20 @@ pub(super) enum GrblState {
 
 /// Status report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct GrblReport {
+pub(super) struct GrblReport<'t> {
     pub(super) word: GrblState,
     /// Free blocks of the planner and free bytes of the receive buffer, if reported.
     pub(super) free_blocks: Option<usize>,
     pub(super) free_bytes: Option<usize>,
+    /// Axis positions as reported, with commas: those of the machine, those of the program, and the difference between the two.
+    pub(super) machine: Option<&'t str>,
+    pub(super) work: Option<&'t str>,
+    pub(super) offset: Option<&'t str>,
 }
 
-impl GrblReport {
+impl<'t> GrblReport<'t> {
     /// Reads an answer; `None` if it is not a valid report.
-    pub(super) fn read(text: &str) -> Option<GrblReport> {
+    pub(super) fn read(text: &'t str) -> Option<GrblReport<'t>> {
         let mut fields = text.strip_prefix('<')?.strip_suffix('>')?.split('|');
         let word = match fields.next()?.split(':').next()? {
             "Idle" => GrblState::Idle,
@@ -43,14 +47,21 @@ impl GrblReport {
             "" => return None,
             _ => GrblState::Odd,
         };
-        let (mut free_blocks, mut free_bytes) = (None, None);
+        let mut report =
+            GrblReport { word, free_blocks: None, free_bytes: None, machine: None, work: None, offset: None };
         for field in fields {
-            if let Some(free) = field.strip_prefix("Bf:") {
-                let (blocks, bytes) = free.split_once(',')?;
-                (free_blocks, free_bytes) = (Some(blocks.parse().ok()?), Some(bytes.parse().ok()?));
+            match field.split_once(':') {
+                Some(("Bf", free)) => {
+                    let (blocks, bytes) = free.split_once(',')?;
+                    (report.free_blocks, report.free_bytes) = (Some(blocks.parse().ok()?), Some(bytes.parse().ok()?));
+                }
+                Some(("MPos", axes)) => report.machine = Some(axes),
+                Some(("WPos", axes)) => report.work = Some(axes),
+                Some(("WCO", axes)) => report.offset = Some(axes),
+                _ => {}
             }
         }
-        Some(GrblReport { word, free_blocks, free_bytes })
+        Some(report)
     }
 }
 
@@ -61,12 +72,15 @@ mod tests {
     #[test]
     fn reports_are_read_and_what_is_none_is_not() {
         let read = |text| GrblReport::read(text).unwrap();
-        let idle = read("<Idle|MPos:0.000,0.000,0.000|Bf:15,128|FS:0,0>");
-        assert_eq!(idle, GrblReport { word: GrblState::Idle, free_blocks: Some(15), free_bytes: Some(128) });
+        let idle = read("<Idle|MPos:0.000,0.000,0.000|Bf:15,128|FS:0,0|WCO:-1.000,0.000,2.500>");
+        assert_eq!((idle.word, idle.free_blocks, idle.free_bytes), (GrblState::Idle, Some(15), Some(128)));
         assert_eq!(
-            read("<Run:1|MPos:0,0,0>"),
-            GrblReport { word: GrblState::Run, free_blocks: None, free_bytes: None }
+            (idle.machine, idle.work, idle.offset),
+            (Some("0.000,0.000,0.000"), None, Some("-1.000,0.000,2.500"))
         );
+        let run = read("<Run:1|WPos:0,0,0>");
+        assert_eq!((run.word, run.free_blocks, run.free_bytes), (GrblState::Run, None, None));
+        assert_eq!((run.machine, run.work, run.offset), (None, Some("0,0,0"), None));
         for (text, word) in [
             ("<Hold:0|a>", GrblState::Held),
             ("<Door:3>", GrblState::Held),

@@ -262,6 +262,11 @@ fn check_words(text: &[u8], longest_line: usize) -> Result<Words, String> {
     if found.has_o {
         return Err("linuxcncrsh does not accept O-words; write the program without subprograms".into());
     }
+    if let Some(code) = found.foreign {
+        return Err(format!(
+            "LinuxCNC does not have G{code}: write G20 or G21 for the unit, or choose its post-processor"
+        ));
+    }
     if found.stops {
         // Observed with 2.9: the next line runs immediately.
         return Err(

@@ -18,6 +18,7 @@
 //! | | `//action:pause`, `//action:resume` | no line is sent in between |
 //! | | temperatures, positions, capabilities, memory cards, notices | shown; the list is in [`super::texts`] |
 //! | opening | any other text | shown: nothing has been sent yet |
+//! | asked with `M114` | a position | compared with that of the lines sent |
 //! | closing | the text of the mark, `ok` | all moves are done |
 //! | any but opening | a greeting | it was reset |
 //! | | any other `Error`, `!!`, an end switch, an axis that is not homed | it has stopped, or omits moves |
@@ -33,6 +34,7 @@ use ncfix_base::pattern::{Regex, RegexSet, pattern, patterns};
 use super::texts::{MarlinText, meaning};
 use super::{BEYOND, Event, FIRST_NUMBER, Marlin, NO_OK, QUIET, START, State, What, Wire, mark};
 use crate::feed::dialogue::answers::{impossible, is_greeting, shown};
+use crate::feed::dialogue::position::number as value_of;
 
 /// Answers in upper or lower case, addressed by their position in this list.
 static ANSWERS: LazyLock<RegexSet> = LazyLock::new(|| {
@@ -63,7 +65,23 @@ fn number(text: &str) -> Option<u64> {
     text.get(digits.range())?.parse().ok()
 }
 
+/// Reads `X:1.00 Y:2.00 Z:3.00 E:0.00 Count X:80 Y:160 Z:1200`: axis letters with their positions and digits; `None` if it is another text.
+fn position(text: &str) -> Option<Vec<(u8, f64, usize)>> {
+    let stated = text.split(" Count").next().filter(|stated| stated.starts_with("X:"))?;
+    let axis = |word: &str| {
+        let (letter, value) = word.split_once(':')?;
+        let &[letter] = letter.as_bytes() else { return None };
+        let (value, digits) = value_of(value)?;
+        Some((letter, value, digits))
+    };
+    stated.split_ascii_whitespace().map(axis).collect()
+}
+
 impl Marlin {
+    fn is_under_way(&self, what: What) -> bool {
+        self.under_way.as_ref().is_some_and(|sent| sent.what == what)
+    }
+
     pub(super) fn answer(&mut self, text: &str, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
         let low = text.to_ascii_lowercase();
         let found = ANSWERS.matches(text.as_bytes());
@@ -100,6 +118,8 @@ impl Marlin {
             if let Some(last) = low.rsplit_once("last line").and_then(|(_, last)| number(last)) {
                 self.name(last, events);
             }
+        } else if is(UNKNOWN) && self.is_under_way(What::Where) {
+            // Firmware without this question: its position is not compared.
         } else if is(UNKNOWN) && self.under_way.is_some() && self.state != State::Opening {
             // It would skip a zero offset or a tool length and continue.
             match self.under_way.as_ref().map(|sent| sent.what) {
@@ -112,6 +132,10 @@ impl Marlin {
             }
         } else if is(BUSY) {
             self.hold(is(PAUSED), events);
+        } else if self.is_under_way(What::Where)
+            && let Some(reported) = position(text)
+        {
+            self.reported = reported;
         } else {
             self.text(text, events);
         }

@@ -7,7 +7,8 @@
 //!
 //! Numbers begin far above those of a control that was reset, which asks for line 1. So a reset is detected even if its greeting was lost. The control waits
 //! for all moves (`M400`) and repeats a text (`M118`) before the first line, after the last line, and now and then if answers have no number
-//! ([`super::barrier`]). An `ok` has no number, but after the text no earlier answer is outstanding.
+//! ([`super::barrier`]). An `ok` has no number, but after the text no earlier answer is outstanding. Between the two it asks for the position (`M114`), which
+//! must be that of the lines sent ([`super::position`]).
 //!
 //! The lines of the program come here as commands of one line each ([`commands`]).
 
@@ -21,6 +22,7 @@ use std::time::Duration;
 use super::answers::Answers;
 use super::barrier::Barrier;
 use super::depth::Depth;
+use super::position::{CommandedPosition, Comparison, elsewhere};
 use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 use commands::MarlinCommands;
 
@@ -53,6 +55,9 @@ const BEYOND: u64 = 9;
 const MOST_PLANNED: usize = 72;
 /// Command that is answered when all moves are done; only then the job is done.
 const WAIT: &[u8] = b"M400";
+/// Question for the position, in the coordinates of the program (`M114.cpp`), and how often it is asked: another report may have come in between.
+const WHERE: &[u8] = b"M114";
+const MOST_LOOKS: u32 = 3;
 /// Emergency stop; it is read immediately if the firmware has its emergency parser.
 const EMERGENCY_STOP: &[u8] = b"M112\n";
 
@@ -74,6 +79,8 @@ enum What {
     Count,
     /// `M400`, which waits for all moves.
     Wait,
+    /// `M114`, which returns the position.
+    Where,
     /// `M118`, whose text is returned.
     Mark,
     /// Line of the program with this number.
@@ -124,6 +131,14 @@ struct Marlin {
     barrier: Barrier,
     /// True if the control is to stop after the line under way, unless its answer has a number.
     is_due: bool,
+    /// True if its axes stand still after the line under way in any case.
+    stands: bool,
+    commanded: CommandedPosition,
+    /// Position in the answer to `M114`, and the number of times that it was different.
+    reported: Vec<(u8, f64, usize)>,
+    looks: u32,
+    /// Axes that agree.
+    agreed: Option<String>,
     heard: Answers,
     last_heard: Duration,
 }
@@ -153,6 +168,11 @@ impl Marlin {
             is_held: false,
             barrier: Barrier::default(),
             is_due: false,
+            stands: false,
+            commanded: CommandedPosition::default(),
+            reported: Vec::new(),
+            looks: 0,
+            agreed: None,
             heard: Answers::default(),
             last_heard: Duration::ZERO,
         }
@@ -172,6 +192,12 @@ impl Marlin {
         let bytes = frame(FIRST_NUMBER, format!("M110 N{FIRST_NUMBER}").as_bytes());
         (self.next, self.is_marked, self.is_closing) = (FIRST_NUMBER + 1, false, false);
         self.under_way = Some(Sent { what: What::Count, number: FIRST_NUMBER, bytes, busy: Duration::ZERO, copies: 0 });
+    }
+
+    fn look(&mut self, now: Duration, wire: &mut Wire) {
+        self.looks += 1;
+        self.reported.clear();
+        self.begin((What::Where, Duration::ZERO), WHERE, now, wire);
     }
 
     fn mark(&mut self, now: Duration, wire: &mut Wire) {
@@ -209,12 +235,26 @@ impl Marlin {
                 events.push(Event::Acknowledged(line));
                 if is_checked {
                     events.push(Event::Checked(line));
-                } else if std::mem::take(&mut self.is_due) {
+                }
+                if std::mem::take(&mut self.is_due) && !is_checked || std::mem::take(&mut self.stands) {
                     self.begin((What::Wait, self.moves()), WAIT, now, wire);
                 }
             }
             What::Count => self.begin((What::Wait, Duration::ZERO), WAIT, now, wire),
-            What::Wait => self.mark(now, wire),
+            What::Wait if self.state == State::Opening || !self.commanded.is_known() => self.mark(now, wire),
+            What::Wait => {
+                (self.looks, self.agreed) = (0, None);
+                self.look(now, wire);
+            }
+            What::Where => match self.commanded.compare(&self.reported) {
+                Comparison::Differs(why) if self.looks >= MOST_LOOKS => self.lost(&elsewhere(&why), events),
+                Comparison::Differs(_) => self.look(now, wire),
+                Comparison::Agrees(axes) => {
+                    self.agreed = Some(axes);
+                    self.mark(now, wire);
+                }
+                Comparison::Nothing => self.mark(now, wire),
+            },
             What::Mark if self.state == State::Opening => {
                 self.state = State::Open;
                 self.depth.tell(events);
@@ -226,6 +266,7 @@ impl Marlin {
                 self.barrier.is_over();
                 if self.taken > 0 {
                     events.push(Event::Executed(self.taken));
+                    events.extend(self.agreed.take().map(Event::InPosition));
                 }
             }
         }
@@ -250,7 +291,7 @@ impl Marlin {
                     "the control does not repeat the text of M118, so answers cannot be distinguished".to_owned()
                 }
                 What::Wait => "the control does not become idle, or does not answer".to_owned(),
-                What::Count | What::Mark => "the control does not answer".to_owned(),
+                What::Count | What::Where | What::Mark => "the control does not answer".to_owned(),
             };
             self.lost(&why, events);
         } else if is_taken {
@@ -302,6 +343,7 @@ impl Dialogue for Marlin {
             self.recent.pop_front();
         }
         self.is_due = self.barrier.sent(&line.text);
+        self.stands = self.commanded.sent(&line.text);
         self.begin((What::Line(line.number), line.busy()), &line.text, now, wire);
         Ok(())
     }
