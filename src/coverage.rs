@@ -36,7 +36,7 @@ fn backward_tool(machine: &Machine, used: &UsedRanges, is_required: bool) -> Opt
         significant(shortest_mm)
     );
     let help =
-        "state lengths from the gauge line of the spindle to the tip, and Z of the zero offset for these lengths";
+        "state lengths from the gauge point of the spindle to the tip, and Z of the zero offset for these lengths";
     Some(Diagnostic::nowhere(code, message, help))
 }
 

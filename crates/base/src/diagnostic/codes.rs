@@ -875,7 +875,7 @@ are then displaced by the size in the message. State the length: --zero G54=touc
 [zero_offset.NAME.set_at]. See docs/how-to/set-the-zero.md.";
     BACKWARD_TOOL = "W0327" "negative tool length"
 "A tool of the program has a negative length, as on a control whose lengths count from the machine zero or from a reference tool.
-The axis positions are then still right, but ncfix needs the distance from the gauge line of the spindle to the tip: it is the arm
+The axis positions are then still right, but ncfix needs the distance from the gauge point of the spindle to the tip: it is the arm
 of angular errors and of rotary axes. With a wrong arm, their correction is wrong. State the real lengths, and Z of the zero
 offset for these lengths. See docs/how-to/fanuc-from-start-to-finish.md.";
     ZERO_NOT_USED = "W0328" "stated zero offset not used"
