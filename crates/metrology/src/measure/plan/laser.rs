@@ -17,7 +17,7 @@ use ncfix_model::name::{Carrier, ErrorKind};
 pub(super) const PLAN: PlanKind = PlanKind {
     name: "laser",
     title: "one axis in steps, forward and backward (ISO 230-2); variant equal: equal steps",
-    wishes: &["axis", "component", "range", "points", "runs", "centre", "feed", "dwell", "variant", "seed"],
+    wishes: &["axis", "component", "range", "points", "runs", "center", "feed", "dwell", "variant", "seed"],
     spacing: RowSpacing::Angle,
     has_setups: false,
     build,
