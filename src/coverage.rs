@@ -36,7 +36,7 @@ fn backward_tool(machine: &Machine, used: &UsedRanges, is_required: bool) -> Opt
         significant(shortest_mm)
     );
     let help =
-        "state lengths from the gauge line of the spindle to the tip, and Z of the zero offset for these lengths";
+        "state lengths from the gauge point of the spindle to the tip, and Z of the zero offset for these lengths";
     Some(Diagnostic::nowhere(code, message, help))
 }
 
@@ -64,8 +64,10 @@ fn unstated_axes(origin: Origin, axes: AxisSet, is_required: bool) -> Diagnostic
     let (names, zeros) = (names.join(" and "), zeros.join(","));
     let place = Place { file: origin.file, span: origin.span };
     let message = format!("the tool cuts here, and the position of {names} is not stated; the correction is for 0°");
+    let sections: Vec<String> = axes.iter().map(|axis| format!("[axis.{axis}]")).collect();
+    let sections = sections.join(" and ");
     let help = format!(
-        "program {names} before this cut, or state the position: start_deg in [axis] for all programs, or until the first tool change --start X0,Y0,Z0,{zeros}"
+        "program {names} before this cut, or state the position: start_deg in {sections} for all programs, or until the first tool change --start X0,Y0,Z0,{zeros}"
     );
     Diagnostic::at(code, place, message, help)
 }

@@ -269,11 +269,11 @@ pub(crate) fn of_run(
         }
         let name = &one.name;
         let message = format!(
-            "nothing states how {name} was set, so temperature and weight are corrected from the reference condition; if you touched off in this state, the correction is too large by {}",
+            "nothing states how {name} was set, so temperature and weight are corrected from the reference condition; if you touched off at these temperatures and this weight, the correction is too large by {}",
             parts.join(", ")
         );
         let help = format!(
-            "if you touched off in this state, give --zero {name}=touched; for another time, --zero-time or [zero]; if the zero is the true position, --zero {name}=absolute"
+            "if you touched off at these temperatures and this weight, give --zero {name}=touched; for another time, --zero-time or [zero]; if the zero is the true position, --zero {name}=absolute"
         );
         found.add(Diagnostic::nowhere(Code::ZERO_NOT_STATED, message, help), &[]);
     }
@@ -369,7 +369,7 @@ fn length_unstated(
     }
     let length = significant(length_mm);
     let message = format!(
-        "{name} counts as touched with a tool of length 0, because no length is stated; with the tool of {length} mm of this program, its error would differ by {}",
+        "{name} counts as touched with a tool of length 0, because no length is stated; if the tool of {length} mm of this program touched, the zero is wrong by {}",
         parts.join(", ")
     );
     let mut help = format!(

@@ -438,8 +438,7 @@ impl Diagnostics {
             out.push_str(&terminal::hint(sentence, colors));
             if hidden > 0 {
                 out.push_str(&format!(
-                    "{} of its {count} faults are shown; `ncfix check --json` lists all, and --dialect shows them in the source\n",
-                    count - hidden
+                    "{hidden} more errors of this file probably have the same cause and are not shown; --dialect with the right language removes the cause, and `ncfix check --json` lists all\n"
                 ));
             }
             out.push('\n');

@@ -134,7 +134,7 @@ pub struct Options {
     pub tolerance_mm: f64,
     /// Largest deviation of a hole that stays a drilling cycle, mm; a value below [`Self::tolerance_mm`] has no effect.
     pub hole_tolerance_mm: f64,
-    /// Fixed step along the leading axis instead of subdivision by tolerance, mm.
+    /// Fixed step along the axis that moves farthest, instead of subdivision by tolerance, mm.
     pub step_mm: Option<f64>,
     /// Handling of arcs.
     pub arcs: Arcs,

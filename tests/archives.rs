@@ -69,7 +69,9 @@ fn one_of_several_programs_is_named_behind_the_archive() {
         .exits(2)
         .says("SAVE.arc has 2 such programs")
         .says("MPF.DIR/OTHER.MPF, WKS.DIR/PART.WPD/PART.MPF");
-    shop.run(["check", "SAVE.arc/OTHER.MPF", "--machine", &demo]).exits(0).says("understood and executed, 2 elements");
+    shop.run(["check", "SAVE.arc/OTHER.MPF", "--machine", &demo])
+        .exits(0)
+        .says("understood and executed, 2 moves and functions");
     shop.run(["check", "SAVE.arc/WKS.DIR/PART.WPD/part.mpf", "--machine", &demo]).exits(0);
     shop.run(["check", "SAVE.arc/NOWHERE.MPF", "--machine", &demo]).exits(2).says("has no file NOWHERE.MPF");
 }
@@ -80,7 +82,7 @@ fn definition_files_of_the_archive_are_read() {
     let gud = ("UGUD.DEF", "\\DEF.DIR\\", "DEF NCK REAL DEPTH=4\nM17\n");
     let mac = ("SMAC.DEF", "\\DEF.DIR\\", "DEFINE HOME AS G0 X5\nM17\n");
     let shop = Shop::new().file("SAVE.arc", archive(&[gud, mac, part]));
-    shop.run(["check", "SAVE.arc", "--machine", &machine("demo")]).exits(0).says("executed, 3 elements");
+    shop.run(["check", "SAVE.arc", "--machine", &machine("demo")]).exits(0).says("executed, 3 moves and functions");
 }
 
 #[test]

@@ -10,7 +10,7 @@ fn a_good_program_is_understood_and_executed() {
     let shop = Shop::new().file("part.mpf", GOOD);
     let run = shop.run(["check", "part.mpf", "--machine", &machine("demo")]).exits(0);
     assert_eq!(run.stdout, "");
-    run.says("part.mpf: understood and executed, 4 elements; no errors or warnings");
+    run.says("part.mpf: understood and executed, 4 moves and functions; no errors or warnings");
 }
 
 #[test]

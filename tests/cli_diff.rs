@@ -180,3 +180,22 @@ fn words_in_inches_are_compared_in_inches() {
         assert!((of(4.0) - 3.9984).abs() < 1.1e-4 && (of(-1.0) + 0.9996).abs() < 1.1e-4, "{json:#}");
     }
 }
+
+/// The strokes of a drilling cycle come from one line and have one correction.
+#[test]
+fn equal_rows_of_a_cycle_are_counted() {
+    let mill = MILL.replace("sinumerik", "fanuc") + "[control]\ndecimal_point = \"calculator\"\n";
+    let part = "O7\nG21 G17 G90 G40 G49 G80 G94 G54\nG0 X20. Y20. Z50.\nG83 X20. Y20. Z-8. R2. Q2. F200.\nG80\nG0 Z50.\nM30\n";
+    let shop = Shop::new().file("mill.toml", mill).file("part.nc", part);
+    shop.run(["part.nc", "-o", "out.nc", "--machine", "mill.toml"]).exits(0);
+    let words = ["diff", "part.nc", "out.nc", "--machine", "mill.toml"];
+    let json = shop.run(words.into_iter().chain(["--json", "--top", "100"])).exits(1).json();
+    let all = json["rows"].as_array().unwrap().iter().filter(|row| row["line"] == 4).count();
+    let text = shop.run(words).exits(1).stdout;
+    let shown = text.lines().filter(|line| line.starts_with("L4 ")).count();
+    let counted = text.lines().filter_map(|line| line.trim().strip_prefix("… ")?.strip_suffix(" more rows like this"));
+    let more: usize = counted.map(|count| count.parse::<usize>().unwrap()).sum();
+    // Five pecks of 2 mm: each goes down and up.
+    assert!(all >= 10 && more >= 8, "{text}");
+    assert_eq!(shown + more, all, "{text}");
+}

@@ -303,7 +303,11 @@ fn tables_are_those_of_the_temperatures_that_are_given() {
 fn the_largest_sum_of_an_axis_and_the_kinds_are_said() {
     let shop = shop(MILL, SCALES);
     let shown = shop.run(make("cec", "fik", "CEC.INI", &[])).exits(0).stdout;
-    for text in ["of an axis: X 0.0200 mm, Y 0.0080 mm, Z 0.0030 mm\n", "MD32720", "kinds of ISO/TR 16907: L-POS\n"] {
+    for text in [
+        "of an axis: X 0.0200 mm, Y 0.0080 mm, Z 0.0030 mm\n",
+        "MD32720",
+        "types of compensation (ISO/TR 16907): L-POS\n",
+    ] {
         assert!(shown.contains(text), "{text}: {shown}");
     }
     assert!(shop.text("CEC.INI").contains("; largest sum of the corrections of an axis: X 0.0200 mm, Y 0.0080 mm"));

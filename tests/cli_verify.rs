@@ -276,3 +276,17 @@ fn a_length_offset_without_its_number_is_refused() {
     let shop = Shop::new().file("m.toml", SKEW).file("a.nc", later);
     shop.run(["check", "a.nc", "--machine", "m.toml"]).exits(0);
 }
+
+#[test]
+fn a_guard_that_ends_the_program_asks_for_a_new_correction() {
+    let part = "N10 G17 G90 G71 G94 G54\nN20 T2 M6\nN30 D1 S300 M3\nN40 G0 X10 Y10 Z50\nN50 G1 Z-4 F200\nN60 X60\nN70 G0 Z50\nN80 M30\n";
+    let demo = machine("demo");
+    let shop = Shop::new()
+        .file("part.mpf", part)
+        .file("other.toml", "[[tool]]\nnumber = 2\nlength_mm = 100.5\nradius_mm = 4.0\n");
+    shop.run(["part.mpf", "-o", "out.mpf", "--machine", &demo, "--guard"]).exits(0);
+    shop.run(["verify", "part.mpf", "out.mpf", "--machine", &demo, "--setup", "other.toml"])
+        .exits(4)
+        .says("error[E0311]")
+        .says("if they have changed since, correct the original again");
+}

@@ -211,7 +211,7 @@ fn what_nobody_states_is_pointed_out_with_its_size() {
     // Corrected for a touched zero, and judged as if it were true: 0.31 mm off, and the stamp says another state.
     shop.run(fix.iter().chain(&["--zero", "G54=touched"])).exits(0);
     let words = ["verify", "in.mpf", "out.mpf", "--machine", "m.toml", "--zero", "G54=absolute"];
-    shop.run(words).exits(4).says("W0306");
+    shop.run(words).exits(4).says("W0306").says("temperatures, weight or method of the zero");
 }
 
 /// Drift of 3 µm/K in Z at +5 K: 15 µm are in a zero that was touched off in this state. Without a statement they are corrected nevertheless.
@@ -223,7 +223,7 @@ fn drift_at_an_unstated_zero_is_pointed_out_with_its_size() {
     let fix = ["fix", "in.mpf", "-o", "out.mpf", "--machine", "m.toml", "--state", "warm.toml"];
     let run = shop.run(fix).exits(0);
     run.says("warning[W0321]: nothing states how G54 was set, so temperature and weight")
-        .says("if you touched off in this state, the correction is too large by Z 15.0 µm");
+        .says("if you touched off at these temperatures and this weight, the correction is too large by Z 15.0 µm");
     near(*words(&shop, 'Z').last().unwrap(), 4.985);
     // Nothing is open once the method or the time is stated, or without a state.
     let cold = &fix[..6];
@@ -246,7 +246,7 @@ fn a_weight_at_an_unstated_zero_is_pointed_out_with_its_size() {
     shop.run(fix)
         .exits(0)
         .says("warning[W0321]: nothing states how G54 was set, so temperature and weight")
-        .says("if you touched off in this state, the correction is too large by X 10.0 µm");
+        .says("if you touched off at these temperatures and this weight, the correction is too large by X 10.0 µm");
     let stated = shop.run(fix.iter().chain(&["--zero", "G54=touched"])).exits(0);
     assert!(!stated.stderr.contains("W0321"), "{}", stated.stderr);
 }

@@ -234,7 +234,7 @@ fn a_stamp_that_was_changed_promises_nothing() {
         let text = edits.iter().fold(shop.text("out.mpf"), |text, edit| edited(&text, edit));
         shop = shop.file("bad.mpf", text);
         let found = named(&shop.run(["verify", "part.mpf", "bad.mpf", "--machine", &demo, "--json"]).exits(4).json());
-        assert!(found.iter().any(|one| one.starts_with("E0320") && one.contains("promised 1.07")), "{edit}: {found:?}");
+        assert!(found.iter().any(|one| one.starts_with("E0320") && one.contains("allow 1.07")), "{edit}: {found:?}");
     }
 }
 

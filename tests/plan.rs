@@ -528,3 +528,23 @@ fn no_other_pose_would_have_told_more() {
     assert_eq!(rank_with(chosen[0]), best);
     assert!(best > before);
 }
+
+#[test]
+fn center_has_two_spellings() {
+    let shop = Shop::new();
+    let demo = machine("demo");
+    let [center, centre] = ["--center", "--centre"].map(|option| {
+        plan(&shop, &demo, &["sphere", "--tool", "100", option, "300,200,150"]).exits(0);
+        shop.text("plan.csv")
+    });
+    assert_eq!(center, centre);
+    assert!(center.lines().count() > 10, "{center}");
+}
+
+#[test]
+fn the_automatic_model_needs_readings() {
+    let shop = Shop::new();
+    let run = plan(&shop, &machine("demo"), &["ballbar", "--tool", "100", "--model", "auto"]);
+    assert_eq!(run.code, 2, "{}", run.stderr);
+    run.says("--model auto needs readings");
+}

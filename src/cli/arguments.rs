@@ -213,7 +213,7 @@ pub(super) struct MachineChoice {
     /// Zero offsets and tools that override the machine file: TOML, or data of the control (archive, TOA, UFR, RPA, GUD, INI, .var, tool.tbl, G10, $#, TOOL.T); repeatable, the last one wins
     #[arg(long, value_name = "FILE")]
     pub(super) setup: Vec<PathBuf>,
-    /// Head of the machine file: for a program the one that is active at its start, otherwise the one in use (default: the head with start = true)
+    /// Head of the machine file that is in use, for a program at its start (default: the head with start = true)
     #[arg(long, value_name = "NAME")]
     pub(super) head: Option<String>,
 }

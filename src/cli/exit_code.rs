@@ -27,6 +27,9 @@ pub enum ExitCode {
 
 /// Meaning of status 3.
 const NOT_UNDERSTOOD: &str = "the program, or control data given with --setup, has a syntax error or a statement that ncfix cannot execute; no result file was written";
+/// Meaning of status 3 of commands that write no program.
+const NOT_COMPARED: &str =
+    "a program, or control data given with --setup, has a syntax error or a statement that ncfix cannot execute";
 
 /// Exit statuses of most commands, with their meaning for a script.
 const OF_ALL: &[(ExitCode, &str)] = &[
@@ -44,16 +47,16 @@ const OF_TEXTS: &[(ExitCode, &str)] =
 const OF_VERIFY: &[(ExitCode, &str)] = &[
     (ExitCode::Done, "nothing against running the corrected program, or warnings that a person should read"),
     (ExitCode::Usage, "usage error, or a file cannot be read"),
-    (ExitCode::NotUnderstood, NOT_UNDERSTOOD),
+    (ExitCode::NotUnderstood, NOT_COMPARED),
     (ExitCode::Refused, "the corrected program should not run"),
 ];
 
 /// Exit statuses of `ncfix diff`, whose results are statuses too.
 const OF_DIFF: &[(ExitCode, &str)] = &[
     (ExitCode::Done, "no difference, or none above --fail-above"),
-    (ExitCode::Different, "different, with or without a reason not to run the program"),
+    (ExitCode::Different, "the programs differ, as after each correction; this is not the verdict"),
     (ExitCode::Usage, "usage error, or a file cannot be read"),
-    (ExitCode::NotUnderstood, NOT_UNDERSTOOD),
+    (ExitCode::NotUnderstood, NOT_COMPARED),
     (
         ExitCode::Refused,
         "with --fail-above: a change above it, or one that is not a correction; or the corrected program does not follow the original",

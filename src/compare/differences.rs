@@ -31,7 +31,7 @@ pub(crate) fn diagnostic(difference: &ProgramDifference, [originals, correcteds]
         What::Off { off_mm, limit_mm } => {
             let [off, limit] = [off_mm, limit_mm].map(|mm| um_from_mm(*mm));
             let message = format!(
-                "the tool tip is {off:.2} µm off its position at {corrected}, in the move of {original}; the correction promised {limit:.2} µm"
+                "the tool tip is {off:.2} µm off its position at {corrected}, in the move of {original}; tolerance and rounding allow {limit:.2} µm"
             );
             (Code::OFF_PROMISE, message, "correct the original again, with the same machine file and state")
         }

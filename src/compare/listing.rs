@@ -3,6 +3,7 @@
 use super::CompareOptions;
 use super::walk::Outcome;
 use ncfix_base::geometry::Axis;
+use ncfix_base::number::grouped;
 use ncfix_base::source::Source;
 use ncfix_base::units::{MM_PER_INCH, UnitKey, um_from_mm};
 use ncfix_path::review::words::{LineWord, block_number, decimals, words};
@@ -34,6 +35,24 @@ impl<'a> Text<'a> {
         let from = self.starts.get(at).map_or(bytes.len(), |start| *start as usize);
         let to = self.starts.get(at + 1).map_or(bytes.len(), |next| *next as usize - 1);
         String::from_utf8_lossy(bytes.get(from..to).unwrap_or_default()).into_owned()
+    }
+}
+
+/// The last written row, and the number of equal ones after it: the strokes of a cycle have one line and one correction.
+#[derive(Default)]
+struct Repeated {
+    line: String,
+    more: u64,
+}
+
+impl Repeated {
+    /// Writes the equal rows: a single one as it is, several as their number.
+    fn draw<E>(&self, write: &mut impl FnMut(&str) -> Result<(), E>) -> Result<(), E> {
+        match self.more {
+            0 => Ok(()),
+            1 => write(&self.line),
+            more => write(&format!("{:10}… {} more rows like this\n", "", grouped(more))),
+        }
     }
 }
 
@@ -104,13 +123,22 @@ impl<'a> Listing<'a> {
             return Ok(());
         }
         let mut folded = 0;
+        let mut last = Repeated::default();
         for own in moves(self.rows) {
             if self.is_wanted(own) {
-                write(&self.shown(own, std::mem::take(&mut folded)).line(look))?;
+                let line = self.shown(own, std::mem::take(&mut folded)).line(look);
+                if line == last.line {
+                    last.more += 1;
+                } else {
+                    last.draw(&mut write)?;
+                    write(&line)?;
+                    last = Repeated { line, more: 0 };
+                }
             } else {
                 folded += 1;
             }
         }
+        last.draw(&mut write)?;
         if folded > 0 {
             write(&format!("{:10}… {folded} not changed\n", ""))?;
         }

@@ -44,7 +44,7 @@ pub(crate) fn promise(
     }
     if let Some(model) = emit::stamped_model(bytes).filter(|model| *model != chosen.hash) {
         let message = format!(
-            "{name} was corrected for another machine file, or this file was changed since (checksum {model} in the stamp, {} of the file)",
+            "{name} was corrected for another machine file or set-up (checksum {model}) than this one ({})",
             chosen.hash
         );
         warn(
@@ -62,12 +62,12 @@ pub(crate) fn promise(
     }
     let stamped_state = emit::stamped_state(bytes);
     if stamped_state != chosen.state {
-        let said = |state: &Option<String>| state.clone().unwrap_or_else(|| "none".into());
-        let message = format!(
-            "{name} was corrected for the state {}, but is compared in {}",
-            said(&stamped_state),
-            said(&chosen.state)
-        );
+        let what = "temperatures, weight or method of the zero";
+        let message = match (&stamped_state, &chosen.state) {
+            (None, _) => format!("{name} was corrected without stated {what}, but is compared with some"),
+            (Some(_), None) => format!("{name} was corrected for stated {what}, but is compared without them"),
+            (Some(_), Some(_)) => format!("{name} was corrected for other {what} than those of the comparison"),
+        };
         let help = "give the same --zero, --state, --time, --zero-time, --zero-at and --load as for the correction";
         warn(Code::OTHER_STAMP, message, help);
     }

@@ -127,6 +127,11 @@ pub(crate) fn choose_model(
             } else {
                 let known: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
                 let known = known.join(", ");
+                if part == AUTO {
+                    return Err(Error::usage(format!(
+                        "--model auto needs readings, so only `ncfix calibrate` takes it; name a preset ({known}) or parameters such as EXX1 here"
+                    )));
+                }
                 return Err(Error::usage(format!(
                     "--model {part} is neither a file, nor a preset, a parameter such as EXX1 or a term such as \"EXX ~ Y^2\"; the presets are {known}; separate several by commas; auto takes what the data determine, and `none` needs --select"
                 )));

@@ -130,7 +130,11 @@ impl CorrectionReport {
             out.push_str(&error_rows(before, after, place));
             out.push_str(&form_row(before, self.before_form));
         } else {
-            push_row(&mut out, "error", "not known: no move starts at a known position");
+            push_row(
+                &mut out,
+                "error",
+                "not known: no move begins where the positions of all axes are known; --start states them",
+            );
         }
         out.push_str(&self.prediction.as_ref().map_or_else(String::new, PredictionReport::rows));
         out.push_str(&zero_rows(&self.zeros));
@@ -145,11 +149,13 @@ impl CorrectionReport {
             let parts: Vec<String> = sizes.into_iter().map(|(&key, &size)| largest(key, size)).collect();
             row("correction", &format!("up to {}", parts.join(", ")));
         }
-        for (name, size) in [
-            ("tool tilt", (|left: &RemainingReport| left.tilt_urad) as fn(&RemainingReport) -> f64),
-            ("tool roll", |left| left.roll_urad),
+        let turns = self.max_correction.keys().any(|axis| axis.is_rotary());
+        for (name, size, is_shown) in [
+            ("tool tilt", (|left: &RemainingReport| left.tilt_urad) as fn(&RemainingReport) -> f64, true),
+            // On a machine with three axes, a roll of the tool has neither an effect nor a remedy.
+            ("tool roll", |left| left.roll_urad, turns),
         ] {
-            if let Some(text) = left_over(&self.remaining, size, 0.05, "µrad") {
+            if let Some(text) = left_over(&self.remaining, size, 0.05, "µrad").filter(|_| is_shown) {
                 row(name, &text);
             }
         }
@@ -182,7 +188,7 @@ impl CorrectionReport {
         };
         let repeated =
             self.most_repeated.as_ref().filter(|_| !growth.is_empty()).map_or_else(String::new, |repeated| {
-                format!("; {} of them from {}:{}", grouped(repeated.times), repeated.file, repeated.line)
+                format!("; most often {}:{}, {} times", repeated.file, repeated.line, grouped(repeated.times))
             });
         if self.drilling_cycles + self.drilled_by_moves > 0 {
             let holes = counted(self.drilling_cycles, "hole");
@@ -255,7 +261,8 @@ pub fn error_rows(before: SpreadReport, after: SpreadReport, max_at: Option<(u32
     push_row(&mut out, "", &format!("{:>12}{:>12}{:>12}", "mean", "RMS", "max"));
     push_row(&mut out, "error before", &columns(before));
     push_row(&mut out, "error after", &format!("{}{place}", columns(after)));
-    push_row(&mut out, "improvement", &improvement(before, after));
+    let row = if after.mean_um > before.mean_um { "change" } else { "improvement" };
+    push_row(&mut out, row, &improvement(before, after));
     out
 }
 
@@ -333,7 +340,7 @@ fn improvement(before: SpreadReport, after: SpreadReport) -> String {
         let percent = (1.0 - after.mean_um / before.mean_um) * 100.0;
         // Rounding must not suggest that no error remains.
         if percent < 0.0 {
-            format!("mean error increased by {:.1} %", -percent)
+            format!("mean error {:.1} % larger", -percent)
         } else if percent < 99.95 {
             format!("mean error reduced by {percent:.1} %")
         } else {
@@ -408,12 +415,12 @@ mod tests {
         error before      25.0 µm     28.1 µm      103 µm
         error after      0.250 µm    0.310 µm    0.980 µm   largest at part.mpf:17
         improvement  mean error reduced by 99.0 %
-        interval     not known: the uncertainty of this machine file is not known
+        interval     not known: the machine file has no [uncertainty]
         zero         no offset in force: corrected to true positions of the machine
         correction   up to X 41.3 µm, C 3.00 µrad
         rapids       12 as programmed; there the tool is up to 35.2 µm off
         cycles       38 holes kept, up to 1.40 µm off the exact path, 2 written as moves; with --hole-tolerance 3um they would stay
-        executed     1,234 blocks; 40 of them from part.mpf:7
+        executed     1,234 blocks; most often part.mpf:7, 40 times
         output       2,345 blocks, 2.5 times the blocks of the original
         computed     in 0.12 s
         machine      demo
@@ -432,6 +439,6 @@ mod tests {
         assert_eq!(improvement(before, after(1.0)), "mean error reduced by 95.0 %");
         assert_eq!(improvement(before, after(0.004)), "mean error reduced by 99.98 %");
         assert_eq!(improvement(before, after(0.000_01)), "mean error reduced by 99.99 %");
-        assert_eq!(improvement(before, after(30.0)), "mean error increased by 50.0 %");
+        assert_eq!(improvement(before, after(30.0)), "mean error 50.0 % larger");
     }
 }

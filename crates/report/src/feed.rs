@@ -192,7 +192,7 @@ impl Before {
         }
         let _ = writeln!(
             out,
-            "frozen       up to {} of motion waits in the control and can no longer change",
+            "in control   up to {} of motion waits there; new temperatures do not change it",
             duration(self.frozen_s)
         );
         out

@@ -10,7 +10,7 @@ use ncfix_base::units::um_from_mm;
 use ncfix_path::path::{ErrorInterval, PredictedInterval, StationInterval};
 
 /// Statement about a machine file without uncertainties.
-pub const NOT_KNOWN: &str = "the uncertainty of this machine file is not known";
+pub const NOT_KNOWN: &str = "the machine file has no [uncertainty]";
 /// Share of the repetitions without an improvement above which the correction does harm.
 const HARMFUL: f64 = 0.975;
 /// Maximum number of errors that a row names.

@@ -102,7 +102,7 @@ impl TablesReport {
                     one.mean_um, one.rms_um, one.max_um, one.tilt_rms_urad, one.tilt_max_urad
                 );
             }
-            let _ = writeln!(page, "  most with tables at {}", check.worst);
+            let _ = writeln!(page, "  largest error with tables at {}", check.worst);
             if check.tables.rms_um > check.before.rms_um {
                 page.push_str("  the tables increase the error: a constant part, which belongs in a zero offset, or tables that are not for this machine\n");
             }
@@ -142,7 +142,7 @@ impl TablesReport {
     /// Adds the kinds of compensation, the largest sums, the parts that are left out, and the residuals with fewer tables.
     fn limits_page(&self, page: &mut String) {
         if !self.found.kinds.is_empty() {
-            let _ = writeln!(page, "kinds of ISO/TR 16907: {}", self.found.kinds.join(" "));
+            let _ = writeln!(page, "types of compensation (ISO/TR 16907): {}", self.found.kinds.join(" "));
         }
         if !self.found.sums.is_empty() {
             let unit = |axis: &str| if axis.starts_with(['A', 'B', 'C']) { "°" } else { " mm" };

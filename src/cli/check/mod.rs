@@ -7,7 +7,7 @@ use crate::cli::findings::Findings;
 use crate::cli::stop::Stop;
 use crate::cli::{machine_choice, print, program, progress, tell};
 use crate::options::Options;
-use ncfix_report::{json, number::counted};
+use ncfix_report::{json, number::grouped};
 
 /// Checks a program.
 pub(in crate::cli) fn run(arguments: &CheckArguments) -> Result<ExitCode, Stop> {
@@ -26,7 +26,7 @@ pub(in crate::cli) fn run(arguments: &CheckArguments) -> Result<ExitCode, Stop> 
             (true, false) if arguments.syntax_only => "understood".to_owned(),
             (_, false) if findings.has_language_errors() => "not understood".to_owned(),
             (_, false) => "understood, but a correction would be refused".to_owned(),
-            _ => format!("understood and executed, {}", counted(elements, "element")),
+            _ => format!("understood and executed, {} moves and functions", grouped(elements)),
         };
         tell(&format!("{}: {done}; {}\n", arguments.input.display(), findings.count()));
     }

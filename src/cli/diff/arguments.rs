@@ -11,7 +11,7 @@ use ncfix_base::geometry::Axis;
 /// End of `ncfix diff --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
 ncfix executes both programs, with the machine file that a correction would use, so expressions, loops and frames become numbers. The rows show the \
-corrections of the axis words, in the coordinates of the corrected program. \"1:3\" is a move that became three pieces.
+corrections of the axis words, in the coordinates of the corrected program. \"1:3\" is a move that became three pieces. Equal rows are counted.
 
 Examples:
   ncfix diff part.mpf part_corrected.mpf --machine mill.toml

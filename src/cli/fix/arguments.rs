@@ -28,7 +28,7 @@ pub(in crate::cli) enum RapidChoice {
     Ends,
     /// Leave rapid moves unchanged
     None,
-    /// Subdivide and correct the approach to a cut like feed moves
+    /// Divide the approach to a cut into pieces, and correct each, as for feed moves
     All,
 }
 
@@ -83,7 +83,7 @@ pub(in crate::cli) struct CorrectionChoice {
     /// Largest deviation of a hole that stays a drilling cycle, with unit; the larger of this and --tolerance applies
     #[arg(long, value_name = "LENGTH", default_value = "2um", value_parser = value::positive_length_mm)]
     pub(in crate::cli) hole_tolerance: f64,
-    /// Fixed step along the leading axis instead of subdivision by tolerance, with unit, such as 20mm
+    /// Fixed step along the axis that moves farthest, instead of subdivision by tolerance, with unit, such as 20mm
     #[arg(long, value_name = "LENGTH", value_parser = value::step_mm)]
     pub(in crate::cli) step: Option<f64>,
     /// Arcs in the output

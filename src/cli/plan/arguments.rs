@@ -18,7 +18,7 @@ PLAN.csv gets the poses with empty readings, PLAN.toml in the same folder gets t
 zero offset and tool length compensation; it stops (M0) for mounting the instrument. Run it first without an instrument.
 
 Examples:
-  ncfix plan ballbar --machine mill.toml --tool 150 --centre 300,200,350 -o circles.csv --program CIRCLES.MPF
+  ncfix plan ballbar --machine mill.toml --tool 150 --center 300,200,350 -o circles.csv --program CIRCLES.MPF
   ncfix plan probe --variant rumba --machine five.toml --tool 200 --model 81 -o balls.csv --program BALLS.MPF
   ncfix plan plate --plane YZ --tool 150 --tool 0,-80,-100 --machine mill.toml --model spaan-21 --with xy.csv --with zx.csv -o yz.csv";
 
@@ -58,7 +58,7 @@ pub(in crate::cli) struct PlanArguments {
     #[arg(long, value_name = "MM", value_parser = margin)]
     pub(in crate::cli) margin: Option<f64>,
     /// Center as a position of the tool tip (axis positions plus tool vector), mm (default: middle of the travel); repeatable for a plate
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    #[arg(long = "center", alias = "centre", value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     pub(in crate::cli) centre: Vec<Vector>,
     /// Radius, mm (default: 100 for ballbar, 150 for sphere, 70 for a circle of balls, 6 for the end mill of workpiece)
     #[arg(long, value_name = "MM", value_parser = above_zero)]

@@ -14,7 +14,7 @@ with its errors (for probing: the axis positions), and MEASURED.toml the descrip
 table ball of a ball-bar is at centre_mm, a probed ball at place_mm of [ball.LABEL], else at the mean of the nominal tips of its rows. To try an error \
 of your own, write it into a copy of the machine file ([[motion]]), and simulate with this copy (docs/reference/plan.md).
 
-A part program instead of a plan runs through the servo loops of the machine ([servo] of its file, docs/reference/servo.md). The table is then a trace for ncfix \
+A part program instead of a plan runs through a model of the servo loops ([servo] of the machine file, docs/reference/servo.md). The table is then a trace for ncfix \
 decompose: set-points and encoder positions in each cycle of the control, and the deviation of the tool from the programmed position.
 
 Examples:

@@ -23,7 +23,7 @@ pub(in crate::cli) struct VerifyArguments {
     /// Tolerance promised by the correction, with unit (default: that of the stamp)
     #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
     pub(in crate::cli) promised: Option<f64>,
-    /// Also run both programs through the servo loops (docs/reference/servo.md); report path deviations and times
+    /// Also run both programs through a model of the servo loops (docs/reference/servo.md); report path deviations and times
     #[arg(long)]
     pub(in crate::cli) at_feed: bool,
     /// Report positions, tools, temperatures and loads beyond the measured ranges of the machine file as errors

@@ -199,6 +199,11 @@ different programs.
 Put the called program into this folder, or name its folder in search_path of [control]. If only the control has the program (tool
 change, washing), name it in the machine file. The output then keeps the call with its values, and its moves are not corrected:
 
+  [control]
+  opaque = [\"TOOLCHANGE\", \"O9832\"]
+
+Or with more details, such as whether it moves the axes:
+
   [[opaque]]
   name = \"TOOLCHANGE\"
   moves = true               the position after it is unknown";
@@ -420,11 +425,15 @@ move the tool in some direction. Check the units of the errors, and the directio
 "The program moves an axis that is not in the machine's topology. Its motion could not be corrected. Use the machine file of the
 machine that runs the program, or add the axis to topology with its section [axis.…].";
     WRONG_FILE = "E0310" "input and output are the same file"
-"The original program is never overwritten. Choose another output, or --in-place, which keeps the original as a .bak file.";
+"ncfix replaces the original program only with --in-place, and keeps the original as a .bak file. Choose another output, or give
+--in-place.";
     CANNOT_ALIGN = "E0311" "programs cannot be compared"
 "verify executes the original and the corrected program side by side. Their motions do not follow the same path, or the numbers of
 moves differ. The corrected program was edited, or it was made from another original. Give the right pair of files, or correct the
-original again.";
+original again.
+
+A program with --guard can also end before its first move: it ends itself if a zero offset or tool differs from the correction. Then
+these values have changed since. Correct the original again.";
     NO_SERVO = "E0312" "machine file without servo loops"
 "The dynamic behavior of the axes can be computed only if the machine file describes it: [servo] with the interpolation cycle, the
 smoothing and the tolerance of corners of the control, and [servo.X] for every axis with its velocity gain, its feed-forward and
@@ -457,7 +466,10 @@ is changed, missing or new, with its line in both programs. Make the change in t
 pieces, between them, or where an axis reverses on an arc, this program deviates more on the error model. There are three usual
 causes. The program was edited. It was corrected for another machine or state. Or ncfix fix has warned that the tolerance was not
 reached (W0305, W0307) or that the position within the backlash is unknown (W0308). Give the machine file and the state of the
-correction, or correct the original again.";
+correction, or correct the original again.
+
+The limit in the message is a little larger than the tolerance: 5 % for the path between the checked positions, and a quarter of the
+largest rounding error. With a tolerance of 1 µm and positions in steps of 0.001 mm, this is 1 + 0.05 + 0.25 · 0.87 = 1.27 µm.";
     OTHER_FEED = "E0321" "corrected program has another feed"
 "The pieces of a move have the feed of the move: the same number in the same feed mode, otherwise the same duration within 5 %.
 Only --feed-limit lowers feeds, and the stamp states it. In this program a feed was changed. Change it in the original, and
@@ -477,9 +489,9 @@ again.";
 cycles are written as moves, and so are holes that would leave --hole-tolerance as a cycle. Nothing was written. Allow a larger
 growth, choose a larger --tolerance, or correct the repeated part as a separate program.";
 
-    DRIFT_VARIES = "E0325" "drift is not the same over the part"
-"A shift of the zero offset moves every cut of a program by the same length. The drift of the machine between this condition and the
-one in which the zero was set differs by more than --tolerance between two places in which the program cuts. Nothing was written.
+    DRIFT_VARIES = "E0325" "one shift of the zero cannot remove the drift"
+"A shift of the zero offset moves every cut of a program by the same length. But since the zero was set, the machine has drifted by
+different lengths at different places: within the part by more than --tolerance. Nothing was written.
 Correct the program for this --state, or allow the difference with a larger --tolerance.";
 
     BAD_TOML = "E0401" "machine file is not TOML"
@@ -766,7 +778,7 @@ the tool in the machine file. The control no longer uses its own radius: another
 effect on this program. Enter a new radius or new wear in the machine file instead: radius_mm of [[tool]], wear included, or a
 set-up file (--setup also takes the tool table of the control). Then correct the program again. Tool lengths and their wear are
 not affected.";
-    WEAR_ALONE = "W0237" "radius compensation at the control is for wear alone"
+    WEAR_ALONE = "W0237" "radius at the control must be 0 plus wear"
 "The program was corrected with --compensation wear: it has the tool center path, for the radius of the tool in the machine file,
 and G41 or G42 in addition, so that wear entered at the control keeps its effect. The control must therefore have the radius 0 for
 these tools, plus the wear. If it still has the radius of the tool, it offsets the tool twice: too far from the part outside, into
@@ -777,7 +789,7 @@ the radius of the tool without this wear. See docs/reference/output.md.";
 "The program was executed, and no axis has moved: a correction of it would be refused (E0223). For a file of definitions or
 subprograms this is correct. Otherwise something is missing. Check whether its blocks are after the end of the program (M30), in a
 subprogram that is never called, or in skip blocks, and whether the file is truncated.";
-    OWN_STROKES = "W0239" "milling cycle with moves of ncfix"
+    OWN_STROKES = "W0239" "milling cycle: the tool path comes from ncfix"
 "Controls do not publish the moves of their milling cycles (POCKET3, SLOT1, CYCLE72, G87 of a Grundig). ncfix mills the same shape,
 with the programmed depths, allowances, feeds and direction, but with passes and plunges generated by ncfix. A comment
 precedes them in the output. Check them like those of a new program. To have the moves of the control, give ncfix its cycles as
@@ -793,8 +805,8 @@ Or such a program moves with G28 or G30, and no file states these positions. The
 control would move to its own position. Give the file of the control with --setup.
 
 Or a program reads an R parameter, or a variable such as #500, that keeps its value between programs and that it has not set. There snc
-uses 0, for a variable of a Fanuc null. The moves that depend on it can be others. check, fix and feed refuse the program (E0219). Set
-the value in the program, or in [system] of the machine file.";
+uses 0, for a variable of a Fanuc null. At the control, the moves that depend on it can differ. check, fix and feed refuse the
+program (E0219). Set the value in the program, or in [system] of the machine file.";
     NOT_AT_THIS_CONTROL = "W0241" "words that the control does not have"
 "controller names a firmware of the Grbl family, and the output has words that this firmware does not document. Grbl 1.1 has no
 M6, no G43 with H and no P for several turns, for example. The control answers such a line with an error and executes nothing of
@@ -830,7 +842,7 @@ state. Give the files of the correction. If tools, zeros or errors have changed 
 "Threads (G33, G34, G35, G331, G332, G63) and positioning axes (POS) are not divided into pieces: spindle and axis would lose
 synchronism, or the axes would stop in between. The end of the move is corrected, but along the path the deviation is larger than
 --tolerance. The message states it. Accept the deviation, or for POS program the motion as G0 or G1.";
-    SENSE_UNKNOWN = "W0308" "position within the backlash unknown"
+    SENSE_UNKNOWN = "W0308" "side of the backlash unknown at a cut"
 "The program cuts while it is unknown on which side of its backlash an axis is: the axis came from an unknown position, for example
 after a tool change. ncfix assumes the middle. The cut may therefore be wrong by half of the backlash, until the axis has moved by
 more than its backlash in one direction. Program a motion of this axis by more than its backlash before the cut. If no tool change
@@ -889,8 +901,8 @@ State the method: set = \"touched\", \"probed\" or \"absolute\" in [zero_offset.
 "The program has a feed move while the position of a linear axis is not known. Either no earlier block states it, or a program that
 the control itself executes has moved the axes. The errors of the machine depend on this position, so the correction there is
 incomplete, and the predicted errors do not count the move. Program the axes before the cut. --start gives their position at the
-beginning, and it holds until the first tool change. After a tool change, straight feed moves in the plane are an approach and no
-cut. A rapid move, or a move with another tool length, must then state Z.";
+beginning, and it holds until the first tool change. After a tool change, straight feed moves in the plane count as an approach, not
+as a cut. A rapid move, or a move with another tool length, must then state Z.";
     ROTARY_ASSUMED = "W0324" "rotary axes assumed at 0°"
 "The program has a feed move, and neither an earlier block nor --start states the position of a rotary axis of the machine. ncfix
 takes it to be at 0°, as programs for three axes expect. If the axis is elsewhere, the workpiece is turned, and the correction
@@ -908,9 +920,9 @@ are then displaced by the size in the message. State the length: --zero G54=touc
 [zero_offset.NAME.set_at]. See docs/how-to/set-the-zero.md.";
     BACKWARD_TOOL = "W0327" "negative tool length"
 "A tool of the program has a negative length, as on a control whose lengths count from the machine zero or from a reference tool.
-The axis positions are then still right, but ncfix needs the distance from the gauge line of the spindle to the tip: it is the arm
-of angular errors and of rotary axes. With a wrong arm, their correction is wrong. State the real lengths, and Z of the zero
-offset for these lengths. See docs/how-to/fanuc-from-start-to-finish.md.";
+The axis positions are then still right, but ncfix needs the distance from the gauge point of the spindle to the tip: angular errors
+and rotary axes act over this length, like a lever. With a wrong length, their correction is wrong. State the real lengths, and Z
+of the zero offset for these lengths. See docs/how-to/fanuc-from-start-to-finish.md.";
     ZERO_NOT_USED = "W0328" "stated zero offset not used"
 "--zero states the method of a zero offset, and no axis of the program moves in this offset. The statement has no effect. The offsets in
 which the program does move count as the machine file states, or as touched. Check the name: often it is wrong, or the program selects
@@ -932,9 +944,9 @@ of the other.";
 "[sensor.NAME] gives the reference temperature of a sensor that is not used in any [[drift]], [[expansion]] or [[segment]]. If the
 name is misspelled, the intended sensor keeps the reference temperature of the machine, and its drift is computed from a wrong
 one. Correct the name, or remove the section.";
-    PARTIAL_OFFSET = "W0404" "zero offset without an axis"
-"[zero_offset.NAME], or a file of the control given with --setup, states some linear axes of the machine, but not all of them; the
-others count as 0, unless a later file states them. In a G10 file of a Fanuc they keep the values of an earlier file. If the
+    PARTIAL_OFFSET = "W0404" "zero offset that lacks an axis"
+"[zero_offset.NAME], or a file of the control given with --setup, states only some linear axes of the machine. The others count as
+0, unless a later file states them. In a G10 file of a Fanuc they keep the values of an earlier file. If the
 control has another value for these axes, the correction is for a wrong position. Write every axis as the control shows it,
 including 0. The external offset EXT of a Fanuc may have single axes.";
     NO_EFFECT = "W0405" "location error without effect"

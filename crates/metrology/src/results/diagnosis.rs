@@ -572,11 +572,11 @@ fn tell_all(
                 name: set.name.clone(),
                 what: "far from all others".to_owned(),
                 evidence: format!(
-                    "{} away from every explanation by more than {times} times the usual scatter of this file",
+                    "no explanation fits {} within {times} times the usual scatter of this file",
                     if rows.len() == 1 {
-                        "the readings of 1 row are".to_owned()
+                        "the reading of 1 row".to_owned()
                     } else {
-                        format!("the readings of {} rows are", rows.len())
+                        format!("the readings of {} rows", rows.len())
                     }
                 ),
                 excluded: "these readings".into(),
@@ -601,9 +601,9 @@ fn outliers(found: &DiagnosedCauses, sets: &[DataSet], used: usize) -> Vec<Diagn
             more => format!(", and {} of this file", counted(more as u64, "other row")),
         };
         let message = format!(
-            "this row{others}: a reading is away from every explanation by more than {FAR_OUT} times the usual scatter, and is not used"
+            "this row{others}: no explanation fits the reading within {FAR_OUT} times the usual scatter; it is not used"
         );
-        let help = "look for its cause; the file does not change";
+        let help = "find its cause; ncfix does not change the file";
         Some(Diagnostic::at(Code::FAULTY_DATA, first.place, message, help))
     };
     sets.iter().take(used).enumerate().filter_map(of).collect()

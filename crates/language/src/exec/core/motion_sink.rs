@@ -247,13 +247,13 @@ impl<'a> MotionSink<'a> {
                 "radius compensation at the control is for wear alone ({lines}): the radius of {} must be 0 there, plus wear",
                 self.registers.join(", ")
             );
-            let help = "a control that has the tool radius there applies it twice; tool lengths in the register remain unchanged";
+            let help = "before the program runs, set the radius of these registers to 0 at the control and enter only the wear: a tool radius there acts twice; the lengths stay";
             (Code::WEAR_ALONE, message, help)
         } else {
             let message = format!(
                 "radius compensation is replaced by the tool center path ({lines}): a radius or wear entered at the control no longer has any effect"
             );
-            let help = "after a change put radius and wear into [[tool]] of the machine file, or give --setup the tool table, and correct the program again; or correct it with ncfix fix --compensation wear";
+            let help = "when radius or wear changes, write it into [[tool]] of the machine file or the file of --setup, and correct the program again; or correct it with --compensation wear, and wear at the control keeps its effect";
             (Code::WEAR_WITHOUT_EFFECT, message, help)
         };
         Some(fault(code, first.span, message, help).of_file(first.file))

@@ -61,7 +61,11 @@ impl Interpreter<'_> {
         // `O7777 (2 times)` is in the file O7777.
         let name = shown.split(' ').next().unwrap_or(shown);
         let files = match (self.channel.language, name.strip_prefix('O')) {
-            (Language::Rs274, _) => "the file NAME.ngc".to_owned(),
+            (Language::Rs274, _) => match &call.callee {
+                Callee::Name(name) | Callee::Sub(name) => format!("the file {name}.ngc"),
+                Callee::Number(number) | Callee::Counted(number) => format!("the file {number}.ngc"),
+                Callee::Own => "its file".to_owned(),
+            },
             (_, Some(number)) => format!("the file {name}, {name}.NC or {number}.NC"),
             (_, None) => "its file".to_owned(),
         };

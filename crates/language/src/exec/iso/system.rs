@@ -241,7 +241,7 @@ pub(super) fn write_system(
         Some(Meaning::Alarm) => {
             let text = comment_of(loaded, block);
             let message = format!("the program stops with its alarm {number_value}: {text}");
-            let help = "the program has raised this alarm itself; correct the cause that it states";
+            let help = "the program has raised this alarm itself; correct the cause that it states. If it is the check of --guard, offsets or tools have changed since the correction: correct the original again";
             channel.block.ends_program = true;
             let found = fault(Code::CYCLE_ALARM, span, message.trim_end_matches([':', ' ']), help);
             channel.outlet.warnings.push(found);

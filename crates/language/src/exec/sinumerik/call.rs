@@ -214,13 +214,15 @@ impl Interpreter<'_> {
             let written = self.programs[caller].program.source.slice(span);
             let help = if cycle {
                 "write its moves out, or add it to control.opaque of the machine file if the control is to run it itself"
+                    .to_owned()
             } else {
-                "put it next to the main program as NAME.SPF, or add it to control.opaque of the machine file if \
-                 the control is to run it itself"
+                format!(
+                    "put it next to the main program as {name}.SPF; or if the control is to run it itself, write opaque = [\"{name}\"] in [control]"
+                )
             };
             let help = match look_alike::whole(written) {
                 Some(typed) => format!("{typed}; if it is a program, {help}"),
-                None => help.to_owned(),
+                None => help,
             };
             return Err(fault(code, span, message, help));
         };

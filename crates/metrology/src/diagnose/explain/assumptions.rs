@@ -119,7 +119,12 @@ pub const ASSUMPTIONS: &[Assumption] = &[
         odds: 0.2,
         source: "ISO 10791-4: reversal value of 6 to 10 µm",
     },
-    Assumption { family: Family::Offset, size: Size::Um(100.0), odds: 0.3, source: "pivot lines as set up by hand" },
+    Assumption {
+        family: Family::Offset,
+        size: Size::Um(100.0),
+        odds: 0.3,
+        source: "axes of rotation as aligned by hand with the machine zero",
+    },
     Assumption {
         family: Family::Tilt,
         size: Size::Urad(100.0),

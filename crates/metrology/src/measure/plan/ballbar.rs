@@ -15,7 +15,7 @@ pub(super) const PLAN: PlanKind = PlanKind {
     name: "ballbar",
     title: "circles in XY, YZ, ZX about a ball on the table, in both directions (ISO 230-4); variants radial, tangential, axial or rotary (all three): the table turns (ISO 10791-6)",
     wishes: &[
-        "centre", "radius", "feed", "plane", "every", "sweep", "overlap", "dwell", "variant", "axis", "range", "tilt",
+        "center", "radius", "feed", "plane", "every", "sweep", "overlap", "dwell", "variant", "axis", "range", "tilt",
         "ball", "chord", "runs",
     ],
     spacing: RowSpacing::Angle,
@@ -78,7 +78,7 @@ impl Circle {
 }
 
 /// Options of circles, and of bars on a turning table: the other kind does not have them.
-const OF_CIRCLES: [&str; 4] = ["centre", "plane", "sweep", "overlap"];
+const OF_CIRCLES: [&str; 4] = ["center", "plane", "sweep", "overlap"];
 const OF_TURNS: [&str; 6] = ["axis", "range", "tilt", "ball", "chord", "runs"];
 
 fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {

@@ -15,7 +15,7 @@ use ncfix_machine::machine::Machine;
 pub(super) const PLAN: PlanKind = PlanKind {
     name: "drift",
     title: "spindle speeds and readings every minute: variants din (DIN 8602), pseudo-din, random, steady (Spaan 1995)",
-    wishes: &["variant", "hours", "speed", "seed", "centre", "feed"],
+    wishes: &["variant", "hours", "speed", "seed", "center", "feed"],
     spacing: RowSpacing::Angle,
     has_setups: false,
     build,

@@ -25,7 +25,7 @@ pub(super) const PLAN: PlanKind = PlanKind {
         "range",
         "points",
         "runs",
-        "centre",
+        "center",
         "plane",
         "every",
         "clearance",

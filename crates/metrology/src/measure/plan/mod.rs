@@ -179,7 +179,7 @@ impl PlanKind {
             let known = known.join(", ");
             return Err(PlanRefused(format!("ncfix plan {} has no --{name}; it has --tool, {known}", self.name)));
         }
-        for (name, count) in [("tool", wishes.tools_mm.len()), ("centre", wishes.centres_mm.len())] {
+        for (name, count) in [("tool", wishes.tools_mm.len()), ("center", wishes.centres_mm.len())] {
             if count > 1 && !self.has_setups {
                 return Err(PlanRefused(format!("ncfix plan {} takes only one --{name}", self.name)));
             }
@@ -204,7 +204,7 @@ impl Wishes {
     /// The options that not every kind supports, by their command line names except the seed, and `true` if given.
     fn given(&self) -> [(&'static str, bool); 25] {
         [
-            ("centre", !self.centres_mm.is_empty()),
+            ("center", !self.centres_mm.is_empty()),
             ("radius", self.radius_mm.is_some()),
             ("feed", self.feed.is_some()),
             ("plane", !self.planes.is_empty()),

@@ -12,7 +12,7 @@ use ncfix_machine::snc::{Dwell, Kind};
 pub(super) const PLAN: PlanKind = PlanKind {
     name: "plate",
     title: "grid of holes in a plane; several tools and centers give several set-ups",
-    wishes: &["plane", "centre", "points", "every", "clearance", "feed", "dwell", "line"],
+    wishes: &["plane", "center", "points", "every", "clearance", "feed", "dwell", "line"],
     spacing: RowSpacing::Length,
     has_setups: true,
     build,

@@ -21,7 +21,7 @@ use ncfix_machine::machine::{Machine, State};
 pub(super) const PLAN: PlanKind = PlanKind {
     name: "sphere",
     title: "hemisphere of five meridians about a ball on the table; variants esmaeili, and spaan: the eight spheres of Table 3.1",
-    wishes: &["centre", "radius", "feed", "every", "chord", "variant"],
+    wishes: &["center", "radius", "feed", "every", "chord", "variant"],
     spacing: RowSpacing::Angle,
     has_setups: false,
     build,

@@ -17,7 +17,7 @@ use ncfix_machine::machine::{Machine, Tool};
 pub(super) const PLAN: PlanKind = PlanKind {
     name: "workpiece",
     title: "test workpiece of stepped holes and stairs, for a coordinate measuring machine (Spaan 1995, ch. 5)",
-    wishes: &["blank", "levels", "points", "every", "radius", "centre", "clearance", "feed", "speed", "dwell"],
+    wishes: &["blank", "levels", "points", "every", "radius", "center", "clearance", "feed", "speed", "dwell"],
     spacing: RowSpacing::Length,
     has_setups: false,
     build,
@@ -276,7 +276,7 @@ impl Milling {
                 let [low, high] = self.plan.travel(axis).unwrap_or_default();
                 let size = self.shape.blank_mm[axis.dimension()];
                 return Err(PlanRefused(format!(
-                    "the blank of {size} mm in {axis} is beyond the positions {low} to {high} that {axis} has minus its margin; give a smaller --blank, another --centre or a smaller --margin"
+                    "the blank of {size} mm in {axis} is beyond the positions {low} to {high} that {axis} has minus its margin; give a smaller --blank, another --center or a smaller --margin"
                 )));
             }
         }

@@ -84,12 +84,11 @@ impl MoveGroup<'_> {
         let whole_mm = self.step.route.size_mm();
         loop {
             let Some(piece) = corrected.next() else {
-                let why = if corrected.has_begun {
-                    "the corrected program ends before this move of the original"
+                return Err(if corrected.has_begun {
+                    Parting::alone(self.step, "the corrected program ends before this move of the original")
                 } else {
-                    "the corrected program ends before its first move; a guard (--guard) ends it if a zero offset or tool differs from the correction"
-                };
-                return Err(Parting::alone(self.step, why));
+                    Parting::guarded(self.step)
+                });
             };
             let is_first = !self.has_begun;
             let begins = corrected.peek().is_some_and(|next| !next.continues);

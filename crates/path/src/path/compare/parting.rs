@@ -18,12 +18,20 @@ pub struct Parting {
     pub corrected: Option<Origin>,
     /// Description of that line, or of the corrected program.
     why: String,
+    /// True if the check of `--guard` may have ended the corrected program.
+    is_guarded: bool,
 }
 
 impl Parting {
     /// A divergence without a line of the corrected program.
     pub(super) fn alone(step: &ComparedMove<'_>, why: &str) -> Parting {
-        Parting { original: step.origin, corrected: None, why: why.to_owned() }
+        Parting { original: step.origin, corrected: None, why: why.to_owned(), is_guarded: false }
+    }
+
+    /// A corrected program that ends before its first move.
+    pub(super) fn guarded(step: &ComparedMove<'_>) -> Parting {
+        let why = "the corrected program ends before its first move; a guard (--guard) ends it if a zero offset or tool differs from the correction";
+        Parting { is_guarded: true, ..Parting::alone(step, why) }
     }
 
     /// A divergence at a piece; `words` are the ends of the move and of the piece as written. `is_new` if the next piece ends the move.
@@ -48,7 +56,7 @@ impl Parting {
         if is_new {
             why.push_str("; it may be new, because the next line ends this move");
         }
-        Parting { original: step.origin, corrected: Some(piece.origin), why }
+        Parting { original: step.origin, corrected: Some(piece.origin), why, is_guarded: false }
     }
 
     /// Adds that the piece ends the next move of the original.
@@ -64,11 +72,11 @@ impl Parting {
             Some(origin) => format!("{} {}", line(origin), self.why),
             None => self.why.clone(),
         };
-        Diagnostic::at(
-            Code::CANNOT_ALIGN,
-            place,
-            message,
-            "compare a program with its own corrected program, on the same machine",
-        )
+        let help = if self.is_guarded {
+            "give the zero offsets and tools of the correction; if they have changed since, correct the original again"
+        } else {
+            "compare a program with its own corrected program, on the same machine"
+        };
+        Diagnostic::at(Code::CANNOT_ALIGN, place, message, help)
     }
 }
