@@ -230,7 +230,10 @@ pub(super) fn cycle_at(
         if is_start && place > 0 {
             kept_cycle::end(channel);
         }
-        let is_level = matches!(action, CycleStep::Rapid { plane: Some(plane), height: Some(height) }
+        let before = place.checked_sub(1).and_then(|before| actions.get(before));
+        let follows_rapid = before.is_none_or(|before| matches!(before, CycleStep::Rapid { .. }));
+        let is_level = follows_rapid
+            && matches!(action, CycleStep::Rapid { plane: Some(plane), height: Some(height) }
             if plane == [end[abscissa], end[ordinate]] && (height - end[applicate]).abs() < SAME_LEVEL_MM);
         if (place > 0 || turns_first) && !is_level && !std::mem::take(&mut is_leveled) {
             channel.outlet.begin_line();

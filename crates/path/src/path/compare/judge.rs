@@ -8,7 +8,7 @@ use super::acts::{Act, ActPairing, differences};
 use super::course::Course;
 use super::detour::Detour;
 use super::difference::{ActSubject, ProgramDifference, What};
-use super::group::{BESIDE_HOLE_MM, MoveGroup};
+use super::group::{BESIDE_HOLE_MM, MoveGroup, course_stands};
 use super::motion_mode;
 use super::promise::Promise;
 use super::step::ComparedMove;
@@ -255,7 +255,9 @@ impl<'d> Judge<'d> {
 
     /// Compares the stop at the end of a block. A modal difference is reported once.
     fn passing(&mut self, step: &ComparedMove<'_>, piece: &ComparedMove<'_>, is_last: bool) {
-        if step.passing.is_kept_by(&piece.passing, is_last) {
+        // A cycle that stops exactly makes the way to its hole; a step before the call is none of its moves.
+        let leads_to_hole = step.rapid && step.in_cycle && piece.rapid && piece.on_the_spot;
+        if leads_to_hole || step.passing.is_kept_by(&piece.passing, is_last) {
             if is_last {
                 self.passing = None;
             }
@@ -340,7 +342,7 @@ impl<'d> Judge<'d> {
         }
         let is_straight = step.route.arc().is_none() && piece.route.arc().is_none();
         let is_stepped = self.promise.is_some_and(|promise| promise.is_stepped) && is_straight;
-        let ends_only = step.rapid || step.is_uncut() || is_stepped;
+        let ends_only = step.rapid || step.is_uncut() || is_stepped || course_stands(course);
         let off_mm = if ends_only { seen.end.norm() } else { seen.most_mm };
         let may_be_left = step.rapid || step.in_machine_frame || step.is_uncut();
         let off_mm = if off_mm > self.limit_of(group, piece) && may_be_left {

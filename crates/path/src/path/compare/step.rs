@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::super::lead::Lead;
 use super::super::route::Route;
 use super::super::sampling::LedPath;
+use super::super::segment_candidate::SAME_PLACE_MM;
 use super::super::staying::is_better_whole;
 use super::super::way::counts_turns;
 use super::super::{Feeds, lost_axes};
@@ -272,7 +273,7 @@ impl<I> Walk<'_, I> {
         motion.rapid
             && motion.arc.is_none()
             && motion.known == self.known
-            && across_mm > 0.0
+            && across_mm > SAME_PLACE_MM
             && across_mm <= MOST_CORRECTION_MM
             && AXES.iter().all(|&axis| axis == abscissa || axis == ordinate || off_mm(axis) == 0.0)
     }

@@ -8,7 +8,9 @@ use std::sync::Arc;
 
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector};
-use ncfix_machine::snc::{DrillingCycle, Element, FeedUnit, HoleTrigger, Kind, MotionMode, Move, Origin};
+use ncfix_machine::snc::{
+    CycleArgument, DrillingCycle, Element, FeedUnit, HoleTrigger, Kind, MotionMode, Move, Origin,
+};
 
 use super::Corrector;
 use crate::path::cycle_block::CycleBlock;
@@ -54,6 +56,8 @@ struct HoleShift {
     brought: [f64; 2],
     /// Along the hole, in increments.
     along: i64,
+    /// Along it at the reference plane, in increments.
+    top: i64,
 }
 
 /// The shift with the smallest deviation.
@@ -418,7 +422,11 @@ where
         state.note_motion(&top, &bottom);
         let known = standing.known.union(line.axes.into_iter().collect());
         let [abscissa, ordinate, along] = line.axes;
-        let brought = if is_brought { self.brought(line, &top)? } else { [0.0; 2] };
+        let brought = if is_brought { self.brought(cycle, line, &top)? } else { [0.0; 2] };
+        let level = self.level_of(cycle, line);
+        // LinuxCNC returns to the initial level first only if R is not below the tool.
+        let is_above = |height_mm: f64| (height_mm - line.top[along]).abs() > SAME_PLACE_MM;
+        let needs_level = level.is_some() && line.returns && is_above(line.initial.nominal_mm);
         for (axis, way_mm) in [abscissa, ordinate].into_iter().zip(brought).filter(|(_, way_mm)| *way_mm != 0.0) {
             state.direction[axis.slot()] = if way_mm > 0.0 { 1 } else { -1 };
         }
@@ -439,11 +447,14 @@ where
             let count = |mm: f64| self.placer.increments.count(along, mm);
             // The shift of the hole before saves words; the one of the bottom is the best; the mean is for a deep hole.
             let best = count(at_bottom[along]);
-            let unfit = HoleShift { plane, brought, along: best };
+            let unfit = HoleShift { plane, brought, along: best, top: level.unwrap_or(best) };
             let unfit = NearestShift { deviation_mm: f64::INFINITY, shift: unfit, peck: None, fits: false };
             nearest = nearest.filter(|fit| fit.deviation_mm.is_finite()).or(Some(unfit));
-            for along in [self.last_shift, best, count(middle(along))] {
-                let shift = HoleShift { plane, brought, along };
+            let shifts = [self.last_shift, best, count(middle(along))];
+            let at_level = shifts.into_iter().filter_map(|along| Some((along, level?)));
+            let own = shifts.into_iter().filter(|_| !needs_level).map(|along| (along, along));
+            for (along, top) in at_level.chain(own) {
+                let shift = HoleShift { plane, brought, along, top };
                 let Some(HoleFit { deviation_mm, peck }) = self.fit_hole(cycle, line, &shift, hole) else { continue };
                 let fit = NearestShift { deviation_mm, shift, peck, fits: deviation_mm <= most_mm };
                 if deviation_mm <= least_mm {
@@ -473,8 +484,25 @@ where
         last.or(nearest)
     }
 
+    /// The shift of R with which it is the level of the tool, increments; `None` if the program has another R, or a call that states no R of its own.
+    fn level_of(&self, cycle: &DrillingCycle, line: &HoleLine) -> Option<i64> {
+        let along = line.axes[2];
+        let has_heights = cycle.arguments.iter().any(|argument| matches!(argument, CycleArgument::Height(_)));
+        let [nominal_mm, command_mm] =
+            [&self.standing.nominal, &self.standing.command].map(|place| self.placer.in_frame(place)[along]);
+        let is_there = self.standing.known.contains(along) && (nominal_mm - line.top[along]).abs() <= SAME_PLACE_MM;
+        let is_own = cycle.trigger == HoleTrigger::Position && !has_heights;
+        (is_own && is_there).then(|| self.placer.increments.count(along, command_mm - line.top[along]))
+    }
+
     /// The ways across a hole by which the axes with backlash reach it, mm; `None` without such an axis, or without room.
-    fn brought(&self, line: &HoleLine, top: &AxisVector) -> Option<[f64; 2]> {
+    fn brought(&self, cycle: &DrillingCycle, line: &HoleLine, top: &AxisVector) -> Option<[f64; 2]> {
+        // A move between modal holes gives them another initial level.
+        let level_mm = self.placer.in_frame(&self.standing.nominal)[line.axes[2]];
+        let is_modal = cycle.trigger == HoleTrigger::Position;
+        if is_modal && (level_mm - line.initial.nominal_mm).abs() > SAME_PLACE_MM {
+            return None;
+        }
         // In a frame that turns, dead bands of axes do not lie along its coordinates.
         let [abscissa, ordinate, _] = line.axes;
         let mut ways = [0.0; 2];
@@ -528,7 +556,14 @@ where
                 if self.sampler.backlash.iter().any(|axis| is_open(&axis)) {
                     return None;
                 }
-                deviation_mm = deviation_mm.max(trial.deviation_mm);
+                // On the way out of a thread the drilling axis is on the other side of its dead band: the depth counts.
+                let ends_at = self.placer.in_frame(&motion.target)[along];
+                let is_down = (ends_at - self.placer.in_frame(&route.start)[along])
+                    * (line.bottom[along] - line.top[along])
+                    > 0.0;
+                if is_down || !is_better_whole(cycle) {
+                    deviation_mm = deviation_mm.max(trial.deviation_mm);
+                }
                 let from = *heights[0].get_or_insert(standing.counts[along.slot()]);
                 let end = placed.counts[along.slot()];
                 if self.placer.in_frame(&motion.target)[along] == line.bottom[along] {
@@ -563,7 +598,7 @@ where
     fn leveled(&self, line: &HoleLine, shift: &HoleShift, mut standing: PathState) -> PathState {
         let along = line.axes[2];
         let mut place = self.placer.in_frame(&standing.command);
-        place[along] = line.top[along] + self.placer.increments.position(along, shift.along);
+        place[along] = line.top[along] + self.placer.increments.position(along, shift.top);
         let placed = self.placer.round(&self.placer.of_frame(&place), standing.known);
         self.note_difference(&mut standing, &placed);
         (standing.command, standing.counts) = (placed.command, placed.counts);
@@ -622,12 +657,14 @@ where
             }
         }
         if !keeps(along) || !standing.known.contains(along) {
+            let is_at_top = |height_mm: f64| (height_mm - line.top[along]).abs() <= SAME_PLACE_MM;
             let is_level = |height_mm: f64| (height_mm - line.initial.nominal_mm).abs() <= SAME_PLACE_MM;
             let is_initial = line.returns && is_level(target[along]) && !is_level(line.top[along]);
             if is_initial {
                 place[along] = line.initial.command_mm;
             } else {
-                place[along] += self.placer.increments.position(along, shift.along);
+                let count = if is_at_top(target[along]) { shift.top } else { shift.along };
+                place[along] += self.placer.increments.position(along, count);
             }
         }
         self.placer.round(&self.placer.of_frame(&place), motion.known)
