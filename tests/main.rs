@@ -61,6 +61,7 @@ mod controls;
 mod correction;
 mod coverage;
 mod cycles;
+mod cycles_led;
 mod cycles_stay;
 mod datum;
 mod dead_band;

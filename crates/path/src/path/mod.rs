@@ -37,6 +37,7 @@ mod sides;
 mod singularity;
 mod slope;
 mod standing;
+mod staying;
 mod steps;
 mod tip_divider;
 mod tips;

@@ -133,16 +133,13 @@ impl<'m> SegmentFitter<'_, 'm> {
         if self.placer.is_parallel() {
             return (plane == setup.plane && basis.is_none()).then_some((plane, clockwise));
         }
-        let linear = setup.frame.linear();
-        let square = linear * linear.transpose();
-        let scale = square.trace() / 3.0;
-        let off_scale = (square - Matrix::identity() * scale).norm() / scale;
         let mut normal = Vector::zeros();
-        normal[plane.axes()[2].slot()] = linear.determinant().signum();
+        normal[plane.axes()[2].slot()] = setup.frame.linear().determinant().signum();
         let normal = basis.map_or(normal, |basis| basis * normal);
         let normal = setup.frame.unapply_direction(normal).normalize();
         let across = normal[setup.plane.axes()[2].slot()];
-        let is_principal = off_scale < SAME_PLACE_MM && (across.abs() - 1.0).abs() < SAME_PLACE_MM;
+        // Across the plane the frame may scale by another factor.
+        let is_principal = setup.frame.keeps_circles(setup.plane) && (across.abs() - 1.0).abs() < SAME_PLACE_MM;
         is_principal.then_some((setup.plane, clockwise == (across > 0.0)))
     }
 

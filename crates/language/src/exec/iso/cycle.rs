@@ -193,13 +193,13 @@ pub(super) fn cycle_at(
         let help = "write a block for each hole: ncfix does not repeat the move of the other axis";
         return Err(fault(Code::NOT_SUPPORTED, span, message, help));
     }
-    let may_stay = !is_tapping(code) || tapping::check(channel, gathered, code, span).is_ok();
+    let may_stay = !is_tapping(code) || tapping::may_stay(channel, gathered);
     let kept = (channel.settings.keeps_cycles && may_stay)
         .then(|| kept_cycle::of(channel, &call, [here[abscissa], here[ordinate]], holes, &actions))
         .flatten();
     let writes_cycle = kept.is_some() && channel.settings.writes_cycles();
     if is_kept {
-        tapping::check(channel, gathered, code, span)?;
+        tapping::check(channel, gathered, (code, kept.is_some()), span)?;
     } else if kept.is_none()
         && is_tapping(code)
         && modes::code_of_motion(channel.language, &channel.cycles, gathered) == Some(code)
@@ -230,7 +230,10 @@ pub(super) fn cycle_at(
         if is_start && place > 0 {
             kept_cycle::end(channel);
         }
-        let is_level = matches!(action, CycleStep::Rapid { plane: Some(plane), height: Some(height) }
+        let before = place.checked_sub(1).and_then(|before| actions.get(before));
+        let follows_rapid = before.is_none_or(|before| matches!(before, CycleStep::Rapid { .. }));
+        let is_level = follows_rapid
+            && matches!(action, CycleStep::Rapid { plane: Some(plane), height: Some(height) }
             if plane == [end[abscissa], end[ordinate]] && (height - end[applicate]).abs() < SAME_LEVEL_MM);
         if (place > 0 || turns_first) && !is_level && !std::mem::take(&mut is_leveled) {
             channel.outlet.begin_line();

@@ -10,7 +10,7 @@ use super::text;
 use crate::exec::core::fault::{Fault, fault};
 use crate::exec::core::step::Step;
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::AxisVector;
+use ncfix_base::geometry::{AxisVector, Frame, Matrix};
 use ncfix_base::source::Span;
 use ncfix_machine::snc::Kind;
 use std::fmt::Write as _;
@@ -27,18 +27,41 @@ pub(super) struct TappedHole<'a> {
     pub(super) steps: &'a [Step],
 }
 
-/// Rejects a tapping cycle whose words have another meaning in the output.
-pub(super) fn check(channel: &Channel<'_>, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
+/// Largest deviation of a rotation matrix from one that keeps lengths.
+const SAME_LENGTH: f64 = 1e-9;
+
+/// `true` if a call at the corrected place can replace the cycle: the plane may be turned or mirrored, but not scaled, and no rotary axis turns in the block.
+pub(super) fn may_stay(channel: &Channel<'_>, gathered: &Gathered) -> bool {
+    let keeps_lengths = |frame: &Frame| {
+        let linear = frame.linear();
+        (linear.tr_mul(linear) - Matrix::identity()).amax() < SAME_LENGTH
+    };
     let frames = [&channel.standing.setup.frame, &channel.standing.shown.frame];
-    let is_plain = frames.iter().all(|frame| frame.is_translation()) && channel.special.polar.is_none();
-    if is_plain && gathered.axes.iter().all(|axis| !axis.is_rotary()) {
+    frames.into_iter().all(keeps_lengths) && gathered.axes.iter().all(|axis| !axis.is_rotary())
+}
+
+/// Rejects a tapping cycle that [`tap`] cannot write, and that `is_call` says is no call at the corrected place either.
+pub(super) fn check(
+    channel: &Channel<'_>,
+    gathered: &Gathered,
+    (code, is_call): (u16, bool),
+    span: Span,
+) -> Result<(), Fault> {
+    let name = name_of(code);
+    let (message, help) = if !may_stay(channel, gathered) {
+        let message = format!("{name} is rigid tapping, which stays a cycle, in a scaled system or with a rotary axis");
+        (message, "end the scaling before it, and turn the rotary axis in its own block")
+    } else if is_call {
         return Ok(());
-    }
-    let message = format!(
-        "{} is rigid tapping, which stays a cycle, in a rotated or scaled system or with a rotary axis",
-        name_of(code)
-    );
-    let help = "end the rotation before it, and turn the rotary axis in its own block";
+    } else {
+        let frames = [&channel.standing.setup.frame, &channel.standing.shown.frame];
+        if frames.iter().all(|frame| frame.is_translation()) && channel.special.polar.is_none() {
+            return Ok(());
+        }
+        let message =
+            format!("{name} is rigid tapping in a rotated system, where its holes cannot be written one by one");
+        (message, "end the rotation before it, or correct without --expand-cycles and --feed-limit")
+    };
     Err(fault(Code::NOT_SUPPORTED, span, message, help))
 }
 

@@ -20,6 +20,9 @@ const SAME_END_SHARE: f64 = 1e-3;
 const NEARER_MM: f64 = 0.002;
 /// Largest distance of an end that still counts as reached if the next move leads away from it, mm.
 pub(super) const MEANT_END_MM: f64 = 0.5;
+/// Largest distance of a rapid move to a hole of the corrected program from the place where a move of the original begins, mm: the correction changes by less
+/// along a hole and above it.
+pub(super) const BESIDE_HOLE_MM: f64 = 0.02;
 /// A block that moves less than this repeats a position that was rounded: mm, and rad (0.001°).
 const ROUNDING_MM: f64 = 1e-3;
 const ROUNDING_RAD: f64 = 1.75e-5;
@@ -72,6 +75,11 @@ impl<'a> MoveGroup<'a> {
     }
 }
 
+/// `true` for a step on the spot that is the whole of a move without motion.
+pub(super) fn course_stands(course: &Course<'_>) -> bool {
+    course.piece.on_the_spot && course.step.route.size_mm() <= ON_THE_SPOT_MM
+}
+
 impl MoveGroup<'_> {
     /// Takes the moves of the group and adds their errors; returns the offset at its end.
     pub(super) fn follow<'m, I: Iterator<Item = ComparedMove<'m>>>(
@@ -98,6 +106,15 @@ impl MoveGroup<'_> {
                 && let Some(mut next) = corrected.next()
             {
                 next.acts.splice(..0, piece.acts);
+                corrected.put_back(next);
+                continue;
+            }
+            if is_first
+                && self.leads_to_hole(&piece, corrected.peek())
+                && let Some(mut next) = corrected.next()
+            {
+                next.acts.splice(..0, piece.acts);
+                next.continues = false;
                 corrected.put_back(next);
                 continue;
             }
@@ -271,6 +288,38 @@ impl MoveGroup<'_> {
             && self.step.route.size_mm() > SAME_END_MM
     }
 
+    /// `true` for a short rapid motion at a hole of the corrected program that ends where the move of the original begins: the control goes to a corrected place
+    /// or level where the original already is.
+    fn leads_to_hole(&self, piece: &ComparedMove<'_>, next: Option<&ComparedMove<'_>>) -> bool {
+        let leads_on = |next: &ComparedMove<'_>| next.in_cycle || next.rapid && next.on_the_spot;
+        let is_at_hole = piece.in_cycle || piece.on_the_spot && next.is_some_and(leads_on);
+        if self.grouping == Grouping::ByPlace || !piece.rapid || !is_at_hole || next.is_none() {
+            return false;
+        }
+        let [off_mm, of_end_mm] = [0.0, 1.0].map(|parameter| self.off_mm(&self.offset(piece, parameter)));
+        let beyond_mm = |axis| self.lead.beyond_mm(axis, &piece.route.end, 0.0);
+        // The tool may come from a rapid move that is as programmed.
+        let most_mm = BESIDE_HOLE_MM + self.before_mm(0.0) + self.lead.axes.iter().map(beyond_mm).sum::<f64>();
+        off_mm <= most_mm && off_mm < of_end_mm
+    }
+
+    /// Deviation of a hole that stays a cycle in any case, with the best shift of all its moves, mm: half the change of the error of the original along it, and
+    /// the backlash of the drilling axis on the way out.
+    pub(super) fn of_whole_mm(&self, piece: &ComparedMove<'_>) -> f64 {
+        let (Some(hole), Some(own)) = (piece.whole, self.step.whole) else { return 0.0 };
+        let state = piece.band.state();
+        let error = |place: &AxisVector| self.model.tip_error_mm(place, place, &piece.tool_mm, &state);
+        let [start, end] = [&self.step.route.start, &self.step.route.end].map(error);
+        let change_mm = (error(&own.top) - start).norm().max((error(&own.top) - end).norm());
+        if !hole.is_back {
+            return 0.5 * change_mm;
+        }
+        // The way out may lead to a level above the hole that is as programmed.
+        let leaves_hole = (self.step.route.end - own.top).max_abs(&AXES) > SAME_MM;
+        let above_mm = if leaves_hole { change_mm + end.norm() } else { 0.5 * change_mm };
+        above_mm + self.model.lost_motion(hole.along, &piece.route.end)
+    }
+
     /// An offset as a distance, mm: the smaller of its own length and its difference from the initial offset.
     fn off_mm(&self, offset: &Offset) -> f64 {
         offset.norm_mm().min(offset.minus(&self.carried).norm_mm())
@@ -351,7 +400,8 @@ impl MoveGroup<'_> {
         let beside = self.beside(piece);
         let end = beside.end_offset(course.to).tip;
         let mut seen = TipDeviation { end, most_mm: end.norm() };
-        if (waits || self.step.rapid) && !self.lead.axes.is_empty() {
+        let is_still = course_stands(course);
+        if (waits || self.step.rapid || is_still) && !self.lead.axes.is_empty() {
             seen.end = self.on_either_side(piece, &self.step.route.at(course.to), end);
         }
         if self.step.rapid {

@@ -8,14 +8,11 @@ use super::acts::{Act, ActPairing, differences};
 use super::course::Course;
 use super::detour::Detour;
 use super::difference::{ActSubject, ProgramDifference, What};
-use super::group::MoveGroup;
+use super::group::{BESIDE_HOLE_MM, MoveGroup, course_stands};
 use super::motion_mode;
 use super::promise::Promise;
 use super::step::ComparedMove;
 use crate::path::Increments;
-
-/// Largest distance of a rapid move of a drilling cycle from its corrected place, mm: the correction changes by less along a hole and above it.
-const BESIDE_HOLE_MM: f64 = 0.02;
 
 /// Allowance for the path between samples, as a share.
 const BETWEEN_SAMPLES: f64 = 0.05;
@@ -161,7 +158,7 @@ impl<'d> Judge<'d> {
         }
         if self.promise.is_some() && step.is_counted {
             let off_mm = self.off_mm(group, course, at, seen);
-            let limit_mm = self.limit_of(piece);
+            let limit_mm = self.limit_of(group, piece);
             if off_mm > limit_mm && self.off.is_none_or(|(most_mm, ..)| off_mm > most_mm) {
                 self.off = Some((off_mm, limit_mm, piece.origin));
             }
@@ -258,7 +255,9 @@ impl<'d> Judge<'d> {
 
     /// Compares the stop at the end of a block. A modal difference is reported once.
     fn passing(&mut self, step: &ComparedMove<'_>, piece: &ComparedMove<'_>, is_last: bool) {
-        if step.passing.is_kept_by(&piece.passing, is_last) {
+        // A cycle that stops exactly makes the way to its hole; a step before the call is none of its moves.
+        let leads_to_hole = step.rapid && step.in_cycle && piece.rapid && piece.on_the_spot;
+        if leads_to_hole || step.passing.is_kept_by(&piece.passing, is_last) {
             if is_last {
                 self.passing = None;
             }
@@ -324,10 +323,10 @@ impl<'d> Judge<'d> {
         }
     }
 
-    fn limit_of(&self, piece: &ComparedMove<'_>) -> f64 {
+    fn limit_of(&self, group: &MoveGroup<'_>, piece: &ComparedMove<'_>) -> f64 {
         match piece.route.arc() {
             Some(_) => self.arc_limit_mm,
-            None if piece.in_cycle => self.hole_limit_mm,
+            None if piece.in_cycle => self.hole_limit_mm + group.of_whole_mm(piece),
             None => self.limit_mm,
         }
     }
@@ -343,16 +342,17 @@ impl<'d> Judge<'d> {
         }
         let is_straight = step.route.arc().is_none() && piece.route.arc().is_none();
         let is_stepped = self.promise.is_some_and(|promise| promise.is_stepped) && is_straight;
-        let ends_only = step.rapid || step.is_uncut() || is_stepped;
+        let ends_only = step.rapid || step.is_uncut() || is_stepped || course_stands(course);
         let off_mm = if ends_only { seen.end.norm() } else { seen.most_mm };
         let may_be_left = step.rapid || step.in_machine_frame || step.is_uncut();
-        let off_mm = if off_mm > self.limit_of(piece) && may_be_left {
+        let off_mm = if off_mm > self.limit_of(group, piece) && may_be_left {
             self.beyond_left_mm(group, course, &seen.end)
         } else {
             off_mm
         };
         // The rapid moves of a cycle keep the place of its hole at other heights, also above it at a level that is as programmed.
-        if step.rapid && piece.in_cycle && off_mm <= BESIDE_HOLE_MM { 0.0 } else { off_mm }
+        let is_of_hole = piece.in_cycle || piece.on_the_spot && step.in_cycle;
+        if step.rapid && is_of_hole && off_mm <= BESIDE_HOLE_MM { 0.0 } else { off_mm }
     }
 
     /// The deviation beyond the effect of unchanged words: rapid moves may be corrected in some words only.

@@ -33,7 +33,7 @@ pub use parting::Parting;
 pub use promise::Promise;
 
 use ahead::{MovesAhead, rejoin};
-use group::MoveGroup;
+use group::{BESIDE_HOLE_MM, MoveGroup};
 use judge::Judge;
 use step::{ComparedMove, Walk};
 
@@ -189,6 +189,17 @@ pub fn compare_seeing(
     let mut carried = Offset::default();
     let mut partings: Vec<Parting> = Vec::new();
     while let Some(mut step) = original.next() {
+        let is_too_short = step.rapid && step.in_cycle && step.route.size_mm() <= BESIDE_HOLE_MM;
+        if is_too_short
+            && grouping == Grouping::ByMarks
+            && corrected.peek().is_some_and(|piece| !piece.rapid)
+            && let Some(mut next) = original.next()
+        {
+            // Both levels have one corrected word.
+            next.acts.splice(..0, step.acts);
+            original.put_back(next);
+            continue;
+        }
         let mut group = MoveGroup::new(model, grouping, (&kinematics, lead), &step, carried);
         judge.begin(original.peek().is_some_and(|next| step.runs_into(next)));
         match group.follow(&mut corrected, &mut prediction, see, &mut judge) {

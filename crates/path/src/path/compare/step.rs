@@ -7,6 +7,8 @@ use std::sync::Arc;
 use super::super::lead::Lead;
 use super::super::route::Route;
 use super::super::sampling::LedPath;
+use super::super::segment_candidate::SAME_PLACE_MM;
+use super::super::staying::is_better_whole;
 use super::super::way::counts_turns;
 use super::super::{Feeds, lost_axes};
 use super::acts::{Act, Acts, Passing};
@@ -56,6 +58,8 @@ pub(super) struct ComparedMove<'a> {
     pub(super) on_the_spot: bool,
     /// `true` for a move of a drilling cycle, or to its hole.
     pub(super) in_cycle: bool,
+    /// The hole of a feed move in a cycle that stays a cycle in any case.
+    pub(super) whole: Option<WholeHole>,
     /// Motion mode.
     pub(super) motion_mode: MotionMode,
     /// Largest distance between the programmed path and this one, mm.
@@ -68,6 +72,17 @@ pub(super) struct ComparedMove<'a> {
     pub(super) number: Option<BlockNumber>,
     /// The word of the active five-axis transformation; empty if there is none.
     pub(super) transformation: &'static str,
+}
+
+/// The hole of a cycle that stays a cycle in any case, at one of its feed moves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WholeHole {
+    /// Where its first feed move begins.
+    pub(super) top: AxisVector,
+    /// The drilling axis.
+    pub(super) along: Axis,
+    /// `true` if the move leads out of the hole.
+    pub(super) is_back: bool,
 }
 
 impl ComparedMove<'_> {
@@ -142,6 +157,10 @@ pub(super) struct Walk<'a, I> {
     on_the_spot: bool,
     /// Plane of the drilling cycle between the marks of a hole.
     hole: Option<Plane>,
+    /// `true` if that cycle stays a cycle in any case.
+    is_whole: bool,
+    /// Start and end of the first feed move of the hole.
+    first_feed: Option<[AxisVector; 2]>,
     /// `true` after a feed move.
     has_fed: bool,
     /// `true` up to the first move between these marks.
@@ -179,6 +198,8 @@ impl<'a, I> Walk<'a, I> {
             continues: false,
             on_the_spot: false,
             hole: None,
+            is_whole: false,
+            first_feed: None,
             has_fed: false,
             approaches: false,
             held: None,
@@ -233,6 +254,16 @@ impl<I: Iterator<Item = Element>> Walk<'_, I> {
 }
 
 impl<I> Walk<'_, I> {
+    /// The hole of a feed move, if its cycle stays in any case.
+    fn whole(&mut self, motion: &Move) -> Option<WholeHole> {
+        let plane = self.hole.filter(|_| self.is_whole && !motion.rapid)?;
+        let way = [self.position, motion.target];
+        let [top, bottom] = *self.first_feed.get_or_insert(way);
+        let along = plane.axes()[2];
+        let is_back = (way[1] - way[0]).xyz().dot(&(bottom - top).xyz()) < 0.0;
+        Some(WholeHole { top, along, is_back })
+    }
+
     /// `true` if a move of a cycle leads a tool that is nearly at the hole to the place of the call. The program need not name that place, or has moved
     /// there with feed.
     fn is_at_hole(&self, motion: &Move, plane: Option<Plane>) -> bool {
@@ -242,7 +273,7 @@ impl<I> Walk<'_, I> {
         motion.rapid
             && motion.arc.is_none()
             && motion.known == self.known
-            && across_mm > 0.0
+            && across_mm > SAME_PLACE_MM
             && across_mm <= MOST_CORRECTION_MM
             && AXES.iter().all(|&axis| axis == abscissa || axis == ordinate || off_mm(axis) == 0.0)
     }
@@ -287,7 +318,9 @@ impl<'a, I: Iterator<Item = Element>> Iterator for Walk<'a, I> {
                     continue;
                 }
                 Kind::Cycle(mark) => {
+                    self.is_whole = mark.as_ref().is_some_and(|cycle| is_better_whole(cycle));
                     self.hole = mark.map(|cycle| cycle.plane);
+                    self.first_feed = None;
                     self.approaches = true;
                     continue;
                 }
@@ -318,6 +351,7 @@ impl<'a, I: Iterator<Item = Element>> Iterator for Walk<'a, I> {
                 continue;
             }
             let in_cycle = self.hole.is_some() || triggered.is_some();
+            let whole = self.whole(&motion);
             let step = ComparedMove {
                 origin: element.origin,
                 route: self.route(&motion),
@@ -337,6 +371,7 @@ impl<'a, I: Iterator<Item = Element>> Iterator for Walk<'a, I> {
                 continues: std::mem::take(&mut self.continues) | std::mem::replace(&mut self.has_moved, true),
                 on_the_spot: std::mem::take(&mut self.on_the_spot),
                 in_cycle,
+                whole,
                 motion_mode: motion.motion_mode,
                 off_curve_mm: motion.off_curve_mm,
                 acts: self.acts.before(motion.rapid),

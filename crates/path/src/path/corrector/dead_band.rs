@@ -209,12 +209,12 @@ where
     }
 
     /// Length of an overshoot, mm.
-    fn beyond_mm(&self, axis: Axis, command: &AxisVector) -> f64 {
+    pub(super) fn beyond_mm(&self, axis: Axis, command: &AxisVector) -> f64 {
         self.lead.beyond_mm(axis, command, self.placer.increments.linear_mm)
     }
 
     /// `true` if the travel of an axis allows a step beyond a place, including its correction.
-    fn has_room(&self, axis: Axis, command: f64, step_mm: f64) -> bool {
+    pub(super) fn has_room(&self, axis: Axis, command: f64, step_mm: f64) -> bool {
         let reach = command + step_mm + self.options.max_correction_mm * step_mm.signum();
         let travel = self.machine.axis(axis).and_then(|data| data.travel);
         step_mm.abs() <= self.options.max_correction_mm

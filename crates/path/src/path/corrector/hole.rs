@@ -8,24 +8,22 @@ use std::sync::Arc;
 
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector};
-use ncfix_machine::snc::{DrillingCycle, Element, FeedUnit, HoleTrigger, Kind, MotionMode, Move, Origin};
+use ncfix_machine::snc::{
+    CycleArgument, DrillingCycle, Element, FeedUnit, HoleTrigger, Kind, MotionMode, Move, Origin,
+};
 
 use super::Corrector;
-use crate::path::Output;
 use crate::path::cycle_block::CycleBlock;
 use crate::path::place::Placed;
 use crate::path::route::Route;
 use crate::path::segment_candidate::{SAME_PLACE_MM, SegmentCandidate, SegmentFitter};
 use crate::path::standing::PathState;
+use crate::path::staying::{is_better_whole, must_stay};
 use crate::path::treatment::MoveTreatment;
+use crate::path::{Output, Piece};
 
 /// Maximum number of elements of one hole that are held; a longer hole is written as moves.
 const MOST_HELD: usize = 10_000;
-
-/// Cycles in which the spindle turns with the motion along the hole: moves cannot replace them.
-const TAPPING: [&str; 4] = ["G74", "G84", "G84.2", "G84.3"];
-/// Such cycles that moves can replace (G331, G332), for example in a rotated plane. A correction of X or Y within the thread would pull the tap aside.
-const TAPPING_AS_MOVES: [&str; 2] = ["CYCLE84", "CYCLE840"];
 
 /// The initial level of the cycles, along the drilling axis: of the program and of the output, mm.
 #[derive(Clone, Copy, Debug)]
@@ -54,8 +52,24 @@ struct HoleLine {
 struct HoleShift {
     /// Across the hole; `None` if the tool stays.
     plane: Option<[f64; 2]>,
+    /// Way across the hole from a place to go to first, so that the axes reach the hole in a known direction; 0 without one.
+    brought: [f64; 2],
     /// Along the hole, in increments.
     along: i64,
+    /// Along it at the reference plane, in increments.
+    top: i64,
+}
+
+/// The shift with the smallest deviation.
+#[derive(Clone, Copy, Debug)]
+struct NearestShift {
+    /// As in [`HoleFit`]; infinite if an axis is on no known side.
+    deviation_mm: f64,
+    shift: HoleShift,
+    /// As in [`HoleFit`].
+    peck: Option<i64>,
+    /// `true` if the hole is within its tolerance.
+    fits: bool,
 }
 
 /// A hole as a cycle with one shift.
@@ -73,6 +87,12 @@ where
 {
     /// Takes a hole of a drilling cycle from the stream, after the mark of its beginning; `approach` is the move that triggers the cycle.
     pub(super) fn take_hole(&mut self, cycle: &Arc<DrillingCycle>, mark: Element, approach: Option<Element>) {
+        if let Some(approach) = approach.as_ref().filter(|approach| self.moves_others(cycle, approach)) {
+            // The move comes before the modal call; the call follows at its end.
+            let between = Element { starts_block: false, number: None, kind: Kind::Empty, ..*approach };
+            self.elements.put_back(vec![approach.clone(), between, mark]);
+            return;
+        }
         let has_approach = approach.is_some();
         let mut hole: Vec<Element> = approach.into_iter().collect();
         let place = |element: Element| Element { kind: Kind::Empty, ..element };
@@ -123,6 +143,16 @@ where
         self.elements.put_back(first.into_iter().chain(moves).collect());
     }
 
+    /// `true` if the move that triggers a cycle moves other axes than those across the hole, which no call states.
+    fn moves_others(&self, cycle: &DrillingCycle, approach: &Element) -> bool {
+        let Kind::Move(motion) = &approach.kind else { return false };
+        let [abscissa, ordinate, along] = cycle.plane.axes();
+        let [from, to] = [&self.standing.nominal, &motion.target].map(|command| self.placer.in_frame(command));
+        let is_other =
+            |&axis: &Axis| axis != abscissa && axis != ordinate && (to[axis] - from[axis]).abs() > SAME_PLACE_MM;
+        !self.standing.known.contains(along) || AXES.iter().any(is_other)
+    }
+
     /// Corrects a hole as one cycle; `None` if it must be written as moves. With `is_led`, its first move is one of the program, which triggers the cycle.
     fn kept_hole(&mut self, cycle: &Arc<DrillingCycle>, hole: &[Element], is_led: bool) -> Option<CycleBlock> {
         let line = self.line_of(cycle, hole, is_led)?;
@@ -153,8 +183,9 @@ where
             command: self.standing.command,
             nominal: self.standing.nominal,
         };
-        let (before, written) = (self.standing.counts, self.standing.written);
         let mut is_cut = false;
+        self.lead_to_hole(&line, &shift, &mut block, is_led);
+        let (before, written) = (self.standing.counts, self.standing.written);
         self.standing = self.positioned(&line, &shift, self.standing);
         for element in hole {
             let Kind::Move(motion) = &element.kind else {
@@ -205,7 +236,60 @@ where
         }
         self.last_shift = shift.along;
         self.prediction.kept_holes += 1;
+        // The tool is above the place of its hole, not at the one for its height: a cut must not begin there.
+        self.standing.is_doubtful = true;
         Some(block)
+    }
+
+    /// Writes rapid moves to the place of a hole that no word of its call states, and to a place from which the axes reach it in a known direction.
+    fn lead_to_hole(&mut self, line: &HoleLine, shift: &HoleShift, block: &mut CycleBlock, is_led: bool) {
+        let Some(plane) = shift.plane else { return };
+        let across: AxisSet = line.axes.into_iter().take(2).collect();
+        let is_brought = shift.brought != [0.0; 2];
+        let places = [(is_brought, before_hole(plane, shift.brought)), (!line.is_positioned, plane)];
+        for (_, place) in places.into_iter().filter(|(is_needed, _)| *is_needed) {
+            let before = self.standing;
+            self.standing = self.at_shift(line, place, before);
+            let mut nominal = self.placer.in_frame(&before.nominal);
+            across.iter().for_each(|axis| nominal[axis] = line.top[axis]);
+            let nominal = self.placer.of_frame(&nominal);
+            let standing = &mut self.standing;
+            let changes = |axis: &Axis| {
+                !before.written.contains(*axis) || standing.counts[axis.slot()] != before.counts[axis.slot()]
+            };
+            let words: AxisSet = across.iter().filter(changes).collect();
+            if words.is_empty() {
+                continue;
+            }
+            standing.written = standing.written.union(across);
+            // The block of a hole begins with its first line.
+            let starts_block = std::mem::take(&mut block.starts_block) && is_led;
+            let number = block.number.take().filter(|_| is_led);
+            self.prediction.pieces += 1;
+            self.pending.push_back(Ok(Output::Piece(Piece {
+                origin: block.origin,
+                starts_block,
+                number,
+                first: true,
+                last: true,
+                take_up: true,
+                rapid: true,
+                arc: None,
+                counts: standing.counts,
+                words,
+                feed: block.feed,
+                unit: block.unit,
+                feed_named: false,
+                rotary_words: Default::default(),
+                in_machine_frame: false,
+                motion_mode: MotionMode::Path,
+                command: standing.command,
+                nominal,
+                known: standing.known,
+                is_corrected: true,
+                others_stay: true,
+            })));
+        }
     }
 
     /// The line of a hole; `None` if its moves are not those of a cycle along a linear axis of the machine.
@@ -289,6 +373,48 @@ where
         line: &HoleLine,
         hole: &[Element],
     ) -> Option<(HoleShift, Option<i64>)> {
+        let stays = is_better_whole(cycle);
+        // A call without a position makes its hole where the tool stands; a move in front of it leads there.
+        let ways = [(line.is_positioned, false), (true, false), (true, true)];
+        let mut nearest: Option<NearestShift> = None;
+        for (k, (is_moved, is_brought)) in ways.into_iter().enumerate() {
+            if k == 1 && line.is_positioned || is_brought && !stays {
+                continue;
+            }
+            let Some(found) = self.shift_by(cycle, line, hole, (is_moved, is_brought)) else { continue };
+            let is_unknown = |before: NearestShift| is_moved && before.deviation_mm.is_infinite();
+            if nearest.is_none_or(|before| found.deviation_mm < before.deviation_mm || is_unknown(before)) {
+                nearest = Some(found);
+            }
+            if found.fits {
+                break;
+            }
+        }
+        let nearest = nearest?;
+        // In a frame that turns, moves are placed for the sides of axes that no call can state.
+        let is_certain = nearest.deviation_mm.is_finite() || self.placer.is_parallel();
+        if nearest.fits || must_stay(cycle) || stays && is_certain {
+            if nearest.deviation_mm.is_finite() {
+                self.prediction.kept_hole_mm = self.prediction.kept_hole_mm.max(nearest.deviation_mm);
+            }
+            // No moves are better for a tap; the error along it is reported.
+            return Some((nearest.shift, nearest.peck));
+        }
+        if nearest.deviation_mm.is_finite() {
+            self.prediction.expanded_hole_mm = self.prediction.expanded_hole_mm.max(nearest.deviation_mm);
+        }
+        None
+    }
+
+    /// The best shift if the tool goes to the place of the hole, or stands there, and reaches it in a known direction, or not. `None` if the machine
+    /// cannot go there.
+    fn shift_by(
+        &mut self,
+        cycle: &DrillingCycle,
+        line: &HoleLine,
+        hole: &[Element],
+        (is_moved, is_brought): (bool, bool),
+    ) -> Option<NearestShift> {
         let standing = self.standing;
         let mut state = standing.state;
         let [top, bottom] = [&line.top, &line.bottom].map(|end| self.placer.of_frame(end));
@@ -296,12 +422,19 @@ where
         state.note_motion(&top, &bottom);
         let known = standing.known.union(line.axes.into_iter().collect());
         let [abscissa, ordinate, along] = line.axes;
+        let brought = if is_brought { self.brought(cycle, line, &top)? } else { [0.0; 2] };
+        let level = self.level_of(cycle, line);
+        // LinuxCNC returns to the initial level first only if R is not below the tool.
+        let is_above = |height_mm: f64| (height_mm - line.top[along]).abs() > SAME_PLACE_MM;
+        let needs_level = level.is_some() && line.returns && is_above(line.initial.nominal_mm);
+        for (axis, way_mm) in [abscissa, ordinate].into_iter().zip(brought).filter(|(_, way_mm)| *way_mm != 0.0) {
+            state.direction[axis.slot()] = if way_mm > 0.0 { 1 } else { -1 };
+        }
         let hole_tolerance_mm = self.options.hole_tolerance_mm.max(self.options.tolerance_mm);
         let (most_mm, least_mm) =
             (self.allowed_at_hole_mm(hole_tolerance_mm), self.allowed_at_hole_mm(self.options.tolerance_mm));
-        let mut last: Option<(f64, (HoleShift, Option<i64>))> = None;
-        let mut nearest: Option<(f64, (HoleShift, Option<i64>))> = None;
-        let (mut best, mut across) = (0, [0.0; 2]);
+        let mut last: Option<NearestShift> = None;
+        let mut nearest: Option<NearestShift> = None;
         for attempt in 0..2 {
             let mut corrections = [AxisVector::ZERO; 2];
             for (correction, (place, own)) in corrections.iter_mut().zip([(&top, &line.top), (&bottom, &line.bottom)]) {
@@ -310,27 +443,32 @@ where
             }
             let [at_top, at_bottom] = corrections;
             let middle = |axis: Axis| 0.5 * (at_top[axis] + at_bottom[axis]);
-            across = [middle(abscissa), middle(ordinate)];
-            let plane = line.is_positioned.then_some(across);
+            let plane = is_moved.then_some([middle(abscissa), middle(ordinate)]);
             let count = |mm: f64| self.placer.increments.count(along, mm);
             // The shift of the hole before saves words; the one of the bottom is the best; the mean is for a deep hole.
-            best = count(at_bottom[along]);
-            for along in [self.last_shift, best, count(middle(along))] {
-                let shift = HoleShift { plane, along };
+            let best = count(at_bottom[along]);
+            let unfit = HoleShift { plane, brought, along: best, top: level.unwrap_or(best) };
+            let unfit = NearestShift { deviation_mm: f64::INFINITY, shift: unfit, peck: None, fits: false };
+            nearest = nearest.filter(|fit| fit.deviation_mm.is_finite()).or(Some(unfit));
+            let shifts = [self.last_shift, best, count(middle(along))];
+            let at_level = shifts.into_iter().filter_map(|along| Some((along, level?)));
+            let own = shifts.into_iter().filter(|_| !needs_level).map(|along| (along, along));
+            for (along, top) in at_level.chain(own) {
+                let shift = HoleShift { plane, brought, along, top };
                 let Some(HoleFit { deviation_mm, peck }) = self.fit_hole(cycle, line, &shift, hole) else { continue };
+                let fit = NearestShift { deviation_mm, shift, peck, fits: deviation_mm <= most_mm };
                 if deviation_mm <= least_mm {
-                    self.prediction.kept_hole_mm = self.prediction.kept_hole_mm.max(deviation_mm);
-                    return Some((shift, peck));
+                    return Some(fit);
                 }
-                let fit = (deviation_mm, (shift, peck));
-                last = last.or(Some(fit).filter(|_| along == self.last_shift && deviation_mm <= most_mm));
-                if nearest.is_none_or(|(nearest_mm, _)| deviation_mm < nearest_mm) {
+                last = last.or(Some(fit).filter(|_| along == self.last_shift && fit.fits));
+                if nearest.is_none_or(|nearest| deviation_mm < nearest.deviation_mm) {
                     nearest = Some(fit);
                 }
             }
             // A tool that stands at the programmed place moves by the difference of the corrections first, and this may reverse an axis.
             let before = state.direction;
             if attempt == 0
+                && !is_brought
                 && let Some([x, y]) = plane.filter(|_| !line.has_approach)
             {
                 let mut to = self.placer.in_frame(&standing.command);
@@ -343,27 +481,39 @@ where
             }
         }
         // If no shift keeps the tolerance of cuts, the one of the hole before keeps the call too.
-        if let Some((deviation_mm, fit)) = last.or(nearest.filter(|(nearest_mm, _)| *nearest_mm <= most_mm)) {
-            self.prediction.kept_hole_mm = self.prediction.kept_hole_mm.max(deviation_mm);
-            return Some(fit);
+        last.or(nearest)
+    }
+
+    /// The shift of R with which it is the level of the tool, increments; `None` if the program has another R, or a call that states no R of its own.
+    fn level_of(&self, cycle: &DrillingCycle, line: &HoleLine) -> Option<i64> {
+        let along = line.axes[2];
+        let has_heights = cycle.arguments.iter().any(|argument| matches!(argument, CycleArgument::Height(_)));
+        let [nominal_mm, command_mm] =
+            [&self.standing.nominal, &self.standing.command].map(|place| self.placer.in_frame(place)[along]);
+        let is_there = self.standing.known.contains(along) && (nominal_mm - line.top[along]).abs() <= SAME_PLACE_MM;
+        let is_own = cycle.trigger == HoleTrigger::Position && !has_heights;
+        (is_own && is_there).then(|| self.placer.increments.count(along, command_mm - line.top[along]))
+    }
+
+    /// The ways across a hole by which the axes with backlash reach it, mm; `None` without such an axis, or without room.
+    fn brought(&self, cycle: &DrillingCycle, line: &HoleLine, top: &AxisVector) -> Option<[f64; 2]> {
+        // A move between modal holes gives them another initial level.
+        let level_mm = self.placer.in_frame(&self.standing.nominal)[line.axes[2]];
+        let is_modal = cycle.trigger == HoleTrigger::Position;
+        if is_modal && (level_mm - line.initial.nominal_mm).abs() > SAME_PLACE_MM {
+            return None;
         }
-        // A call without a position leaves the tool where it stands: within the dead bands, or the hole needs moves.
-        let corrected = self.placer.in_frame(&standing.command) - self.placer.in_frame(&standing.nominal);
         // In a frame that turns, dead bands of axes do not lie along its coordinates.
-        let is_near = self.placer.is_parallel()
-            && [abscissa, ordinate].into_iter().zip(across).all(|(axis, own_mm)| {
-                let band_mm = self.lead.model.lost_motion(axis, &standing.command);
-                (own_mm - corrected[axis]).abs() <= band_mm + hole_tolerance_mm
-            });
-        let is_better = TAPPING_AS_MOVES.contains(&cycle.name.as_str()) && (line.is_positioned || is_near);
-        if must_stay(cycle) || is_better {
-            // No moves are better; the error along it is reported.
-            return Some((HoleShift { plane: line.is_positioned.then_some(across), along: best }, None));
+        let [abscissa, ordinate, _] = line.axes;
+        let mut ways = [0.0; 2];
+        for (way_mm, axis) in ways.iter_mut().zip([abscissa, ordinate]) {
+            if self.sampler.backlash.contains(axis) {
+                let beyond_mm = self.beyond_mm(axis, top);
+                let side = [1.0, -1.0].into_iter().find(|side| self.has_room(axis, top[axis], -side * beyond_mm))?;
+                *way_mm = side * beyond_mm;
+            }
         }
-        if let Some((nearest_mm, _)) = nearest {
-            self.prediction.expanded_hole_mm = self.prediction.expanded_hole_mm.max(nearest_mm);
-        }
-        None
+        Some(ways).filter(|ways| *ways != [0.0; 2] && self.placer.is_parallel())
     }
 
     /// Largest deviation of a hole that stays a cycle, mm. Rounding that exceeds the tolerance is no reason for moves: they have it too.
@@ -406,7 +556,14 @@ where
                 if self.sampler.backlash.iter().any(|axis| is_open(&axis)) {
                     return None;
                 }
-                deviation_mm = deviation_mm.max(trial.deviation_mm);
+                // On the way out of a thread the drilling axis is on the other side of its dead band: the depth counts.
+                let ends_at = self.placer.in_frame(&motion.target)[along];
+                let is_down = (ends_at - self.placer.in_frame(&route.start)[along])
+                    * (line.bottom[along] - line.top[along])
+                    > 0.0;
+                if is_down || !is_better_whole(cycle) {
+                    deviation_mm = deviation_mm.max(trial.deviation_mm);
+                }
                 let from = *heights[0].get_or_insert(standing.counts[along.slot()]);
                 let end = placed.counts[along.slot()];
                 if self.placer.in_frame(&motion.target)[along] == line.bottom[along] {
@@ -441,7 +598,7 @@ where
     fn leveled(&self, line: &HoleLine, shift: &HoleShift, mut standing: PathState) -> PathState {
         let along = line.axes[2];
         let mut place = self.placer.in_frame(&standing.command);
-        place[along] = line.top[along] + self.placer.increments.position(along, shift.along);
+        place[along] = line.top[along] + self.placer.increments.position(along, shift.top);
         let placed = self.placer.round(&self.placer.of_frame(&place), standing.known);
         self.note_difference(&mut standing, &placed);
         (standing.command, standing.counts) = (placed.command, placed.counts);
@@ -450,13 +607,25 @@ where
 
     /// The state at the position of the call: a tool that is at the programmed place moves by the difference first.
     fn positioned(&self, line: &HoleLine, shift: &HoleShift, mut standing: PathState) -> PathState {
-        let Some(plane) = shift.plane.filter(|_| !line.has_approach) else { return standing };
+        let Some(plane) = shift.plane else { return standing };
+        if shift.brought != [0.0; 2] {
+            standing = self.at_shift(line, before_hole(plane, shift.brought), standing);
+        }
+        if line.has_approach { standing } else { self.at_shift(line, plane, standing) }
+    }
+
+    /// The state after a move to the place of a hole with a shift, at the height of the tool.
+    fn at_shift(&self, line: &HoleLine, plane: [f64; 2], mut standing: PathState) -> PathState {
         let mut place = self.placer.in_frame(&standing.command);
         for (axis, shift_mm) in line.axes.into_iter().zip(plane) {
             place[axis] = line.top[axis] + shift_mm;
         }
+        standing.known = standing.known.union(line.axes.into_iter().take(2).collect());
         let placed = self.placer.round(&self.placer.of_frame(&place), standing.known);
         self.note_difference(&mut standing, &placed);
+        if self.placer.is_parallel() {
+            standing.sensed = standing.sensed.union(standing.known);
+        }
         (standing.command, standing.counts) = (placed.command, placed.counts);
         standing
     }
@@ -488,12 +657,14 @@ where
             }
         }
         if !keeps(along) || !standing.known.contains(along) {
+            let is_at_top = |height_mm: f64| (height_mm - line.top[along]).abs() <= SAME_PLACE_MM;
             let is_level = |height_mm: f64| (height_mm - line.initial.nominal_mm).abs() <= SAME_PLACE_MM;
             let is_initial = line.returns && is_level(target[along]) && !is_level(line.top[along]);
             if is_initial {
                 place[along] = line.initial.command_mm;
             } else {
-                place[along] += self.placer.increments.position(along, shift.along);
+                let count = if is_at_top(target[along]) { shift.top } else { shift.along };
+                place[along] += self.placer.increments.position(along, count);
             }
         }
         self.placer.round(&self.placer.of_frame(&place), motion.known)
@@ -527,9 +698,9 @@ where
     }
 }
 
-/// `true` if moves cannot replace a cycle.
-fn must_stay(cycle: &DrillingCycle) -> bool {
-    cycle.is_own || TAPPING.contains(&cycle.name.as_str())
+/// The place across a hole from which the axes reach its shift by these ways.
+fn before_hole(plane: [f64; 2], brought: [f64; 2]) -> [f64; 2] {
+    [plane[0] - brought[0], plane[1] - brought[1]]
 }
 
 /// The error for a cycle that must stay and cannot.
