@@ -623,7 +623,7 @@ fn a_laser_that_states_its_conversion_to_20_degrees_needs_no_material() {
         format!("Axis;X\nUnit;um\nMaterial temperature (°C);24.0\nExpansion coefficient (ppm/°C);11.7\n{line}\n")
     };
     let heading = "Target [mm];1+;1-";
-    let rows_of = |shop: &Shop| -> Vec<[f64; 2]> {
+    let rows_of = |shop: &crate::support::Shop| -> Vec<[f64; 2]> {
         let text = shop.text("out.csv");
         let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
         let names = lines.next().unwrap();
