@@ -6,6 +6,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt;
 
 use ncfix_base::diagnostic::{Code, Diagnostic, Place, Severity};
+use ncfix_base::number::counted;
 use ncfix_base::source::{Source, Span};
 use ncfix_report::{json, terminal};
 
@@ -423,14 +424,14 @@ impl Diagnostics {
         let mut out = String::new();
         for (name, hint) in &self.misread {
             let Some(sentence) = &hint.sentence else { continue };
-            let (mut kinds, mut count, mut hidden) = (0, 0, 0);
+            let (mut kinds, mut hidden) = (0, 0);
             groups.retain(|group| {
                 let (found, source) = group[0];
                 let is_one = is_of_text(found) && source.as_ref().is_some_and(|source| source.name() == name.as_str());
                 if !is_one {
                     return true;
                 }
-                (kinds, count) = (kinds + 1, count + group.len());
+                kinds += 1;
                 hidden += if kinds > MOST_MISREAD { group.len() } else { 0 };
                 kinds <= MOST_MISREAD
             });
@@ -438,7 +439,8 @@ impl Diagnostics {
             out.push_str(&terminal::hint(sentence, colors));
             if hidden > 0 {
                 out.push_str(&format!(
-                    "{hidden} more errors of this file probably have the same cause and are not shown; --dialect with the right language removes the cause, and `ncfix check --json` lists all\n"
+                    "not shown: {} of this file, probably with the same cause; state the language with --dialect, or list all with `ncfix check --json`\n",
+                    counted(hidden as u64, "more error")
                 ));
             }
             out.push('\n');

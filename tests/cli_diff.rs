@@ -185,7 +185,8 @@ fn words_in_inches_are_compared_in_inches() {
 #[test]
 fn equal_rows_of_a_cycle_are_counted() {
     let mill = MILL.replace("sinumerik", "fanuc") + "[control]\ndecimal_point = \"calculator\"\n";
-    let part = "O7\nG21 G17 G90 G40 G49 G80 G94 G54\nG0 X20. Y20. Z50.\nG83 X20. Y20. Z-8. R2. Q2. F200.\nG80\nG0 Z50.\nM30\n";
+    let part =
+        "O7\nG21 G17 G90 G40 G49 G80 G94 G54\nG0 X20. Y20. Z50.\nG83 X20. Y20. Z-8. R2. Q2. F200.\nG80\nG0 Z50.\nM30\n";
     let shop = Shop::new().file("mill.toml", mill).file("part.nc", part);
     shop.run(["part.nc", "-o", "out.nc", "--machine", "mill.toml"]).exits(0);
     let words = ["diff", "part.nc", "out.nc", "--machine", "mill.toml"];

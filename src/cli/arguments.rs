@@ -70,7 +70,7 @@ const ABOUT: &str = "\
 Corrects part programs for the measured geometric errors of one machine tool.
 
 Reads a part program, shifts the programmed positions of cuts so that the tool of this machine, despite its errors, reaches the \
-programmed point, and writes the program in the same language.";
+programmed point, and writes the program in the same language. To execute a program means to work through it on the computer: nothing moves.";
 
 /// Definition of the command line: the commands, and the arguments of `fix`, whose name may be omitted.
 pub(super) fn definition() -> clap::Command {
@@ -129,7 +129,7 @@ pub(super) enum Command {
     /// Correct a program for the errors of the machine (the default command)
     #[command(after_help = AFTER_HELP)]
     Fix(FixArguments),
-    /// Execute and correct a program without writing it; report what is wrong
+    /// Execute and correct a program on the computer, without writing it; report what is wrong
     #[command(after_help = examples::CHECK)]
     Check(CheckArguments),
     /// Print the moves of a program (SNC)
