@@ -301,24 +301,27 @@ impl MoveGroup<'_> {
         let beyond_mm = |axis| self.lead.beyond_mm(axis, &piece.route.end, 0.0);
         // The tool may come from a rapid move that is as programmed.
         let most_mm = BESIDE_HOLE_MM + self.before_mm(0.0) + self.lead.axes.iter().map(beyond_mm).sum::<f64>();
-        off_mm <= most_mm && off_mm < of_end_mm
+        off_mm <= most_mm && off_mm + NEARER_MM < of_end_mm
     }
 
     /// Deviation of a hole that stays a cycle in any case, with the best shift of all its moves, mm: half the change of the error of the original along it, and
-    /// the backlash of the drilling axis on the way out.
+    /// the backlash of the drilling axis.
     pub(super) fn of_whole_mm(&self, piece: &ComparedMove<'_>) -> f64 {
         let (Some(hole), Some(own)) = (piece.whole, self.step.whole) else { return 0.0 };
         let state = piece.band.state();
         let error = |place: &AxisVector| self.model.tip_error_mm(place, place, &piece.tool_mm, &state);
         let [start, end] = [&self.step.route.start, &self.step.route.end].map(error);
         let change_mm = (error(&own.top) - start).norm().max((error(&own.top) - end).norm());
+        let lost_mm = self.model.lost_motion(hole.along, &piece.route.end);
         if !hole.is_back {
-            return 0.5 * change_mm;
+            return 0.5 * change_mm + lost_mm;
         }
-        // The way out may lead to a level above the hole that is as programmed.
+        let ends = [&self.step.route.end, &piece.route.end].map(|place| place[hole.along]);
         let leaves_hole = (self.step.route.end - own.top).max_abs(&AXES) > SAME_MM;
-        let above_mm = if leaves_hole { change_mm + end.norm() } else { 0.5 * change_mm };
-        above_mm + self.model.lost_motion(hole.along, &piece.route.end)
+        // The way out may lead to the initial level, which may be as programmed.
+        let is_as_programmed = (ends[0] - ends[1]).abs() < SAME_MM;
+        let level_mm = if leaves_hole || is_as_programmed { end[hole.along.slot()].abs() } else { 0.0 };
+        level_mm + lost_mm + if leaves_hole { change_mm } else { 0.5 * change_mm }
     }
 
     /// An offset as a distance, mm: the smaller of its own length and its difference from the initial offset.
