@@ -1,6 +1,6 @@
 //! The corrected moves of one original move: their selection, and their residual error.
 
-use ncfix_base::geometry::{AXES, AxisVector, ROTARY_AXES, Vector};
+use ncfix_base::geometry::{AXES, Axis, AxisVector, ROTARY_AXES, Vector};
 use ncfix_machine::machine::{Kinematics, TipPath};
 use ncfix_model::Model;
 
@@ -312,7 +312,13 @@ impl MoveGroup<'_> {
         let error = |place: &AxisVector| self.model.tip_error_mm(place, place, &piece.tool_mm, &state);
         let [start, end] = [&self.step.route.start, &self.step.route.end].map(error);
         let change_mm = (error(&own.top) - start).norm().max((error(&own.top) - end).norm());
-        let lost_mm = self.model.lost_motion(hole.along, &piece.route.end);
+        let lost_mm = |axis: Axis| self.model.lost_motion(axis, &piece.route.end);
+        let lost_mm = if piece.setup.frame.is_translation() {
+            lost_mm(hole.along)
+        } else {
+            // A hole in a turned plane reverses several axes.
+            self.lead.axes.iter().map(|axis| lost_mm(axis).powi(2)).sum::<f64>().sqrt()
+        };
         if !hole.is_back {
             return 0.5 * change_mm + lost_mm;
         }
@@ -405,7 +411,8 @@ impl MoveGroup<'_> {
         let end = beside.end_offset(course.to).tip;
         let mut seen = TipDeviation { end, most_mm: end.norm() };
         let is_still = course_stands(course);
-        if (waits || self.step.rapid || is_still) && !self.lead.axes.is_empty() {
+        let is_tapped = piece.whole.is_some() && self.step.is_uncut();
+        if (waits || self.step.rapid || is_still || is_tapped) && !self.lead.axes.is_empty() {
             seen.end = self.on_either_side(piece, &self.step.route.at(course.to), end);
         }
         if self.step.rapid {

@@ -344,7 +344,8 @@ impl<'d> Judge<'d> {
         let is_stepped = self.promise.is_some_and(|promise| promise.is_stepped) && is_straight;
         let ends_only = step.rapid || step.is_uncut() || is_stepped || course_stands(course);
         let off_mm = if ends_only { seen.end.norm() } else { seen.most_mm };
-        let may_be_left = step.rapid || step.in_machine_frame || step.is_uncut();
+        // A tap stands across its hole: that is no word that the correction has left.
+        let may_be_left = step.rapid || step.in_machine_frame || step.is_uncut() && piece.whole.is_none();
         let off_mm = if off_mm > self.limit_of(group, piece) && may_be_left {
             self.beyond_left_mm(group, course, &seen.end)
         } else {
