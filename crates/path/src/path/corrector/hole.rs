@@ -243,7 +243,7 @@ where
         Some(block)
     }
 
-    /// Writes rapid moves to the place of a hole that no word of its call states, and to a place from which the axes reach it in a known direction.
+    /// Writes rapid moves to the place of a hole that no word of its call states. With [`HoleShift::brought`], the axes reach it in a known direction.
     fn lead_to_hole(&mut self, line: &HoleLine, shift: &HoleShift, block: &mut CycleBlock, is_led: bool) {
         let Some(plane) = shift.plane else { return };
         let across: AxisSet = line.axes.into_iter().take(2).collect();
@@ -498,7 +498,7 @@ where
         (is_own && is_there).then(|| self.placer.increments.count(along, command_mm - line.top[along]))
     }
 
-    /// `true` if the tool leaves the hole with the feed, in some languages to the initial level, although the tool may be at another than R.
+    /// `true` if the tool leaves the hole with the feed: in some languages to the initial level, in others to R.
     fn rises_with_feed(&self, cycle: &DrillingCycle, line: &HoleLine, hole: &[Element]) -> bool {
         let along = line.axes[2];
         let rises = |motion: &Move| {
