@@ -1,6 +1,6 @@
 //! The corrected moves of one original move: their selection, and their residual error.
 
-use ncfix_base::geometry::{AXES, AxisVector, ROTARY_AXES, Vector};
+use ncfix_base::geometry::{AXES, Axis, AxisVector, ROTARY_AXES, Vector};
 use ncfix_machine::machine::{Kinematics, TipPath};
 use ncfix_model::Model;
 
@@ -300,24 +300,33 @@ impl MoveGroup<'_> {
         let beyond_mm = |axis| self.lead.beyond_mm(axis, &piece.route.end, 0.0);
         // The tool may come from a rapid move that is as programmed.
         let most_mm = BESIDE_HOLE_MM + self.before_mm(0.0) + self.lead.axes.iter().map(beyond_mm).sum::<f64>();
-        off_mm <= most_mm && off_mm < of_end_mm
+        off_mm <= most_mm && off_mm + NEARER_MM < of_end_mm
     }
 
     /// Deviation of a hole that stays a cycle in any case, with the best shift of all its moves, mm: half the change of the error of the original along it, and
-    /// the backlash of the drilling axis on the way out.
+    /// the backlash of the drilling axis.
     pub(super) fn of_whole_mm(&self, piece: &ComparedMove<'_>) -> f64 {
         let (Some(hole), Some(own)) = (piece.whole, self.step.whole) else { return 0.0 };
         let state = piece.band.state();
         let error = |place: &AxisVector| self.model.tip_error_mm(place, place, &piece.tool_mm, &state);
         let [start, end] = [&self.step.route.start, &self.step.route.end].map(error);
         let change_mm = (error(&own.top) - start).norm().max((error(&own.top) - end).norm());
+        let lost_mm = |axis: Axis| self.model.lost_motion(axis, &piece.route.end);
+        let lost_mm = if piece.setup.frame.is_translation() {
+            lost_mm(hole.along)
+        } else {
+            // A hole in a turned plane reverses several axes.
+            self.lead.axes.iter().map(|axis| lost_mm(axis).powi(2)).sum::<f64>().sqrt()
+        };
         if !hole.is_back {
-            return 0.5 * change_mm;
+            return 0.5 * change_mm + lost_mm;
         }
-        // The way out may lead to a level above the hole that is as programmed.
+        let ends = [&self.step.route.end, &piece.route.end].map(|place| place[hole.along]);
         let leaves_hole = (self.step.route.end - own.top).max_abs(&AXES) > SAME_MM;
-        let above_mm = if leaves_hole { change_mm + end.norm() } else { 0.5 * change_mm };
-        above_mm + self.model.lost_motion(hole.along, &piece.route.end)
+        // The way out may lead to the initial level, which may be as programmed.
+        let is_as_programmed = (ends[0] - ends[1]).abs() < SAME_MM;
+        let level_mm = if leaves_hole || is_as_programmed { end[hole.along.slot()].abs() } else { 0.0 };
+        level_mm + lost_mm + if leaves_hole { change_mm } else { 0.5 * change_mm }
     }
 
     /// An offset as a distance, mm: the smaller of its own length and its difference from the initial offset.
@@ -401,7 +410,8 @@ impl MoveGroup<'_> {
         let end = beside.end_offset(course.to).tip;
         let mut seen = TipDeviation { end, most_mm: end.norm() };
         let is_still = course_stands(course);
-        if (waits || self.step.rapid || is_still) && !self.lead.axes.is_empty() {
+        let is_tapped = piece.whole.is_some() && self.step.is_uncut();
+        if (waits || self.step.rapid || is_still || is_tapped) && !self.lead.axes.is_empty() {
             seen.end = self.on_either_side(piece, &self.step.route.at(course.to), end);
         }
         if self.step.rapid {

@@ -255,7 +255,7 @@ impl<'d> Judge<'d> {
 
     /// Compares the stop at the end of a block. A modal difference is reported once.
     fn passing(&mut self, step: &ComparedMove<'_>, piece: &ComparedMove<'_>, is_last: bool) {
-        // A cycle that stops exactly makes the way to its hole; a step before the call is none of its moves.
+        // A cycle that stops exactly makes the way to its hole; a step before the call does not belong to it.
         let leads_to_hole = step.rapid && step.in_cycle && piece.rapid && piece.on_the_spot;
         if leads_to_hole || step.passing.is_kept_by(&piece.passing, is_last) {
             if is_last {
@@ -344,7 +344,8 @@ impl<'d> Judge<'d> {
         let is_stepped = self.promise.is_some_and(|promise| promise.is_stepped) && is_straight;
         let ends_only = step.rapid || step.is_uncut() || is_stepped || course_stands(course);
         let off_mm = if ends_only { seen.end.norm() } else { seen.most_mm };
-        let may_be_left = step.rapid || step.in_machine_frame || step.is_uncut();
+        // A tap does not move across its hole, but its place there counts.
+        let may_be_left = step.rapid || step.in_machine_frame || step.is_uncut() && piece.whole.is_none();
         let off_mm = if off_mm > self.limit_of(group, piece) && may_be_left {
             self.beyond_left_mm(group, course, &seen.end)
         } else {

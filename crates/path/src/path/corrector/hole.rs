@@ -223,6 +223,8 @@ where
             self.standing.known = active.motion.known;
             self.idle = Some(active);
         }
+        self.standing = self.returned(cycle, &line, self.standing);
+        block.command = self.standing.command;
         let across: AxisSet = line.axes.into_iter().take(2).collect();
         let changes = |axis: &Axis| !written.contains(*axis) || block.position[axis.slot()] != before[axis.slot()];
         if line.is_positioned {
@@ -241,7 +243,7 @@ where
         Some(block)
     }
 
-    /// Writes rapid moves to the place of a hole that no word of its call states, and to a place from which the axes reach it in a known direction.
+    /// Writes rapid moves to the place of a hole that no word of its call states. With [`HoleShift::brought`], the axes reach it in a known direction.
     fn lead_to_hole(&mut self, line: &HoleLine, shift: &HoleShift, block: &mut CycleBlock, is_led: bool) {
         let Some(plane) = shift.plane else { return };
         let across: AxisSet = line.axes.into_iter().take(2).collect();
@@ -451,6 +453,7 @@ where
             let unfit = NearestShift { deviation_mm: f64::INFINITY, shift: unfit, peck: None, fits: false };
             nearest = nearest.filter(|fit| fit.deviation_mm.is_finite()).or(Some(unfit));
             let shifts = [self.last_shift, best, count(middle(along))];
+            let needs_level = needs_level || level.is_some() && self.rises_with_feed(cycle, line, hole);
             let at_level = shifts.into_iter().filter_map(|along| Some((along, level?)));
             let own = shifts.into_iter().filter(|_| !needs_level).map(|along| (along, along));
             for (along, top) in at_level.chain(own) {
@@ -493,6 +496,36 @@ where
         let is_there = self.standing.known.contains(along) && (nominal_mm - line.top[along]).abs() <= SAME_PLACE_MM;
         let is_own = cycle.trigger == HoleTrigger::Position && !has_heights;
         (is_own && is_there).then(|| self.placer.increments.count(along, command_mm - line.top[along]))
+    }
+
+    /// `true` if the tool leaves the hole with the feed: in some languages to the initial level, in others to R.
+    fn rises_with_feed(&self, cycle: &DrillingCycle, line: &HoleLine, hole: &[Element]) -> bool {
+        let along = line.axes[2];
+        let rises = |motion: &Move| {
+            let end = self.placer.in_frame(&motion.target)[along];
+            !motion.rapid && (end - line.top[along]).abs() <= SAME_PLACE_MM
+        };
+        let is_up = |element: &Element| matches!(&element.kind, Kind::Move(motion) if rises(motion));
+        line.returns && !is_better_whole(cycle) && hole.iter().any(is_up)
+    }
+
+    /// The state at the initial level after a hole, if that is the level of R in the program but not in the output.
+    fn returned(&self, cycle: &DrillingCycle, line: &HoleLine, mut standing: PathState) -> PathState {
+        let along = line.axes[2];
+        let has_heights = cycle.arguments.iter().any(|argument| matches!(argument, CycleArgument::Height(_)));
+        let is_level = (line.initial.nominal_mm - line.top[along]).abs() <= SAME_PLACE_MM;
+        if !line.returns || !is_level || has_heights || cycle.trigger != HoleTrigger::Position {
+            return standing;
+        }
+        let mut place = self.placer.in_frame(&standing.command);
+        if (place[along] - line.initial.command_mm).abs() <= SAME_PLACE_MM {
+            return standing;
+        }
+        place[along] = line.initial.command_mm;
+        let placed = self.placer.round(&self.placer.of_frame(&place), standing.known);
+        self.note_difference(&mut standing, &placed);
+        (standing.command, standing.counts) = (placed.command, placed.counts);
+        standing
     }
 
     /// The ways across a hole by which the axes with backlash reach it, mm; `None` without such an axis, or without room.
