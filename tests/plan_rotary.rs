@@ -279,13 +279,13 @@ fn a_path_with_a_corner_keeps_the_ball_at_the_sensors() {
     assert_eq!(feeds, ["1000", "1800", "3240", "5832", "10498"]);
     let program = shop.text("R.MPF");
     let (path, seconds, stops) = blocks(&program);
-    // The time that is printed is that of the blocks; rapid moves need a largest feed of every axis.
+    // The time that is printed is that of the blocks.
     let printed = format!("{}{}", run.stdout, run.stderr);
     let time =
         printed.lines().find_map(|line| line.strip_prefix("measuring time: ")).unwrap_or_else(|| panic!("{printed}"));
     let minutes: f64 = time.split(' ').next().unwrap().parse().unwrap();
     assert!((minutes - seconds / 60.0).abs() <= 0.5 && stops == 3, "{time} {seconds}");
-    assert!(time.ends_with("min of motion and dwells and 3 stops, without rapid moves"), "{time}");
+    assert!(time.ends_with("min of motion and dwells and 3 stops"), "{time}");
     let most = farthest(&path);
     assert!(most > 0.03 && most <= 0.1015, "{most}");
     let [x, y, z, a, c] = ["X", "Y", "Z", "A", "C"].map(|name| column(&csv, name));

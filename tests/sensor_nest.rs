@@ -70,8 +70,8 @@ fn directions_of_sensors_are_fitted_to_a_star_or_stated() {
     let fitted = shop(0.0, &star(0.0));
     fits(&fitted, 0.02);
     assert!(!fitted.run(FIT).stderr.contains("W0614"));
-    // The columns of the matrix are the directions by 100 µm per volt, because the directions are square. The zeros are part of the offset.
-    fits(&shop(0.0, "matrix_um = [[60, -80, 0], [80, 60, 0], [0, 0, 100]]\n"), 0.02);
+    // The columns of the matrix are the directions by 100 µm per volt, because the directions are square.
+    fits(&shop(0.0, "matrix_um = [[60, -80, 0], [80, 60, 0], [0, 0, 100]]\nzero = [0.1, -0.2, 0.05]\n"), 0.02);
 }
 
 /// A bend of 0.04: on ±1 V the square is 0.04 V at both ends. The straight line through the 19 rows is at the mean of the squares,

@@ -97,10 +97,11 @@ pub fn read(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Option<
     });
     let matrix = section.rows("matrix_um");
     let star = section.rows("star");
+    let zero = section.vector("zero");
     let degree = section.number_where("degree", "1, 2 or 3", |degree| [1.0, 2.0, 3.0].contains(&degree));
     let made = columns.and_then(|columns| match (matrix, star) {
-        (Some(matrix), None) => stated(&mut section, columns, &matrix),
-        (None, Some(star)) => fitted(&mut section, columns, &star, degree.unwrap_or(1.0) as usize),
+        (Some(matrix), None) => stated(&mut section, columns, &matrix, zero.unwrap_or_default()),
+        (None, Some(star)) if zero.is_none() => fitted(&mut section, columns, &star, degree.unwrap_or(1.0) as usize),
         _ => {
             let place = section.place_of("columns");
             let help = "give matrix_um, the displacements along X, Y, Z per unit of each sensor, or star, known moves with the readings";
@@ -112,7 +113,7 @@ pub fn read(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Option<
     made
 }
 
-fn stated(section: &mut Section<'_>, columns: [String; 3], rows: &[Vec<f64>]) -> Option<SensorNest> {
+fn stated(section: &mut Section<'_>, columns: [String; 3], rows: &[Vec<f64>], zero: Vector) -> Option<SensorNest> {
     let is_square = rows.len() == 3 && rows.iter().all(|row| row.len() == 3);
     let at = |row: usize, column: usize| rows.get(row).and_then(|row| row.get(column)).copied().unwrap_or(0.0);
     let matrix = Matrix::from_fn(|row, column| mm_from_um(at(row, column)));
@@ -122,7 +123,7 @@ fn stated(section: &mut Section<'_>, columns: [String; 3], rows: &[Vec<f64>]) ->
         section.report(Code::BAD_VALUE, place, "matrix_um does not give three directions", help);
         return None;
     }
-    Some(SensorNest { columns, constant_mm: Vector::zeros(), powers: vec![matrix], ranges: None })
+    Some(SensorNest { columns, constant_mm: -(matrix * zero), powers: vec![matrix], ranges: None })
 }
 
 /// Volume of the unit vectors along the columns.

@@ -91,7 +91,7 @@ impl Weighing {
     pub fn state_text(&self, data: &str, machine: &str) -> String {
         // A name may contain any character; a comment ends with its line.
         let name = |text: &str| text.replace(char::is_control, " ");
-        let mut text = format!("# Weighed by strain on {} from {}.\n", name(machine), name(data));
+        let mut text = format!("# Weighed on {} from {}.\n", name(machine), name(data));
         let sigma = |coordinate: &Coordinate| match coordinate {
             Coordinate::Measured(measured) => format!("{:.1}", measured.sigma),
             Coordinate::Known(_) => "known".to_owned(),
