@@ -6,7 +6,7 @@
 //! The machine may have changed too: the scale of an axis follows its temperature and its maintenance. A scale that only one file shows, while another file
 //! has the same error of the axis, is that change with exactly the same effect on the readings. The odds of both alone decide.
 
-use super::cause::{own, setup};
+use super::cause::{EffectKind, own, setup};
 use super::entrant::family;
 use super::explain::assumptions::Family;
 use super::reversed::SAME;
@@ -80,7 +80,8 @@ impl Field<'_, '_> {
                 let changing = rivals.iter().zip(&with).filter(|(_, with)| is_changed(with));
                 // With another scale since, the present size of the same error is another one.
                 let is_same = |name: ErrorName| {
-                    let parts = self.candidates.get(other).and_then(|one| one.columns.first()?.first());
+                    let motion = self.candidates.get(other).filter(|one| one.cause.effect == EffectKind::Motion);
+                    let parts = motion.and_then(|one| one.columns.first()?.first());
                     parts.is_some_and(|(through, _)| *through == Through::Component(name))
                 };
                 let of_change = change.iter().filter(|(name, _)| is_same(*name)).map(|(_, rival)| rival.clone());
