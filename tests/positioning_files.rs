@@ -53,8 +53,8 @@ fn calibrated(shop: &Shop, files: &[&'static str]) -> (Vec<String>, f64) {
 }
 
 #[test]
-fn an_s_shaped_curve_is_taken_with_three_runs_and_with_one() {
-    for (count, amplitude_um, seed) in [(3, 6.0, 1), (3, 9.0, 2), (3, 12.0, 3), (5, 12.0, 4), (1, 9.0, 5)] {
+fn an_s_shaped_curve_is_taken_with_three_runs() {
+    for (count, amplitude_um, seed) in [(3, 6.0, 1), (3, 9.0, 2), (3, 12.0, 3), (5, 12.0, 4)] {
         let table = runs(count, &targets(), 0.5, seed, s_shape(amplitude_um));
         let shop = Shop::new().file("mill.toml", MILL).file("x.csv", table).file("x.toml", LASER);
         let (terms, left_um) = calibrated(&shop, &["x.csv"]);
@@ -113,7 +113,8 @@ fn a_scale_that_differs_between_two_files_may_be_that_of_the_machine() {
     let of_setup = report["findings"].as_array().unwrap().iter().find(|one| one["effect"] == "setup").unwrap();
     assert_eq!(of_setup["certain"], false, "{of_setup:#}");
     let rivals = of_setup["rivals"].as_array().unwrap();
-    let changed = rivals.iter().find(|one| one["cause"].as_str().unwrap().starts_with("EXX slope that differs between files"));
+    let changed =
+        rivals.iter().find(|one| one["cause"].as_str().unwrap().starts_with("EXX slope that differs between files"));
     // Odds of 0.1 for the axis against 0.01 for each of two instruments: 10 of 12.
     let share = changed.unwrap()["probability"].as_f64().unwrap();
     assert!((share - 10.0 / 12.0).abs() < 0.05, "{of_setup:#}");

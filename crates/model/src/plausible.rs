@@ -145,10 +145,13 @@ fn help(function: &EntryFunction, is_angle: bool, is_rotary: bool) -> String {
     let slope = coefficients.get(1).copied().unwrap_or(0.0);
     let meant = match (is_angle, is_rotary) {
         _ if slope == 0.0 => String::new(),
-        (false, false) => format!(": if {slope} is in µm/m, write {:e}", slope * 1e-6),
-        (true, false) => format!(": if {slope} is in µrad/m, write {:e}", slope * 1e-9),
+        (false, false) => format!(": if {slope} is in µm/m, write {}", scientific(slope * 1e-6)),
+        (true, false) => format!(": if {slope} is in µrad/m, write {}", scientific(slope * 1e-9)),
         (_, true) => {
-            format!(": if {slope} is in µ{unit} per rad, write {:e}", slope * if is_angle { 1e-6 } else { 1e-3 })
+            format!(
+                ": if {slope} is in µ{unit} per rad, write {}",
+                scientific(slope * if is_angle { 1e-6 } else { 1e-3 })
+            )
         }
     };
     format!("coefficients are in {unit} per power of {of_axis}{meant}")
@@ -203,4 +206,13 @@ fn plain(value: f64) -> String {
     }
     let text = significant(value);
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// A number with four significant digits and its power of ten: `5e-5`.
+fn scientific(value: f64) -> String {
+    let text = format!("{value:.3e}");
+    match text.split_once('e') {
+        Some((digits, power)) => format!("{}e{power}", digits.trim_end_matches('0').trim_end_matches('.')),
+        None => text,
+    }
 }

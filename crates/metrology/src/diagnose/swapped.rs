@@ -6,7 +6,7 @@
 //! The machine may have changed too: the scale of an axis follows its temperature and its maintenance. A scale that only one file shows, while another file
 //! has the same error of the axis, is that change with exactly the same effect on the readings. The odds of both alone decide.
 
-use super::cause::{own, setup};
+use super::cause::{EffectKind, own, setup};
 use super::entrant::family;
 use super::explain::assumptions::Family;
 use super::reversed::SAME;
@@ -60,11 +60,10 @@ impl Field<'_, '_> {
                 continue;
             }
             let odds = |family: Family| family.assumption().odds;
-            let of_change =
-                if changed.is_some() { odds(Family::Expansion) / odds(Family::Setup) } else { 0.0 };
+            let of_change = if changed.is_some() { odds(Family::Expansion) / odds(Family::Setup) } else { 0.0 };
             let whole = 1.0 + of_change + rivals.iter().map(|(_, weight)| weight).sum::<f64>();
-            let change = changed
-                .map(|(component, cause)| (component, RivalCause { cause, probability: of_change / whole }));
+            let change =
+                changed.map(|(component, cause)| (component, RivalCause { cause, probability: of_change / whole }));
             let of = |place: usize, weight: f64| {
                 let cause = self.candidates.get(place)?.title();
                 Some(RivalCause { cause, probability: weight / whole })
@@ -81,7 +80,8 @@ impl Field<'_, '_> {
                 let changing = rivals.iter().zip(&with).filter(|(_, with)| is_changed(with));
                 // With another scale since, the present size of the same error is another one.
                 let is_same = |name: ErrorName| {
-                    let parts = self.candidates.get(other).and_then(|one| one.columns.first()?.first());
+                    let motion = self.candidates.get(other).filter(|one| one.cause.effect == EffectKind::Motion);
+                    let parts = motion.and_then(|one| one.columns.first()?.first());
                     parts.is_some_and(|(through, _)| *through == Through::Component(name))
                 };
                 let of_change = change.iter().filter(|(name, _)| is_same(*name)).map(|(_, rival)| rival.clone());
@@ -98,7 +98,8 @@ impl Field<'_, '_> {
     /// The error of an axis whose change between files has the effect of the scale of a set-up, and the change in words; `None` if no other file shows this error.
     fn changed(&self, number: usize) -> Option<(ErrorName, String)> {
         let columns = self.columns_of(number);
-        let rows = || self.scene.items.iter().enumerate().filter_map(|(k, item)| Some((k, self.scene.rows.get(item.row)?)));
+        let rows =
+            || self.scene.items.iter().enumerate().filter_map(|(k, item)| Some((k, self.scene.rows.get(item.row)?)));
         let is_inside = |k: usize| columns.iter().any(|column| column.get(k).is_some_and(|value| *value != 0.0));
         let (_, first) = rows().find(|(k, _)| is_inside(*k))?;
         let component = first.component?;
@@ -106,8 +107,12 @@ impl Field<'_, '_> {
         let is_alone = rows().all(|(k, row)| !is_inside(k) || (row.set, row.component) == (first.set, first.component));
         let has_other = rows().any(|(_, row)| row.set != first.set && row.component == Some(component));
         let file = &self.scene.sets.get(first.set)?.name;
-        (is_alone && has_other)
-            .then(|| (component, format!("{component} slope that differs between files ({axis} in {file}: temperature, maintenance)")))
+        (is_alone && has_other).then(|| {
+            (
+                component,
+                format!("{component} slope that differs between files ({axis} in {file}: temperature, maintenance)"),
+            )
+        })
     }
 
     /// Amounts of the columns of some terms, together with one more.

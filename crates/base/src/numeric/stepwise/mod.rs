@@ -237,7 +237,7 @@ fn choose_at(rows: &Rows, rule: Rule) -> Option<(Choice, HashMap<usize, f64>)> {
         search.demand_significance(&mut noise, &mut chosen, &mut choice.steps);
     }
     choice.terms = search.terms(&noise, &chosen, folds.as_ref());
-    let spreads = labels.into_iter().zip(search.spreads(&noise, &chosen));
+    let spreads = labels.into_iter().zip(search.spreads(&chosen));
     // A group that is never held out, such as known distances, has the uncertainty that was stated.
     let is_read =
         |label: usize| rows.noise.iter().zip(&rows.cluster).any(|(own, cluster)| *own == label && cluster.is_some());

@@ -33,6 +33,8 @@ pub(super) struct PreparedRows {
     pub(super) repeats: DMatrix<f64>,
     /// For each noise group, the mean number of repeats of a row; `None` if too few rows are repeated.
     pub(super) repeated: Vec<Option<f64>>,
+    /// Place of each row; `None` for a row that nothing repeats.
+    pub(super) place: Vec<Option<usize>>,
 }
 
 impl PreparedRows {
@@ -90,6 +92,7 @@ impl PreparedRows {
         let (groups, begins) = grouped(rows, &order);
         let noise = order.iter().map(|&row| rows.noise[row]).collect();
         let (repeats, repeated) = repeats(rows, &order, &groups);
+        let place = order.iter().map(|&row| rows.place[row]).collect();
         Some(PreparedRows {
             rows: all,
             always: base.ncols(),
@@ -102,6 +105,7 @@ impl PreparedRows {
             order,
             repeats,
             repeated,
+            place,
         })
     }
 

@@ -1,8 +1,10 @@
 //! Parts of a selection: noise, t values with their degrees of freedom, removal of terms, replacements.
 
+use std::collections::BTreeMap;
+
 use super::descent::{Criterion, descend};
 use super::held_out::Folds;
-use super::lagged::{Lagged, step_at, with};
+use super::lagged::{Lagged, NoiseGroup, step_at, with};
 use super::prepared::PreparedRows;
 use super::sweep::Swept;
 use super::{Change, Choice, Rival, Rows, Rule, Step, Term};
@@ -19,6 +21,24 @@ const NOT_APART: f64 = 4.0;
 const LEAST_FREEDOM: f64 = 8.0;
 /// Variance, in units of the stated one, below which a group counts as free of noise.
 const NO_NOISE: f64 = 1e-12;
+
+/// A misfit is certain from this many standard deviations on.
+const SURELY: f64 = 2.0;
+
+/// Systematic residual of a noise group at its places.
+#[derive(Clone, Copy, Debug)]
+struct Misfit {
+    /// Variance of a place beside that of independent rows; 1 without a misfit.
+    factor: f64,
+    /// Degrees of freedom of the places, if there is a misfit.
+    freedom: Option<f64>,
+}
+
+impl Default for Misfit {
+    fn default() -> Misfit {
+        Misfit { factor: 1.0, freedom: None }
+    }
+}
 
 /// Tested t value.
 #[derive(Clone, Copy, Debug, Default)]
@@ -106,12 +126,13 @@ impl<'a> StepwiseSearch<'a> {
     }
 
     /// Returns the standard deviation of the rows of each noise group, given these columns, in the order of the groups: its squares per degree of freedom
-    /// (Förstner 1979). `None` for a group with too few degrees of freedom, or without noise.
-    pub(super) fn spreads(&self, noise: &CorrelatedNoise, chosen: &[usize]) -> Vec<Option<f64>> {
+    /// (Förstner 1979), without autocorrelation: a wrong one would change it. `None` for a group with too few degrees of freedom, or without noise.
+    pub(super) fn spreads(&self, chosen: &[usize]) -> Vec<Option<f64>> {
         let columns: Vec<usize> = self.inside(chosen).chain([self.prepared.width() - 1]).collect();
         let own = self.lagged.only(&columns);
         let count = columns.len() - 1;
-        let mut swept = Swept::new(own.gram(&noise.correlation));
+        let none = vec![0.0; self.lagged.len()];
+        let mut swept = Swept::new(own.gram(&none));
         (0..count).for_each(|column| {
             swept.pivot(column);
         });
@@ -120,8 +141,8 @@ impl<'a> StepwiseSearch<'a> {
             column if swept.is_inside(column) => -swept.coefficient(column),
             _ => 0.0,
         };
-        let spread = |(number, &rho): (usize, &f64)| {
-            let (gram, rows) = own.gram_of(number, rho)?;
+        let spread = |number: usize| {
+            let (gram, rows) = own.gram_of(number, 0.0)?;
             let (mut squares, mut used) = (0.0, 0.0);
             for row in 0..=count {
                 for column in 0..=count {
@@ -133,7 +154,7 @@ impl<'a> StepwiseSearch<'a> {
             let variance = squares / freedom;
             (freedom >= LEAST_FREEDOM && variance > NO_NOISE).then(|| variance.sqrt())
         };
-        noise.correlation.iter().enumerate().map(spread).collect()
+        (0..none.len()).map(spread).collect()
     }
 
     /// Returns the degrees of freedom of the t value of each column: those of the noise, reduced by the uncertainty of the autocorrelation.
@@ -200,13 +221,60 @@ impl<'a> StepwiseSearch<'a> {
         let swept = at(&noise.correlation);
         let freedom = self.freedom(chosen.len());
         let freedoms = self.freedoms_by(noise, first..count, freedom, at);
+        let misfits = self.misfits(&columns, &swept);
         let tested = (first..count).zip(freedoms).map(|(column, freedom_of_t)| {
-            let t = swept.coefficient(column) / (swept.left() / freedom * swept.variance(column)).sqrt();
+            let misfit = self.misfit_of(columns[column], &misfits);
+            let freedom_of_t = misfit.freedom.map_or(freedom_of_t, |places| freedom_of_t.min(places));
+            let t =
+                swept.coefficient(column) / (misfit.factor * swept.left() / freedom * swept.variance(column)).sqrt();
             // A column that depends on the others is not in.
             let t = if swept.is_inside(column) && !t.is_nan() { t } else { 0.0 };
             Tested { t, freedom: freedom_of_t, p: (student::two_sided(t, freedom_of_t) * self.tried()).min(1.0) }
         });
         tested.collect()
+    }
+
+    /// Returns the misfit of each noise group: of repeats that agree with each other and not with the terms, each place counts once, however often it was read.
+    fn misfits(&self, columns: &[usize], swept: &Swept) -> Vec<Misfit> {
+        let Some((&value, inside)) = columns.split_last() else { return Vec::new() };
+        let coefficient = |place: usize| if swept.is_inside(place) { swept.coefficient(place) } else { 0.0 };
+        let coefficients: Vec<f64> = (0..inside.len()).map(coefficient).collect();
+        let of_group = |(group, repeated): (&NoiseGroup, &Option<f64>)| {
+            if repeated.is_none() {
+                return Misfit::default();
+            }
+            let mut places: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
+            let (mut squares, mut rows) = (0.0, 0.0);
+            for row in group.from..group.until {
+                let Some(place) = self.prepared.place.get(row).copied().flatten() else { continue };
+                let own = self.prepared.rows.column(row);
+                let said: f64 = inside.iter().zip(&coefficients).map(|(&column, factor)| own[column] * factor).sum();
+                let left = own[value] - said;
+                let sum = places.entry(place).or_insert((0.0, 0.0));
+                *sum = (sum.0 + left, sum.1 + 1.0);
+                squares += left * left;
+                rows += 1.0;
+            }
+            let between: f64 = places.values().map(|(sum, count)| sum * sum / count).sum();
+            let used = (inside.len() as f64).min(0.5 * places.len() as f64);
+            let freedom = places.len() as f64 - used;
+            let ratio = between / freedom * (rows - used) / squares;
+            let is_misfit = freedom >= 1.0 && ratio > 1.0 + SURELY * (2.0 / freedom).sqrt();
+            if is_misfit { Misfit { factor: ratio, freedom: Some(freedom) } } else { Misfit::default() }
+        };
+        self.prepared.groups.iter().zip(&self.prepared.repeated).map(of_group).collect()
+    }
+
+    /// Returns the misfit for a column: that of the noise group in which its squares are largest.
+    fn misfit_of(&self, column: usize, misfits: &[Misfit]) -> Misfit {
+        if misfits.iter().all(|misfit| misfit.freedom.is_none()) {
+            return Misfit::default();
+        }
+        let squares = |group: &NoiseGroup| -> f64 {
+            (group.from..group.until).map(|row| self.prepared.rows[(column, row)].powi(2)).sum()
+        };
+        let sizes = self.prepared.groups.iter().map(squares).zip(misfits);
+        sizes.max_by(|one, other| one.0.total_cmp(&other.0)).map_or_else(Misfit::default, |(_, misfit)| *misfit)
     }
 
     /// Records the changes, step by step.
