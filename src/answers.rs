@@ -1,6 +1,6 @@
 //! Search in the texts for people: the questions of `docs/questions.md` and the explanations of the codes.
 
-use ncfix_base::diagnostic::{CODES, CodeRow};
+use ncfix_base::diagnostic::{CODES, Code, CodeRow};
 
 /// The page with questions and answers, as tables of Markdown.
 const QUESTIONS: &str = include_str!("../docs/questions.md");
@@ -57,8 +57,24 @@ fn plain(markdown: &str) -> String {
     out.replace(['`', '*'], "").replace("\\|", "|")
 }
 
+/// The texts of codes, or what the texts say about words; without a word, the list of codes. `None` if no text has the words.
+pub(crate) fn to(words: &[String]) -> Option<String> {
+    if words.is_empty() {
+        let mut list: Vec<String> = CODES.iter().map(|row| format!("{}  {}\n", row.code, row.title)).collect();
+        list.sort();
+        return Some(list.concat());
+    }
+    let codes = words.iter().flat_map(|word| Code::meant(word));
+    let texts: Vec<String> = codes.map(|row| format!("{}: {}\n\n{}\n", row.code, row.title, row.explain)).collect();
+    if !texts.is_empty() {
+        return Some(texts.join("\n"));
+    }
+    let is_code = |word: &String| word.starts_with(['E', 'W', 'e', 'w']) && word[1..].parse::<u16>().is_ok();
+    if words.iter().any(is_code) { None } else { about(words) }
+}
+
 /// The questions and answers, and the codes, that have the words; `None` if no text has them.
-pub(crate) fn about(words: &[String]) -> Option<String> {
+fn about(words: &[String]) -> Option<String> {
     let meant = words.iter().flat_map(|word| word.split_whitespace());
     let stems: Vec<String> = meant
         .filter(|word| !TOO_COMMON.contains(&word.to_lowercase().as_str()))
