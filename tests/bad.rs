@@ -99,6 +99,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("W0612", "calibration_report: a_slope_outside_the_model_is_named"),
     ("W0240", "strangers: a_state_that_the_control_keeps_is_named"),
     ("W0613", "cli_calibrate: scales_without_a_known_distance_rest_on_the_pivots"),
+    ("W0242", "part_programs: a_measuring_program_that_sets_an_offset_is_named"),
     ("W0241", "strangers: words_that_a_firmware_lacks_are_named_and_its_cycles_are_moves"),
     ("W0330", "not_shown: a_squareness_that_no_reading_shows_is_named"),
     ("W0327", "coverage: a_tool_of_negative_length_is_named"),
