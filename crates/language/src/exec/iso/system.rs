@@ -7,7 +7,7 @@ use super::codes::Group;
 use super::forbidden;
 use super::modal::Modal;
 use super::offsets;
-use super::origin::{self, Origin};
+use super::origin::{self, DataOrigin};
 use super::target;
 use super::text;
 use super::variables::Missing;
@@ -231,7 +231,7 @@ fn modal_value(modal: &Modal, modal_calls: &[Call], place: u32) -> Option<f64> {
 pub(super) fn write_system(
     channel: &mut Channel<'_>,
     number: u32,
-    (value, origin): (Option<f64>, Option<Origin>),
+    (value, origin): (Option<f64>, Option<DataOrigin>),
     span: Span,
     loaded: &Loaded,
     block: &Block,
@@ -274,7 +274,7 @@ fn tell_new(
     channel: &mut Channel<'_>,
     number: u32,
     (value, unit): (f64, f64),
-    origin: Option<Origin>,
+    origin: Option<DataOrigin>,
     span: Span,
 ) -> Result<(), Fault> {
     match origin.map(|origin| origin.text(unit)) {
@@ -310,7 +310,7 @@ fn write_offset(
     channel: &mut Channel<'_>,
     number: u32,
     (system, place): (System, u32),
-    (value, origin): (f64, Option<Origin>),
+    (value, origin): (f64, Option<DataOrigin>),
     span: Span,
 ) -> Result<(), Fault> {
     let Some(axis) = axis_at(channel.axes, place) else {
@@ -357,7 +357,7 @@ fn write_tool(
     channel: &mut Channel<'_>,
     number: u32,
     (tool, part): (u32, Part),
-    (value, origin): (f64, Option<Origin>),
+    (value, origin): (f64, Option<DataOrigin>),
     span: Span,
 ) -> Result<(), Fault> {
     let known = channel.written.tools.find(channel.settings.machine, tool, 1);
