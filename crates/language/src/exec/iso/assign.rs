@@ -4,9 +4,10 @@
 //! before its first assignment takes effect. The assignments take effect before all other words of the block.
 
 use super::channel::Channel;
+use super::data_origin::{self, DataOrigin};
 use super::expression::{Scope, name_of, no_variable};
 use super::level::Loaded;
-use super::origin::{self, DataOrigin};
+use super::origin;
 use super::predefined;
 use super::system;
 use super::variables::{Place, Symbol};
@@ -119,7 +120,7 @@ fn assign_number(
             if channel.is_rs274() {
                 let is_data = matches!(predefined::control_data(known), Some(Some(_)));
                 if is_data && origin == Some(DataOrigin::Computed) && channel.settings.strict {
-                    return Err(origin::not_kept(span));
+                    return Err(data_origin::not_kept(span));
                 }
                 let value = value.unwrap_or(0.0);
                 let (machine, written) = (channel.settings.machine, &mut channel.written);

@@ -1,6 +1,6 @@
 //! An evaluated call: the program, the kind of call, and the arguments.
 
-use super::origin::DataOrigin;
+use super::data_origin::DataOrigin;
 use ncfix_base::source::Span;
 
 /// Variables, their values and the origin of these in data of the control, in the order of the words, without null values.

@@ -5,7 +5,7 @@
 use std::cell::Cell;
 
 use super::codes::{GROUPS, Group};
-use super::origin::DataOrigin;
+use super::data_origin::DataOrigin;
 use ncfix_base::geometry::{Axis, AxisSet};
 use ncfix_base::source::Span;
 use ncfix_dialect::CodeEntry;

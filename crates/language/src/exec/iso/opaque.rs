@@ -10,10 +10,10 @@ use super::call::{Call, CallKind, Callee};
 use super::channel::Channel;
 use super::codes::group_of;
 use super::cycle;
+use super::data_origin::{self, DataOrigin};
 use super::expression::Scope;
 use super::haas_codes;
 use super::level::Interpreter;
-use super::origin::{self, DataOrigin};
 use crate::exec::core::fault::{Fault, at, fault};
 use crate::syntax::words::{Address, Program, Value, Word};
 use ncfix_base::diagnostic::Code;
@@ -240,7 +240,7 @@ impl Interpreter<'_> {
     /// The sum of an argument that the control computes from its own data; `None` if it does not depend on them.
     fn sum_of(&self, origin: Option<DataOrigin>, span: Span) -> Result<Option<String>, Fault> {
         match origin.map(|origin| origin.text(1.0)) {
-            Some(None) if self.channel.settings.strict => Err(origin::not_kept(span)),
+            Some(None) if self.channel.settings.strict => Err(data_origin::not_kept(span)),
             sum => Ok(sum.flatten()),
         }
     }

@@ -2,8 +2,8 @@
 
 use super::channel::Channel;
 use super::channel::WrittenData;
+use super::data_origin::DataOrigin;
 use super::modal::Modal;
-use super::origin::DataOrigin;
 use super::system;
 use super::target;
 use super::variables::Missing;

@@ -4,7 +4,7 @@
 
 use std::collections::HashMap;
 
-use super::origin::DataOrigin;
+use super::data_origin::DataOrigin;
 use crate::exec::core::assumed_values::AssumedValues;
 use crate::syntax::words::{NameId, Program};
 use ncfix_base::geometry::AxisVector;
