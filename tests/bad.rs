@@ -101,6 +101,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("E0619", "iso230: a_laser_with_the_wrong_sign_is_refused_by_its_test"),
     ("W0614", "sensor_nest: a_bent_sensor_is_named_and_a_cubic_response_follows_it"),
     ("W0613", "cli_calibrate: scales_without_a_known_distance_rest_on_the_pivots"),
+    ("W0242", "part_programs: a_measuring_program_that_sets_an_offset_is_named"),
     ("W0241", "strangers: words_that_a_firmware_lacks_are_named_and_its_cycles_are_moves"),
     ("W0330", "not_shown: a_squareness_that_no_reading_shows_is_named"),
     ("W0327", "coverage: a_tool_of_negative_length_is_named"),

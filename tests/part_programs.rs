@@ -121,6 +121,29 @@ fn a_value_that_the_program_has_set_is_a_number() {
     assert!(text.lines().any(|line| line == "#5221=80"), "{text}");
 }
 
+/// Renishaw, Inspection Plus: S is the zero offset to set, T the tool offset; without them the macro only stores what it measured. O9832 switches the
+/// probe on. The measuring cycles of a Sinumerik correct what their arguments name.
+#[test]
+fn a_measuring_program_that_sets_an_offset_is_named() {
+    for (controller, block, is_named) in [
+        ("fanuc", "G65 P9811 Z0. S1.", true),
+        ("fanuc", "G65 P9814 D50. T12.", true),
+        ("fanuc", "G65 P9851 T1.", true),
+        ("fanuc", "G65 P9811 Z0.", false),
+        ("fanuc", "G65 P9832", false),
+        ("sinumerik", "CYCLE978(100,,1,0,,,,,)", true),
+        ("sinumerik", "CYCLE976(0,,1)", false),
+    ] {
+        let ending = ending(controller);
+        let source = format!("in.{ending}");
+        let machine = mill(controller, 100.0) + "[control]\nopaque = [\"O98*\", \"CYCLE97*\"]\n";
+        let text = program(controller, block).replace("Z-1", "X0. Y0. Z-1");
+        let shop = Shop::new().file("m.toml", machine).file(&source, text);
+        let run = shop.run(["check", &source, "--machine", "m.toml"]);
+        assert_eq!(run.stderr.contains("warning[W0242]"), is_named, "{controller} {block}: {}", run.stderr);
+    }
+}
+
 /// B-62764EN: F of G93 is 0.001 to 9999.999 1/min on a Fanuc. LinuxCNC reads any number.
 #[test]
 fn a_reciprocal_time_that_a_fanuc_does_not_read_is_refused() {

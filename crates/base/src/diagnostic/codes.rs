@@ -815,6 +815,13 @@ builds have M7 (mist): without it, the spindle code in the same line has no effe
 words. Remove them, or choose the post-processor of this control. feed refuses words that no build has (E0701). ncfix writes
 drilling cycles (G81), variables and O words as moves where the firmware lacks them. If the control is another one, correct
 controller in the machine file.";
+    MAY_SET_OFFSETS = "W0242" "measuring program may set offsets"
+"The program calls a measuring program that the control itself executes (opaque in the machine file). With these arguments it sets a
+zero offset or the length or radius of a tool to the measured value. ncfix cannot know this value. It corrects the blocks after the
+call for the values of the machine file. On most machines, a difference of some tenths of a millimeter changes the correction by less
+than a micrometer. A difference of many millimeters can change it by more. Compare the measured value with that of the machine file
+after the first run. If they differ much, enter the new value there and correct the original again. Or measure in a program of its
+own, give the offsets of the control with --setup, and then correct the program that cuts.";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
 "The machine file has no value for this zero offset. snc uses zero, so its positions in the machine are wrong. check, fix, diff and
 verify refuse the program. State the zero offset in the machine file or in a set-up file (E0306 has an example).";

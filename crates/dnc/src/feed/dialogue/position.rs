@@ -78,7 +78,7 @@ impl Default for CommandedPosition {
 
 /// Result of a comparison.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Comparison {
+pub(super) enum PositionComparison {
     /// No axis can be compared.
     Nothing,
     /// These axes agree.
@@ -219,9 +219,9 @@ impl CommandedPosition {
 
     /// Compares with positions that a control reports in the coordinates of the program. Each has the number of its digits after the point. The unit of a
     /// linear axis may be the inch, whatever the program uses.
-    pub(super) fn compare(&self, reported: &[(u8, f64, usize)]) -> Comparison {
+    pub(super) fn compare(&self, reported: &[(u8, f64, usize)]) -> PositionComparison {
         if self.is_beyond {
-            return Comparison::Nothing;
+            return PositionComparison::Nothing;
         }
         // Units of the report in units of the text, which is in millimeters unless it stated nothing.
         let factors: &[f64] =
@@ -230,15 +230,15 @@ impl CommandedPosition {
         let best = factors
             .iter()
             .map(|factor| self.by(reported, *factor))
-            .find(|found| !matches!(found, Comparison::Differs(_)));
+            .find(|found| !matches!(found, PositionComparison::Differs(_)));
         match best {
             Some(found) => found,
-            None if self.is_unsure() => Comparison::Nothing,
+            None if self.is_unsure() => PositionComparison::Nothing,
             None => first,
         }
     }
 
-    fn by(&self, reported: &[(u8, f64, usize)], factor: f64) -> Comparison {
+    fn by(&self, reported: &[(u8, f64, usize)], factor: f64) -> PositionComparison {
         let mut agreed = String::new();
         for &(letter, value, digits) in reported {
             let Some(slot) = slot(letter) else { continue };
@@ -254,13 +254,13 @@ impl CommandedPosition {
             let most = digit + if rotary { ROTARY_DEG } else { LINEAR_MM };
             if difference.is_nan() || difference > most {
                 let letter = char::from(letter);
-                return Comparison::Differs(format!(
+                return PositionComparison::Differs(format!(
                     "it reports {letter} at {value:.3}{unit}, the lines sent command {commanded:.3}{unit} (permitted difference {most:.2}{unit})"
                 ));
             }
             agreed.push(char::from(letter));
         }
-        if agreed.is_empty() { Comparison::Nothing } else { Comparison::Agrees(agreed) }
+        if agreed.is_empty() { PositionComparison::Nothing } else { PositionComparison::Agrees(agreed) }
     }
 }
 
@@ -283,7 +283,7 @@ pub(super) fn number(text: &str) -> Option<(f64, usize)> {
 mod tests {
     use super::*;
 
-    fn compare(lines: &[&str], reported: &str) -> Comparison {
+    fn compare(lines: &[&str], reported: &str) -> PositionComparison {
         let mut position = CommandedPosition::default();
         lines.iter().for_each(|line| _ = position.sent(line.as_bytes()));
         let values = reported.split_ascii_whitespace().map(|word| {
@@ -293,19 +293,19 @@ mod tests {
         position.compare(&values.collect::<Vec<_>>())
     }
 
-    fn agrees(axes: &str) -> Comparison {
-        Comparison::Agrees(axes.to_owned())
+    fn agrees(axes: &str) -> PositionComparison {
+        PositionComparison::Agrees(axes.to_owned())
     }
 
     #[test]
     fn a_line_that_did_not_move_differs() {
         let lines = ["G21 G90", "G0 X10 Y20", "G1 Z-3 F100", "X15"];
         assert_eq!(compare(&lines, "X15.000 Y20.000 Z-3.000"), agrees("XYZ"));
-        assert!(matches!(compare(&lines, "X10.000 Y20.000 Z-3.000"), Comparison::Differs(_)));
-        assert!(matches!(compare(&lines, "X15.000 Y20.000 Z0.000"), Comparison::Differs(_)));
+        assert!(matches!(compare(&lines, "X10.000 Y20.000 Z-3.000"), PositionComparison::Differs(_)));
+        assert!(matches!(compare(&lines, "X15.000 Y20.000 Z0.000"), PositionComparison::Differs(_)));
         // Half a step of a coarse drive is no difference; a tenth of a millimeter is.
         assert_eq!(compare(&lines, "X15.031 Y20.000 Z-3.000"), agrees("XYZ"));
-        assert!(matches!(compare(&lines, "X15.100 Y20.000 Z-3.000"), Comparison::Differs(_)));
+        assert!(matches!(compare(&lines, "X15.100 Y20.000 Z-3.000"), PositionComparison::Differs(_)));
     }
 
     #[test]
@@ -314,9 +314,9 @@ mod tests {
         assert_eq!(compare(&["G20 G90", "G0 X1 Y2"], "X25.400 Y50.800"), agrees("XY"));
         // The control reports inches ($13 = 1), the program is in millimeters.
         assert_eq!(compare(&["G21 G90", "G0 X25.4 Y50.8"], "X1.0000 Y2.0000"), agrees("XY"));
-        assert!(matches!(compare(&["G21", "G0 X25.4 Y50.8"], "X1.0000 Y1.9000"), Comparison::Differs(_)));
+        assert!(matches!(compare(&["G21", "G0 X25.4 Y50.8"], "X1.0000 Y1.9000"), PositionComparison::Differs(_)));
         assert_eq!(compare(&["G21 G90", "G0 A725"], "A5.000"), agrees("A"));
-        assert!(matches!(compare(&["G21 G90", "G0 A725"], "A6.000"), Comparison::Differs(_)));
+        assert!(matches!(compare(&["G21 G90", "G0 A725"], "A6.000"), PositionComparison::Differs(_)));
         assert_eq!(compare(&["G21", "G0 X1", "G92 X0", "G1 X3"], "X3.000"), agrees("X"));
     }
 
@@ -355,12 +355,12 @@ mod tests {
             // The end selects G54; the program stood in G55.
             &["G21 G55", "G0 X1", "M30"],
         ] {
-            assert_eq!(compare(lines, "X99.000"), Comparison::Nothing, "{lines:?}");
+            assert_eq!(compare(lines, "X99.000"), PositionComparison::Nothing, "{lines:?}");
         }
         // Commanded again, or not concerned.
         assert_eq!(compare(&["G21", "G0 X1 Z9", "G53 G0 Z0"], "X1.000 Z-77.000"), agrees("X"));
         assert_eq!(compare(&["G21", "G0 X1 Y9", "G55", "G0 X2"], "X2.000 Y77.000"), agrees("X"));
         assert_eq!(compare(&["G21 G54", "G0 X1", "G4 P0.5", "M5", "M30"], "X1.000"), agrees("X"));
-        assert!(matches!(compare(&["G21 G54", "G0 X1", "M30"], "X2.000"), Comparison::Differs(_)));
+        assert!(matches!(compare(&["G21 G54", "G0 X1", "M30"], "X2.000"), PositionComparison::Differs(_)));
     }
 }

@@ -4,9 +4,10 @@
 //! before its first assignment takes effect. The assignments take effect before all other words of the block.
 
 use super::channel::Channel;
+use super::data_origin::{self, DataOrigin};
 use super::expression::{Scope, name_of, no_variable};
 use super::level::Loaded;
-use super::origin::{self, Origin};
+use super::origin;
 use super::predefined;
 use super::system;
 use super::variables::{Place, Symbol};
@@ -29,7 +30,7 @@ pub(super) struct Assignment {
     target: Target,
     value: Option<f64>,
     /// Origin of the value in data of the control.
-    origin: Option<Origin>,
+    origin: Option<DataOrigin>,
     span: Span,
 }
 
@@ -118,8 +119,8 @@ fn assign_number(
         Place::Variable => {
             if channel.is_rs274() {
                 let is_data = matches!(predefined::control_data(known), Some(Some(_)));
-                if is_data && origin == Some(Origin::Computed) && channel.settings.strict {
-                    return Err(origin::not_kept(span));
+                if is_data && origin == Some(DataOrigin::Computed) && channel.settings.strict {
+                    return Err(data_origin::not_kept(span));
                 }
                 let value = value.unwrap_or(0.0);
                 let (machine, written) = (channel.settings.machine, &mut channel.written);

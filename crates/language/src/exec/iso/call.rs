@@ -1,10 +1,10 @@
 //! An evaluated call: the program, the kind of call, and the arguments.
 
-use super::origin::Origin;
+use super::data_origin::DataOrigin;
 use ncfix_base::source::Span;
 
 /// Variables, their values and the origin of these in data of the control, in the order of the words, without null values.
-pub(super) type Arguments = Vec<(u32, f64, Option<Origin>)>;
+pub(super) type Arguments = Vec<(u32, f64, Option<DataOrigin>)>;
 
 /// The called program.
 #[derive(Clone, Debug, PartialEq)]

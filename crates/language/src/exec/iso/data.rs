@@ -1,11 +1,11 @@
 //! G10: zero offsets and tool offsets set by the program. The control stores them permanently, so the output sets them too: as values, or, if the
 //! control computes them from its position, in the same manner.
 
+use super::data_origin;
 use super::forbidden;
 use super::measure;
 use super::modal::Modal;
 use super::offsets;
-use super::origin;
 use super::system;
 use super::target;
 use super::text;
@@ -230,7 +230,7 @@ fn sum_of(channel: &Channel<'_>, gathered: &Gathered, letter: u8, adds: bool) ->
     let is_same_unit = (channel.modal.modes.scale() - text::output_unit_mm(channel.settings.machine)).abs() < 1e-9;
     let sum = origin.text(1.0).filter(|_| is_same_unit && !adds);
     if sum.is_none() && channel.settings.strict {
-        return Err(origin::not_kept(gathered.span_of(letter)));
+        return Err(data_origin::not_kept(gathered.span_of(letter)));
     }
     Ok(sum.map(|sum| (letter, sum)))
 }
@@ -257,7 +257,7 @@ fn set_tool(channel: &mut Channel<'_>, gathered: &Gathered, l: i64, number: u32,
     if channel.settings.strict
         && let Some((letter, _)) = gathered.origins.first()
     {
-        return Err(origin::not_kept(gathered.span_of(*letter)));
+        return Err(data_origin::not_kept(gathered.span_of(*letter)));
     }
     let mut offset = channel.written.tools.find(channel.settings.machine, number, 1).unwrap_or_default();
     // L10 and L11 measure the tool here: the place of a compensated tool is not the programmed one.

@@ -5,7 +5,7 @@
 use std::cell::Cell;
 
 use super::codes::{GROUPS, Group};
-use super::origin::Origin;
+use super::data_origin::DataOrigin;
 use ncfix_base::geometry::{Axis, AxisSet};
 use ncfix_base::source::Span;
 use ncfix_dialect::CodeEntry;
@@ -39,7 +39,7 @@ pub(super) struct Gathered {
     /// M codes in the order of the block.
     pub(super) m_codes: Vec<(u32, Span)>,
     /// Letters whose value depends on data of the control.
-    pub(super) origins: Vec<(u8, Origin)>,
+    pub(super) origins: Vec<(u8, DataOrigin)>,
     /// Named axes.
     pub(super) axes: AxisSet,
     /// The whole block.
@@ -93,7 +93,7 @@ fn letter_of(slot: usize) -> String {
 
 impl Gathered {
     /// Origin of the value of a letter in data of the control.
-    pub(super) fn origin(&self, letter: u8) -> Option<Origin> {
+    pub(super) fn origin(&self, letter: u8) -> Option<DataOrigin> {
         self.origins.iter().find(|(known, _)| *known == letter).map(|&(_, origin)| origin)
     }
 

@@ -15,6 +15,7 @@ mod compensation;
 mod cycle;
 mod cycles;
 mod data;
+mod data_origin;
 mod direction;
 mod drill;
 mod execute;

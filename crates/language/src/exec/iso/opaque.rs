@@ -10,11 +10,11 @@ use super::call::{Call, CallKind, Callee};
 use super::channel::Channel;
 use super::codes::group_of;
 use super::cycle;
+use super::data_origin::{self, DataOrigin};
 use super::expression::Scope;
 use super::haas_codes;
 use super::level::Interpreter;
-use super::origin::{self, Origin};
-use crate::exec::core::fault::{Fault, at};
+use crate::exec::core::fault::{Fault, at, fault};
 use crate::syntax::words::{Address, Program, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
@@ -135,6 +135,18 @@ pub(super) fn pass_block(
     Ok(true)
 }
 
+/// True if a call of a measuring macro sets data of the control: with S a zero offset, with T a tool offset; the macros for tool setting always. Source:
+/// Renishaw, Inspection Plus and tool-setting software for Fanuc and Haas, O9811 to O9899; O9832 and O9833 switch the probe on and off.
+fn may_set_offsets(call: &Call) -> bool {
+    let Callee::Number(number) = call.callee else { return false };
+    let sets = |letter: u8| call.arguments.iter().any(|&(number, ..)| letter_of(number) == Some(letter));
+    match number {
+        9851..=9859 => true,
+        9811..=9899 if number != 9832 && number != 9833 => sets(b'S') || sets(b'T'),
+        _ => false,
+    }
+}
+
 impl Interpreter<'_> {
     /// Passes a call through if the machine file names the program. Returns `true` if it did.
     pub(super) fn pass_on(&mut self, call: &Call) -> Result<bool, Fault> {
@@ -156,6 +168,13 @@ impl Interpreter<'_> {
             return Err(at(call.span, Code::NOT_SUPPORTED, message, help));
         }
         let text = self.text_of(call)?;
+        if may_set_offsets(call) {
+            let message = format!(
+                "{text} sets a zero offset or a tool offset to its measured value; the blocks after it are corrected for the values of the machine file"
+            );
+            let help = "compare the measured value with the machine file after the first run; if they differ by millimeters, enter it there and correct the program again";
+            self.channel.outlet.warnings.push(fault(Code::MAY_SET_OFFSETS, call.span, message, help));
+        }
         if self.channel.modal.modes.feed_unit != FeedUnit::InverseTime {
             self.channel.outlet.feed_for_call(self.channel.modal.modes.feed);
         }
@@ -219,9 +238,9 @@ impl Interpreter<'_> {
     }
 
     /// The sum of an argument that the control computes from its own data; `None` if it does not depend on them.
-    fn sum_of(&self, origin: Option<Origin>, span: Span) -> Result<Option<String>, Fault> {
+    fn sum_of(&self, origin: Option<DataOrigin>, span: Span) -> Result<Option<String>, Fault> {
         match origin.map(|origin| origin.text(1.0)) {
-            Some(None) if self.channel.settings.strict => Err(origin::not_kept(span)),
+            Some(None) if self.channel.settings.strict => Err(data_origin::not_kept(span)),
             sum => Ok(sum.flatten()),
         }
     }

@@ -2,8 +2,8 @@
 
 use super::channel::Channel;
 use super::channel::WrittenData;
+use super::data_origin::DataOrigin;
 use super::modal::Modal;
-use super::origin::Origin;
 use super::system;
 use super::target;
 use super::variables::Missing;
@@ -132,7 +132,7 @@ pub(super) fn write_parameter(
     written: &mut WrittenData,
     outlet: &mut MotionSink<'_>,
     number: u32,
-    (value, origin): (f64, Option<Origin>),
+    (value, origin): (f64, Option<DataOrigin>),
 ) -> bool {
     let Some((system, place)) = offset_place(number) else { return false };
     written.state((system, place), origin.is_none());

@@ -4,10 +4,10 @@ use super::call::Call;
 use super::channel::Channel;
 use super::channel::ToolOffset;
 use super::codes::Group;
+use super::data_origin::{self, DataOrigin};
 use super::forbidden;
 use super::modal::Modal;
 use super::offsets;
-use super::origin::{self, Origin};
 use super::target;
 use super::text;
 use super::variables::Missing;
@@ -231,7 +231,7 @@ fn modal_value(modal: &Modal, modal_calls: &[Call], place: u32) -> Option<f64> {
 pub(super) fn write_system(
     channel: &mut Channel<'_>,
     number: u32,
-    (value, origin): (Option<f64>, Option<Origin>),
+    (value, origin): (Option<f64>, Option<DataOrigin>),
     span: Span,
     loaded: &Loaded,
     block: &Block,
@@ -265,7 +265,7 @@ pub(super) fn write_system(
 
 /// Passes the assignment to a system variable through, with its evaluated value.
 fn tell(outlet: &mut MotionSink<'_>, number: u32, value: f64, behind: &str) {
-    outlet.push(Kind::Verbatim(format!("#{number}={}{behind}", decimals(value)).into_bytes()));
+    outlet.push(Kind::Verbatim(format!("#{number}={}{behind}", data_origin::decimals(value)).into_bytes()));
 }
 
 /// Passes a new value of data of the control through: a sum with a value of the control, if the program computes it so. `unit` is the factor for the
@@ -274,12 +274,12 @@ fn tell_new(
     channel: &mut Channel<'_>,
     number: u32,
     (value, unit): (f64, f64),
-    origin: Option<Origin>,
+    origin: Option<DataOrigin>,
     span: Span,
 ) -> Result<(), Fault> {
     match origin.map(|origin| origin.text(unit)) {
         Some(Some(sum)) => channel.outlet.push(Kind::Verbatim(format!("#{number}={sum}").into_bytes())),
-        Some(None) if channel.settings.strict => return Err(origin::not_kept(span)),
+        Some(None) if channel.settings.strict => return Err(data_origin::not_kept(span)),
         Some(None) | None => tell(&mut channel.outlet, number, value * unit, ""),
     }
     Ok(())
@@ -299,18 +299,11 @@ pub(super) fn place_of(axes: AxisSet, axis: Axis) -> Option<u32> {
     (0..AXES.len() as u32).find(|&place| axis_at(axes, place) == Some(axis))
 }
 
-/// A value with up to six decimals, without trailing zeros.
-pub(super) fn decimals(value: f64) -> String {
-    let mut shown = format!("{value:.6}");
-    shown.truncate(shown.trim_end_matches('0').trim_end_matches('.').len());
-    if shown == "-0" { "0".to_owned() } else { shown }
-}
-
 fn write_offset(
     channel: &mut Channel<'_>,
     number: u32,
     (system, place): (System, u32),
-    (value, origin): (f64, Option<Origin>),
+    (value, origin): (f64, Option<DataOrigin>),
     span: Span,
 ) -> Result<(), Fault> {
     let Some(axis) = axis_at(channel.axes, place) else {
@@ -357,7 +350,7 @@ fn write_tool(
     channel: &mut Channel<'_>,
     number: u32,
     (tool, part): (u32, Part),
-    (value, origin): (f64, Option<Origin>),
+    (value, origin): (f64, Option<DataOrigin>),
     span: Span,
 ) -> Result<(), Fault> {
     let known = channel.written.tools.find(channel.settings.machine, tool, 1);

@@ -4,7 +4,7 @@
 
 use std::collections::HashMap;
 
-use super::origin::Origin;
+use super::data_origin::DataOrigin;
 use crate::exec::core::assumed_values::AssumedValues;
 use crate::syntax::words::{NameId, Program};
 use ncfix_base::geometry::AxisVector;
@@ -64,8 +64,8 @@ struct Locals {
     numbered: Vec<Option<f64>>,
     named: Vec<(Symbol, f64)>,
     /// Origins of numbered and named variables whose value depends on data of the control, by index.
-    origins: Vec<(usize, Origin)>,
-    named_origins: Vec<(usize, Origin)>,
+    origins: Vec<(usize, DataOrigin)>,
+    named_origins: Vec<(usize, DataOrigin)>,
     /// `true` if the numbered variables are those of the caller.
     shares: bool,
 }
@@ -79,8 +79,8 @@ pub(super) struct Variables {
     levels: Vec<Locals>,
     common: Vec<Option<f64>>,
     /// Origins of common and of global named variables whose value depends on data of the control, by index.
-    common_origins: Vec<(usize, Origin)>,
-    global_origins: Vec<(usize, Origin)>,
+    common_origins: Vec<(usize, DataOrigin)>,
+    global_origins: Vec<(usize, DataOrigin)>,
     /// Named variables of all levels, by symbol.
     global: Vec<Option<f64>>,
     symbols: HashMap<Box<str>, u32>,
@@ -235,7 +235,7 @@ impl Variables {
     }
 
     /// Origins of the numbered variables among which an index is.
-    fn origins_mut(&mut self, index: usize) -> Option<&mut Vec<(usize, Origin)>> {
+    fn origins_mut(&mut self, index: usize) -> Option<&mut Vec<(usize, DataOrigin)>> {
         if index <= self.locals() {
             self.levels.last_mut().map(|level| &mut level.origins)
         } else {
@@ -244,7 +244,7 @@ impl Variables {
     }
 
     /// Origin of the value of a variable by number, if it depends on data of the control.
-    pub(super) fn origin(&self, number: u32) -> Option<Origin> {
+    pub(super) fn origin(&self, number: u32) -> Option<DataOrigin> {
         let index = self.index(number);
         if index <= self.locals() {
             find(&self.levels.last()?.origins, index)
@@ -254,13 +254,13 @@ impl Variables {
     }
 
     /// Notes the origin of the value that a variable was set to.
-    pub(super) fn set_origin(&mut self, number: u32, origin: Origin) {
+    pub(super) fn set_origin(&mut self, number: u32, origin: DataOrigin) {
         let index = self.index(number);
         note(self.origins_mut(index), index, Some(origin));
     }
 
     /// Origin of the value of a named variable, if it depends on data of the control.
-    pub(super) fn origin_of_name(&self, symbol: Symbol) -> Option<Origin> {
+    pub(super) fn origin_of_name(&self, symbol: Symbol) -> Option<DataOrigin> {
         let index = symbol.0 as usize;
         if self.is_global(symbol) {
             find(&self.global_origins, index)
@@ -270,7 +270,7 @@ impl Variables {
     }
 
     /// Notes the origin of the value that a named variable was set to; `None` if it does not depend on data of the control.
-    pub(super) fn set_origin_of_name(&mut self, symbol: Symbol, origin: Option<Origin>) {
+    pub(super) fn set_origin_of_name(&mut self, symbol: Symbol, origin: Option<DataOrigin>) {
         let index = symbol.0 as usize;
         let origins = if self.is_global(symbol) {
             Some(&mut self.global_origins)
@@ -308,7 +308,7 @@ impl Variables {
     }
 
     /// Begins a program level with its own local variables, the first of which have these values.
-    pub(super) fn enter(&mut self, arguments: &[(u32, f64, Option<Origin>)]) {
+    pub(super) fn enter(&mut self, arguments: &[(u32, f64, Option<DataOrigin>)]) {
         let numbered = self.no_locals();
         self.levels.push(Locals { numbered, ..Locals::default() });
         for &(number, value, origin) in arguments {
@@ -345,12 +345,12 @@ impl Variables {
 }
 
 /// Finds the origin of an index.
-fn find(origins: &[(usize, Origin)], index: usize) -> Option<Origin> {
+fn find(origins: &[(usize, DataOrigin)], index: usize) -> Option<DataOrigin> {
     origins.iter().find(|(known, _)| *known == index).map(|&(_, origin)| origin)
 }
 
 /// Sets or removes the origin of an index.
-fn note(origins: Option<&mut Vec<(usize, Origin)>>, index: usize, origin: Option<Origin>) {
+fn note(origins: Option<&mut Vec<(usize, DataOrigin)>>, index: usize, origin: Option<DataOrigin>) {
     let Some(origins) = origins else { return };
     let known = origins.iter().position(|(known, _)| *known == index);
     match (known, origin) {

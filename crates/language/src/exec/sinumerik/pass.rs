@@ -27,6 +27,10 @@ use ncfix_machine::snc::Kind;
 /// Resolution of metric lengths and feeds, parts of a unit: without rounding noise.
 const PARTS: f64 = 1e9;
 
+/// Measuring cycles that can correct a zero offset or a tool offset (840D sl, measuring cycles: correction target of each cycle).
+const MEASURING: [&str; 8] =
+    ["CYCLE961", "CYCLE971", "CYCLE977", "CYCLE978", "CYCLE979", "CYCLE982", "CYCLE997", "CYCLE998"];
+
 impl Gatherer<'_> {
     /// Takes a word that is passed through; `false` for another word.
     pub(super) fn passes(&self, word: &Word, block: &Block, out: &mut Gathered) -> Result<bool, Fault> {
@@ -179,6 +183,16 @@ impl Gatherer<'_> {
         out.is_complete = true;
         if moves {
             out.lost = AxisSet::ALL;
+        }
+        if let Address::Name(name) = word.address
+            && let name = self.scope.program.names.text(name)
+            && MEASURING.contains(&name)
+        {
+            let message = format!(
+                "{name} can set a zero offset or a tool offset to its measured value; the blocks after it are corrected for the values of the machine file"
+            );
+            let help = "compare the measured value with the machine file after the first run; if they differ by millimeters, enter it there and correct the program again";
+            out.warning = Some(fault(Code::MAY_SET_OFFSETS, word.span, message, help));
         }
         Ok(true)
     }

@@ -19,7 +19,7 @@ use std::time::Duration;
 use ncfix_base::pattern::{RegexSet, patterns};
 
 use super::counts::CountVerdict;
-use super::place::Look;
+use super::place::StandstillVerdict;
 use super::status::{GrblReport, GrblState};
 use super::{ASK_EVERY, Event, Grbl, HOLD, MARGIN, NO_LINE, STEPPED, State, Wire};
 use crate::feed::dialogue::answers::{impossible, is_greeting, shown};
@@ -262,9 +262,9 @@ impl Grbl {
         // Two reports: the first may be older than the last bytes.
         if self.idle >= 2 && self.is_drained && self.in_flight.is_empty() && self.sure < self.acknowledged {
             let agreed = match self.place.look(status) {
-                Look::Again => return,
-                Look::Differs(why) => return self.lost(&elsewhere(&why), events),
-                Look::Done(agreed) => agreed,
+                StandstillVerdict::Again => return,
+                StandstillVerdict::Differs(why) => return self.lost(&elsewhere(&why), events),
+                StandstillVerdict::Done(agreed) => agreed,
             };
             self.confirm(events);
             self.sure = self.acknowledged;

@@ -20,7 +20,7 @@ use super::barrier::Barrier;
 use super::depth::Depth;
 use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 use counts::{Counts, SURPLUS};
-use place::Place;
+use place::ReportedPlace;
 
 /// Entry of this dialogue; profiles select it by its name.
 pub(super) const PROTOCOL: Protocol = Protocol {
@@ -106,7 +106,7 @@ struct Grbl {
     checked: u64,
     sure: u64,
     barrier: Barrier,
-    place: Place,
+    place: ReportedPlace,
     /// True if the control is to stop before the next line; true if the dwell for that, or after the last line, was sent; true if it was answered.
     is_due: bool,
     has_barrier: bool,
@@ -148,7 +148,7 @@ impl Grbl {
             checked: 0,
             sure: 0,
             barrier: Barrier::default(),
-            place: Place::default(),
+            place: ReportedPlace::default(),
             is_due: false,
             has_barrier: false,
             is_drained: false,

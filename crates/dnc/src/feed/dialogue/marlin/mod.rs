@@ -22,7 +22,7 @@ use std::time::Duration;
 use super::answers::Answers;
 use super::barrier::Barrier;
 use super::depth::Depth;
-use super::position::{CommandedPosition, Comparison, elsewhere};
+use super::position::{CommandedPosition, PositionComparison, elsewhere};
 use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 use commands::MarlinCommands;
 
@@ -247,13 +247,13 @@ impl Marlin {
                 self.look(now, wire);
             }
             What::Where => match self.commanded.compare(&self.reported) {
-                Comparison::Differs(why) if self.looks >= MOST_LOOKS => self.lost(&elsewhere(&why), events),
-                Comparison::Differs(_) => self.look(now, wire),
-                Comparison::Agrees(axes) => {
+                PositionComparison::Differs(why) if self.looks >= MOST_LOOKS => self.lost(&elsewhere(&why), events),
+                PositionComparison::Differs(_) => self.look(now, wire),
+                PositionComparison::Agrees(axes) => {
                     self.agreed = Some(axes);
                     self.mark(now, wire);
                 }
-                Comparison::Nothing => self.mark(now, wire),
+                PositionComparison::Nothing => self.mark(now, wire),
             },
             What::Mark if self.state == State::Opening => {
                 self.state = State::Open;
