@@ -4,6 +4,8 @@ use std::fmt::Write as _;
 
 use ncfix_base::geometry::{AXES, Vector};
 use ncfix_machine::machine::{AxisData, Machine, MeasuredRanges};
+use ncfix_model::name::ErrorName;
+use ncfix_model::parameter::{ComponentTerm, ParameterName};
 use ncfix_model::uncertainty::unknown_of;
 use ncfix_model::volume_shares::volume_shares;
 use ncfix_model::{Effect, ErrorModel};
@@ -129,9 +131,9 @@ fn source_rows(errors: &ErrorModel) -> Vec<String> {
     let mut rows = Vec::new();
     for source in errors.sources() {
         let mut labels: Vec<String> = errors.effects_of(source.name).map(Effect::label).collect();
-        let count = labels.len();
         labels.sort_unstable();
         labels.dedup();
+        let count = labels.len();
         rows.push(format!("{:<12}{:<34}{count:>3}: {}", source.name, source.title, labels.join(" ")));
     }
     if rows.is_empty() {
@@ -202,7 +204,7 @@ fn uncertainty_rows(machine: &Machine, errors: &ErrorModel) -> Vec<String> {
         let sigma = row.sigma();
         // Coefficients are in mm and rad per power.
         let size = if sigma < LEAST_DECIMAL { format!("{sigma:.2e}") } else { significant(sigma) };
-        rows.push(format!("{name:<12}± {size}"));
+        rows.push(format!("{name:<12}± {size}{}", unit_of(name)));
     }
     if let Some(um) = uncertainty.unexplained_um {
         rows.push(format!("unexplained {} µm RMS of the readings, not in the model", decimal(um)));
@@ -212,6 +214,20 @@ fn uncertainty_rows(machine: &Machine, errors: &ErrorModel) -> Vec<String> {
         rows.push(format!("not known    {}", unknown.join(", ")));
     }
     rows
+}
+
+/// The unit of an uncertainty by the name of its number, after a blank; empty for a number of an effect, whose key states it.
+fn unit_of(name: &str) -> String {
+    let deviation = |name: &ErrorName| if name.direction.is_rotation() { " µrad" } else { " µm" };
+    if let Ok(parameter) = name.parse::<ParameterName>() {
+        return match parameter.term {
+            ComponentTerm::Whole => deviation(&parameter.component).to_owned(),
+            // The fitted parameter is half of it.
+            ComponentTerm::Backlash => format!("{} of the reversal value", deviation(&parameter.component)),
+            ComponentTerm::Coefficient(_) | ComponentTerm::Knot { .. } => format!(" {}", parameter.unit()),
+        };
+    }
+    name.parse::<ErrorName>().map_or_else(|_| String::new(), |name| deviation(&name).to_owned())
 }
 
 /// Formats the lowest and highest position of an axis.
