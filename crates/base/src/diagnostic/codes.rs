@@ -615,7 +615,7 @@ has this code, or E0601 if the rows then differ in their cells.";
     IMPORT_CONTRADICTION = "E0618" "file contradicts what it seems to be"
 "The content of the file does not agree with the options of `ncfix import`, or with itself. Examples are a position outside of the
 travel of the machine, a deviation that is not actual minus nominal, a measured axis that the machine lacks, a unit that the
-heading contradicts. Correct the option, or export the file again.";
+heading contradicts, an option that has no effect on these readings. Correct the option, or export the file again.";
     NOT_FOR_LINK = "E0701" "line that the link cannot send"
 "The program has a line that cannot be sent over this link. Nothing was sent. There are four reasons; the message states which. With --sensors,
 temperatures can add words and digits to a line while the job runs.
@@ -944,7 +944,8 @@ deviations the weight 0 (Tukey's weights). The reading stays in the file and in 
 ball, a wrong row, a set-up that moved. The message is about the worst reading of a file, and has the number of the others;
 --residuals lists all. With --no-robust all readings have equal weights.";
     POOR_FIT = "W0604" "the residual is larger than the instrument explains"
-"The residual of the calibrated model is well above the uncertainty that sigma_um states. The machine has errors that the model
+"The residual of the calibrated model is well above the uncertainty that sigma_um states, or, without sigma_um, above the scatter of
+readings that were repeated at the same pose. The machine has errors that the model
 lacks, its temperature changed, or sigma_um is too small. The standard uncertainties are then based on the scatter of the
 residuals instead of sigma_um. They do not cover errors that the model lacks. Search for these errors with ncfix diagnose, or
 correct sigma_um.";
@@ -1002,6 +1003,12 @@ show only how scales compare with the places of the rotary axes and the length o
 is 20 µm from that place, the fit turns this into scales that are wrong by 20 µm over the distance to it, and its residual stays
 small. Give the calibrated distance of two balls in [[length]], measure one axis with a laser, or fit the offset of the rotary
 axis instead of the scales.";
+    REFERENCES_DIFFER = "W0614" "readings that refer to different temperatures"
+"Readings of a laser refer to 20 °C. A part, a plate or a ball-bar with a stated temperature shows the lengths that the machine has
+at this temperature. ncfix calibrate fits files of both kinds together, and the scales then contradict each other: at 22 °C by
+23 µm/m on a machine of steel. The fit takes a mean that is right for neither, or turns the difference into a squareness. Refer all
+files to one temperature. Beside a laser that refers to 20 °C, import the part, plate or bar with --material 20C: the result then
+makes parts that have their nominal size at 20 °C, if they expand as the machine does. Or calibrate the files apart.";
     STARVING = "W0701" "the link is too slow in places"
 "At some places the control waits for lines, but only briefly: less than half a second in all, or less than 1 % of the motion.
 ncfix therefore sends the program. The axes stop for a moment there and can leave a mark on the surface. Make the link faster or
