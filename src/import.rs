@@ -123,6 +123,8 @@ pub(crate) struct InstrumentFiles {
     unread: Vec<UnreadFile>,
     /// Paths of all files.
     paths: Vec<PathBuf>,
+    /// Sentences about options that have no effect on a file.
+    idle: String,
 }
 
 impl InstrumentFiles {
@@ -135,7 +137,7 @@ impl InstrumentFiles {
             return Err(Error::usage("- for standard input is the only file of a command".into()));
         }
         let several = paths.len() > 1 || paths.iter().any(|path| path.is_dir());
-        let mut all = InstrumentFiles { files: Vec::new(), unread: Vec::new(), paths: Vec::new() };
+        let mut all = InstrumentFiles { files: Vec::new(), unread: Vec::new(), paths: Vec::new(), idle: String::new() };
         let mut is_sound = true;
         for path in paths {
             let of_folder = path.is_dir();
@@ -189,10 +191,10 @@ impl InstrumentFiles {
         }
     }
 
-    /// The sentences about files of folders that were not read; empty without any.
+    /// The sentences about options without an effect, and about files of folders that were not read; empty without any.
     pub(crate) fn unread_files(&self) -> String {
         let line = |one: &UnreadFile| format!("not read: {}: {}\n", one.path.display(), one.reason);
-        self.unread.iter().map(line).collect()
+        self.idle.clone() + &self.unread.iter().map(line).collect::<String>()
     }
 
     /// True if a file that was not read may have readings.
@@ -249,7 +251,35 @@ impl InstrumentFiles {
                 }
             }
         }
-        Ok((all.len() == self.files.len()).then_some(all))
+        if all.len() != self.files.len() {
+            return Ok(None);
+        }
+        Ok(self.take_idle(&all, stated, findings).then_some(all))
+    }
+
+    /// Takes the options that have no effect on a file: a sentence for each file; false after a refusal, if an option has no effect on any file, or was given
+    /// for this file alone.
+    fn take_idle(&mut self, all: &[ImportedReadings], stated: &FileAnswers, findings: &mut Diagnostics) -> bool {
+        let mut refused: Vec<&str> = Vec::new();
+        for (file, readings) in self.files.iter().zip(all) {
+            for option in &readings.unused {
+                let name = option.trim_start_matches('-').split(' ').next().unwrap_or_default();
+                let is_idle = |other: &ImportedReadings| other.unused.contains(option);
+                if !all.iter().all(is_idle) && !stated.is_own(&file.name, name) {
+                    self.idle += &format!("{}: {option} has no effect on these readings\n", file.name);
+                } else if !refused.contains(&option.as_str()) {
+                    refused.push(option);
+                    let what = if self.files.len() > 1 && !stated.is_own(&file.name, name) {
+                        "these files"
+                    } else {
+                        file.name.as_str()
+                    };
+                    let message = format!("{option} has no effect on the readings of {what}");
+                    findings.add(Diagnostic::nowhere(Code::IMPORT_CONTRADICTION, message, idle_help(name)), &[]);
+                }
+            }
+        }
+        refused.is_empty()
     }
 
     /// The files in the order of the command.
@@ -340,6 +370,17 @@ fn is_measurement(path: &Path) -> bool {
     let description = path.with_extension("toml");
     let has_section = |text: String| text.lines().any(|line| line.trim() == "[measurement]");
     path.with_extension("csv").is_file() && std::fs::read_to_string(description).is_ok_and(has_section)
+}
+
+/// The remedy for an option without an effect.
+fn idle_help(option: &str) -> &'static str {
+    match option {
+        "material" => {
+            "remove --material; for an artifact at its own temperature, write expansion_per_K and temperature_C in [artefact] of the description"
+        }
+        "turned" => "remove --turned: these readings have the axes of the machine",
+        _ => "remove it; `ncfix import --list` lists what each format needs, and --as names the format",
+    }
 }
 
 /// True for an affirmative answer.

@@ -28,8 +28,12 @@ fn beside(path: &Path, addition: &str) -> PathBuf {
     path.with_file_name(format!("{stem}_{addition}.toml"))
 }
 
-/// After `ncfix machine new`: the files of instruments.
-pub(crate) fn after_new_machine(machine: &Path) -> String {
+/// After `ncfix machine new`: the files of instruments; for a router, whose owner has a ruler, two diagonals.
+pub(crate) fn after_new_machine(machine: &Path, template: &str) -> String {
+    if template.contains("router") {
+        let line = "square --machine {} --d1 D1 --d2 D2 --sides A,B -o {}";
+        return row(&words(line, &[machine, &beside(machine, "square")]));
+    }
     row(&words("import FOLDER --machine {} -o readings", &[machine]))
 }
 

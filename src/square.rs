@@ -10,7 +10,10 @@ use ncfix_machine::describe;
 use ncfix_machine::machine::edit::{Edit, Given};
 use ncfix_machine::machine::squareness::{SquarenessTerm, pair, squareness};
 use ncfix_machine::machine::uncertainty;
+use ncfix_metrology::diagnose::cause::own as own_error;
 use ncfix_metrology::measure::squareness::MeasuredSquareness;
+use ncfix_model::ParameterName;
+use ncfix_model::write::write;
 
 /// Coverage factor of the stated interval, 95 %.
 const COVERAGE: f64 = 2.0;
@@ -45,17 +48,53 @@ impl SquareReadings {
 /// Sides of the part that the page describes if a square was measured, mm.
 const SHOWN_MM: f64 = 300.0;
 
-/// The sides of the part, mm.
-///
-/// # Errors
-/// If `sides` are not two.
-pub(crate) fn sides_mm(side: Option<f64>, sides: &[f64]) -> Result<[f64; 2], Error> {
-    match (side, sides) {
-        (Some(side), _) => Ok([side; 2]),
-        (None, [a, b]) => Ok([*a, *b]),
-        (None, []) => Ok([SHOWN_MM; 2]),
-        _ => Err(Error::usage("--sides needs two lengths in mm, such as 600,400".into())),
+/// Sides of the part.
+pub(crate) struct PartSides {
+    /// Measured sides, mm.
+    measured_mm: [f64; 2],
+    /// Programmed sides, mm: as stated, else the measured ones to a whole millimeter.
+    pub(crate) nominal_mm: [f64; 2],
+    /// True if the programmed sides are stated, so that the measured ones show the scales of the axes.
+    shows_scales: bool,
+}
+
+impl PartSides {
+    /// The sides of a square or a rectangle, and the programmed ones, mm.
+    ///
+    /// # Errors
+    /// If `sides` or `nominal` are not two, or the part was cut more than 2 % away from its programmed sides.
+    pub(crate) fn of(side: Option<f64>, sides: &[f64], nominal: &[f64]) -> Result<PartSides, Error> {
+        /// A larger difference is no scale of a machine: a number is wrong, or the two are exchanged.
+        const MOST_SHARE: f64 = 0.02;
+        let measured_mm = match (side, sides) {
+            (Some(side), _) => [side; 2],
+            (None, [a, b]) => [*a, *b],
+            (None, []) => [SHOWN_MM; 2],
+            _ => return Err(Error::usage("--sides needs two lengths in mm, such as 600,400".into())),
+        };
+        let nominal_mm = match nominal {
+            [] => measured_mm.map(|side| side.round().max(1.0)),
+            [a, b] => [*a, *b],
+            _ => return Err(Error::usage("--nominal needs two lengths in mm, such as 600,400".into())),
+        };
+        let is_near = |(side, nominal): (f64, f64)| (side - nominal).abs() <= MOST_SHARE * nominal;
+        let shows_scales = !nominal.is_empty();
+        if shows_scales && !measured_mm.into_iter().zip(nominal_mm).all(is_near) {
+            let [[a, b], [c, d]] = [measured_mm, nominal_mm];
+            return Err(Error::usage(format!(
+                "sides of {a} and {b} mm were not programmed as {c} and {d} mm: they differ by more than 2 %"
+            )));
+        }
+        Ok(PartSides { measured_mm, nominal_mm, shows_scales })
     }
+}
+
+/// Scale of an axis.
+struct FoundScale {
+    parameter: ParameterName,
+    value: f64,
+    /// Standard uncertainty.
+    uncertainty: f64,
 }
 
 /// Squareness of a machine.
@@ -66,10 +105,12 @@ pub(crate) struct FoundSquareness {
     value_urad: f64,
     /// Standard uncertainty, µrad.
     uncertainty_urad: f64,
+    /// Scales of the axes, if the part was measured and its programmed sides are known.
+    scales: Vec<FoundScale>,
 }
 
-/// Calculates the squareness of the axes of a plane. `sides_mm` are those of the part, or of the part that the page describes; readings are within
-/// ± `read_to_mm`.
+/// Calculates the squareness of the axes of a plane, and their scales if the programmed sides are stated. `part` is the part, or the one that the page
+/// describes; readings are within ± `read_to_mm`.
 ///
 /// # Errors
 /// If the readings do not fit, or the machine lacks an axis of the plane.
@@ -77,9 +118,10 @@ pub(crate) fn find(
     chosen: &Machine,
     plane: Plane,
     readings: SquareReadings,
-    sides_mm: [f64; 2],
+    part: &PartSides,
     read_to_mm: f64,
 ) -> Result<FoundSquareness, Error> {
+    let sides_mm = part.measured_mm;
     chosen.check_one_head()?;
     let machine = &chosen.machine;
     let direction = |axis| machine.axis(axis).map(|data| data.direction);
@@ -124,16 +166,65 @@ pub(crate) fn find(
             "the angle is not significant: it is not larger than its uncertainty. Measure a larger part, or use a finer scale".to_owned(),
         );
     }
-    Ok(FoundSquareness { page, term, value_urad, uncertainty_urad: half_urad / COVERAGE })
+    let mut found =
+        FoundSquareness { page, term, value_urad, uncertainty_urad: half_urad / COVERAGE, scales: Vec::new() };
+    if part.shows_scales {
+        found.scale(chosen, plane, part, read_to_mm)?;
+    }
+    Ok(found)
 }
 
 impl FoundSquareness {
+    /// Calculates the scales of the axes of a plane from the measured and the programmed sides of the part, each read within ± `read_to_mm`.
+    ///
+    /// # Errors
+    /// If an axis is not parallel to its direction of F: its scale is then no single number.
+    fn scale(&mut self, chosen: &Machine, plane: Plane, part: &PartSides, read_to_mm: f64) -> Result<(), Error> {
+        let [first, second, _] = pair(plane);
+        let sides = part.measured_mm.into_iter().zip(part.nominal_mm);
+        for (axis, (side, nominal)) in [first, second].into_iter().zip(sides) {
+            let along = chosen.machine.axis(axis).map_or(0.0, |data| data.direction[axis.dimension()]);
+            if along.abs() < 0.999 {
+                return Err(Error::usage(format!("{axis} is not parallel to its axis of F: leave out --nominal")));
+            }
+            let relative = (side - nominal) / nominal;
+            // An axis that carries the workpiece moves against its letter, and so does its error.
+            let parameter = ParameterName::coefficient(own_error(axis), 1);
+            let (value, uncertainty) = (relative * along.signum(), read_to_mm / 3_f64.sqrt() / nominal);
+            let micrometers = |share: f64| share * 1e6;
+            let _ = writeln!(
+                self.page,
+                "{:<12}{parameter} = {value:.3e}: {axis} moves {:+.0} ± {:.0} µm/m (95 %) of its command",
+                "scale",
+                micrometers(relative),
+                micrometers(COVERAGE * uncertainty)
+            );
+            self.scales.push(FoundScale { parameter, value, uncertainty });
+        }
+        let _ = writeln!(
+            self.page,
+            "{:<12}a cutter that is not as wide as the program takes it changes both sides equally: measure the groove or the cut, or cut two sizes",
+            "note"
+        );
+        Ok(())
+    }
+
     /// Writes the squareness into the text of a machine file, and keeps the rest of the text. With `adds`, the value is added to the existing one: the part
     /// was cut with the correction.
     ///
     /// # Errors
     /// If the text cannot be changed, or states the same angle under the other name too.
-    pub(crate) fn written(&mut self, text: &str, adds: bool) -> Result<String, Error> {
+    pub(crate) fn written(&mut self, chosen: &Machine, text: &str, adds: bool) -> Result<String, Error> {
+        let (errors, mut changed) = (&chosen.errors, chosen.errors.clone());
+        for FoundScale { parameter, value, .. } in &self.scales {
+            let old = parameter.get(errors);
+            parameter.set(&mut changed, value + if adds { old } else { 0.0 });
+            if old != 0.0 {
+                let verb = if adds { "added to" } else { "replaces" };
+                let _ = writeln!(self.page, "{:<12}{verb} {parameter} = {old:e} of the machine file", "written");
+            }
+        }
+        let text = &write(text, errors, &changed).map_err(|reason| Error::usage(reason.0))?;
         let SquarenessTerm { name, other, .. } = &self.term;
         let mut edit = Edit::parse(text).ok_or_else(|| Error::usage("the machine file is not TOML".into()))?;
         if edit.number("location", 0, other).is_some_and(|value| value != 0.0) {
@@ -148,6 +239,12 @@ impl FoundSquareness {
         for (section, value) in [("location", value), (uncertainty::SECTION, self.uncertainty_urad)] {
             if !edit.set(section, name, &tenths(value)) {
                 let message = format!("the section [{section}] of the machine file cannot be changed");
+                return Err(Error::usage(message));
+            }
+        }
+        for FoundScale { parameter, uncertainty: sigma, .. } in &self.scales {
+            if !edit.set(uncertainty::SECTION, &parameter.to_string(), &Given::Number(*sigma)) {
+                let message = format!("the section [{}] of the machine file cannot be changed", uncertainty::SECTION);
                 return Err(Error::usage(message));
             }
         }

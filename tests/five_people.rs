@@ -369,6 +369,10 @@ fn every_command_states_the_next_one() {
         "import FOLDER --machine mill.toml -o readings",
     );
     next(
+        "machine new r.toml --like router --control grbl",
+        "square --machine r.toml --d1 D1 --d2 D2 --sides A,B -o r_square.toml",
+    );
+    next(
         "import exports --machine mill.toml --sign + --tool 0 --material 20C --at Y100,Z-200 -o readings",
         "calibrate readings --machine mill.toml -o mill_measured.toml",
     );

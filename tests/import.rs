@@ -372,11 +372,9 @@ fn the_alignment_of_a_straightedge_is_unknown_and_that_of_a_square_is_not() {
     for k in 0..8 {
         table += &format!("{};{}\n", 50 * k, k * (7 - k));
     }
-    for (component, reference, free) in [
-        ("EYX", "straightedge", r#"free = ["offset", "slope"]"#),
-        ("EYX", "square", r#"free = ["offset"]"#),
-        ("EXX", "straightedge", r#"free = ["offset"]"#),
-    ] {
+    for (component, reference, free) in
+        [("EYX", "straightedge", r#"free = ["offset", "slope"]"#), ("EYX", "square", r#"free = ["offset"]"#)]
+    {
         let shop = Shop::new().file("line.csv", &table);
         let machine = machine("demo");
         let all = format!(
@@ -385,6 +383,9 @@ fn the_alignment_of_a_straightedge_is_unknown_and_that_of_a_square_is_not() {
         );
         shop.run(all.split_whitespace()).exits(0);
         assert!(shop.text("line_m.toml").contains(free), "{component} {reference}: {}", shop.text("line_m.toml"));
+        // A positioning has no reference of a straightness.
+        let positioning = all.replace("--component EYX", "--component EXX").replace("-o line_m", "-o line_x");
+        shop.run(positioning.split_whitespace()).exits(4).says("E0618").says("--reference has no effect");
     }
 }
 

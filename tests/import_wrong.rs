@@ -60,14 +60,90 @@ fn a_calibrated_ball_bar_has_no_unknown_length() {
     let [known, unknown] = ["free = [\"centre\"]", "free = [\"centre\", \"length\"]"];
     assert_eq!(free("open.csv", &[]), unknown);
     assert_eq!(free("no.csv", &[]), unknown);
-    assert_eq!(free("yes.csv", &[]), known);
-    assert_eq!(free("open.csv", &["--length", "calibrated"]), known);
+    // A calibrated length counts only with the temperature of the bar.
+    for more in [&["--length", "calibrated"][..], &["--length", "calibrated", "--radius", "150"][..]] {
+        import(&shop, "open.csv", "tool.toml", &[CENTER, more].concat()).exits(4).says("E0616").says("give --material");
+    }
+    assert_eq!(free("yes.csv", &["--material", "20C"]), known);
+    assert!(!shop.text("out.toml").contains("rod_"), "{}", shop.text("out.toml"));
+    assert_eq!(free("open.csv", &["--length", "calibrated", "--material", "11.5@22"]), known);
+    for key in ["rod_expansion_per_K = 1.15e-5", "rod_temperature_C = 22"] {
+        assert!(shop.text("out.toml").contains(key), "{key}: {}", shop.text("out.toml"));
+    }
     // Whoever does not trust the calibration may leave the length open.
     assert_eq!(free("yes.csv", &["--length", "unknown"]), unknown);
     import(&shop, "no.csv", "tool.toml", &[CENTER, &["--length", "calibrated"]].concat())
         .exits(4)
         .says("E0618")
         .says("--length calibrated contradicts the file");
+}
+
+/// A bar of 150 mm of steel, calibrated at 20 °C, is 11.5e-6 · 2 · 150 mm = 3.45 µm longer at 22 °C. Where it reads 0, the machine is 23 µm/m too long.
+#[test]
+fn a_warm_bar_shows_the_length_that_it_has() {
+    let mut rows = "Angle (deg);CCW (µm);CW (µm)\n".to_owned();
+    let mut noise = Noise(71);
+    for deg in (0..=360).step_by(3) {
+        let _ = writeln!(rows, "{deg};{:.3};{:.3}", noise.next(0.05), noise.next(0.05));
+    }
+    let head = "Plane;XY\nRadius (mm);150\nCalibrated length used;Yes\n";
+    let shop = shop().file("bar.csv", format!("{head}{rows}"));
+    for (material, scale) in [("20C", 0.0), ("11.5@22", 23.0), ("11.5@17", -34.5)] {
+        import(&shop, "bar.csv", "tool.toml", &[CENTER, &["--material", material]].concat()).exits(0);
+        let found = crate::import::calibrated(&shop, "tool.toml", "EXX1,EYY1");
+        for (name, value, _) in &found {
+            assert!((value - scale).abs() < 0.5, "{material} {name}: {value}");
+        }
+    }
+}
+
+/// An option that has no effect on a file would be lost without a word: the file is refused; of several files, each is named.
+#[test]
+fn options_without_an_effect_are_refused() {
+    let bar = circle("Plane;XY\nRadius;150\n", 0..=360);
+    let axis = laser("Axis;X\nUnit;um\n", "Target [mm];1+;1-");
+    let shop = shop().file("bar.csv", bar).file("d/bar.csv", circle("Plane;XY\nRadius;150\n", 0..=360));
+    let shop = shop.file("l.csv", axis.clone()).file("d/laser.csv", axis);
+    let all = [LASER, &["--material", "20C"]].concat();
+    import(&shop, "l.csv", "tool.toml", &all).exits(0);
+    for more in [
+        &["--radius", "150"][..],
+        &["--length", "calibrated"],
+        &["--feed", "1000"],
+        &["--plane", "XY"],
+        &["--turn", "ccw"],
+        &["--start-angle", "0"],
+        &["--flat-reference"],
+        &["--reference", "square"],
+        &["--turned", "90"],
+    ] {
+        import(&shop, "l.csv", "tool.toml", &[&all, more].concat()).exits(4).says("E0618").says(more[0]);
+    }
+    import(&shop, "bar.csv", "tool.toml", CENTER).exits(0);
+    for more in [
+        &["--reference", "square"][..],
+        &["--component", "EYX"],
+        &["--axis", "X"],
+        &["--start-angle", "0"],
+        &["--order", "motion"],
+    ] {
+        import(&shop, "bar.csv", "tool.toml", &[CENTER, more].concat()).exits(4).says("E0618").says(more[0]);
+    }
+    // A list of displacements has an artifact at its own temperature only in its description.
+    let shop = shop.file("list.csv", "X;Y;Z;dx [µm]\n0;0;100;1.0\n100;0;100;2.5\n200;50;100;3.5\n");
+    let list = ["--sign", "+", "--tool", "0", "--material", "11.5@22"];
+    import(&shop, "list.csv", "tool.toml", &list).exits(4).says("E0618").says("[artefact]");
+    // In a folder an answer may be for some of the files.
+    let folder = |more: &[&'static str]| {
+        let words =
+            ["import", "d", "--machine", "tool.toml", "--force", "-o", "out_d", "--tool", "0", "--sign", "laser=+"];
+        let more =
+            ["--material", "20C", "--at", "bar=X300,Y250,Z100", "--at", "laser=Y250,Z100"].iter().chain(more).copied();
+        shop.run(words.into_iter().chain(more))
+    };
+    folder(&["--radius", "150"]).exits(0).says("laser.csv: --radius has no effect");
+    folder(&["--turned", "90"]).exits(4).says("E0618").says("--turned has no effect on the readings of these files");
+    folder(&["--radius", "laser=150"]).exits(4).says("E0618").says("laser.csv");
 }
 
 /// Three planes of one ball-bar in one command: each file states its plane, and all are written, or none.

@@ -187,6 +187,9 @@ fn kinds_without_figures_say_so_and_calibrations_have_them_beside() {
     circle(&mut csv, "2", 100.0, -1.0, |t| [-4e-3 * t.sin(), 0.0]);
     let toml = BAR.replace("\n[setup", "\nfree = [\"centre\", \"length\"]\n[setup");
     let shop = shop.file("b.csv", csv).file("b.toml", toml).file("model.txt", "EC0Y\n");
+    // Beside others it is named, and they are printed.
+    let beside = shop.run(["iso230", "a.csv", "b.csv", "--machine", "m.toml"]).exits(0);
+    assert!(beside.stdout.contains("G(") && beside.stdout.contains("a: ISO 230 has none"), "{}", beside.stdout);
     let run = ["calibrate", "b.csv", "--machine", "m.toml", "--model", "model.txt", "-o", "out.toml", "--json"];
     let report = shop.run(run).exits(0).json();
     near(value(&report["figures"][0]["figures"][0], "G(b)"), 4.0, 0.03);

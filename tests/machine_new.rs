@@ -181,7 +181,7 @@ fn settings_of_grbl_give_travels_and_feeds() {
         "travel_mm = [-600, 0]",
         "max_feed_mm_min = 600",
         "grbl.txt:12",
-        "controller = \"rs274\"",
+        "controller = \"grbl\"",
         "increment_mm = 0.001",
     ] {
         assert!(text.contains(part), "{part}: {text}");
@@ -189,6 +189,46 @@ fn settings_of_grbl_give_travels_and_feeds() {
     // A motor that turns the other way does not turn the axis.
     assert!(text.contains("direction = [1, 0, 0]") && text.contains("grbl.txt:2 $3 = 1"), "{text}");
     shop.run(["machine", "check", "m.toml"]).exits(0);
+}
+
+/// The name of the control stays: firmware of the Grbl family refuses words that LinuxCNC executes, and a Haas reads some words otherwise than a Fanuc.
+#[test]
+fn the_name_of_the_control_stays() {
+    for (control, name) in [
+        ("grbl", "grbl"),
+        ("grblHAL", "grblhal"),
+        ("fluidnc", "fluidnc"),
+        ("linuxcnc", "linuxcnc"),
+        ("haas", "haas"),
+        ("828D", "828d"),
+        ("fanuc", "fanuc"),
+        ("millplus", "millplus"),
+    ] {
+        let shop = Shop::new().file("p.ngc", "T1 M6\nG0 X1 Y1\nM2\n");
+        shop.run(["machine", "new", "m.toml", "--like", "router", "--control", control]).exits(0);
+        let text = shop.text("m.toml");
+        assert!(text.contains(&format!("controller = \"{name}\"")), "{control}: {text}");
+        shop.run(["machine", "check", "m.toml"]).exits(0);
+        if name == "grbl" {
+            // Grbl 1.1 has no M6.
+            shop.run(["check", "p.ngc", "--machine", "m.toml"]).says("W0241");
+        }
+    }
+}
+
+/// A punch-out of offsets without G20 or G21 states no unit, and the machine file that could state it does not exist yet.
+#[test]
+fn the_unit_of_saved_offsets_is_an_option() {
+    let shop = Shop::new().file("OFFS.TXT", "%\nG10L2P1X-10.Y-8.Z-2.\n%\n");
+    let words = |more: &[&'static str]| {
+        let all = "machine new m.toml --like vmc --control fanuc --travel X=-500..0 --travel Y=-400..0 --travel Z=-400..0 --setup OFFS.TXT";
+        shop.run(all.split(' ').chain(more.iter().copied()))
+    };
+    words(&[]).exits(4).says("--saved-unit");
+    words(&["--saved-unit", "inch"]).exits(0);
+    let text = shop.text("m.toml");
+    // 10 inches are 254 mm.
+    assert!(text.contains("saved_unit = \"inch\"") && text.contains("X_mm = -254"), "{text}");
 }
 
 #[test]

@@ -160,6 +160,39 @@ fn diagonals_far_from_the_sides_are_refused_and_uncertain_angles_are_named() {
     assert!(run.stdout.contains("the angle is not significant"), "{}", run.stdout);
 }
 
+/// 299.80 mm for 300 mm: X moves 667 µm/m too little; 300.10 mm: Y moves 333 µm/m too much. The bed of a knee mill moves against its letters, and so do its errors.
+#[test]
+fn measured_sides_give_the_scales() {
+    // 299.80 and 300.10 mm have diagonals of √(299.80² + 300.10²) = 424.1931 mm.
+    let words =
+        ["--d1", "424.193", "--d2", "424.193", "--sides", "299.80,300.10", "--nominal", "300,300", "--read-to", "0.02"];
+    for (chain, sign) in [("wFXYZSt", 1.0), ("wXYFZSt", -1.0)] {
+        let shop = Shop::new().file("m.toml", machine(chain));
+        let run = square(&shop, &[&words[..], &["-o", "s.toml", "--check-cut", "c.nc"]].concat()).exits(0);
+        assert!(run.stdout.contains("X moves -667 ±") && run.stdout.contains("Y moves +333 ±"), "{}", run.stdout);
+        let text = shop.text("s.toml");
+        let number =
+            |line: &str| -> f64 { line.rsplit([',', '=']).next().unwrap().trim_matches([' ', ']']).parse().unwrap() };
+        let of = |name: &str| {
+            let (_, rest) = text.split_once(&format!("component = \"{name}\"")).unwrap_or_else(|| panic!("{text}"));
+            number(rest.lines().find(|line| line.starts_with("coefficients")).unwrap())
+        };
+        assert!((of("EXX") + sign * 6.6667e-4).abs() < 1e-7 && (of("EYY") - sign * 3.3333e-4).abs() < 1e-7, "{text}");
+        // u = 0.02/√3/300.
+        let sigma = number(text.lines().find(|line| line.starts_with("EXX1")).unwrap());
+        assert!((sigma - 3.849e-5).abs() < 1e-7, "{text}");
+        // The test square has the programmed sides, also where they are not stated.
+        assert!(shop.text("c.nc").contains("300 X 300"), "{}", shop.text("c.nc"));
+    }
+    let shop = Shop::new().file("m.toml", machine("wFXYZSt"));
+    let plain = ["--d1", "424.193", "--d2", "424.193", "--sides", "299.80,300.10", "--check-cut", "c.nc"];
+    square(&shop, &plain).exits(0);
+    assert!(shop.text("c.nc").contains("300 X 300"), "{}", shop.text("c.nc"));
+    // Exchanged or mistyped sides are no scales.
+    let wrong = ["--d1", "500", "--d2", "500", "--sides", "300,400", "--nominal", "400,300"];
+    square(&shop, &wrong).exits(2).says("more than 2 %");
+}
+
 #[test]
 fn the_written_file_has_the_uncertainty_and_no_comment_against_it() {
     let shop = Shop::new();

@@ -194,6 +194,79 @@ fn a_scale_from_circles_of_unknown_length_is_relative() {
     }
 }
 
+/// Two lasers, at two heights of Z: no axis but their own moved, and a laser shows its scale whole.
+#[test]
+fn an_axis_that_stood_at_two_places_has_no_scale_in_the_readings() {
+    let table = |axis: char, z: i32| {
+        let mut text = "component,X,Y,Z,value_um\n".to_owned();
+        for k in 0..12 {
+            let at = 20.0 * f64::from(k % 6);
+            let (x, y) = if axis == 'X' { (at, 50.0) } else { (50.0, at) };
+            let _ = writeln!(text, "E{axis}{axis},{x},{y},{z},{:.3}", 0.03 * at + 0.1 * f64::from(k % 2));
+        }
+        text
+    };
+    let description = "[measurement]\nkind = \"direct\"\nfree = [\"offset\"]\n";
+    let shop = Shop::new().file("m.toml", printer());
+    let shop = shop.file("x.csv", table('X', 10)).file("x.toml", description);
+    let shop = shop.file("y.csv", table('Y', 30)).file("y.toml", description);
+    let words = ["calibrate", "x.csv", "y.csv", "--machine", "m.toml", "--model", "EXX1,EYY1", "-o", "fitted.toml"];
+    let run = shop.run(words).exits(0);
+    assert!(!run.stderr.contains("W0611"), "{}", run.stderr);
+}
+
+/// A laser that refers to 20 °C, and a plate that shows the lengths at 22 °C, differ by 23 µm/m on a machine of steel.
+#[test]
+fn two_reference_temperatures_are_named() {
+    let mut laser = "component,X,Y,Z,value_um\n".to_owned();
+    let mut plate = "X,Y,Z,dx_um\n".to_owned();
+    for k in 0..12 {
+        let x = 20.0 * f64::from(k % 6);
+        let noise = 0.05 * f64::from(k % 3);
+        let _ = writeln!(laser, "EXX,{x},50,10,{:.3}", 0.03 * x + noise);
+        let _ = writeln!(plate, "{x},{},10,{:.3}", 20 * (k % 4), 0.053 * x + noise);
+    }
+    let artefact = |celsius: f64| {
+        format!(
+            "[measurement]\nkind = \"displacement\"\nfree = [\"offset\"]\n[artefact]\nexpansion_per_K = 11.5e-6\ntemperature_C = {celsius}\n"
+        )
+    };
+    let shop = Shop::new()
+        .file("m.toml", printer())
+        .file("laser.csv", laser)
+        .file("laser.toml", "[measurement]\nkind = \"direct\"\nfree = [\"offset\"]\n")
+        .file("warm.csv", plate.clone())
+        .file("warm.toml", artefact(22.0))
+        .file("cool.csv", plate)
+        .file("cool.toml", artefact(20.0));
+    let fit = |one: &'static str| {
+        shop.run(["calibrate", "laser.csv", one, "--machine", "m.toml", "--model", "EXX1", "-o", "fitted.toml"])
+    };
+    fit("warm.csv").says("warning[W0615]").says("differ by 23.0 µm/m");
+    let run = fit("cool.csv");
+    assert!(!run.stderr.contains("W0615"), "{}", run.stderr);
+    let alone = shop.run(["calibrate", "warm.csv", "--machine", "m.toml", "--model", "EXX1", "-o", "fitted.toml"]);
+    assert!(!alone.stderr.contains("W0615"), "{}", alone.stderr);
+}
+
+/// Sorted rows state no directions of approach, so a reversal cannot be found in them; that is not one direction only.
+#[test]
+fn unknown_directions_are_not_one_direction() {
+    let mut table = "X,Y,Z,dx_um\n".to_owned();
+    for k in 0..24 {
+        let _ = writeln!(table, "{},{},10,{:.3}", 20 * (k % 6), 20 * (k / 6), 0.03 * f64::from(20 * (k % 6)));
+    }
+    let description = "[measurement]\nkind = \"displacement\"\nfree = [\"offset\"]\norder = \"unknown\"\n";
+    let shop = Shop::new().file("m.toml", printer()).file("d.csv", table).file("d.toml", description);
+    let run = shop
+        .run(["calibrate", "d.csv", "--machine", "m.toml", "--model", "EXX1,EXXb", "-o", "fitted.toml"])
+        .exits(4)
+        .says("E0606")
+        .says("the directions of approach of X are not known")
+        .says("X_dir");
+    assert!(!run.stderr.contains("one direction only"), "{}", run.stderr);
+}
+
 /// LinuxCNC keeps G20 and G98 of an earlier program; grblHAL documents that it starts with G98.
 #[test]
 fn a_state_that_the_control_keeps_is_named() {

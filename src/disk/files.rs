@@ -35,7 +35,7 @@ pub(crate) fn read(path: &Path, id: FileId, role: &str) -> Result<Source, Error>
 }
 
 /// Role of the description of a measurement; a message that it cannot be read states it.
-pub(crate) const DESCRIPTION: &str = "the description of the readings in the .csv: its instrument and set-up; a text file with two lines, [measurement] and kind = \"displacement\", is enough to begin, see docs/reference/data-files.md";
+pub(crate) const DESCRIPTION: &str = "the description of the readings in the .csv: its instrument and set-up. If the .csv is the export of an instrument, `ncfix import` makes both files from it. Else a text file with two lines, [measurement] and kind = \"displacement\", is enough to begin, see docs/reference/data-files.md";
 
 /// Reads a file that people write, which is never large.
 ///

@@ -16,7 +16,7 @@ use ncfix_base::geometry::{AXES, Axis};
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::ActiveTables;
 use ncfix_model::coverage::UsedRanges;
-use ncfix_tables::results::made::{Filling, MadeTables, make, misfits};
+use ncfix_tables::results::made::{Filling, MadeTables, make, misfits, shifted};
 use ncfix_tables::results::request::{TablesRequest, region};
 use ncfix_tables::results::result::TablesResult;
 use ncfix_tables::results::single::single_errors;
@@ -388,6 +388,7 @@ fn notes(machine: &Machine, request: &TablesRequest<'_>, format: &Format, made: 
         format!("tip error over the volume, rms: {without:.3} um without, {with:.3} um with these tables"),
         format!("{}; measure before and after: a wrong sign doubles the errors", format.sign),
     ];
+    notes.extend(shifted(&made.checked));
     let sums = request.largest_sums(&made.tables);
     if !made.tables.lookups.is_empty() && !sums.is_empty() {
         let unit = |axis: &str| if axis.starts_with(['A', 'B', 'C']) { "deg" } else { "mm" };

@@ -15,6 +15,8 @@ pub struct ImportOption {
     pub example: &'static str,
     /// Fact that it states.
     pub meaning: &'static str,
+    /// True if the answers have it, with a value that would change readings to which it applies.
+    given: fn(&ImportAnswers) -> bool,
     set: fn(&mut ImportAnswers, &str) -> Result<(), String>,
 }
 
@@ -24,6 +26,7 @@ pub const OPTIONS: &[ImportOption] = &[
         name: "axis",
         example: "X",
         meaning: "Axis that moved",
+        given: |of| of.axis.is_some(),
         set: |to, text| {
             to.axis = Some(axis(text)?);
             Ok(())
@@ -33,6 +36,7 @@ pub const OPTIONS: &[ImportOption] = &[
         name: "component",
         example: "EYX",
         meaning: "Measured error: EXX positioning, EYX straightness, EBX angle of X",
+        given: |of| of.component.is_some(),
         set: |to, text| {
             to.component = Some(component(text)?);
             Ok(())
@@ -42,12 +46,13 @@ pub const OPTIONS: &[ImportOption] = &[
         name: "reference",
         example: "square",
         meaning: "Reference of a straightness: square if its direction is exact, else straightedge (default): its alignment is then an unknown",
+        given: |of| of.is_square.is_some(),
         set: |to, text| {
-            to.is_square = match text {
+            to.is_square = Some(match text {
                 "square" => true,
                 "straightedge" => false,
                 _ => return Err("write square or straightedge".to_owned()),
-            };
+            });
             Ok(())
         },
     },
@@ -55,6 +60,7 @@ pub const OPTIONS: &[ImportOption] = &[
         name: "at",
         example: "Y200,Z100",
         meaning: "Positions of the other axes, or the zero or center of the positions in the file; machine coordinates, mm and degrees",
+        given: |of| !of.at.is_empty(),
         set: |to, text| {
             to.at = positions(text)?;
             Ok(())
@@ -64,6 +70,7 @@ pub const OPTIONS: &[ImportOption] = &[
         name: "sign",
         example: "+",
         meaning: "+ if, for a positive reading, the tool is too far in the positive direction as seen from the workpiece (angles: turned by the right-hand rule), else -; a level on a moving table: the opposite",
+        given: |of| of.sign.is_some(),
         set: |to, text| {
             to.sign = Some(sign(text)?);
             Ok(())
@@ -73,6 +80,7 @@ pub const OPTIONS: &[ImportOption] = &[
         name: "unit",
         example: "um",
         meaning: "Unit of the readings",
+        given: |of| of.unit.is_some(),
         set: |to, text| {
             to.unit = Some(unit(text)?);
             Ok(())
@@ -82,6 +90,7 @@ pub const OPTIONS: &[ImportOption] = &[
         name: "columns",
         example: "target,1+,1-",
         meaning: "Meaning of each column, in order; - for a column that is not read",
+        given: |of| !of.columns.is_empty(),
         set: |to, text| {
             to.columns = text.split(',').map(|part| part.trim().to_owned()).collect();
             Ok(())
@@ -91,6 +100,7 @@ pub const OPTIONS: &[ImportOption] = &[
         name: "tool",
         example: "120",
         meaning: "Length from the spindle gauge point to the measuring point, or its vector x,y,z, mm",
+        given: |of| of.tool.is_some(),
         set: |to, text| {
             to.tool = Some(tool(text)?);
             Ok(())
@@ -99,7 +109,9 @@ pub const OPTIONS: &[ImportOption] = &[
     ImportOption {
         name: "material",
         example: "11.5@26",
-        meaning: "Expansion in µm/m per K and temperature in °C: of the linear scale during the measurement, or of the part while it was cut on this machine; 20C if the readings already refer to 20 °C",
+        meaning: "Expansion in µm/m per K and temperature in °C: of the linear scale during the measurement, of the bar of a ball-bar, or of the part while it was cut on this machine; 20C if the readings already refer to 20 °C",
+        // Readings without a length refer to every temperature.
+        given: |of| matches!(of.material, Some(ReadingMaterial::Expanded { .. })),
         set: |to, text| {
             to.material = Some(material(text)?);
             Ok(())
@@ -109,6 +121,7 @@ pub const OPTIONS: &[ImportOption] = &[
         name: "plane",
         example: "XY",
         meaning: "Plane of a ball-bar circle, and the two axes from which and to which angles count: XY, YZ or ZX (XZ counts from X to Z)",
+        given: |of| of.plane.is_some(),
         set: |to, text| {
             to.plane = Some(plane(text)?);
             Ok(())
@@ -118,6 +131,7 @@ pub const OPTIONS: &[ImportOption] = &[
         name: "radius",
         example: "150",
         meaning: "Nominal length of the ball-bar, mm",
+        given: |of| of.radius_mm.is_some(),
         set: |to, text| {
             to.radius_mm = Some(positive(text)?);
             Ok(())
@@ -127,6 +141,7 @@ pub const OPTIONS: &[ImportOption] = &[
         name: "length",
         example: "calibrated",
         meaning: "Length of the ball-bar: calibrated if the deviations refer to its calibrated length, else unknown (default): it is then an unknown of the fit",
+        given: |of| of.is_calibrated.is_some(),
         set: |to, text| {
             to.is_calibrated = Some(is_or_unknown(text, "calibrated")?);
             Ok(())
@@ -136,6 +151,7 @@ pub const OPTIONS: &[ImportOption] = &[
         name: "feed",
         example: "1000",
         meaning: "Feed of a ball-bar circle, mm/min",
+        given: |of| of.feed.is_some(),
         set: |to, text| {
             to.feed = Some(positive(text)?);
             Ok(())
@@ -145,6 +161,7 @@ pub const OPTIONS: &[ImportOption] = &[
         name: "start-angle",
         example: "-180",
         meaning: "Angle at the first reading of a ball-bar circle by time, with the overshoot, degrees",
+        given: |of| of.start_deg.is_some(),
         set: |to, text| {
             to.start_deg = Some(angle(text)?);
             Ok(())
@@ -154,6 +171,7 @@ pub const OPTIONS: &[ImportOption] = &[
         name: "turn",
         example: "ccw",
         meaning: "Direction of ball-bar circles: ccw from the first axis of the plane to the second, or cw; one for all, or one for each run such as ccw,cw",
+        given: |of| !of.turns.is_empty(),
         set: |to, text| {
             to.turns = text.split(',').map(turn).collect::<Result<_, _>>()?;
             Ok(())
@@ -163,6 +181,7 @@ pub const OPTIONS: &[ImportOption] = &[
         name: "order",
         example: "motion",
         meaning: "Order of the rows: motion if it is that of the motion or machining, which gives directions of approach, else unknown (default for meshes, height maps and features)",
+        given: |of| of.is_in_order.is_some(),
         set: |to, text| {
             to.is_in_order = Some(is_or_unknown(text, "motion")?);
             Ok(())
@@ -172,6 +191,7 @@ pub const OPTIONS: &[ImportOption] = &[
         name: "turned",
         example: "90",
         meaning: "Angle about Z by which the part of a CMM report was turned on the machine, degrees, + from X to Y: 90 if X of the part pointed along Y+ of the machine; 0 (default), 90, 180 or -90",
+        given: |of| of.turned.is_some(),
         set: |to, text| {
             to.turned = Some(match text {
                 "0" => 0,
@@ -187,6 +207,7 @@ pub const OPTIONS: &[ImportOption] = &[
         name: "sigma",
         example: "0.5",
         meaning: "Standard uncertainty of a reading, µm or µrad; without it a calibration estimates it",
+        given: |of| of.sigma.is_some(),
         set: |to, text| {
             to.sigma = Some(positive(text)?);
             Ok(())
@@ -320,7 +341,7 @@ pub struct ImportAnswers {
     /// True if a height map is that of a calibrated flat.
     pub is_flat_reference: bool,
     /// True if a straightness was read along a square.
-    pub is_square: bool,
+    pub is_square: Option<bool>,
 }
 
 impl ImportAnswers {
@@ -331,6 +352,12 @@ impl ImportAnswers {
     pub fn set(&mut self, option: &str, text: &str) -> Result<(), String> {
         let known = OPTIONS.iter().find(|one| one.name == option);
         known.map_or_else(|| Err(format!("there is no option --{option}")), |known| (known.set)(self, text.trim()))
+    }
+
+    /// Names of the options that were given, in the order of the help.
+    pub(crate) fn given(&self) -> impl Iterator<Item = &'static str> {
+        let named = OPTIONS.iter().filter(|option| (option.given)(self)).map(|option| option.name);
+        named.chain(self.is_flat_reference.then_some("flat-reference"))
     }
 }
 
@@ -378,6 +405,12 @@ impl FileAnswers {
             let _ = answers.set(option, value);
         }
         answers
+    }
+
+    /// True if an answer with this option is for this file alone.
+    #[must_use]
+    pub fn is_own(&self, name: &str, option: &str) -> bool {
+        self.own.iter().any(|(file, own, _)| own == option && is_named(file, name))
     }
 
     /// The first file of an answer that none of the names means.

@@ -1,5 +1,7 @@
 //! One import in progress: the text, the answers so far, the open questions, and the notes on what was understood.
 
+use std::cell::RefCell;
+
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{Axis, Vector};
 use ncfix_machine::machine::Machine;
@@ -56,14 +58,16 @@ impl From<Box<Diagnostic>> for ImportStop {
 pub struct Inquiry<'a> {
     /// Text of the file.
     pub text: &'a DecodedText,
-    /// Answers so far.
-    pub answers: &'a ImportAnswers,
+    answers: &'a ImportAnswers,
     /// Machine on which the readings were taken.
     pub machine: &'a Machine,
     questions: Vec<ImportQuestion>,
     notes: Vec<String>,
     is_unit_stated: bool,
-    is_turn_read: bool,
+    /// Options that the reader has asked for.
+    used: RefCell<Vec<&'static str>>,
+    /// Axes whose positions it has asked for.
+    used_axes: RefCell<Vec<Axis>>,
 }
 
 /// Quotes a line of the file in a note.
@@ -80,14 +84,14 @@ impl<'a> Inquiry<'a> {
             questions: Vec::new(),
             notes: Vec::new(),
             is_unit_stated: false,
-            is_turn_read: false,
+            used: RefCell::default(),
+            used_axes: RefCell::default(),
         }
     }
 
     /// Returns the quarter turns of the part about Z on the machine, and notes them: no file of a report states them.
     pub fn quarter_turns(&mut self) -> usize {
-        self.is_turn_read = true;
-        let turns = self.answers.turned.unwrap_or(0);
+        let turns = self.answer("turned", |own| own.turned).unwrap_or(0);
         self.note(
             match turns {
                 0 => "X of the part along X of the machine (--turned 90 if it was clamped turned)".to_owned(),
@@ -98,10 +102,27 @@ impl<'a> Inquiry<'a> {
         turns
     }
 
-    /// True if a turn of the part has been read, or was not given.
+    /// Returns the answer of an option, which then counts as used.
+    pub fn answer<T>(&self, option: &'static str, of: impl FnOnce(&'a ImportAnswers) -> T) -> T {
+        self.used.borrow_mut().push(option);
+        of(self.answers)
+    }
+
+    /// Answers so far, without a mark that they are used.
     #[must_use]
-    pub fn accepts_turn(&self) -> bool {
-        self.is_turn_read || self.answers.turned.is_none()
+    pub fn answers(&self) -> &'a ImportAnswers {
+        self.answers
+    }
+
+    /// Returns the options that were given and that the reader did not ask for, with their dashes: they have no effect on these readings.
+    #[must_use]
+    pub fn unused(&self) -> Vec<String> {
+        let (used, axes) = (self.used.borrow(), self.used_axes.borrow());
+        let idle = self.answers.given().filter(|option| *option != "at" && !used.contains(option));
+        let stood = self.answers.at.iter().filter(|(axis, _)| !axes.contains(axis));
+        idle.map(|option| format!("--{option}"))
+            .chain(stood.map(|(axis, value)| format!("--at {axis}{}", shown(*value))))
+            .collect()
     }
 
     /// Returns the open questions.
@@ -133,8 +154,12 @@ impl<'a> Inquiry<'a> {
     pub fn note(&mut self, sentence: impl Into<String>, line: usize) {
         let mut note = sentence.into();
         if line > 0 {
-            let quoted: String =
-                self.text.line(line).trim().chars().filter(|c| !c.is_control()).take(MOST_QUOTED).collect();
+            let plain = |c: &char| !c.is_control();
+            let whole = self.text.line(line).trim();
+            let mut quoted: String = whole.chars().filter(plain).take(MOST_QUOTED).collect();
+            if whole.chars().filter(plain).nth(MOST_QUOTED).is_some() {
+                quoted.push('…');
+            }
             note.push_str(&format!(" (line {line}: {quoted})"));
         }
         if !self.notes.contains(&note) {
@@ -147,7 +172,7 @@ impl<'a> Inquiry<'a> {
     /// # Errors
     /// If `--columns` names more or fewer columns than the table has, or a unit that the heading contradicts.
     pub fn headings(&self, table: &GridTable) -> Result<Vec<GridHeading>, ImportStop> {
-        if self.answers.columns.is_empty() {
+        if self.answer("columns", |own| own.columns.is_empty()) {
             return Ok(table.headings.clone());
         }
         let given = &self.answers.columns;
@@ -223,7 +248,7 @@ impl<'a> Inquiry<'a> {
     /// # Errors
     /// If the option contradicts the file.
     pub fn sign(&mut self, proven: Option<(f64, usize)>, question: &str) -> Result<f64, ImportStop> {
-        let sign = match (self.answers.sign, proven) {
+        let sign = match (self.answer("sign", |own| own.sign), proven) {
             (Some(sign), Some((stated, line))) if sign != stated => {
                 let [said, stated] = [sign, stated].map(|sign| if sign > 0.0 { "+" } else { "-" });
                 let message = format!("--sign {said} contradicts the file, whose readings have the sign {stated}");
@@ -300,7 +325,7 @@ impl<'a> Inquiry<'a> {
         let own = found.into_iter().chain(lines.iter().copied().filter(|(unit, _)| unit.is_angle() == is_angle));
         let own: Vec<(ReadingUnit, usize)> = own.collect();
         let other = own.iter().find(|(unit, _)| Some(*unit) != own.first().map(|(unit, _)| *unit)).copied();
-        let found = match (own.first().copied(), other, self.answers.unit) {
+        let found = match (own.first().copied(), other, self.answer("unit", |own| own.unit)) {
             (Some((first, line)), Some((other, at)), None) => {
                 let sentence = format!(
                     "the file states two units: {} in line {line}, {} in line {at}",
@@ -380,6 +405,7 @@ impl<'a> Inquiry<'a> {
     /// Position of an axis in `--at`.
     #[must_use]
     pub fn given(&self, axis: Axis) -> Option<f64> {
+        self.used_axes.borrow_mut().push(axis);
         self.answers.at.iter().find(|(own, _)| *own == axis).map(|(_, value)| *value)
     }
 
@@ -403,7 +429,7 @@ impl<'a> Inquiry<'a> {
 
     /// Vector from the gauge point to the measuring point, mm.
     pub fn tool(&mut self) -> Vector {
-        match self.answers.tool {
+        match self.answer("tool", |own| own.tool) {
             Some(point) => {
                 let vector = MeasuringPoint::vector_mm(point, self.machine);
                 self.note(
@@ -433,7 +459,8 @@ impl<'a> Inquiry<'a> {
     pub fn material(&mut self, what: &str) -> Result<ReadingMaterial, ImportStop> {
         /// Digits to which temperature, K, and expansion, µm/m per K, are rounded.
         const SLACK: [f64; 2] = [0.5, 0.5];
-        if let Some(ReadingMaterial::Expanded { per_k, celsius }) = self.answers.material {
+        let said = self.answer("material", |own| own.material);
+        if let Some(ReadingMaterial::Expanded { per_k, celsius }) = said {
             for (said, stated, slack) in [
                 (celsius, stated::temperatures(self.text), SLACK[0]),
                 (per_k * 1e6, stated::expansions(self.text), SLACK[1]),
@@ -447,7 +474,7 @@ impl<'a> Inquiry<'a> {
                 }
             }
         }
-        Ok(match self.answers.material {
+        Ok(match said {
             Some(material) => {
                 let shown = match material {
                     ReadingMaterial::Reference => "the readings refer to 20 °C (--material 20C)".to_owned(),
@@ -559,6 +586,7 @@ impl<'a> Inquiry<'a> {
     /// Ends the import.
     #[must_use]
     pub fn finish(self, mut readings: ImportedReadings, format: &'static str) -> ImportedReadings {
+        readings.unused = self.unused();
         readings.notes = self.notes;
         readings.gaps.extend(rows::gaps(&readings));
         readings.notes.insert(0, format!("format: {format}; encoding {}", self.text.encoding()));

@@ -9,8 +9,8 @@ use crate::words::is_driver;
 
 /// Drivers of a table, with their columns; the options may rename them.
 fn drivers(inquiry: &Inquiry<'_>, table: &GridTable) -> Vec<(usize, String)> {
-    let names: Vec<String> = if inquiry.answers.columns.len() == table.width() {
-        inquiry.answers.columns.clone()
+    let names: Vec<String> = if inquiry.answers().columns.len() == table.width() {
+        inquiry.answers().columns.clone()
     } else {
         table.headings.iter().map(|heading| heading.written.clone()).collect()
     };

@@ -58,15 +58,9 @@ pub fn import(
     let mut inquiry = Inquiry::new(text, answers, machine);
     match (chosen.read)(&mut inquiry) {
         Ok(mut readings) if inquiry.questions().is_empty() => {
-            if !inquiry.accepts_turn() {
-                let message =
-                    format!("--turned is for the features of a report, and {} is not one", text.source().name());
-                let help = "remove --turned: these readings have the axes of the machine";
-                return Err(Box::new(Diagnostic::nowhere(Code::IMPORT_CONTRADICTION, message, help)));
-            }
             readings.is_unit_stated = inquiry.is_unit_stated();
             if readings.kind != ImportedKind::BallBar {
-                readings.is_in_order = answers.is_in_order.unwrap_or(readings.is_in_order);
+                readings.is_in_order = inquiry.answer("order", |own| own.is_in_order).unwrap_or(readings.is_in_order);
             }
             if !readings.is_in_order {
                 let note = "the order of the rows counts as sorted, so it gives no directions of approach (--order motion if the machine moved in it)";

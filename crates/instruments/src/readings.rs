@@ -98,6 +98,8 @@ pub struct ImportedReadings {
     pub sections: String,
     /// A sentence that a person can check on the machine.
     pub sign_sentence: String,
+    /// Options that were given and have no effect on these readings, with their dashes.
+    pub unused: Vec<String>,
     /// Facts that were understood or assumed.
     pub notes: Vec<String>,
     /// Places at which a reading is missing, each a sentence without a full stop.
@@ -124,6 +126,7 @@ impl ImportedReadings {
             feed: None,
             sections: String::new(),
             sign_sentence: String::new(),
+            unused: Vec::new(),
             notes: Vec::new(),
             gaps: Vec::new(),
         }

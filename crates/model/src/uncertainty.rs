@@ -20,6 +20,8 @@ use ncfix_machine::machine::{Machine, Uncertainty, UncertaintyRow};
 const WAVES: usize = 2;
 /// Points of a wave over the travel.
 const POINTS: usize = 33;
+/// Highest degree of a coefficient that has a name.
+const HIGHEST_NAMED: u8 = 9;
 /// Travel of an axis without limits, mm, and half a turn, rad.
 const UNLIMITED: [f64; 2] = [1000.0, PI];
 
@@ -128,7 +130,9 @@ impl UncertainParameter {
         let of_deviation = |name: &ErrorName| if name.direction.is_rotation() { "µrad" } else { "µm" }.to_owned();
         match self {
             UncertainParameter::Number(name) => match name.term {
-                ComponentTerm::Whole | ComponentTerm::Backlash => of_deviation(&name.component),
+                ComponentTerm::Whole => of_deviation(&name.component),
+                // The fitted parameter is half of it.
+                ComponentTerm::Backlash => format!("{} of the reversal value", of_deviation(&name.component)),
                 ComponentTerm::Coefficient(_) | ComponentTerm::Knot { .. } => name.unit(),
             },
             UncertainParameter::Whole(name) | UncertainParameter::Wave { name, .. } => of_deviation(name),
@@ -172,20 +176,10 @@ impl UncertainParameter {
         }
     }
 
-    /// True if this parameter has the uncertainty of an entry: of a polynomial or a backlash through its numbers, of a wave through its period, of any
-    /// other entry as a whole.
-    fn is_of_entry(&self, entry: &MotionError) -> bool {
-        let has_numbers = matches!(
-            entry.function,
-            EntryFunction::Polynomial(_) | EntryFunction::Piecewise(_) | EntryFunction::Backlash(_)
-        );
-        self.component() == Some(entry.name)
-            && match (self, &entry.function) {
-                (UncertainParameter::Whole(_), _) => true,
-                (UncertainParameter::Wave { period, .. }, EntryFunction::Periodic(own)) => is_same(*period, own.period),
-                (UncertainParameter::Number(_), _) => has_numbers,
-                _ => false,
-            }
+    /// True if this parameter has the uncertainty of a wave.
+    fn is_of_wave(&self, entry: &MotionError) -> bool {
+        matches!(*self, UncertainParameter::Wave { name, period }
+            if name == entry.name && period_of(entry).is_some_and(|own| is_same(period, own)))
     }
 }
 
@@ -300,26 +294,101 @@ fn waves(machine: &Machine, name: ErrorName, sigma: f64) -> Vec<MotionError> {
     std::iter::once(of(0, 0.0)).chain(pairs).collect()
 }
 
-/// Returns the names of error components and effects of the model for which no uncertainty is known, each once, in the order of the model.
+/// Returns the names of errors and effects of the model for which no uncertainty is known, each once, in the order of the model. If only some numbers of a
+/// component or an effect have one, the others are named: `EXX2`, `load.EAX.coefficients[1]`. A curve without such numbers has the name of its component.
 #[must_use]
 pub fn unknown_of(errors: &ErrorModel, uncertainty: &Uncertainty) -> Vec<String> {
     let known: Vec<UncertainParameter> =
         uncertainty.rows.keys().filter_map(|name| UncertainParameter::find(name, errors)).collect();
-    let is_location = |name: ErrorName| known.iter().any(|one| one.component() == Some(name));
-    let is_entry = |entry: &MotionError| known.iter().any(|one| one.is_of_entry(entry));
-    let locations = errors.location.iter().map(|error| error.name).filter(|&name| !is_location(name));
-    let mut names: Vec<String> = locations.map(|name| name.to_string()).collect();
-    names.extend(errors.motion.iter().filter(|entry| !is_entry(entry)).map(name_of_entry));
-    for (number, effect) in errors.effects.iter().enumerate() {
-        let is_known =
-            known.iter().any(|one| matches!(one, UncertainParameter::OfEffect { effect, .. } if *effect == number));
-        if !is_known {
-            names.push(format!("{} {}", effect.source().name, effect.label()));
+    let is_number = |name: ParameterName| known.contains(&UncertainParameter::Number(name));
+    let mut names: Vec<String> = Vec::new();
+    let mut add = |whole: String, parts: Vec<(String, bool)>| {
+        if parts.iter().all(|(_, is_known)| !is_known) && !parts.is_empty() {
+            names.push(whole);
+        } else {
+            names.extend(parts.into_iter().filter(|(_, is_known)| !is_known).map(|(name, _)| name));
         }
+    };
+    for error in &errors.location {
+        add(error.name.to_string(), vec![(error.name.to_string(), is_number(ParameterName::location(error.name)))]);
+    }
+    let mut components: Vec<ErrorName> = Vec::new();
+    for error in &errors.motion {
+        if !components.contains(&error.name) {
+            components.push(error.name);
+        }
+    }
+    for component in components.into_iter().filter(|name| !known.contains(&UncertainParameter::Whole(*name))) {
+        let own = || errors.motion.iter().filter(|entry| entry.name == component);
+        for wave in own().filter(|entry| period_of(entry).is_some()) {
+            let name = name_of_entry(wave);
+            add(name.clone(), vec![(name, known.iter().any(|one| one.is_of_wave(wave)))]);
+        }
+        let of_number = |number: Option<ParameterName>| match number {
+            Some(number) => (number.to_string(), is_number(number)),
+            None => (component.to_string(), false),
+        };
+        let mut parts: Vec<(String, bool)> = numbers(errors, component).into_iter().map(of_number).collect();
+        // All of its numbers are zero.
+        if parts.is_empty() && own().any(|entry| period_of(entry).is_none()) {
+            parts.push((component.to_string(), known.iter().any(|one| one.component() == Some(component))));
+        }
+        add(component.to_string(), parts);
+    }
+    let mut parts: Vec<Vec<(String, bool)>> = vec![Vec::new(); errors.effects.len()];
+    visit_effects(errors, &mut |name, [effect, index], parameter, value| {
+        let is_this = |one: &UncertainParameter| matches!(one, UncertainParameter::OfEffect { effect: own, index: at, .. } if *own == effect && *at == index);
+        if let Some(list) = parts.get_mut(effect).filter(|_| parameter.is_linear && value != 0.0) {
+            list.push((name, known.iter().any(is_this)));
+        }
+    });
+    for (effect, mut parts) in errors.effects.iter().zip(parts) {
+        let whole = format!("{} {}", effect.source().name, effect.label());
+        // An effect without linear numbers has no uncertainty that could be stated.
+        if parts.is_empty() {
+            parts.push((whole.clone(), false));
+        }
+        add(whole, parts);
     }
     let mut seen = std::collections::HashSet::new();
     names.retain(|name| seen.insert(name.clone()));
     names
+}
+
+/// The numbers of a component that are not zero; `None` for a part that only the uncertainty of the whole component could describe.
+fn numbers(errors: &ErrorModel, component: ErrorName) -> Vec<Option<ParameterName>> {
+    /// Constants below this come from rounding, mm or rad: a knot keeps the origin in its place.
+    const ROUNDED: f64 = 1e-12;
+    let own = || errors.motion.iter().filter(|error| error.name == component).map(|error| &error.function);
+    let coefficients = (0..=HIGHEST_NAMED).map(|degree| ParameterName::coefficient(component, degree));
+    let simple = coefficients.chain([ParameterName::backlash(component)]);
+    let mut found: Vec<Option<ParameterName>> = simple
+        .filter(|name| name.get(errors).abs() > if name.degree() == 0 { ROUNDED } else { 0.0 })
+        .map(Some)
+        .collect();
+    for function in own() {
+        match function {
+            EntryFunction::Polynomial(_) | EntryFunction::Periodic(_) => {}
+            EntryFunction::Piecewise(piecewise) => {
+                for knot in &piecewise.knots {
+                    let is_rotary = component.axis().is_some_and(|axis| axis.is_rotary());
+                    let at = if is_rotary { knot.at.to_degrees() } else { knot.at };
+                    let powers = knot.coefficients.iter().enumerate().filter(|(_, value)| **value != 0.0);
+                    found.extend(powers.map(|(degree, _)| {
+                        let degree = u8::try_from(degree).ok()?;
+                        let is_whole = (at - at.round()).abs() < 1e-6;
+                        is_whole.then_some(ParameterName {
+                            component,
+                            term: ComponentTerm::Knot { degree, at: at.round() as i32 },
+                        })
+                    }));
+                }
+            }
+            EntryFunction::Backlash(backlash) if backlash.reversal.positions.len() == 1 => {}
+            _ => found.push(None),
+        }
+    }
+    found
 }
 
 #[cfg(test)]
@@ -353,6 +422,22 @@ mod tests {
         // A reversal of 0.5 µm is a parameter of 0.25 µm.
         assert!((value(2, "EXXb") - 0.25e-3).abs() < 1e-12 && value(2, "EC0X") == 0.0);
         assert_eq!(unknown_of(&errors, uncertainty), ["EYX"]);
+    }
+
+    #[test]
+    fn a_number_without_an_uncertainty_is_named() {
+        let of = |own: &str| {
+            let (machine, errors) = read(own);
+            unknown_of(&errors, machine.uncertainty.as_ref().unwrap())
+        };
+        // Only the reversal of EXX is known, or only its slope.
+        assert_eq!(of("[uncertainty]\nEC0X = 1\nEXXb = 0.5\nEYX = 1\n"), ["EXX1"]);
+        assert_eq!(of("[uncertainty]\nEC0X = 1\nEXX1 = 1e-6\nEYX = 1\n"), ["EXXb"]);
+        assert_eq!(of("[uncertainty]\nEYX = 1\n"), ["EC0X", "EXX"]);
+        assert_eq!(of("[uncertainty]\nEC0X = 1\nEXX = 1\nEYX = 1\n"), [""; 0]);
+        // A table has no number of its own, so a slope of the component does not describe it.
+        let slope = "[[motion]]\ncomponent = \"EYX\"\nkind = \"polynomial\"\ncoefficients = [0, 1e-6]\n";
+        assert_eq!(of(&format!("{slope}[uncertainty]\nEC0X = 1\nEXX1 = 1e-6\nEXXb = 1\nEYX1 = 1e-6\n")), ["EYX"]);
     }
 
     #[test]

@@ -130,8 +130,10 @@ impl CalibrationReport {
                 let sigmas = one.repeated.iter().map(|part| format!("{} {}", part.name, significant(part.sigma)));
                 let count: usize = one.repeated.iter().map(|part| part.repetitions).sum();
                 let sigmas = sigmas.collect::<Vec<_>>().join(", ");
-                let _ =
-                    writeln!(out, "  scatter of {count} repeated readings, pooled over the poses: σ {sigmas} {unit}");
+                let _ = writeln!(
+                    out,
+                    "  scatter of repeated readings about the mean of each pose, {count} degrees of freedom: σ {sigmas} {unit}"
+                );
             }
             if let Some(kept) = one.kept {
                 let [left, left_most] = [kept.left_rms, kept.left_max].map(significant);

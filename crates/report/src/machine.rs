@@ -134,9 +134,9 @@ fn source_rows(errors: &ErrorModel) -> Vec<String> {
     let mut rows = Vec::new();
     for source in errors.sources() {
         let mut labels: Vec<String> = errors.effects_of(source.name).map(Effect::label).collect();
-        let count = labels.len();
         labels.sort_unstable();
         labels.dedup();
+        let count = labels.len();
         rows.push(format!("{:<12}{:<34}{count:>3}: {}", source.name, source.title, labels.join(" ")));
     }
     if rows.is_empty() {

@@ -69,7 +69,11 @@ pub fn table(found: &Selection) -> String {
     }
     if let Some(gain) = &found.held_out {
         let [before, after] = [gain.before, gain.after].map(significant);
-        push_row(&mut out, "held out", &format!("{before} σ without terms, {after} σ with them, gain {}", shown(gain)));
+        push_row(
+            &mut out,
+            "each left out",
+            &format!("{before} σ without terms, {after} σ with them, gain {}", shown(gain)),
+        );
     }
     for one in &found.correlation {
         push_row(&mut out, "residuals", &format!("autocorrelation {:.2} ({})", one.correlation, one.name));

@@ -75,6 +75,9 @@ pub(in crate::cli) struct NewMachineArguments {
     /// Point on a rotary axis, machine coordinates with all axes at zero, mm: C=300,-198,-440; repeatable
     #[arg(long, value_name = "AXIS=X,Y,Z", allow_hyphen_values = true)]
     pub(in crate::cli) pivot: Vec<StatedPivot>,
+    /// Unit of --setup files that do not state it: G10 of a Fanuc, .var and tool.tbl of LinuxCNC, $# of Grbl
+    #[arg(long, value_name = "UNIT", value_parser = ["mm", "inch"])]
+    pub(in crate::cli) saved_unit: Option<String>,
     /// Data of the control: Sinumerik machine data, LinuxCNC INI, Grbl settings ($$); repeatable
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) from: Vec<PathBuf>,
@@ -96,6 +99,7 @@ impl NewMachineArguments {
             travels: self.travel.clone(),
             senses: self.sense.clone(),
             pivots: self.pivot.clone(),
+            saved_unit: self.saved_unit.clone(),
             ..DescriptionRequest::default()
         }
     }

@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &NewMachineArguments) -> Result<ExitCode, Stop> {
         tell(&made.sketch)
     } else {
         print(&made.sketch)?;
-        tell(&next_line::after_new_machine(output));
+        tell(&next_line::after_new_machine(output, like));
     }
     Ok(findings.exit_code())
 }

@@ -15,6 +15,7 @@ plunger is pressed in.
 
 Examples:
   ncfix square --machine router.toml --d1 848.740 --d2 848.316 --side 600 --read-to 0.5 -o router_square.toml
+  ncfix square --machine router.toml --d1 424.31 --d2 424.12 --sides 299.80,300.10 --nominal 300,300 -o router_square.toml
   ncfix square --machine mill.toml --square 300 --dial 0.04 --read-to 0.005
   ncfix square --machine mill.toml --d1 848.740 --d2 848.316 --side 600 --check-cut square.ngc";
 
@@ -56,6 +57,9 @@ pub(in crate::cli) struct SquareArguments {
     /// Sides of the rectangular part, mm
     #[arg(long, value_name = "A,B", value_delimiter = ',', group = "sizes")]
     pub(in crate::cli) sides: Vec<f64>,
+    /// Programmed sides of the part: the measured ones then give the scales of both axes too
+    #[arg(long, value_name = "A,B", value_delimiter = ',', requires = "sides")]
+    pub(in crate::cli) nominal: Vec<f64>,
     /// Length of the leg of a square along which an axis moves, mm
     #[arg(long, value_name = "MM", requires = "dial")]
     pub(in crate::cli) square: Option<f64>,
@@ -65,7 +69,7 @@ pub(in crate::cli) struct SquareArguments {
     /// The plunger points in the negative direction of the other axis
     #[arg(long, requires = "dial")]
     pub(in crate::cli) plunger_negative: bool,
-    /// Reading uncertainty, ± mm (default: 0.5 for diagonals, 0.005 for a dial gauge)
+    /// Half width of the interval that contains the true value of a reading, mm (default: 0.5 for diagonals, 0.005 for a dial gauge)
     #[arg(long, value_name = "MM")]
     pub(in crate::cli) read_to: Option<f64>,
     /// The two axes
@@ -74,7 +78,7 @@ pub(in crate::cli) struct SquareArguments {
     #[command(flatten)]
     /// Machine file and set-up files.
     pub(in crate::cli) machine: MachineChoice,
-    /// Machine file to write, with the squareness as a location error; comments are kept
+    /// Machine file to write, with the squareness as a location error, and with --nominal the scales; comments are kept
     #[arg(short, long, value_name = "M.toml")]
     pub(in crate::cli) output: Option<PathBuf>,
     /// Add to the existing value: the part was cut with the correction

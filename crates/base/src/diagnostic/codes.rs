@@ -642,7 +642,7 @@ has this code, or E0601 if the rows then differ in their cells.";
     IMPORT_CONTRADICTION = "E0618" "file contradicts what it seems to be"
 "The content of the file does not agree with the options of `ncfix import`, or with itself. Examples are a position outside of the
 travel of the machine, a deviation that is not actual minus nominal, a measured axis that the machine lacks, a unit that the
-heading contradicts. Correct the option, or export the file again.
+heading contradicts, an option that has no effect on these readings. Correct the option, or export the file again.
 
 Targets mostly count from a zero of their own, not from machine zero. --at X-600 states that target 0 of the file is X-600 of the machine.
 The other axes of --at have the machine positions at which they stood.";
@@ -1001,7 +1001,8 @@ deviations the weight 0 (Tukey's weights). The reading stays in the file and in 
 ball, a wrong row, a set-up that moved. The message is about the worst reading of a file, and has the number of the others;
 --residuals lists all. With --no-robust all readings have equal weights.";
     POOR_FIT = "W0604" "the residual is larger than the instrument explains"
-"The residual of the calibrated model is well above the uncertainty that sigma_um states. The machine has errors that the model
+"The residual of the calibrated model is well above the uncertainty that sigma_um states, or, without sigma_um, above the scatter of
+readings that were repeated at the same pose. The machine has errors that the model
 lacks, its temperature changed, or sigma_um is too small. The standard uncertainties are then based on the scatter of the
 residuals instead of sigma_um. They do not cover errors that the model lacks. Search for these errors with ncfix diagnose, or
 correct sigma_um.";
@@ -1064,6 +1065,12 @@ axis instead of the scales.";
 range the displacements are then wrong by this share, and calibrate or decompose would take it for an error of the machine. Write
 degree = 3 in [sensors] with a star of more rows, keep the ball nearer to the middle of the sensors, or repeat the star if a row
 of it is a mistake.";
+    REFERENCES_DIFFER = "W0615" "readings that refer to different temperatures"
+"Readings of a laser refer to 20 °C. A part, a plate or a ball-bar with a stated temperature shows the lengths that the machine has
+at this temperature. ncfix calibrate fits files of both kinds together, and the scales then contradict each other: at 22 °C by
+23 µm/m on a machine of steel. The fit takes a mean that is right for neither, or turns the difference into a squareness. Refer all
+files to one temperature. Beside a laser that refers to 20 °C, import the part, plate or bar with --material 20C: the result then
+makes parts that have their nominal size at 20 °C, if they expand as the machine does. Or calibrate the files apart.";
     STARVING = "W0701" "the link is too slow in places"
 "The machine executes some lines faster than the link can deliver the next ones. At these places the axes stop for a moment until
 the next line arrives, and the tool can cut a mark into the surface. All stops together are short: less than half a second, or

@@ -12,7 +12,7 @@ mod runs;
 use ncfix_base::geometry::Axis;
 
 use super::InstrumentFormat;
-use crate::answers;
+use crate::answers::{self, ReadingMaterial};
 use crate::grid::{self, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
@@ -28,7 +28,7 @@ use runs::CircleRun;
 pub(super) const FORMAT: InstrumentFormat = InstrumentFormat {
     name: "ball-bar",
     title: "circles of a ball-bar: angle or time, and deviation or radius, for each run",
-    needs: "plane radius feed at unit tool",
+    needs: "plane radius length feed at unit tool material",
     recognize,
     read,
 };
@@ -57,7 +57,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     let columns = columns::find(inquiry, &table)?;
     facts.check(inquiry)?;
     let plane = facts.plane(inquiry)?;
-    let radius_mm = match (inquiry.answers.radius_mm, facts.radius_mm) {
+    let radius_mm = match (inquiry.answers().radius_mm, facts.radius_mm) {
         (Some(said), _) => said,
         (None, Some((stated, line))) => {
             inquiry.note("nominal length of the ball-bar", line);
@@ -79,7 +79,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
             facts.radius_mm.map_or(0, |(_, line)| line),
         ));
     }
-    let feed = inquiry.answers.feed.or(facts.feed.map(|(feed, line)| {
+    let feed = inquiry.answers().feed.or(facts.feed.map(|(feed, line)| {
         inquiry.note("feed", line);
         feed
     }));
@@ -186,10 +186,11 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     out.tool_mm = [tool[0], tool[1], tool[2]];
     let is_calibrated = facts.is_calibrated(inquiry)?;
     out.free = if is_calibrated { vec!["centre"] } else { vec!["centre", "length"] };
-    out.sigma = inquiry.answers.sigma;
+    out.sigma = inquiry.answer("sigma", |own| own.sigma);
     out.feed = feed;
+    let rod = bar(inquiry, is_calibrated)?;
     let tip: Vec<String> = (0..3).map(|k| shown(center[k] + tool[k])).collect();
-    out.sections = format!("[setup.A]\ncentre_mm = [{}]\nlength_mm = {}\n", tip.join(", "), shown(radius_mm));
+    out.sections = format!("[setup.A]\ncentre_mm = [{}]\nlength_mm = {}\n{rod}", tip.join(", "), shown(radius_mm));
     if !is_calibrated {
         let note = "the length of the bar is an unknown, so a common scale of the axes is not identifiable (--length calibrated for a calibrated bar)";
         inquiry.note(note, 0);
@@ -236,6 +237,22 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     Ok(out)
 }
 
+/// The keys of the temperature of the bar; empty if its length is that at 20 °C. A calibrated length counts only with its temperature, so that is then asked.
+///
+/// # Errors
+/// If the option contradicts the file.
+fn bar(inquiry: &mut Inquiry<'_>, is_calibrated: bool) -> Result<String, ImportStop> {
+    if !is_calibrated && inquiry.answers().material.is_none() {
+        return Ok(String::new());
+    }
+    Ok(match inquiry.material("the bar")? {
+        ReadingMaterial::Reference => String::new(),
+        ReadingMaterial::Expanded { per_k, celsius } => {
+            format!("rod_expansion_per_K = {per_k:e}\nrod_temperature_C = {}\n", shown(celsius))
+        }
+    })
+}
+
 /// The directions that the file or the option states, for circles whose angles follow from them.
 ///
 /// # Errors
@@ -250,6 +267,6 @@ fn stated_turns(inquiry: &Inquiry<'_>, table: &GridTable, columns: &CircleColumn
             found.push(answers::turn(&cell.text).map_err(wrong)?);
         }
     }
-    found.extend(&inquiry.answers.turns);
+    found.extend(&inquiry.answers().turns);
     Ok(found)
 }

@@ -132,7 +132,7 @@ fn ask_ball(inquiry: &mut Inquiry<'_>, sentence: String, example: &str) {
 
 fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     let mut table = grid::table(inquiry.text)?;
-    let is_told = !inquiry.answers.columns.is_empty();
+    let is_told = !inquiry.answers().columns.is_empty();
     table.headings = inquiry.headings(&table)?;
     let line = table.heading_line;
     let Some(mut columns) = columns(&table) else {
@@ -200,7 +200,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     out.fixed = inquiry.other_positions(&axes);
     out.tool_mm = [tool[0], tool[1], tool[2]];
     out.free = Vec::new();
-    out.sigma = inquiry.answers.sigma;
+    out.sigma = inquiry.answer("sigma", |own| own.sigma);
     inquiry.note("the measuring point counts as known; free = [\"tool\"] makes the stylus an unknown", 0);
     let zero = [Axis::X, Axis::Y, Axis::Z].map(|axis| inquiry.given(axis).unwrap_or(0.0));
     for row in &table.rows {

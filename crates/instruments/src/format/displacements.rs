@@ -118,7 +118,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     );
     out.fixed = inquiry.other_positions(&moved);
     out.tool_mm = [tool[0], tool[1], tool[2]];
-    out.sigma = inquiry.answers.sigma;
+    out.sigma = inquiry.answer("sigma", |own| own.sigma);
     out.extra = approaches.iter().map(|(_, axis)| format!("{}_dir", char::from(axis.letter()))).collect();
     if !out.extra.is_empty() {
         inquiry.note(format!("directions of approach: {}", out.extra.join(", ")), line);

@@ -56,7 +56,8 @@ pub(super) const MARLIN: InstrumentFormat = InstrumentFormat {
     needs: "flat-reference columns at tool",
     recognize: |text| u8::from(marlin_points(text).len() >= 4) * 3,
     read: |inquiry| {
-        let spacing: Vec<f64> = inquiry.answers.columns.iter().filter_map(|text| text.parse().ok()).collect();
+        let spacing: Vec<f64> =
+            inquiry.answer("columns", |own| &own.columns).iter().filter_map(|text| text.parse().ok()).collect();
         let [x, y, dx, dy] = <[f64; 4]>::try_from(spacing).unwrap_or_else(|_| {
             let advice = "the position of index 0 and the spacing in mm: x,y,dx,dy";
             inquiry.ask("columns", "the mesh has indices, not positions", advice);
@@ -292,7 +293,7 @@ pub(super) fn flat(
     found: Vec<Probed>,
     unit: Option<(ReadingUnit, usize)>,
 ) -> Result<ImportedReadings, ImportStop> {
-    if !inquiry.answers.is_flat_reference {
+    if !inquiry.answer("flat-reference", |own| own.is_flat_reference) {
         let sentence = "a height map is the shape of the plate plus the straightness of the machine: was it probed on a calibrated flat?";
         inquiry.ask(
             "flat-reference",
@@ -303,7 +304,7 @@ pub(super) fn flat(
     let largest = found.iter().map(|(point, _)| point[0].abs().max(point[1].abs())).fold(0.0, f64::max);
     let unit = match unit {
         Some((unit, 0)) => {
-            if inquiry.answers.unit.is_some_and(|said| said != unit) {
+            if inquiry.answer("unit", |own| own.unit).is_some_and(|said| said != unit) {
                 let message = format!("--unit contradicts the layout, which is always in {}", unit.sign());
                 return Err(inquiry.refused(message, "remove --unit", 0));
             }
@@ -320,7 +321,7 @@ pub(super) fn flat(
     out.is_in_order = false;
     out.fixed = inquiry.other_positions(&axes);
     out.tool_mm = [tool[0], tool[1], tool[2]];
-    out.sigma = inquiry.answers.sigma;
+    out.sigma = inquiry.answer("sigma", |own| own.sigma);
     let mean = found.iter().map(|(point, _)| unit.inner(point[2])).sum::<f64>() / found.len().max(1) as f64;
     let level = plane(inquiry, mean, zero[2]);
     let mut worst = (0.0_f64, [0.0; 2]);

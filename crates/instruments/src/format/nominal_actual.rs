@@ -179,7 +179,7 @@ fn complete(inquiry: &Inquiry<'_>, features: Vec<Feature>) -> Result<(Vec<Featur
 /// # Errors
 /// If the actual values are the round ones, and no option names the columns.
 fn check_order(inquiry: &Inquiry<'_>, features: &[Feature]) -> Result<(), ImportStop> {
-    if !inquiry.answers.columns.is_empty() {
+    if !inquiry.answers().columns.is_empty() {
         return Ok(());
     }
     let pairs = features.iter().flat_map(|one| one.nominal.iter().zip(&one.actual));
@@ -195,7 +195,7 @@ fn check_order(inquiry: &Inquiry<'_>, features: &[Feature]) -> Result<(), Import
 /// Features of a table.
 fn tabular(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
     let mut table = grid::table(inquiry.text)?;
-    if !inquiry.answers.columns.is_empty() {
+    if !inquiry.answers().columns.is_empty() {
         table.headings = inquiry.headings(&table)?;
     }
     let parts = parts(&table);
@@ -373,7 +373,7 @@ fn displacement(
     out.free = vec!["offset", "rotation"];
     out.fixed = inquiry.other_positions(&axes);
     out.tool_mm = [tool[0], tool[1], tool[2]];
-    out.sigma = inquiry.answers.sigma;
+    out.sigma = inquiry.answer("sigma", |own| own.sigma);
     if let ReadingMaterial::Expanded { per_k, celsius } = material {
         out.sections = format!(
             "[artefact]\nexpansion_per_K = {}\ntemperature_C = {}\n",
@@ -428,7 +428,7 @@ pub(super) fn position_unit(
     found: Option<(ReadingUnit, usize)>,
     largest: f64,
 ) -> Result<ReadingUnit, ImportStop> {
-    if inquiry.answers.unit.is_none() && found.is_none() && inquiry.stated_units()?.is_empty() {
+    if inquiry.answers().unit.is_none() && found.is_none() && inquiry.stated_units()?.is_empty() {
         let sentence = format!("the file does not state the unit of its positions (largest {})", shown(largest));
         inquiry.ask("unit", sentence, "mm or inch");
         return Ok(ReadingUnit::Length("mm", 1.0));

@@ -126,10 +126,12 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     if freedom > 0 {
         let sigma_um = (squares / freedom as f64).sqrt() * 1000.0;
         inquiry.note(format!("{} balls; a touch scatters by {sigma_um:.2} µm about its sphere", balls.len()), 0);
-        out.sigma = inquiry.answers.sigma.or(Some((sigma_um * 10.0).round() / 10.0).filter(|sigma| *sigma > 0.0));
+        out.sigma = inquiry
+            .answer("sigma", |own| own.sigma)
+            .or(Some((sigma_um * 10.0).round() / 10.0).filter(|sigma| *sigma > 0.0));
     } else {
         inquiry.note("four touches of each ball: their scatter is not known", 0);
-        out.sigma = inquiry.answers.sigma;
+        out.sigma = inquiry.answer("sigma", |own| own.sigma);
     }
     if zero.norm() == 0.0 {
         inquiry.note("positions are machine coordinates", 0);

@@ -33,6 +33,8 @@ pub struct DescriptionRequest {
     pub senses: Vec<StatedSense>,
     /// Stated points on rotary axes.
     pub pivots: Vec<StatedPivot>,
+    /// Stated unit of the files in which the control saves offsets and tools: `mm` or `inch`.
+    pub saved_unit: Option<String>,
     /// Data of the control.
     pub facts: ControlFacts,
 }
@@ -112,7 +114,10 @@ impl DescriptionRequest {
             missing.extend(unused.cloned());
             return Err(missing.join("; "));
         }
-        let (notes, saved_unit) = (self.facts.notes.clone(), self.facts.saved_unit.clone());
+        let notes = self.facts.notes.clone();
+        let unit = |text: &String| if text.as_str() == "inch" { "inch" } else { "mm" };
+        let stated = self.saved_unit.as_ref().map(|text| Known { value: unit(text), origin: KnownOrigin::Stated });
+        let saved_unit = stated.or_else(|| self.facts.saved_unit.clone());
         let increments_per_mm = self.facts.increments_per_mm.clone();
         let tool_change_moves = self.facts.tool_change_moves.clone();
         let startup_code = self.facts.startup_code.clone();

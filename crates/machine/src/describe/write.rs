@@ -20,11 +20,12 @@ const THREE_DECIMALS: [&str; 3] = ["grbl", "grblhal", "fluidnc"];
 pub fn text(description: &Description) -> String {
     let mut out = String::new();
     let control = &description.control;
-    let meaning = controller(&control.value).map(|row| row.meaning);
-    let language = match meaning {
-        Some(ControllerMeaning::Language(language)) => language,
-        Some(ControllerMeaning::Haas) => "haas",
-        _ => &control.value,
+    // The name itself: some controls refuse words that others with the same language execute.
+    let known = controller(&control.value);
+    let name = known.map_or(control.value.as_str(), |row| row.name);
+    let language = match known.map(|row| row.meaning) {
+        Some(ControllerMeaning::Language(language)) if language != name => format!("reads the language {language}"),
+        _ => String::new(),
     };
     // Writing into a String cannot fail.
     let _ = writeln!(out, "# {}: {}.", description.name.replace(char::is_control, " "), description.template.line);
@@ -36,13 +37,8 @@ pub fn text(description: &Description) -> String {
         &format!("topology = \"{}\"", description.topology),
         "bodies from the workpiece w through F to the tool t",
     );
-    let name = if control.value.eq_ignore_ascii_case(language) {
-        String::new()
-    } else {
-        format!("language of {}", control.value)
-    };
-    let about = [name, origin(control)].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("; ");
-    line(&mut out, &format!("controller = \"{language}\""), &about);
+    let about = [language, origin(control)].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("; ");
+    line(&mut out, &format!("controller = \"{name}\""), &about);
     for axis in &description.axes {
         axis_section(&mut out, axis);
     }

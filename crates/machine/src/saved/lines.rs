@@ -69,7 +69,7 @@ impl SavedUnit {
         SavedUnit::stated(machine).ok_or_else(|| {
             line.fault(
                 "the file does not state the unit of its lengths",
-                "add saved_unit = \"mm\" or saved_unit = \"inch\" to [control] of the machine file",
+                "add saved_unit = \"mm\" or saved_unit = \"inch\" to [control] of the machine file, or give --saved-unit to ncfix machine new",
             )
         })
     }

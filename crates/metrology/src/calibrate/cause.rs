@@ -22,6 +22,8 @@ pub(super) enum UndeterminedCause {
     Few(Axis, usize, usize),
     /// An axis was approached from one side only.
     OneSense(Axis),
+    /// No row states from which side an axis came.
+    NoSense(Axis),
     /// An axis was never beyond the start of a truncated power.
     Beyond(Axis),
     /// No row has a load on the table.
@@ -82,6 +84,9 @@ impl UndeterminedCause {
             UndeterminedCause::OneSense(axis) => {
                 format!("approach positions of {axis} from both directions, or leave {them} out of the model")
             }
+            UndeterminedCause::NoSense(axis) => format!(
+                "if the rows are in the order of the motion, import with --order motion or remove order = \"unknown\"; else add the column {axis}_dir, or leave {them} out of the model"
+            ),
             UndeterminedCause::Beyond(axis) => {
                 format!("measure further along {axis}, or leave {them} out of the model")
             }
@@ -151,6 +156,7 @@ impl fmt::Display for UndeterminedCause {
             UndeterminedCause::OneLoad => write!(f, "; there was only one load"),
             UndeterminedCause::NoTemperatures => write!(f, "; there are no temperatures"),
             UndeterminedCause::OneSense(axis) => write!(f, "; {axis} was approached in one direction only"),
+            UndeterminedCause::NoSense(axis) => write!(f, "; the directions of approach of {axis} are not known"),
             UndeterminedCause::Beyond(axis) => write!(f, "; {axis} did not move that far"),
             UndeterminedCause::Lever => write!(f, "; all measurements have one tool vector"),
             UndeterminedCause::Plane => write!(f, "; all measurements are in one plane"),
@@ -251,10 +257,12 @@ fn positions_lack(
         let highest = names().map(ParameterName::degree).max().unwrap_or(0);
         let needed = (usize::from(highest) + 1).max(if axis.is_rotary() { 2 } else { 1 });
         if names().any(|name| name.term == ComponentTerm::Backlash) {
-            let mut readings = data.iter().flat_map(|set| &set.observations);
-            let first = readings.next().map(|row| row.reading.state.direction(axis));
-            if readings.all(|row| Some(row.reading.state.direction(axis)) == first) {
-                return Some(UndeterminedCause::OneSense(axis));
+            let rows = || data.iter().flat_map(|set| &set.observations);
+            let came = |sense: i8| rows().any(|row| row.reading.state.direction(axis) == sense);
+            match (came(1), came(-1)) {
+                (false, false) => return Some(UndeterminedCause::NoSense(axis)),
+                (true, false) | (false, true) => return Some(UndeterminedCause::OneSense(axis)),
+                (true, true) => {}
             }
         }
         let mut found: Vec<f64> = Vec::new();

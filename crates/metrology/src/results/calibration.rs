@@ -7,7 +7,7 @@ use super::measurement::{Measurement, check_copies, data_of};
 pub use super::not_identified::LeftOut;
 use super::residuals::residual_table;
 use super::selection;
-use super::{conditions, figures, has_errors, not_identified, relative, repeated, slope};
+use super::{conditions, figures, has_errors, not_identified, references, relative, repeated, slope};
 use crate::calibrate::{
     Column, ComparedReading, Fit, FitOptions, Parameter, Refusal, Rule, fit, quality, reversals, select,
 };
@@ -145,6 +145,7 @@ impl PreparedFit<'_> {
         let fit = self.found(candidates, progress, findings, report)?;
         report.figures = self.used.iter().map(|one| figures::of(&one.data, self.begin.machine)).collect();
         not_identified::distances(&fit, &self.used, findings);
+        references::check(self.used.iter().chain(&self.held_out), findings);
         self.compare(&fit, findings, report);
         findings.extend(worse(report));
         self.rows(&fit, findings, report);
@@ -307,9 +308,38 @@ impl PreparedFit<'_> {
                 }
             }
             let held = ComparedMeasurement { data, quality, sigmas, fitted, is_held_out };
-            report.data.extend(held.shown(self.begin.machine, self.settings.with_readings));
+            let shown = held.shown(self.begin.machine, self.settings.with_readings);
+            findings.extend(shown.iter().filter_map(|one| beyond_repeats(one, data)));
+            report.data.extend(shown);
         }
     }
+}
+
+/// The warning about readings of a file without a stated uncertainty that miss the model by far more than they differ from each other at the same pose.
+fn beyond_repeats(shown: &Data, described: &DataSet) -> Option<Diagnostic> {
+    /// Residual over scatter that cannot be a chance.
+    const BEYOND: f64 = 5.0;
+    /// Degrees of freedom below which the scatter is not well known.
+    const LEAST: usize = 10;
+    let is_described = if shown.unit == Unit::Um { described.sigma.is_some() } else { described.sigma_rad.is_some() };
+    let freedom: usize = shown.repeated.iter().map(|one| one.repetitions).sum();
+    if is_described || shown.is_held_out || freedom < LEAST {
+        return None;
+    }
+    let squares: f64 = shown.repeated.iter().map(|one| one.repetitions as f64 * one.sigma.powi(2)).sum();
+    let scatter = (squares / freedom as f64).sqrt();
+    let left = shown.kept.as_ref().map_or(shown.left_rms, |kept| kept.left_rms);
+    if scatter == 0.0 || left <= BEYOND * scatter {
+        return None;
+    }
+    let message = format!(
+        "{}: the residual (RMS) is {} times the scatter of its repeated readings",
+        shown.name,
+        significant(left / scatter)
+    );
+    let help = "the model lacks an error of the machine, or the files contradict each other: calibrate this file alone, compare signs, set-ups and \
+                reference temperatures, and search with ncfix diagnose";
+    Some(Diagnostic::nowhere(Code::POOR_FIT, message, help))
 }
 
 /// Beginning of a header line of an earlier calibration.

@@ -33,7 +33,7 @@ pub fn of(data: &DataSet, machine: &Machine) -> MeasurementFigures {
     MeasurementFigures { name: data.name.clone(), kind: data.kind.name, figures, features: Vec::new() }
 }
 
-/// The figures of measurements; a diagnostic for each that has none. Features of a workpiece are compared with these errors of the machine, and with
+/// The figures of measurements; a diagnostic for each that has none, unless others have some. Features of a workpiece are compared with these errors of the machine, and with
 /// those of the first workpiece.
 #[must_use]
 pub fn of_all(
@@ -58,6 +58,9 @@ pub fn of_all(
             found.push(Diagnostic::nowhere(Code::DATA_COLUMN, message, help));
         }
         measurements.push(of);
+    }
+    if measurements.iter().any(|one| !one.figures.is_empty()) {
+        found.clear();
     }
     (measurements, found)
 }

@@ -26,6 +26,7 @@ pub mod not_shown;
 pub mod parameters;
 pub mod planned;
 pub mod readings;
+mod references;
 mod relative;
 mod repeated;
 mod repeats;

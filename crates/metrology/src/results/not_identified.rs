@@ -172,7 +172,13 @@ pub(super) fn reduced(
     for Confused { sentence, remedy, parameters, set } in found.left_out {
         let one = all.get(set.unwrap_or(0)).or(all.first());
         let names: Vec<String> = parameters.iter().map(ToString::to_string).collect();
-        let message = format!("left out: {}: {sentence}", listed(&parameters, usize::MAX));
+        let listed = listed(&parameters, usize::MAX);
+        // The sentence usually names them itself.
+        let message = if sentence.starts_with(&listed) {
+            format!("left out: {sentence}")
+        } else {
+            format!("left out: {listed}: {sentence}")
+        };
         let place = one.map(|one| first_line(&one.sources[1]));
         let found = Diagnostic { place, ..Diagnostic::nowhere(Code::REDUCED, message, remedy) };
         findings.push(found);

@@ -26,7 +26,10 @@ pub(super) fn check(
     fit: &Fit,
     findings: &mut Vec<Diagnostic>,
 ) {
-    let moves = |axis: &Axis| !axis.is_rotary() && range(used, *axis).is_some_and(|[low, high]| high > low);
+    // An axis that stood still in every file has no scale in them, even if it stood at different places.
+    let moved =
+        |one: &Measurement, axis: Axis| range(std::slice::from_ref(one), axis).is_some_and(|[low, high]| high > low);
+    let moves = |axis: &Axis| !axis.is_rotary() && used.iter().any(|one| moved(one, *axis));
     let scales: Vec<(Axis, ParameterName)> =
         AXES.into_iter().filter(moves).map(|axis| (axis, ParameterName::coefficient(own(axis), 1))).collect();
     let is_fitted = |name: &ParameterName| {
@@ -55,9 +58,12 @@ pub(super) fn check(
     if shows_all(&scales) || !shows_all(&of_model) {
         return;
     }
+    let are = if fitted.len() > 1 { "are" } else { "is" };
+    let count = if unknown.len() > 1 { "count" } else { "counts" };
+    let scale = if unknown.len() > 1 { "scales" } else { "scale" };
     let [fitted, unknown] = [fitted, unknown].map(|names| names.join(" and "));
     let message = format!(
-        "the readings show only differences of scales: {fitted} is relative to the scale of {unknown}, which counts as 0, \
+        "the readings show only differences of scales: {fitted} {are} relative to the {scale} of {unknown}, which {count} as 0, \
          and the uncertainty does not include that"
     );
     let help = "give a calibrated length (remove length from free), measure the positioning of one axis with a laser, or state the scale of the other axis";

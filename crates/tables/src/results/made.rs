@@ -137,21 +137,34 @@ pub fn worse(checked: &TablesCheck, where_: &str) -> Option<Diagnostic> {
     /// by 0.05 µm, less than the finest increment of a control that writes micrometers with one decimal.
     const TURNED_URAD: f64 = 0.1;
     let (before, with) = (checked.before, checked.tables);
+    // A constant error of the tip is gone with the next touched zero: what counts is the rest.
+    let [tip_before, tip_with] = checked.about_shift_um.unwrap_or([before.rms_um, with.rms_um]);
     let kinds = [
-        ("tip", "µm RMS", before.rms_um, with.rms_um, ROUNDED_UM),
+        ("tip", "µm RMS", tip_before, tip_with, ROUNDED_UM),
         ("direction of the tool", "µrad RMS", before.tilt_rms_urad, with.tilt_rms_urad, TURNED_URAD),
     ];
     let (what, unit, without, left, _) =
         kinds.into_iter().find(|(.., without, left, least)| *left > without + least)?;
+    let about = if what == "tip" && checked.about_shift_um.is_some() { ", apart from a constant," } else { "" };
     let message = format!(
-        "the tables would increase the error: the {what} is off by {} {unit} without them and by {} {unit} with them over {where_}, most at {}",
+        "the tables would increase the error: the {what} is off{about} by {} {unit} without them and by {} {unit} with them over {where_}, most at {}",
         significant(without),
         significant(left),
         checked.worst
     );
     let help = "nothing was written; take another --scheme (auto tries them all; own cannot correct an axis as a function of another one), --orientation off \
-                where the direction gets worse, the --tool that is used, a --range as large as the use; a constant error belongs in the zero offset";
+                where the direction gets worse, the --tool that is used, a --range as large as the use";
     Some(Diagnostic::nowhere(Code::TABLES_MAKE_WORSE, message, help))
+}
+
+/// The sentence about a constant shift by tables whose error is larger with it than without tables; `None` without one.
+#[must_use]
+pub fn shifted(checked: &TablesCheck) -> Option<String> {
+    checked.about_shift_um.filter(|_| checked.tables.rms_um > checked.before.rms_um)?;
+    let [x, y, z] = checked.shift_um.map(significant);
+    Some(format!(
+        "these tables shift every position by X {x} Y {y} Z {z} um: touch all zeros anew while they are active"
+    ))
 }
 
 /// The axes with direction-dependent errors for which the format has no tables.

@@ -7,6 +7,7 @@ use crate::tables::check::check;
 use crate::tables::region::Region;
 use crate::tables::{Control, Multiplication, Orientation, Tables, Target, Wiring};
 use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
+use ncfix_base::units::um_from_mm;
 use ncfix_machine::machine::{Condition, Machine, State};
 use ncfix_model::{ErrorModel, Model};
 
@@ -175,7 +176,12 @@ impl TablesRequest<'_> {
         let target = self.target(&model);
         let poses = region.poses(self.poses, SEED);
         let found = check(&target, &Control::new(self.machine, tables), &poses);
-        TablesCheck::new(&found, place(region, &found.worst), &self.tool_mm)
+        let about = || [&found.before, &found.tables].map(|one| um_from_mm(one.about_shift_mm()));
+        let has_rotary = self.machine.axes.iter().flatten().any(|data| data.axis.is_rotary());
+        TablesCheck {
+            about_shift_um: (!has_rotary).then(about),
+            ..TablesCheck::new(&found, place(region, &found.worst), &self.tool_mm)
+        }
     }
 }
 

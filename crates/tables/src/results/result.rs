@@ -204,6 +204,13 @@ pub struct TablesCheck {
     pub tool_mm: [f64; 3],
     /// Axes whose direction of motion matters: every pose was reached in both directions.
     pub senses: Vec<String>,
+    /// Tip error without correction and with the tables about its mean vector, RMS, µm; `None` on a machine with rotary axes, where a touched zero does not
+    /// take a constant error away at every angle.
+    #[serde(skip)]
+    pub about_shift_um: Option<[f64; 2]>,
+    /// Change of the mean vector of the tip error by the tables, µm.
+    #[serde(skip)]
+    pub shift_um: [f64; 3],
     /// Tip errors of all poses without correction and with the tables, µm, for pictures.
     #[serde(skip)]
     pub tips_um: [Vec<f64>; 2],
@@ -276,6 +283,8 @@ impl TablesCheck {
             worst,
             tool_mm: rounded_mm(tool_mm),
             senses: check.senses.iter().map(ToString::to_string).collect(),
+            about_shift_um: None,
+            shift_um: (check.tables.shift_mm() - check.before.shift_mm()).map(um_from_mm).into(),
             tips_um: [&check.before, &check.tables].map(|one| one.tip_mm.iter().map(|mm| um_from_mm(*mm)).collect()),
         }
     }

@@ -1,6 +1,6 @@
 //! The residual error of tables over the volume, with the interpolation of the control, compared to the exact correction.
 
-use ncfix_base::geometry::AxisVector;
+use ncfix_base::geometry::{AxisVector, Vector};
 use ncfix_machine::machine::State;
 use ncfix_model::Solve;
 
@@ -23,6 +23,8 @@ pub struct Errors {
     pub tip_mm: Vec<f64>,
     /// Angle of the tool axis to its nominal direction, rad.
     pub tilt_rad: Vec<f64>,
+    /// Sum of the tip errors as vectors, mm.
+    sum_mm: Vector,
 }
 
 /// Errors without correction, with tables, and with the exact correction for the same orientation option and kinematics.
@@ -58,6 +60,7 @@ impl Errors {
     fn push(&mut self, target: &Target<'_>, (nominal, state): &CheckedPose, command: &AxisVector) {
         let tip = target.model.tip_error_mm(nominal, command, &target.tool_mm, state);
         self.tip_mm.push(tip.norm());
+        self.sum_mm += tip;
         let axis = target.machine.spindle.axis;
         let wanted = target.model.nominal(nominal, &target.tool_mm).rotation * axis;
         let found = target.model.actual(command, &target.tool_mm, state).rotation * axis;
@@ -74,6 +77,18 @@ impl Errors {
     #[must_use]
     pub fn mean_mm(&self) -> f64 {
         self.tip_mm.iter().sum::<f64>() / self.tip_mm.len().max(1) as f64
+    }
+
+    /// Mean of the tip errors as vectors, mm: the part that a newly touched zero takes away on a machine without rotary axes.
+    #[must_use]
+    pub fn shift_mm(&self) -> Vector {
+        self.sum_mm / self.tip_mm.len().max(1) as f64
+    }
+
+    /// Root mean square of the tip error about its mean vector, mm.
+    #[must_use]
+    pub fn about_shift_mm(&self) -> f64 {
+        (self.rms_mm().powi(2) - self.shift_mm().norm_squared()).max(0.0).sqrt()
     }
 
     /// Largest tip error, mm.

@@ -45,7 +45,8 @@ impl CircleClock {
                 "mm/min, such as 1000",
             );
         }
-        if inquiry.answers.start_deg.is_none() {
+        let said = inquiry.answer("start-angle", |own| own.start_deg);
+        if said.is_none() {
             let sentence = "the readings have times, and the file does not state the angle at the first reading";
             inquiry.ask("start-angle", sentence, "degrees, with the overshoot, such as -180");
         }
@@ -53,7 +54,7 @@ impl CircleClock {
             let sentence = "the readings have times, and the file does not state the direction of the circles";
             inquiry.ask("turn", sentence, "ccw or cw");
         }
-        let start_deg = inquiry.answers.start_deg.unwrap_or(0.0);
+        let start_deg = said.unwrap_or(0.0);
         let has = |wanted: f64| turns.contains(&wanted);
         let mut starts_deg = [start_deg; 2];
         if let (Some([from, to]), true, true) = (bounds_deg, has(1.0), has(-1.0)) {

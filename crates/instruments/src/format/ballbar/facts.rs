@@ -47,8 +47,8 @@ impl CircleFacts {
             let message = format!("lines {first} and {second} state the same fact with different values");
             return Err(inquiry.refused(message, "remove the wrong line", second));
         }
-        inquiry.agreed("radius", inquiry.answers.radius_mm, self.radius_mm, SLACK[0])?;
-        inquiry.agreed("feed", inquiry.answers.feed, self.feed, SLACK[1])?;
+        inquiry.agreed("radius", inquiry.answer("radius", |own| own.radius_mm), self.radius_mm, SLACK[0])?;
+        inquiry.agreed("feed", inquiry.answer("feed", |own| own.feed), self.feed, SLACK[1])?;
         for &(axis, value, line) in &self.center {
             if let Some(said) = inquiry.given(axis).filter(|said| (said - value).abs() > SLACK[2]) {
                 let (said, value) = (shown(said), shown(value));
@@ -65,7 +65,7 @@ impl CircleFacts {
     /// # Errors
     /// If the option says so, and the file says that the calibrated length was not used.
     pub(super) fn is_calibrated(&self, inquiry: &mut Inquiry<'_>) -> Result<bool, ImportStop> {
-        match (inquiry.answers.is_calibrated, self.calibrated) {
+        match (inquiry.answer("length", |own| own.is_calibrated), self.calibrated) {
             (Some(true), Some((false, line))) => {
                 let message =
                     "--length calibrated contradicts the file, whose deviations do not refer to a calibrated length";
@@ -90,7 +90,7 @@ impl CircleFacts {
     /// A contradiction between the file and the option.
     pub(super) fn plane(&self, inquiry: &mut Inquiry<'_>) -> Result<[Axis; 2], ImportStop> {
         let name = |[first, second]: [Axis; 2]| format!("{first}{second}");
-        match (inquiry.answers.plane, self.plane) {
+        match (inquiry.answer("plane", |own| own.plane), self.plane) {
             (Some(said), Some((stated, line)))
                 if said != stated && (is_standard(stated) || said != [stated[1], stated[0]]) =>
             {

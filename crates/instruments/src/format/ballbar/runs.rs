@@ -55,7 +55,7 @@ fn order(readings: &[(f64, f64, usize)]) -> Order {
 
 /// Direction of run number `index`, by the option `--turn`.
 pub(super) fn by_option(inquiry: &Inquiry<'_>, index: usize) -> Option<f64> {
-    match inquiry.answers.turns.as_slice() {
+    match inquiry.answer("turn", |own| own.turns.as_slice()) {
         [only] => Some(*only),
         several => several.get(index).copied(),
     }
@@ -71,7 +71,7 @@ pub(super) fn sort(
     is_timed: bool,
     line: usize,
 ) -> Result<(), ImportStop> {
-    let said = inquiry.answers.turns.len();
+    let said = inquiry.answers().turns.len();
     if said > 1 && said != runs.len() {
         let message = format!("--turn names {said} directions, the file has {} runs", runs.len());
         return Err(inquiry.refused(message, "give one direction for all, or one for each run in their order", line));

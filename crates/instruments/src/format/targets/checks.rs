@@ -18,7 +18,7 @@ pub(super) fn check_order(inquiry: &Inquiry<'_>, table: &GridTable, columns: [us
         let [target, actual] = columns;
         pairs.extend(table.value(row, target)?.zip(table.value(row, actual)?));
     }
-    if inquiry.answers.columns.is_empty() && rows::is_exchanged(&pairs) {
+    if inquiry.answers().columns.is_empty() && rows::is_exchanged(&pairs) {
         let message = "the actual positions are round and the targets are not: the columns may be exchanged";
         let help = "correct the headings, or confirm them with --columns, such as target,actual";
         return Err(inquiry.refused(message, help, table.heading_line));

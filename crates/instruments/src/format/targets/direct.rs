@@ -12,8 +12,8 @@ use crate::unit::ReadingUnit;
 
 /// Asks for everything else that a table of readings leaves open if it cannot be read on: all questions come in one round.
 pub(super) fn rest(inquiry: &mut Inquiry<'_>, facts: &StatedFacts) -> ImportStop {
-    let component = inquiry.answers.component;
-    let axis = component.map(|one| one.axis).or(inquiry.answers.axis).or(facts.axis.map(|(axis, _)| axis));
+    let component = inquiry.answers().component;
+    let axis = component.map(|one| one.axis).or(inquiry.answers().axis).or(facts.axis.map(|(axis, _)| axis));
     let is_angle = component.is_some_and(MeasuredComponent::is_angle);
     if axis.is_none() {
         inquiry.ask("axis", "the file does not state the axis that moved", "its letter, such as X");
@@ -23,20 +23,20 @@ pub(super) fn rest(inquiry: &mut Inquiry<'_>, facts: &StatedFacts) -> ImportStop
             format!("line {line} mentions a straightness or an angle, and the file does not name its component");
         inquiry.ask("component", sentence, "the error, such as EXX for positioning or EYX for a straightness");
     }
-    if inquiry.answers.sign.is_none() && facts.sign.is_none() {
+    if inquiry.answers().sign.is_none() && facts.sign.is_none() {
         inquiry.ask(
             "sign",
             "the file does not state the sign of its readings",
             "+ if the tool is then too far in the positive direction as seen from the workpiece (angles: turned by the right-hand rule), else -",
         );
     }
-    if inquiry.answers.unit.is_none() && facts.unit.is_none() {
+    if inquiry.answers().unit.is_none() && facts.unit.is_none() {
         let choices = format!("one of {}", ReadingUnit::choices(is_angle));
         inquiry.ask("unit", "the file does not state the unit of its readings", choices);
     }
     match axis {
         Some(axis) => _ = inquiry.other_positions(&[axis]),
-        None if inquiry.answers.at.is_empty() => {
+        None if inquiry.answers().at.is_empty() => {
             let sentence = "the file does not state the positions of the axes that did not move";
             inquiry.ask("at", sentence, "all of them, in machine coordinates, such as Y200,Z100");
         }
@@ -81,7 +81,9 @@ pub(in crate::format) fn direct(
     facts: StatedFacts,
 ) -> Result<ImportedReadings, ImportStop> {
     let named = found.iter().find_map(|reading| reading.component);
-    let component = match (inquiry.answers.component, named, inquiry.answers.axis, facts.axis) {
+    let said = inquiry.answer("component", |own| own.component);
+    let said_axis = inquiry.answer("axis", |own| own.axis);
+    let component = match (said, named, said_axis, facts.axis) {
         (Some(component), None, axis, stated) => {
             if axis.is_some_and(|axis| axis != component.axis) {
                 return Err(inquiry.refused(
@@ -198,6 +200,7 @@ pub(in crate::format) fn direct(
     let sign = inquiry.sign(facts.sign, &question)?;
     let tool = if component.is_angle()
         && found.iter().all(|reading| reading.component.is_none_or(MeasuredComponent::is_angle))
+        && inquiry.answers().tool.is_none()
     {
         ncfix_base::geometry::Vector::zeros()
     } else {
@@ -237,8 +240,11 @@ pub(in crate::format) fn direct(
     let mut out = ImportedReadings::new(ImportedKind::Direct, vec![axis], columns);
     out.fixed = inquiry.other_positions(&[axis]);
     out.tool_mm = [tool[0], tool[1], tool[2]];
-    out.sigma = inquiry.answers.sigma;
-    out.is_square = inquiry.answers.is_square;
+    out.sigma = inquiry.answer("sigma", |own| own.sigma);
+    let is_across = |one: MeasuredComponent| !one.is_angle() && !one.is_positioning() && !one.axis.is_rotary();
+    if found.iter().any(|reading| is_across(reading.component.unwrap_or(component))) {
+        out.is_square = inquiry.answer("reference", |own| own.is_square).unwrap_or(false);
+    }
     if found.iter().all(|reading| reading.sense.is_none()) {
         let note = "direction of approach: from the order of the rows; an end target that is read twice is the turn";
         inquiry.note(note, 0);
