@@ -3,7 +3,6 @@
 use std::fmt::Write as _;
 
 use crate::import::{Noise, import, shop};
-use crate::support::Shop;
 
 /// A circle of the ball-bar, one reading per degree: angle, and 0.1 µm more for each ten degrees.
 fn circle(head: &str, degrees: impl Iterator<Item = u32>) -> String {
