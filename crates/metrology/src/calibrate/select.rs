@@ -241,7 +241,7 @@ impl Job<'_> {
             let direction = own.as_ref().map(|place| place.direction);
             let next_side = sides.len();
             rows.side.push(*sides.entry(direction).or_insert(next_side));
-            let place = own.map(|own| if one_sided.contains(&group_of(line)) { own.from_any_side() } else { own });
+            let place = own.map(|own| if one_sided.contains(&group_of(line)) { own.of_any_side() } else { own });
             let label = (key.set, key.setup, key.component, key.place);
             rows.place.push(place.map(|own| *places.entry((label, own)).or_insert(next)));
         }
@@ -347,7 +347,7 @@ struct ReadingPlace {
 
 impl ReadingPlace {
     /// The place without its directions.
-    fn from_any_side(self) -> ReadingPlace {
+    fn of_any_side(self) -> ReadingPlace {
         ReadingPlace { direction: [0; AXIS_COUNT], ..self }
     }
 }
