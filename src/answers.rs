@@ -22,7 +22,7 @@ fn stem(word: &str) -> String {
     cut.map_or(lower.clone(), ToOwned::to_owned)
 }
 
-/// How many of the stems begin a word of the text.
+/// The number of stems that begin a word of the text.
 fn hits(stems: &[String], text: &str) -> usize {
     let words: Vec<String> = text.split(|letter: char| !letter.is_alphanumeric()).map(str::to_lowercase).collect();
     stems.iter().filter(|stem| words.iter().any(|word| word.starts_with(stem.as_str()))).count()

@@ -210,7 +210,7 @@ pub(super) fn send(
     Ok(())
 }
 
-/// What to do about a program without any F.
+/// Remedy for a program without any F.
 const FIRST_FEED: &str = "program F before it or in it; if the control starts with a feed, state it in control.startup_code, for example \"F300\"";
 
 pub(super) fn check_feed(
