@@ -30,6 +30,13 @@ fn without_quantities(message: &str) -> Cow<'_, str> {
     Cow::Owned(words.join(" "))
 }
 
+/// The text that a diagnostic shares with others of its group. In diagnostics of a program the quantities are those of one block; in those of measured data
+/// they are the result.
+fn shared_text(diagnostic: &Diagnostic) -> Cow<'_, str> {
+    let is_of_program = matches!(diagnostic.code.as_str().as_bytes(), [_, b'0', b'1'..=b'3', ..]);
+    if is_of_program { without_quantities(&diagnostic.message) } else { Cow::Borrowed(&diagnostic.message) }
+}
+
 /// The diagnostics in groups with the same text in the same file, in order of their first occurrence.
 pub(super) fn repeated<'a>(shown: &[&'a (Diagnostic, Option<Source>)]) -> Vec<Vec<&'a (Diagnostic, Option<Source>)>> {
     let mut groups: Vec<Vec<&(Diagnostic, Option<Source>)>> = Vec::new();
@@ -37,9 +44,8 @@ pub(super) fn repeated<'a>(shown: &[&'a (Diagnostic, Option<Source>)]) -> Vec<Ve
     for &entry in shown {
         let (diagnostic, source) = entry;
         let name = source.as_ref().map(Source::name);
-        let index = *known
-            .entry((diagnostic.code, without_quantities(&diagnostic.message), &*diagnostic.help, name))
-            .or_insert(groups.len());
+        let index =
+            *known.entry((diagnostic.code, shared_text(diagnostic), &*diagnostic.help, name)).or_insert(groups.len());
         match groups.get_mut(index) {
             Some(group) => group.push(entry),
             None => groups.push(vec![entry]),

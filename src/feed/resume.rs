@@ -102,17 +102,18 @@ fn head(told: &JournalContents, key: HeadKey) -> &str {
 pub(crate) fn check_same(told: &JournalContents, job: &Transfer, before: &Before, findings: &mut Diagnostics) {
     let state = job.machine.state.clone().unwrap_or_default();
     let first = |key: HeadKey| head(told, key).split(' ').next().unwrap_or_default().to_owned();
-    for (what, was, is) in [
-        ("the program, or one that it calls,", first(HeadKey::Program), before.program.as_str()),
-        ("the machine file", first(HeadKey::Machine), job.machine.hash.as_str()),
-        ("the state of the machine", first(HeadKey::State), state.as_str()),
-        ("the profile of the link", first(HeadKey::Link), job.link.hash.as_str()),
-        ("the file of the sensors", first(HeadKey::Sensors), job.sensors_hash.as_str()),
-        ("the version of ncfix", first(HeadKey::Version), env!("CARGO_PKG_VERSION")),
+    for (key, what, is) in [
+        (HeadKey::Program, "the program, or one that it calls,", before.program.as_str()),
+        (HeadKey::Machine, "the machine file", job.machine.hash.as_str()),
+        (HeadKey::State, "the state of the machine", state.as_str()),
+        (HeadKey::Link, "the profile of the link", job.link.hash.as_str()),
+        (HeadKey::Sensors, "the file of the sensors", job.sensors_hash.as_str()),
+        (HeadKey::Version, "the version of ncfix", env!("CARGO_PKG_VERSION")),
     ] {
+        let was = first(key);
         if was != is {
             let message = format!("{what} has changed since the job began (was {was}, is {is})");
-            let help = if what == "the machine file" {
+            let help = if key == HeadKey::Machine {
                 "restore it; if a new tool has another length, the job cannot be resumed: feed the program from its beginning, or correct the original again and start it at the control with a block search"
             } else {
                 "restore it; otherwise correct the original again, and feed it from its beginning or start it at the control with a block search"

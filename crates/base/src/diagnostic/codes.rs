@@ -266,9 +266,10 @@ Program the pole in the plane in force, and write AC(…) or IC(…) under G91."
     NO_SYSTEM_VALUE = "E0219" "system variable without a value"
 "The program reads a system variable whose value is known only to the machine: machine data, an input, a measured position, the
 tool in the spindle, an R parameter or a common variable that an earlier program has set. Where it affects motion, its value must
-be known in advance. Or the program computes a new zero offset or tool value from the old one, and not by adding a number. Then
-write it as a sum, such as X[#5221+5.]. Otherwise give the value in the machine file, with the name and indices that the message
-shows:
+be known in advance. Or the program computes a new zero offset or tool value from the old one, and not by adding a number.
+
+Write a new offset as a sum, such as X[#5221+5.]. Give any other value in the machine file, with the name and indices that the
+message shows:
 
   [system]
   \"$R[5]\" = 12.5

@@ -1,6 +1,6 @@
 //! Words of a line that a firmware of the Grbl family does not have. It answers such a line with an error, and executes nothing of it.
 
-use super::Firmware;
+use super::firmware::Firmware;
 
 /// A word that the firmware lacks, or that only some builds of it have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
