@@ -102,7 +102,7 @@ fn a_program_of_another_control_is_told_once_at_the_top() {
     let json = shop.run(["check", &program, "--machine", &demo, "--json"]).exits(3).json();
     let count = json["diagnostics"].as_array().unwrap().len();
     assert!(count > 5, "{json}");
-    run.says(&format!("{count} errors")).says(&format!(" of its {count} faults are shown"));
+    run.says(&format!("{count} errors")).says("not shown: 4 more errors of this file");
     let run = shop.run(["check", &program, "--machine", &demo, "--dialect", "sinumerik"]).exits(3);
     // Repeated ones are drawn once.
     let drawn = run.stderr.matches("error[").count();

@@ -238,7 +238,7 @@ fn a_release_gate_refuses_gaps_and_writes_nothing() {
     ] {
         let shop = shop(own, &program(x, 20.0, 90.0));
         fix(&shop, "--require-coverage").exits(4).says("error[E0322]").says(says);
-        let check = ["check", "part.mpf", "--machine", "five.toml"];
+        let check = ["check", "part.mpf", "--machine", "five.toml", "--max-correction", "2mm", "--rotary", "hold"];
         shop.run(check.into_iter().chain(["--require-coverage"])).exits(4).says("error[E0322]").says(says);
         shop.run(check).exits(0);
         assert_eq!(shop.names(), ["five.toml", "part.mpf"]);
