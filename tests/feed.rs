@@ -199,8 +199,8 @@ fn a_line_that_was_accepted_and_not_executed_is_found_at_the_end() {
 
 /// After a dwell the axes stand still in any case: there the position is compared, before a later line commands the same axis again.
 #[test]
-fn a_line_that_was_not_executed_is_found_at_the_next_dwell() {
-    let lines = ["G21G90G54", "G0X1Y1", "X10", "G4P0.5", "X20", "Y9", "G0X4", "M30"];
+fn a_line_that_was_not_executed_is_found_at_the_next_stop() {
+    let lines = ["G21G90G54", "G0X1Y1", "X10", "M0", "X20", "Y9", "G0X4", "M30"];
     for (ignored, is_found) in [(None, false), (Some(3), true)] {
         let faults = Faults { most_bytes: 40, latency_s: 0.002, ignored, ..Faults::default() };
         let control = Grbl::new(&faults, 0.01).that_tells_its_place([5.0, 6.0, 7.0]);

@@ -406,7 +406,7 @@ fn a_line_with_the_unit_counts_in_every_layout() {
     import(&shop, "points.txt", "tool.toml", &[MAP, &["--unit", "inch"]].concat())
         .exits(4)
         .says("--unit inch contradicts");
-    let moves = ["--at", "X0,Y0,Z0", "--sign", "+", "--tool", "0"];
+    let moves = ["--sign", "+", "--tool", "0"];
     import(&shop, "moves.csv", "tool.toml", &moves).exits(0).says("(line 1: Unit;mm)");
     import(&shop, "moves.csv", "tool.toml", &[&moves[..], &["--unit", "um"]].concat()).exits(4).says("E0618");
     // The heading says µm and the line mm.

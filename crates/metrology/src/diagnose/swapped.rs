@@ -26,6 +26,15 @@ pub(super) struct SwappedSetups {
     pub(super) rivals: Vec<RivalCause>,
 }
 
+/// The error of an axis that may have changed between files.
+struct ChangedScale {
+    component: ErrorName,
+    /// The change in words.
+    cause: String,
+    /// True if one other file shows the error: nothing tells which of the two has the present scale.
+    is_one_of_two: bool,
+}
+
 impl Field<'_, '_> {
     /// Returns the findings that depend on the choice between set-ups. `noise` is the variance of the readings.
     pub(super) fn swapped(
@@ -62,14 +71,16 @@ impl Field<'_, '_> {
             let odds = |family: Family| family.assumption().odds;
             let of_change = if changed.is_some() { odds(Family::Expansion) / odds(Family::Setup) } else { 0.0 };
             let whole = 1.0 + of_change + rivals.iter().map(|(_, weight)| weight).sum::<f64>();
-            let change =
-                changed.map(|(component, cause)| (component, RivalCause { cause, probability: of_change / whole }));
+            let change = changed.map(|change| {
+                let rival = RivalCause { cause: change.cause, probability: of_change / whole };
+                (change.component, change.is_one_of_two, rival)
+            });
             let of = |place: usize, weight: f64| {
                 let cause = self.candidates.get(place)?.title();
                 Some(RivalCause { cause, probability: weight / whole })
             };
             let all = rivals.iter().filter_map(|&(place, weight)| of(place, weight));
-            let all = all.chain(change.iter().map(|(_, rival)| rival.clone())).collect();
+            let all = all.chain(change.iter().map(|(.., rival)| rival.clone())).collect();
             out.push(SwappedSetups { number, is_itself: true, rivals: all });
             let given = self.sizes(weights, (&others, number), memory);
             let with: Vec<Vec<Vec<f64>>> =
@@ -78,13 +89,14 @@ impl Field<'_, '_> {
                 let is_changed =
                     |with: &Vec<Vec<f64>>| given.get(k).zip(with.get(k)).is_some_and(|(a, b)| differ(a, b));
                 let changing = rivals.iter().zip(&with).filter(|(_, with)| is_changed(with));
-                // With another scale since, the present size of the same error is another one.
+                // With another scale since, the present size of the same error is another one. If further files agree, they decide.
                 let is_same = |name: ErrorName| {
                     let motion = self.candidates.get(other).filter(|one| one.cause.effect == EffectKind::Motion);
                     let parts = motion.and_then(|one| one.columns.first()?.first());
                     parts.is_some_and(|(through, _)| *through == Through::Component(name))
                 };
-                let of_change = change.iter().filter(|(name, _)| is_same(*name)).map(|(_, rival)| rival.clone());
+                let of_change = change.iter().filter(|(name, is_one_of_two, _)| *is_one_of_two && is_same(*name));
+                let of_change = of_change.map(|(.., rival)| rival.clone());
                 let of_setups = changing.filter_map(|(&(place, weight), _)| of(place, weight));
                 let rivals: Vec<RivalCause> = of_setups.chain(of_change).collect();
                 if !rivals.is_empty() {
@@ -95,8 +107,8 @@ impl Field<'_, '_> {
         out
     }
 
-    /// The error of an axis whose change between files has the effect of the scale of a set-up, and the change in words; `None` if no other file shows this error.
-    fn changed(&self, number: usize) -> Option<(ErrorName, String)> {
+    /// The change between files that has the effect of the scale of a set-up; `None` if no other file shows this error.
+    fn changed(&self, number: usize) -> Option<ChangedScale> {
         let columns = self.columns_of(number);
         let rows =
             || self.scene.items.iter().enumerate().filter_map(|(k, item)| Some((k, self.scene.rows.get(item.row)?)));
@@ -105,13 +117,15 @@ impl Field<'_, '_> {
         let component = first.component?;
         let axis = component.axis().filter(|axis| !axis.is_rotary() && own(*axis) == component)?;
         let is_alone = rows().all(|(k, row)| !is_inside(k) || (row.set, row.component) == (first.set, first.component));
-        let has_other = rows().any(|(_, row)| row.set != first.set && row.component == Some(component));
+        let others = rows().filter(|(_, row)| row.set != first.set && row.component == Some(component));
+        let mut others: Vec<usize> = others.map(|(_, row)| row.set).collect();
+        others.sort_unstable();
+        others.dedup();
         let file = &self.scene.sets.get(first.set)?.name;
-        (is_alone && has_other).then(|| {
-            (
-                component,
-                format!("{component} slope that differs between files ({axis} in {file}: temperature, maintenance)"),
-            )
+        (is_alone && !others.is_empty()).then(|| ChangedScale {
+            component,
+            cause: format!("{component} slope that differs between files ({axis} in {file}: temperature, maintenance)"),
+            is_one_of_two: others.len() == 1,
         })
     }
 

@@ -37,9 +37,11 @@ const NOT_TO_END: &[u32] = &[50, 51, 52, 330, 331, 730, 760, 810, 820, 830, 840,
 /// M codes that move no axis. All others may.
 const STILL: &[u32] = &[0, 1, 2, 3, 4, 5, 7, 8, 9, 30, 48, 49, 50, 51, 52, 53, 56, 60, 106, 107, 117, 118];
 
-/// Ends of a program, and statements at which the axes stand still in any case, as M codes in tenths.
+/// Ends of a program, as M codes in tenths.
 const ENDS: &[u32] = &[20, 300];
-const STOPS: &[u32] = &[0, 10, 60, 600];
+/// Statements at which a person or a tool changer acts, so that a question to the control delays nothing. A dwell or M1 can be in the cut, where a longer
+/// stop leaves a mark.
+const STOPS: &[u32] = &[0, 60, 600];
 
 /// Axis positions that the lines sent command.
 #[derive(Clone, Debug)]
@@ -173,7 +175,7 @@ impl CommandedPosition {
         }
         self.has_ended = m.iter().any(|code| ENDS.contains(code));
         self.is_relative &= !self.has_ended;
-        g.contains(&40) || m.iter().any(|code| STOPS.contains(code))
+        m.iter().any(|code| STOPS.contains(code))
     }
 
     /// True if any position is known.
@@ -321,12 +323,12 @@ mod tests {
     }
 
     #[test]
-    fn the_axes_stand_still_after_stops_and_nothing_else() {
+    fn the_position_is_asked_for_after_stops_that_wait_in_any_case() {
         let mut position = CommandedPosition::default();
         for (line, stands) in [
-            ("G4 P0.5", true),
+            ("G4 P0.5", false),
             ("M0", true),
-            ("M1", true),
+            ("M1", false),
             ("T2 M6", true),
             ("M60", true),
             ("M3 S1000", false),
