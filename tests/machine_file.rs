@@ -192,7 +192,7 @@ fn tables_and_knots_must_fit() {
     assert_eq!(with("kind = \"table\"\npositions_mm = [0, 1]\nvalues_um = [0]\n"), one("E0408", "[0]"));
     assert_eq!(with("kind = \"table\"\npositions_mm = []\nvalues_um = []\n"), one("E0408", "[]"));
     assert_eq!(with("kind = \"table\"\npositions_mm = [0, 5, 4]\nvalues_um = [0, 1, 2]\n"), one("E0408", "4"));
-    assert_eq!(with("kind = \"piecewise\"\ndegree = 1\ncoefficients = [0, 0, 1]\n"), one("E0404", "[0, 0, 1]"));
+    assert_eq!(with("kind = \"piecewise\"\ndegree = 1\ncoefficients = [0, 0, 1e-9]\n"), one("E0404", "[0, 0, 1e-9]"));
     let knots = "kind = \"piecewise\"\ncoefficients = [0]\nknots = [{ at_mm = 5, coefficients = [1] }, { at_deg = 9, coefficients = [1] }]\n";
     assert_eq!(with(knots)[0], ("E0407".to_owned(), "at_deg".to_owned()));
     assert_eq!(with("kind = \"backlash\"\nvalue_um = 1\nvalue_urad = 1\n"), one("E0407", "value_urad"));

@@ -204,13 +204,15 @@ fn the_name_of_the_control_stays() {
         ("fanuc", "fanuc"),
         ("millplus", "millplus"),
     ] {
-        let shop = Shop::new().file("p.ngc", "T1 M6\nG0 X1 Y1\nM2\n");
+        let shop = Shop::new().file("p.ngc", "G21 G17 G90 G94 G54\nT1 M6\nG0 X1 Y1\nM2\n");
         shop.run(["machine", "new", "m.toml", "--like", "router", "--control", control]).exits(0);
         let text = shop.text("m.toml");
         assert!(text.contains(&format!("controller = \"{name}\"")), "{control}: {text}");
         shop.run(["machine", "check", "m.toml"]).exits(0);
         if name == "grbl" {
             // Grbl 1.1 has no M6.
+            let zero = "[zero_offset.G54]\nX_mm = -300\nY_mm = -300\nZ_mm = -20\n[[tool]]\nnumber = 1\nlength_mm = 0\n";
+            let shop = shop.file("m.toml", format!("{text}\n{zero}"));
             shop.run(["check", "p.ngc", "--machine", "m.toml"]).says("W0241");
         }
     }

@@ -20,7 +20,9 @@ const MACHINE: &str = "[machine]\nname = \"test\"\ntopology = \"wCYFXZSt\"\n\
 
 /// The machine with one entry.
 fn read(entry: &str) -> (Machine, MotionError) {
-    let (result, findings) = load(&format!("{MACHINE}[[motion]]\n{entry}"));
+    let (result, mut findings) = load(&format!("{MACHINE}[[motion]]\n{entry}"));
+    // The random numbers of the kinds are no errors of a real machine.
+    findings.retain(|found| found.code.as_str() != "W0408");
     assert!(findings.is_empty(), "{entry}\n{findings:#?}");
     let (machine, ErrorModel { motion, .. }) = result.unwrap();
     let [error] = <[MotionError; 1]>::try_from(motion).unwrap();

@@ -69,7 +69,7 @@ fn fits(shop: &Shop, within: f64) {
 fn directions_of_sensors_are_fitted_to_a_star_or_stated() {
     let fitted = shop(0.0, &star(0.0));
     fits(&fitted, 0.02);
-    assert!(!fitted.run(FIT).stderr.contains("W0614"));
+    assert!(!fitted.run(FIT).stdout.contains("W0614"));
     // The columns of the matrix are the directions by 100 µm per volt, because the directions are square.
     fits(&shop(0.0, "matrix_um = [[60, -80, 0], [80, 60, 0], [0, 0, 100]]\nzero = [0.1, -0.2, 0.05]\n"), 0.02);
 }
@@ -80,12 +80,12 @@ fn directions_of_sensors_are_fitted_to_a_star_or_stated() {
 fn a_bent_sensor_is_named_and_a_cubic_response_follows_it() {
     let straight = shop(0.04, &star(0.04)).run(FIT);
     assert!(
-        straight.stderr.contains("W0614") && straight.stderr.contains("s1_V departs from its fitted response by 1.7 %"),
+        straight.stdout.contains("W0614") && straight.stdout.contains("s1_V departs from its fitted response by 1.7 %"),
         "{}",
-        straight.stderr
+        straight.stdout
     );
     let cubic = shop(0.04, &format!("degree = 3\n{}", star(0.04)));
-    assert!(!cubic.run(FIT).stderr.contains("W0614"));
+    assert!(!cubic.run(FIT).stdout.contains("W0614"));
     fits(&cubic, 0.05);
 }
 
@@ -94,7 +94,7 @@ fn what_a_star_does_not_show_is_refused() {
     // A reading of 100 µm along Z by three quarters more than the star has.
     let far = readings(0.0).replace("160,0,-100,0.100000,-0.200000,0.050000", "160,0,-100,0.100000,-0.200000,1.800000");
     let run = shop(0.0, &star(0.0)).file("r.csv", far).run(FIT);
-    assert!(run.code == 4 && run.stderr.contains("E0608") && run.stderr.contains("s3_V reads 1.8"), "{}", run.stderr);
+    assert!(run.code == 4 && run.stdout.contains("E0608") && run.stdout.contains("s3_V reads 1.8"), "{}", run.stdout);
     for (sensors, says) in [
         ("matrix_um = [[60, -80, 0], [80, 60, 0], [60, -80, 0]]\n", "does not give three directions"),
         ("", "needs either matrix_um or star"),
@@ -105,7 +105,7 @@ fn what_a_star_does_not_show_is_refused() {
         ),
     ] {
         let run = shop(0.0, sensors).run(FIT);
-        assert!(run.code == 4 && run.stderr.contains(says), "{says}: {}", run.stderr);
+        assert!(run.code == 4 && run.stdout.contains(says), "{says}: {}", run.stdout);
     }
 }
 

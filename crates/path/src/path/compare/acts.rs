@@ -7,7 +7,7 @@ use super::difference::ActSubject;
 use super::same_text::is_same_text;
 use ncfix_dialect::{BlockEnd, BlockEnds};
 use ncfix_machine::machine::Machine;
-use ncfix_machine::snc::{CycleArgument, Dwell, Element, FrameWords, Kind, Origin, Word, WordValue};
+use ncfix_machine::snc::{CycleArgument, Dwell, Element, FrameKind, FrameWords, Kind, Origin, Word, WordValue};
 
 /// Relative and absolute tolerance of equal numbers.
 const SAME_NUMBER: [f64; 2] = [1e-6, 1e-9];
@@ -72,6 +72,9 @@ impl Act {
         }
     }
 }
+
+/// Text of a frame statement that ends the frame: `TRANS` without an axis.
+const NO_FRAME: &str = "Translate";
 
 /// The acts between two moves.
 #[derive(Clone, Debug, Default)]
@@ -161,6 +164,13 @@ impl Acts {
                 self.0.push(Act::new(origin, ActSubject::WorkOffset, name.clone()));
             }
             Kind::Frame(FrameWords::Statement(one)) => {
+                // It replaces the frame, so that an end of the frame directly before it does nothing.
+                let replaces = !one.additive && !matches!(one.kind, FrameKind::Coarse | FrameKind::Fine);
+                if replaces
+                    && self.0.last().is_some_and(|last| last.subject == ActSubject::Frame && last.text == NO_FRAME)
+                {
+                    self.0.pop();
+                }
                 let values = one.named.iter().map(|axis| {
                     let value = one.values[axis];
                     format!(" {axis}{value:.6}")
