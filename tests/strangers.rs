@@ -202,7 +202,7 @@ fn an_axis_that_stood_at_two_places_has_no_scale_in_the_readings() {
         for k in 0..12 {
             let at = 20.0 * f64::from(k % 6);
             let (x, y) = if axis == 'X' { (at, 50.0) } else { (50.0, at) };
-            let _ = writeln!(text, "E{axis}{axis},{x},{y},{z},{:.3}", 0.03 * at + 0.1 * f64::from(k % 2));
+            let _ = writeln!(text, "E{axis}{axis},{x},{y},{z},{:.3}", 0.03 * at + 0.1 * f64::from(k / 6));
         }
         text
     };
@@ -222,7 +222,7 @@ fn two_reference_temperatures_are_named() {
     let mut plate = "X,Y,Z,dx_um\n".to_owned();
     for k in 0..12 {
         let x = 20.0 * f64::from(k % 6);
-        let noise = 0.05 * f64::from(k % 3);
+        let noise = 0.05 * f64::from(k * 7 % 5);
         let _ = writeln!(laser, "EXX,{x},50,10,{:.3}", 0.03 * x + noise);
         let _ = writeln!(plate, "{x},{},10,{:.3}", 20 * (k % 4), 0.053 * x + noise);
     }

@@ -270,7 +270,7 @@ fn finds(section: &str, expected: &[(&str, &str)]) {
 #[test]
 fn faults_of_drifts_are_found_at_their_places() {
     let entry = |head: &str| format!("[[drift]]\n{head}\nsensors = [{{ name = \"T\", um_per_K = 1 }}]\n");
-    finds(&entry("direction = \"A\""), &[("E0404", "\"A\"")]);
+    finds(&entry("direction = \"Q\""), &[("E0404", "\"Q\"")]);
     finds(&entry("direction = \"X\"\nover = \"Q\"\nat_mm = 1"), &[("E0404", "\"Q\"")]);
     finds(&entry("direction = \"X\"\nover = \"C\"\nat_deg = 1"), &[("E0404", "\"C\"")]);
     finds(&entry("direction = \"X\"\nover = \"X\"\nat_deg = 1"), &[("E0407", "at_deg")]);

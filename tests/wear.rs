@@ -387,8 +387,9 @@ fn fixed(language: &str, text: &str, machine: &str, options: &[&str]) -> (Shop, 
 fn written(language: &str, text: &str, machine: &str) -> (Shop, String) {
     let (shop, run) = fixed(language, text, machine, &["--compensation", "wear"]);
     assert_eq!(run.code, 0, "{language}\n{}{}\n{text}", run.stdout, run.stderr);
-    // A machine with errors does not say how its zero was set.
-    let codes: Vec<String> = run.codes().iter().map(ToString::to_string).filter(|code| code != "W0321").collect();
+    // A machine with errors does not say how its zero was set. Over the long travel of the bench its errors are large.
+    let is_asked = |code: &String| !["W0321", "W0408"].contains(&code.as_str());
+    let codes: Vec<String> = run.codes().iter().map(ToString::to_string).filter(is_asked).collect();
     assert_eq!(codes, ["W0237"], "{language}\n{}", run.stdout);
     let out = shop.text("out");
     (shop, out)
