@@ -361,7 +361,9 @@ fn length_unstated(
         model.displacement_at(&[0, 1, 2].map(|side| stated.pose(side, shift, &chosen.machine)))
     };
     let without_mm = contained_mm(0.0);
-    let changes = tools_mm.map(|tool_mm| (tool_mm.norm(), contained_mm(tool_mm.norm()) - without_mm));
+    // A control that measures tools from the machine zero has negative lengths.
+    let length_of = |tool_mm: &Vector| tool_mm.norm().copysign(-chosen.machine.spindle.axis.dot(tool_mm));
+    let changes = tools_mm.map(|tool_mm| (length_of(&tool_mm), contained_mm(length_of(&tool_mm)) - without_mm));
     let (length_mm, change_mm) = changes.into_iter().max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()))?;
     let parts = components_um([0, 1, 2].map(|axis| um_from_mm(change_mm[axis])));
     if !(change_mm.norm() > tolerance_mm && change_mm.norm().is_finite()) || parts.is_empty() {

@@ -33,17 +33,22 @@ struct UnreadFile {
 }
 
 /// Endings of files in a folder that have no readings: documents, pictures, programs and files of ncfix.
-const WITHOUT_READINGS: [&str; 26] = [
+const WITHOUT_READINGS: [&str; 31] = [
     "pdf", "png", "jpg", "jpeg", "gif", "bmp", "svg", "doc", "docx", "odt", "ppt", "pptx", "md", "html", "htm", "zip",
-    "toml", "json", "ini", "arc", "mpf", "spf", "nc", "ngc", "var", "tbl",
+    "toml", "json", "ini", "arc", "mpf", "spf", "nc", "ngc", "var", "tbl", "pm", "mm", "tap", "eia", "cnc",
 ];
 
 impl UnreadFile {
     /// True if its ending does not exclude readings.
     fn may_have_readings(&self) -> bool {
-        let ending = self.path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-        !ending.is_some_and(|ending| WITHOUT_READINGS.contains(&ending.as_str()))
+        may_have_readings(&self.path)
     }
+}
+
+/// True if the ending of a file does not exclude readings.
+fn may_have_readings(path: &Path) -> bool {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    !ending.is_some_and(|ending| WITHOUT_READINGS.contains(&ending.as_str()))
 }
 
 impl InstrumentFile {
@@ -173,7 +178,10 @@ impl InstrumentFiles {
         let formats = &machine.registry().instrument_formats;
         let reason = |file: &InstrumentFile| {
             let found = import(&file.text, format, &stated.of(&file.name), &machine.machine, formats);
-            found.err().filter(|found| file.of_folder && found.code == Code::IMPORT_FORMAT).map(|found| found.message)
+            // A program or a document can look like the beginning of a table.
+            let is_other = !may_have_readings(Path::new(&file.name));
+            let is_none = |found: &Diagnostic| file.of_folder && (is_other || found.code == Code::IMPORT_FORMAT);
+            found.err().filter(|found| is_none(found)).map(|found| found.message)
         };
         for file in std::mem::take(&mut self.files) {
             match reason(&file) {

@@ -423,6 +423,10 @@ fn the_length_of_the_tool_at_the_touch_is_asked_for_where_it_matters() {
     let shop = shop.file("in.mpf", program.replace("Z5 F", "Z0 F"));
     near(last(&shop, 'Z', &["--zero", "G54=touched@L110"]), 0.0);
     near(last(&shop, 'Z', &["--zero", "G54=touched"]), -0.011);
+    // Lengths from the machine zero are negative: Z stands at -110 when the tip touches 0.
+    let shop = shop.file("m.toml", format!("{LINEAR}{long}{G54}{}", tool.replace("110.0", "-110.0")));
+    let run = shop.run(["fix", "in.mpf", "--machine", "m.toml", "--zero", "G54=touched", "-o", "out.mpf"]).exits(0);
+    run.says("tool of -110 mm").says("by Z -11.0 µm").says("--zero G54=touched@L-110");
 }
 
 /// C turns 0.2 mrad per radian too far. At C 90 this is 0.2 · π/2 = 0.314 mrad; the table turns about −Z, so the sign is that of the axis. The zero of X, Y and Z is

@@ -150,6 +150,21 @@ fn targets_may_be_in_the_first_row() {
     demand(&calibrated(&shop, "tool.toml", "EXX1,EXXb"), &[("EXX1", 40.0), ("EXXb", 3.0)], 0.05);
 }
 
+/// A column with the axis of each row is no remark: with one axis for all rows, readings of Y would become errors of X.
+#[test]
+fn a_table_of_several_axes_is_refused() {
+    let mut text = "Axis;Run;Direction;Target [mm];Deviation [um]\n".to_owned();
+    for axis in ["X", "Y"] {
+        for k in 0..6 {
+            let _ = writeln!(text, "{axis};1;+;{};{}", 100 * k, 4 * k);
+        }
+    }
+    let shop = shop().file("several.csv", text);
+    let more = ["--axis", "X", "--sign", "+", "--at", "Y200,Z100", "--tool", "0", "--material", "20C"];
+    import(&shop, "several.csv", "tool.toml", &more).exits(4).says("E0618").says("the column 'Axis' is not read");
+    assert!(!shop.path("out.csv").exists());
+}
+
 #[test]
 fn a_long_table_of_positions_proves_its_sign() {
     let mut noise = Noise(3);

@@ -203,15 +203,19 @@ impl<'a> Inquiry<'a> {
     /// Notes the columns that are not read.
     ///
     /// # Errors
-    /// If one of them has a unit or a quantity in each row, and `--columns` does not say that it is not read: then the rows may not be of one kind.
+    /// If one of them has a unit, a quantity or an axis in each row, and `--columns` does not say that it is not read: then the rows may not be of one kind.
     pub fn unread(&mut self, columns: &[&GridHeading], line: usize) -> Result<(), ImportStop> {
         // Drivers go into the measurement, or are named there.
         let columns: Vec<&GridHeading> =
             columns.iter().copied().filter(|own| !words::is_driver(&own.written)).collect();
-        let is_needed = |own: &&&GridHeading| words::is_unit(&own.words) || words::is_kind(&own.words);
+        let is_needed = |own: &&&GridHeading| {
+            words::is_unit(&own.words) || words::is_kind(&own.words) || words::is_axis(&own.words)
+        };
         if let Some(own) = columns.iter().find(is_needed).filter(|_| self.answers.columns.is_empty()) {
-            let message =
-                format!("the column '{}' is not read, and its rows may have several units or quantities", own.written);
+            let message = format!(
+                "the column '{}' is not read, and its rows may have several units, quantities or axes",
+                own.written
+            );
             let help = "name all columns with --columns, and write - for this one if all rows are of one kind";
             return Err(self.refused(message, help, line));
         }

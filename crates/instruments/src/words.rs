@@ -344,6 +344,15 @@ pub fn is_kind(words: &str) -> bool {
     KINDS.contains(&words.trim())
 }
 
+/// Headings of columns that have the axis of each row.
+const AXES: &[&str] = &["axis", "achse", "axe", "asse", "eje"];
+
+/// True for the heading of a column that has the axis of each row.
+#[must_use]
+pub fn is_axis(words: &str) -> bool {
+    AXES.contains(&words.trim())
+}
+
 /// Names of columns that a measurement may have besides positions and readings.
 const DRIVERS: &[&str] = &["t_s", "feed_mm_min", "load_N", "load_x_mm", "load_y_mm", "load_z_mm"];
 /// Ends of the names of drivers: their units.
