@@ -232,7 +232,7 @@ impl CorrectionReport {
         }
         if let Some(verdict) = &self.verdict {
             row("verdict", verdict.sentence());
-            for text in verdict.doubts() {
+            for text in verdict.doubts_and_errors() {
                 row("", text);
             }
         }

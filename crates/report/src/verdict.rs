@@ -185,6 +185,13 @@ impl Verdict {
         against.map(|reason| reason.text.as_str())
     }
 
+    /// Returns the doubts, and the errors that the comparison of a review has found: a correction does not print them with their places.
+    pub fn doubts_and_errors(&self) -> impl Iterator<Item = &str> {
+        let is_shown = |reason: &Reason| reason.code.is_none() || reason.is_gap() || reason.grade == Grade::Bad;
+        let against = self.reasons.iter().filter(move |reason| reason.grade > Grade::Ok && is_shown(reason));
+        against.map(|reason| reason.text.as_str())
+    }
+
     /// Returns its rows for a terminal. Diagnostics are shown separately.
     #[must_use]
     pub fn rows(&self) -> String {
