@@ -111,6 +111,20 @@ fn a_new_value_beside_an_old_absolute_is_asked_for() {
     assert!(!asks(&["--machine", "method.toml", "--setup", "new.ini"]));
 }
 
+/// The touched zero contains 0.6 mm of 1 mm per meter. A retract in machine coordinates knows no touch: there the tool is 0.7 mm off, as in the original.
+#[test]
+fn a_retract_in_machine_coordinates_after_a_large_touched_error_is_no_difference() {
+    let long = "[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0, 1e-3]\n";
+    let zero = "[zero_offset.G54]\nX_mm = 600\nY_mm = 0\nZ_mm = 0\nset = \"touched\"\n";
+    let program = "N10 G17 G90 G71 G94 G54\nN20 G0 X10 Y10 Z50\nN30 G1 Z5 F500\nN40 X100\nN50 SUPA G0 Z150\nN60 M30\n";
+    let shop = shop(&format!("{LINEAR}{long}{zero}"), program);
+    let options = ["--machine", "m.toml", "--max-correction", "2mm"];
+    shop.run(["fix", "in.mpf", "-o", "out.mpf"].iter().chain(&options)).exits(0);
+    // 100 mm beside the zero 1 mm per meter is 0.1 mm: c + (600 + c)/1000 = 100 + 0.6 gives 100/1.001.
+    near(*words(&shop, 'X').last().unwrap(), 99.900);
+    shop.run(["verify", "in.mpf", "out.mpf", "--machine", "m.toml"]).exits(0);
+}
+
 /// The first move is along Z alone, at X and Y that no program states. Relative to a zero far from there, the squareness is 1.2 mm: no difference of the two
 /// programs.
 #[test]

@@ -152,7 +152,7 @@ impl MoveGroup<'_> {
             if !stands || is_complete {
                 self.parameter = if is_complete { 1.0 } else { self.nearest(&piece) };
             }
-            if is_complete && self.off_mm(&offset) > MEANT_END_MM {
+            if is_complete && self.off_mm(&offset) > self.meant_end_mm() {
                 let why = "does not end at the end of this move of the original";
                 let parting = self.parting(&piece, why, corrected.peek());
                 corrected.put_back(piece);
@@ -190,7 +190,13 @@ impl MoveGroup<'_> {
 
     /// `true` if a piece ends at the end of the original move.
     pub(super) fn ends_at(&self, piece: &ComparedMove<'_>) -> bool {
-        self.off_mm(&self.offset(piece, 1.0)) <= MEANT_END_MM
+        self.off_mm(&self.offset(piece, 1.0)) <= self.meant_end_mm()
+    }
+
+    /// Largest distance of an end that counts as reached. A move in machine coordinates stays as programmed beside axes that keep their corrected place, so it
+    /// may be off by the whole error of the machine there.
+    fn meant_end_mm(&self) -> f64 {
+        MEANT_END_MM + if self.step.in_machine_frame { self.before_mm(1.0) } else { 0.0 }
     }
 
     /// A piece beside the original move.
