@@ -139,13 +139,13 @@ pub fn worse(checked: &TablesCheck, where_: &str) -> Option<Diagnostic> {
     let (before, with) = (checked.before, checked.tables);
     // A constant error of the tip is gone with the next touched zero: what counts is the rest.
     let [tip_before, tip_with] = checked.about_shift_um.unwrap_or([before.rms_um, with.rms_um]);
+    let of_tip = if checked.about_shift_um.is_some() { ", apart from a constant," } else { "" };
     let kinds = [
-        ("tip", "µm RMS", tip_before, tip_with, ROUNDED_UM),
-        ("direction of the tool", "µrad RMS", before.tilt_rms_urad, with.tilt_rms_urad, TURNED_URAD),
+        (("tip", of_tip), "µm RMS", tip_before, tip_with, ROUNDED_UM),
+        (("direction of the tool", ""), "µrad RMS", before.tilt_rms_urad, with.tilt_rms_urad, TURNED_URAD),
     ];
-    let (what, unit, without, left, _) =
+    let ((what, about), unit, without, left, _) =
         kinds.into_iter().find(|(.., without, left, least)| *left > without + least)?;
-    let about = if what == "tip" && checked.about_shift_um.is_some() { ", apart from a constant," } else { "" };
     let message = format!(
         "the tables would increase the error: the {what} is off{about} by {} {unit} without them and by {} {unit} with them over {where_}, most at {}",
         significant(without),
