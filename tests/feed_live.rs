@@ -143,9 +143,6 @@ fn words_that_grbl_lacks_are_named_before_the_first_byte() {
     }
     // Only with the option of the build: a warning.
     run.says("warning[W0241]").says("these words: M7");
-    // LinuxCNC has no G71; posts for other controls write it.
-    let shop = Shop::new().file("part.ngc", "G71 G90 G17 G54\nG0 Z10\nX0 Y0\nM30\n").file("router.toml", ROUTER);
-    shop.run([&arguments[..], &["linuxcnc"]].concat()).exits(4).says("error[E0701]").says("LinuxCNC does not have G71");
 }
 
 /// `G1 X50 Y50 F1500` has 16 characters and can become `G1 X50 Y50 Z-3.001 F1500` with 24, if Z drifts and the control takes 22.
