@@ -107,7 +107,7 @@ fn rotary_axes_that_are_corrected_or_in_machine_coordinates_raise_no_alarm() {
     }
     // The first line of what stands for a block has its number.
     let text = shop.text("out.mpf");
-    for line in ["N70 SUPA", "N130 TRANS"] {
+    for line in ["N70 SUPA", "N130 CYCLE800()"] {
         assert!(text.contains(line), "{line} in\n{text}");
     }
 }
