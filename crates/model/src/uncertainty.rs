@@ -461,7 +461,7 @@ mod tests {
     fn a_wave_has_a_row_of_its_own() {
         let wave =
             "[[motion]]\ncomponent = \"EXX\"\nkind = \"periodic\"\nperiod_mm = 10\namplitude_um = 3\nphase_deg = 20\n";
-        let (machine, errors) = read(&format!("{wave}[uncertainty]\nEC0X = 1\nEXX1 = 1e-6\nEYX = 1\n"));
+        let (machine, errors) = read(&format!("{wave}[uncertainty]\nEC0X = 1\nEXX1 = 1e-6\nEXXb = 1\nEYX = 1\n"));
         assert_eq!(unknown_of(&errors, machine.uncertainty.as_ref().unwrap()), ["EXX~10"]);
         let (machine, errors) = read(&format!("{wave}[uncertainty]\n\"EXX~10\" = 0.5\n"));
         let uncertainty = machine.uncertainty.as_ref().unwrap();

@@ -10,6 +10,7 @@ use super::super::size::{Amounts, EXPANDED};
 use super::super::verdict::{AcceptedCause, Settled};
 use super::build::{AmountUnit, Built, of_shape, of_sum};
 use super::form::{StatedContent, StatedHypothesis, TermAmount};
+use ncfix_base::geometry::Axis;
 use ncfix_base::numeric::Series;
 use ncfix_model::motion::EntryFunction;
 
@@ -146,6 +147,9 @@ fn visible(outcome: &Settled<'_, '_, '_>, number: usize, has_terms: bool, units:
         return Err(format!("the unknowns of the set-ups absorb it completely{because}"));
     }
     // A factor that is the same in all readings has left no trace: a term without it has the same effect on them.
+    // Of two sensors whose difference counts, one may be constant.
+    let is_axis = |name: &str| matches!(name.as_bytes(), [letter] if Axis::from_letter(*letter).is_some());
+    let still: Vec<(String, String)> = still.into_iter().filter(|(name, _)| is_axis(name)).collect();
     if has_terms && !still.is_empty() && still.len() < one.drivers.len() {
         let names: Vec<&str> = still.iter().map(|(name, _)| name.as_str()).collect();
         return Err(format!(
