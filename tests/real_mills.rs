@@ -105,7 +105,7 @@ fn geometry_compensation_of_a_mazak_stays() {
     assert_eq!((text.matches("G61.1").count(), text.matches("G64").count()), (1, 1), "{text}");
 }
 
-/// Holes of a cycle that is still in force after a tool change are refused, because Z is unknown there. That they were not executed is no correction of X.
+/// Holes of a cycle that is still in force after a tool change are refused, because Z is unknown there. So the next move of X reports no large correction.
 #[test]
 fn a_block_that_was_not_executed_makes_no_large_correction() {
     let program = "O1\nG21 G90 G17 G94\nT1 M6\nG90 G54 G0 X5. Y5.\nG43 Z20. H1\nG98 G73 Z-5. R2. Q2. F100.\nX40. Y-30.\nG91 G28 Z0.\n\

@@ -85,7 +85,7 @@ pub(super) enum PositionComparison {
     Nothing,
     /// These axes agree.
     Agrees(String),
-    /// An axis differs: a sentence with both positions.
+    /// An axis differs. The text names both positions.
     Differs(String),
 }
 
