@@ -34,3 +34,24 @@ fn the_largest_error_along_an_axis_is_found_in_a_short_cut() {
         assert!((high - 2.24 * sigma).abs() < 0.4 * sigma, "{axis} after: {high}");
     }
 }
+
+/// X lags by 6 µm, and the first cut begins where X may be on either side: 3 µm to either side, before and after.
+#[test]
+fn a_body_on_an_unknown_side_widens_the_interval_along_its_axis() {
+    let machine = "[machine]\nname = \"m\"\ntopology = \"wFXYZSt\"\ncontroller = \"sinumerik\"\n\
+        [axis.X]\ndirection = [1, 0, 0]\n[axis.Y]\ndirection = [0, 1, 0]\n[axis.Z]\ndirection = [0, 0, 1]\n\
+        [[motion]]\ncomponent = \"EXX\"\nkind = \"backlash\"\nvalue_um = -6\n[uncertainty]\nEXXb = 0.02\n";
+    let shop = Shop::new().file("m.toml", machine).file("in.mpf", "G0 X100 Y0 Z0\nG1 Y50 F500\nX150\nM30\n");
+    let run = shop.run(["in.mpf", "-o", "out.mpf", "--machine", "m.toml", "--json"]).exits(0);
+    assert!(run.codes().contains(&"W0308".to_owned()), "{:?}", run.codes());
+    let json = run.json();
+    for side in ["before", "after"] {
+        let high = json["prediction"][side]["axes_um"]["X"][1].as_f64().unwrap();
+        assert!(high > 2.9 && high < 6.2, "{side}: {high}");
+    }
+    // The known reversals need no such room.
+    let shop = Shop::new().file("m.toml", machine).file("in.mpf", "G0 X90 Y0 Z0\nX100\nG1 Y50 F500\nX150\nM30\n");
+    let json = shop.run(["in.mpf", "-o", "out.mpf", "--machine", "m.toml", "--json"]).exits(0).json();
+    let high = json["prediction"]["after"]["axes_um"]["X"][1].as_f64().unwrap();
+    assert!(high < 0.7, "{high}");
+}

@@ -123,6 +123,23 @@ fn a_squareness_that_is_known_is_not_named() {
 }
 
 #[test]
+fn a_squareness_that_the_readings_show_and_the_model_lacks_is_named() {
+    // The circle has EC0Y = 50 µrad, and the model has no term for it.
+    let shop = shop();
+    let words = "calibrate lines.csv circle.csv --machine start.toml --model EXX1,EYY1,EYX2 -o lacking.toml";
+    let run = shop.run(words.split_whitespace()).exits(0).says("warning[W0620]").says("EC0Y = 50.0 ± 0.");
+    assert!(!run.stderr.contains("EA0Z") && !run.stderr.contains("EB0Z"), "{}", run.stderr);
+    assert!(shop.text("lacking.toml").contains("not_shown = [\"EC0Y\"]"));
+    assert_eq!(fix(&shop, "both.mpf", "lacking.toml").codes(), ["W0330"]);
+    // With it, and where no reading shows it, there is nothing to add.
+    for (data, model) in [("lines.csv circle.csv", "EXX1,EYY1,EYX2,EC0Y"), ("lines.csv", "EXX1,EYY1,EYX2")] {
+        let words = format!("calibrate {data} --machine start.toml --model {model} -o out.toml");
+        let run = shop.run(words.split_whitespace()).exits(0);
+        assert!(!run.stderr.contains("W0620"), "{}", run.stderr);
+    }
+}
+
+#[test]
 fn a_slope_that_a_square_gives_shows_the_squareness() {
     // Without a free slope, the straightness of X along Y refers to a square.
     let square = "[measurement]\nkind = \"direct\"\nsigma_um = 0.2\nfree = [\"offset\"]\n";

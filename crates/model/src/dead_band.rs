@@ -26,6 +26,8 @@ pub struct Off {
     pub nearest: Vector,
     /// Largest distance over all sides.
     pub most_mm: f64,
+    /// Largest magnitude along X, Y and Z over all sides.
+    pub most: Vector,
 }
 
 /// Positions of the axes within their dead bands.
@@ -216,7 +218,7 @@ impl DeadBand {
             // A tool whose axis is moved too far at a reversal leads on its path, as one that waits lags.
             let leads = |axis: Axis| model.features(axis).is_over_compensated(command[axis]);
             let middle = if axes.iter().any(leads) { across(middle, along()) } else { middle };
-            return Off { middle, nearest: middle, most_mm: middle.norm() };
+            return Off { middle, nearest: middle, most_mm: middle.norm(), most: middle.abs() };
         }
         let along = along();
         let mut corners = [Vector::zeros(); 1 << OPEN_AXES];
@@ -236,8 +238,10 @@ impl DeadBand {
         }
         let corners = corners.iter().take(count).map(|corner| across(*corner, along));
         let middle = across(middle, along);
-        let most_mm = corners.map(|corner| corner.norm()).fold(0.0, f64::max);
-        Off { middle, nearest: nearest(middle, &ranges), most_mm }
+        let (most_mm, most) = corners.fold((0.0_f64, Vector::zeros()), |(most_mm, most), corner| {
+            (most_mm.max(corner.norm()), most.sup(&corner.abs()))
+        });
+        Off { middle, nearest: nearest(middle, &ranges), most_mm, most }
     }
 
     /// Returns the largest distance of the tip from its nominal position that is due to the unknown side of one axis, mm.

@@ -939,7 +939,7 @@ its positions are true positions, and no touched zero is subtracted.";
     SQUARENESS_NOT_SHOWN = "W0330" "squareness that no measurement shows"
 "Both axes move while the tool cuts, and no reading of the calibration shows the angle between them. The list not_shown in [measured] of
 the machine file names this squareness. A laser measures each axis alone, and a straightness whose reference was aligned by hand shows no
-slope. The squareness is unknown, not zero: the correction leaves it on the workpiece, and the predicted error does not contain it.
+slope. Or the readings show the angle, and --model of the calibration lacked it (W0620). The squareness is unknown, not zero: the correction leaves it on the workpiece, and the predicted error does not contain it.
 Measure it, for example with a ball-bar or a square, and calibrate again.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be detected. Add the lowest
@@ -1072,6 +1072,12 @@ at this temperature. ncfix calibrate fits files of both kinds together, and the 
 23 µm/m on a machine of steel. The fit takes a mean that is right for neither, or turns the difference into a squareness. Give all
 files one reference temperature. Beside a laser that refers to 20 °C, import the part, plate or bar with --material 20C: the result then
 makes parts that have their nominal size at 20 °C, if they expand as the machine does. Or calibrate the files apart.";
+    SQUARENESS_OMITTED = "W0620" "squareness that the model lacks"
+"--model states the parameters of the fit, and no squareness of two axes is among them. The readings show this angle with certainty. Other
+parameters have absorbed a part of it, such as the straightness of an axis or the zero of a rotary axis. The residuals can look normal,
+but the model is wrong in other poses, and a program corrected with it can miss by several micrometers. Add the named error to --model,
+or omit --model: ncfix calibrate then fits all parameters that the readings determine. Until then, not_shown in [measured] of the machine
+file names the squareness, and ncfix fix reports W0330.";
     STARVING = "W0701" "the link is too slow in places"
 "The machine executes some lines faster than the link can deliver the next ones. At these places the axes stop for a moment until
 the next line arrives, and the tool can cut a mark into the surface. All stops together are short: less than half a second, or

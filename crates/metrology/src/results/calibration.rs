@@ -7,7 +7,7 @@ use super::measurement::{Measurement, check_copies, data_of};
 pub use super::not_identified::LeftOut;
 use super::residuals::residual_table;
 use super::selection;
-use super::{conditions, figures, has_errors, not_identified, references, relative, repeated, slope};
+use super::{conditions, figures, has_errors, not_identified, omitted, references, relative, repeated, slope};
 use crate::calibrate::{
     Column, ComparedReading, Fit, FitOptions, Parameter, Refusal, Rule, fit, quality, reversals, select,
 };
@@ -148,6 +148,9 @@ impl PreparedFit<'_> {
         references::check(self.used.iter().chain(&self.held_out), findings);
         self.compare(&fit, findings, report);
         findings.extend(worse(report));
+        if candidates.is_none() && !self.settings.is_automatic {
+            omitted::check((self.begin.machine, self.begin.errors), &self.parameters, &self.used, self.options(), findings);
+        }
         self.rows(&fit, findings, report);
         Some(fit)
     }

@@ -23,6 +23,7 @@ pub mod hypotheses;
 pub mod measurement;
 mod not_identified;
 pub mod not_shown;
+mod omitted;
 pub mod parameters;
 pub mod planned;
 pub mod readings;

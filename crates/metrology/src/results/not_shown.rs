@@ -13,13 +13,15 @@ use ncfix_model::name::ErrorName;
 use ncfix_model::{ErrorModel, ParameterName};
 
 /// The names for [`MeasuredRanges::not_shown`]: pairs of measured axes whose squareness neither the errors at the start nor any of these measurements show.
-/// `ranges` are those after the measurements. What an earlier calibration has shown remains known. `None` if there is nothing to state.
+/// `ranges` are those after the measurements, and `fitted` the names of the fitted parameters; `None` if the fit chose them from all. A squareness that the
+/// readings show and the model lacks remains unknown: other parameters have absorbed it. What an earlier calibration has shown remains known. `None` if there is
+/// nothing to state.
 #[must_use]
 pub fn not_shown(
     machine: &Machine,
     start: &ErrorModel,
     ranges: &MeasuredRanges,
-    sets: &[&DataSet],
+    (sets, fitted): (&[&DataSet], Option<&[&str]>),
 ) -> Option<Vec<String>> {
     let direction = |axis: Axis| machine.axis(axis).map(|data| data.direction);
     let earlier = machine.measured.as_ref();
@@ -36,14 +38,36 @@ pub fn not_shown(
         // The slope of one axis against a reference that stands for the other has the second name.
         let names = [error, term.other.parse().ok()?];
         let [first, second, _] = pair(plane);
+        let slopes = [format!("E{first}{second}1"), format!("E{second}{first}1")];
+        let is_tried = |name: &ErrorName| {
+            let is_own = |one: &&str| slopes.iter().any(|slope| slope == one) || *one == name.to_string();
+            fitted.is_none_or(|fitted| fitted.iter().any(is_own))
+        };
         let is_missing = is_open(&term.name, [first, second])
             && !states_squareness(start, error, [first, second])
-            && !names.into_iter().any(|name| sets.iter().any(|set| shows(machine, name, set)));
+            && !names
+                .into_iter()
+                .filter(is_tried)
+                .any(|name| sets.iter().any(|set| shows(machine, name, set)));
         is_missing.then_some(term.name)
     };
     let names: Vec<String> = [Plane::XY, Plane::ZX, Plane::YZ].into_iter().filter_map(of_plane).collect();
     let was_stated = earlier.is_some_and(|earlier| earlier.not_shown.is_some());
     (was_stated || !names.is_empty()).then_some(names)
+}
+
+/// The squareness errors of a machine about which neither a model nor the errors at the start say anything.
+pub(super) fn lacking(machine: &Machine, start: &ErrorModel, parameters: &[Parameter]) -> Vec<ParameterName> {
+    let direction = |axis: Axis| machine.axis(axis).map(|data| data.direction);
+    let of_plane = |plane: Plane| {
+        let term = squareness(&machine.topology, plane, direction)?;
+        let names: [ErrorName; 2] = [term.name.parse().ok()?, term.other.parse().ok()?];
+        let [first, second, _] = pair(plane);
+        let is_fitted = |name: &ErrorName| parameters.contains(&Parameter::from(ParameterName::location(*name)));
+        let is_known = names.iter().any(is_fitted) || states_squareness(start, names[0], [first, second]);
+        (!is_known).then(|| ParameterName::location(names[0]))
+    };
+    [Plane::XY, Plane::ZX, Plane::YZ].into_iter().filter_map(of_plane).collect()
 }
 
 /// True if the readings of a measurement can show a squareness beside the unknowns of its set-ups.

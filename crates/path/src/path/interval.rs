@@ -186,7 +186,7 @@ fn figures(places: &[ErrorPlace], errors: impl Iterator<Item = Vector>) -> Error
     out
 }
 
-/// Moves the intervals of the mean, the root mean square and the maximum from the places to the whole program. Squares are moved by the difference of squares:
+/// Moves the intervals of the mean, the root mean square and the maxima from the places to the whole program. Squares are moved by the difference of squares:
 /// a part that the correction has removed adds to the rest in this way.
 fn of_whole(intervals: &mut [[f64; 2]; 6], of_places: &ErrorFigures, whole: &Spread) {
     if whole.samples == 0 {
@@ -200,6 +200,11 @@ fn of_whole(intervals: &mut [[f64; 2]; 6], of_places: &ErrorFigures, whole: &Spr
     intervals[0] = intervals[0].map(|end| (end + mean).max(0.0));
     intervals[1] = intervals[1].map(|end| moved(end, square));
     intervals[2] = intervals[2].map(|end| moved(end, largest));
+    // The places have each body of unknown side where it is best. That is the lower end; the worst side belongs to the upper one.
+    for (axis, [_, high]) in intervals[3..].iter_mut().enumerate() {
+        let beyond = whole.axes_mm[axis].powi(2) - of_places[3 + axis].powi(2);
+        *high = moved(*high, beyond.max(0.0));
+    }
 }
 
 /// The lower end of an interval about a figure of the model. The model contains the scatter of its fit once, and each repetition contains it twice: the excess
@@ -301,6 +306,15 @@ mod tests {
         let found = predict(&waiting, NONE, &model(0.0), &[model(1e-6)], 0.0).unwrap();
         assert_eq!(found.before.axes_mm[2], [0.0; 2]);
         assert!(found.after.axes_mm[2].iter().all(|end| (end - 3e-3).abs() < 1e-12));
+    }
+
+    #[test]
+    fn the_worst_side_of_a_body_belongs_to_the_upper_end_along_its_axis() {
+        let whole = Spread { samples: 1, axes_mm: [0.0, 0.0, 3e-3], ..Spread::default() };
+        let found = predict(&places(50e-6), [&Spread::NONE, &whole], &model(50e-6), &[model(55e-6)], 0.0).unwrap();
+        let alone = predict(&places(50e-6), NONE, &model(50e-6), &[model(55e-6)], 0.0).unwrap();
+        assert_eq!(found.after.axes_mm[0], alone.after.axes_mm[0]);
+        assert!(found.after.axes_mm[2][0] == 0.0 && (found.after.axes_mm[2][1] - 3e-3).abs() < 1e-12);
     }
 
     #[test]

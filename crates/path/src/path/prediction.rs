@@ -20,11 +20,13 @@ pub struct Spread {
     square_sum_mm2: f64,
     /// Largest, mm.
     pub max_mm: f64,
+    /// Largest magnitude along X, Y and Z, with each body on the side of its dead band that is worst, mm; 0 where only distances were added.
+    pub axes_mm: [f64; 3],
 }
 
 impl Spread {
     /// Without samples.
-    pub const NONE: Spread = Spread { samples: 0, sum_mm: 0.0, square_sum_mm2: 0.0, max_mm: 0.0 };
+    pub const NONE: Spread = Spread { samples: 0, sum_mm: 0.0, square_sum_mm2: 0.0, max_mm: 0.0, axes_mm: [0.0; 3] };
 
     /// Adds a distance, mm.
     pub fn add(&mut self, distance_mm: f64) {
@@ -214,6 +216,9 @@ impl Prediction {
     ) -> bool {
         let [x, y, z]: [f64; 3] = off.nearest.into();
         let mut is_largest = false;
+        let pair = if rapid { &mut self.rapid } else { &mut self.feed };
+        let spread = if side == ErrorSide::Before { &mut pair.before } else { &mut pair.after };
+        spread.axes_mm.iter_mut().zip(&off.most).for_each(|(largest, most)| *largest = largest.max(*most));
         let own = &mut self.places[usize::from(rapid)].largest[side as usize];
         for (largest, error_mm) in own.iter_mut().zip([off.most_mm, x.abs(), y.abs(), z.abs()]) {
             if largest.as_ref().is_none_or(|(known_mm, _)| error_mm > *known_mm) {
