@@ -140,6 +140,28 @@ fn a_squareness_that_the_readings_show_and_the_model_lacks_is_named() {
 }
 
 #[test]
+fn a_straightness_that_no_reading_shows_is_named() {
+    // Lasers along X and Y, and the bow of X along Y: the other bows were never measured.
+    let shop = shop();
+    let text = calibrate(&shop, "lines.csv", "start.toml", "EXX1,EYY1,EYX2", "lines_only.toml");
+    assert!(text.contains("not_shown = [\"EC0Y\", \"EZX\", \"EXY\", \"EZY\"]"), "{text}");
+    let run = fix(&shop, "one.mpf", "lines_only.toml");
+    assert_eq!(run.codes(), ["W0331"]);
+    assert!(run.stdout.contains("EZX (straightness of X in Z)"), "{}", run.stdout);
+    let json = run.json();
+    assert_eq!(json["coverage"]["gaps"][0]["components"], serde_json::json!(["EZX"]));
+    assert_eq!(json["verdict"]["grade"], "warn");
+    // A ball-bar in XY shows the bow of Y along X, and no motion along Z.
+    let text = calibrate(&shop, "lines.csv circle.csv", "start.toml", "EXX1,EYY1,EYX2,EC0Y", "together.toml");
+    assert!(text.contains("not_shown = [\"EZX\", \"EZY\"]"), "{text}");
+    // What the file states is known, and what is removed by hand too.
+    for text in [text.replace("\"EZX\", ", ""), text + "[[motion]]\ncomponent = \"EZX\"\nkind = \"polynomial\"\ncoefficients = [0, 0, 1e-9]\n"] {
+        let shop = shop.file("known.toml", text);
+        assert!(fix(&shop, "one.mpf", "known.toml").codes().is_empty());
+    }
+}
+
+#[test]
 fn a_slope_that_a_square_gives_shows_the_squareness() {
     // Without a free slope, the straightness of X along Y refers to a square.
     let square = "[measurement]\nkind = \"direct\"\nsigma_um = 0.2\nfree = [\"offset\"]\n";

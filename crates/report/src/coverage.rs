@@ -25,7 +25,7 @@ pub struct CoverageReport {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct GapReport {
-    /// `no-errors`, `range-not-stated`, `squareness`, `position`, `tool-length`, `temperature` or `load`.
+    /// `no-errors`, `range-not-stated`, `squareness`, `component`, `position`, `tool-length`, `temperature` or `load`.
     pub kind: &'static str,
     /// Code of its warning.
     pub code: &'static str,
@@ -37,6 +37,8 @@ pub struct GapReport {
     pub table: Option<String>,
     /// Squareness that no measurement shows.
     pub squareness: Option<String>,
+    /// Positioning and straightness errors of the axis that no measurement shows.
+    pub components: Vec<String>,
     /// Unit of `used`, `measured` and `beyond`: `mm`, `deg`, `C` or `N`.
     pub unit: &'static str,
     /// Lowest and highest value in use.
@@ -61,6 +63,7 @@ impl From<&CoverageGap> for GapReport {
             sensor: gap.sensor.clone(),
             table: gap.table.map(|name| name.to_string()),
             squareness: gap.squareness.map(|name| name.to_string()),
+            components: gap.components.iter().map(ToString::to_string).collect(),
             unit: gap.unit(),
             used: shown(gap.used),
             measured: gap.measured.map(shown),

@@ -35,7 +35,7 @@ pub struct MeasuredRanges {
     pub instruments: Vec<String>,
     /// Residual of readings that were held out of the fit, root mean square, µm.
     pub residual_um: Option<f64>,
-    /// Squareness errors that no reading can show, by their names (`EC0Y`); `None` if nothing states it.
+    /// Squareness, straightness and positioning errors that no reading can show, by their names (`EC0Y`, `EZX`); `None` if nothing states it.
     pub not_shown: Option<Vec<String>>,
 }
 
@@ -137,16 +137,21 @@ pub(super) fn read(mut section: Section<'_>, axes: AxisSet, findings: &mut Vec<D
     ranges.instruments = section.texts("instruments").unwrap_or_default();
     ranges.residual_um = section.number_where("residual_um", "a number that is not negative", |um| um >= 0.0);
     if let Some(names) = section.texts(NOT_SHOWN) {
-        let (own, others): (Vec<String>, Vec<String>) = names.into_iter().partition(|name| is_squareness(name, axes));
+        let (own, others): (Vec<String>, Vec<String>) = names.into_iter().partition(|name| is_squareness(name, axes) || is_translation(name, axes));
         ranges.not_shown = Some(own);
         for name in others {
-            let message = format!("{NOT_SHOWN} has '{name}', which is no squareness of this machine");
-            let help = "write the names of location errors of linear axes, for example [\"EC0Y\"]";
+            let message = format!("{NOT_SHOWN} has '{name}', which is no squareness, straightness or positioning error of a linear axis of this machine");
+            let help = "write the names of such errors, for example [\"EC0Y\", \"EZX\"]";
             section.report(Code::BAD_VALUE, section.place_of(NOT_SHOWN), message, help);
         }
     }
     section.finish(findings);
     ranges
+}
+
+/// True for the positioning or a straightness of a linear axis of the machine: `EXX`, `EZX`.
+fn is_translation(name: &str, axes: AxisSet) -> bool {
+    axes.iter().filter(|axis| !axis.is_rotary()).any(|axis| ['X', 'Y', 'Z'].iter().any(|along| name == format!("E{along}{axis}")))
 }
 
 /// True for the rotation of a linear axis of the machine about another axis: `EC0Y`.
@@ -229,8 +234,10 @@ mod tests {
         // A file without the list gets none.
         let bare = "[measured]\nX_mm = [0, 500]\n";
         assert!(!read_text(bare).0.written_into(bare).unwrap().contains("not_shown"));
-        // Positioning, a roll, a tilt of a rotary axis, an axis that the machine lacks.
-        let (ranges, findings) = read_text("[measured]\nnot_shown = [\"EXX\", \"EA0X\", \"EA0C\", \"EC0Y\"]\n");
+        let (ranges, findings) = read_text("[measured]\nnot_shown = [\"EZX\", \"EXX\"]\n");
+        assert_eq!((findings.len(), ranges.not_shown.map_or(0, |names| names.len())), (0, 2));
+        // Two rolls, a tilt of a rotary axis, an axis that the machine lacks.
+        let (ranges, findings) = read_text("[measured]\nnot_shown = [\"EAX\", \"EA0X\", \"EA0C\", \"EC0Y\"]\n");
         assert_eq!((findings.len(), ranges.not_shown), (4, Some(Vec::new())), "{findings:?}");
     }
 

@@ -1,15 +1,15 @@
-//! Squareness errors that no reading of a calibration can show.
+//! Squareness, positioning and straightness errors that no reading of a calibration can show.
 //!
 //! A laser along X and another along Y say nothing about the angle between the two axes, and neither does a straightness whose reference was aligned by hand.
 //! The error model then has no squareness, and nothing distinguishes it from a measured one of zero. So the machine file names it.
 
 use crate::calibrate::{Parameter, identify};
 use crate::measure::data::DataSet;
-use ncfix_base::geometry::{Axis, Plane};
+use ncfix_base::geometry::{AXES, Axis, Plane};
 use ncfix_machine::machine::squareness::{pair, squareness};
 use ncfix_machine::machine::{Machine, MeasuredRanges};
 use ncfix_model::coverage::{states_slope, states_squareness};
-use ncfix_model::name::ErrorName;
+use ncfix_model::name::{DIRECTIONS, ErrorName};
 use ncfix_model::{ErrorModel, ParameterName};
 
 /// The names for [`MeasuredRanges::not_shown`]: pairs of measured axes whose squareness neither the errors at the start nor any of these measurements show.
@@ -51,7 +51,18 @@ pub fn not_shown(
                 .any(|name| sets.iter().any(|set| shows(machine, name, set)));
         is_missing.then_some(term.name)
     };
-    let names: Vec<String> = [Plane::XY, Plane::ZX, Plane::YZ].into_iter().filter_map(of_plane).collect();
+    let mut names: Vec<String> = [Plane::XY, Plane::ZX, Plane::YZ].into_iter().filter_map(of_plane).collect();
+    // Positioning and straightness: what the file states, or an earlier calibration has shown, is known.
+    let is_unknown = |axis: Axis, name: &ErrorName| {
+        let is_listed = earlier.is_some_and(|one| one.not_shown.iter().flatten().any(|one| *one == name.to_string()));
+        let was_measured = earlier.is_some_and(|one| one.axes.contains_key(&axis));
+        let is_stated = start.motion.iter().any(|error| error.name == *name);
+        (is_listed || !was_measured) && !is_stated && !sets.iter().any(|set| shows_shape(machine, *name, axis, set))
+    };
+    for axis in AXES.into_iter().filter(|axis| !axis.is_rotary() && ranges.axes.contains_key(axis)) {
+        let own = DIRECTIONS[..3].iter().map(|&direction| ErrorName::motion(direction, axis));
+        names.extend(own.filter(|name| is_unknown(axis, name)).map(|name| name.to_string()));
+    }
     let was_stated = earlier.is_some_and(|earlier| earlier.not_shown.is_some());
     (was_stated || !names.is_empty()).then_some(names)
 }
@@ -68,6 +79,14 @@ pub(super) fn lacking(machine: &Machine, start: &ErrorModel, parameters: &[Param
         (!is_known).then(|| ParameterName::location(names[0]))
     };
     [Plane::XY, Plane::ZX, Plane::YZ].into_iter().filter_map(of_plane).collect()
+}
+
+/// True if the readings of a measurement can show the positioning of an axis, or the bow of a straightness, beside the unknowns of its set-ups.
+fn shows_shape(machine: &Machine, name: ErrorName, axis: Axis, set: &DataSet) -> bool {
+    let degree = if name.direction.index() == axis.dimension() { 1 } else { 2 };
+    let parameter = Parameter::from(ParameterName::coefficient(name, degree));
+    let found = identify(machine, &ErrorModel::default(), &[parameter], std::slice::from_ref(set));
+    found.is_some_and(|found| found.inflation.first().is_some_and(|inflation| inflation.is_finite()))
 }
 
 /// True if the readings of a measurement can show a squareness beside the unknowns of its set-ups.

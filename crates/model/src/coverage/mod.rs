@@ -48,6 +48,8 @@ pub enum GapKind {
     RangeNotStated,
     /// Two axes move, and no measurement shows their squareness.
     Squareness,
+    /// An axis moves, and no measurement shows its positioning or a straightness.
+    Component,
     /// Position beyond the measured range.
     Position,
     /// Tool shorter or longer than the tools of the measurement.
@@ -71,6 +73,8 @@ pub struct CoverageGap {
     pub table: Option<ErrorName>,
     /// Squareness that no measurement shows.
     pub squareness: Option<ErrorName>,
+    /// Positioning and straightness errors that no measurement shows.
+    pub components: Vec<ErrorName>,
     /// Lowest and highest value in use: mm, rad, °C or N.
     pub used: [f64; 2],
     /// Measured range in the same unit, if it is known.
@@ -98,6 +102,7 @@ impl GapKind {
             GapKind::NoErrors => "no-errors",
             GapKind::RangeNotStated => "range-not-stated",
             GapKind::Squareness => "squareness",
+            GapKind::Component => "component",
             GapKind::Position => "position",
             GapKind::ToolLength => "tool-length",
             GapKind::Temperature => "temperature",
@@ -112,6 +117,7 @@ impl GapKind {
             GapKind::NoErrors => Code::AXIS_WITHOUT_ERRORS,
             GapKind::RangeNotStated => Code::RANGE_NOT_STATED,
             GapKind::Squareness => Code::SQUARENESS_NOT_SHOWN,
+            GapKind::Component => Code::COMPONENT_NOT_SHOWN,
             GapKind::Position => Code::BEYOND_MEASURED,
             GapKind::ToolLength => Code::TOOL_BEYOND_MEASURED,
             GapKind::Temperature | GapKind::Load => Code::STATE_BEYOND_MEASURED,
@@ -133,6 +139,7 @@ impl Coverage {
             survey.axis(axis, range, &mut gaps);
         }
         survey.squareness(&mut gaps);
+        survey.components(&mut gaps);
         survey.tools(&mut gaps);
         survey.temperatures(&mut gaps);
         gaps.extend(survey.load());
@@ -198,6 +205,7 @@ impl<'a> Survey<'a> {
             sensor: None,
             table: None,
             squareness: None,
+            components: Vec::new(),
             used,
             measured: None,
             beyond: 0.0,
@@ -315,7 +323,34 @@ impl<'a> Survey<'a> {
                 sensor: None,
                 table: None,
                 squareness: Some(name),
+                components: Vec::new(),
                 used: self.used.axes.get(&axis).copied().unwrap_or_default(),
+                measured: self.measured.axes.get(&axis).copied(),
+                beyond: 0.0,
+                size_mm: None,
+            });
+        }
+    }
+
+    /// Axes that move, and whose positioning or straightness the calibration could not show. An error that the file states is known from elsewhere.
+    fn components(&self, gaps: &mut Vec<CoverageGap>) {
+        let names = self.measured.not_shown.iter().flatten().filter_map(|name| name.parse::<ErrorName>().ok());
+        let is_stated = |name: &ErrorName| self.errors.motion.iter().any(|error| error.name == *name);
+        let open: Vec<ErrorName> =
+            names.filter(|name| name.kind == ErrorKind::Motion && !is_stated(name)).collect();
+        for (&axis, &used) in self.used.axes.iter().filter(|(_, [low, high])| high - low > ON_LIMIT) {
+            let components: Vec<ErrorName> = open.iter().filter(|name| name.axis() == Some(axis)).copied().collect();
+            if components.is_empty() {
+                continue;
+            }
+            gaps.push(CoverageGap {
+                kind: GapKind::Component,
+                axis: Some(axis),
+                sensor: None,
+                table: None,
+                squareness: None,
+                components,
+                used,
                 measured: self.measured.axes.get(&axis).copied(),
                 beyond: 0.0,
                 size_mm: None,
@@ -345,6 +380,7 @@ impl<'a> Survey<'a> {
                 sensor: None,
                 table: None,
                 squareness: None,
+                components: Vec::new(),
                 used,
                 measured: Some(measured),
                 beyond,
@@ -367,6 +403,7 @@ impl<'a> Survey<'a> {
                     sensor: Some(sensor.to_owned()),
                     table: None,
                     squareness: None,
+                    components: Vec::new(),
                     used: [now_c; 2],
                     measured: Some(measured),
                     beyond,
@@ -395,6 +432,7 @@ impl<'a> Survey<'a> {
             sensor: None,
             table: None,
             squareness: None,
+            components: Vec::new(),
             used: [now_n; 2],
             measured: Some(measured),
             beyond,

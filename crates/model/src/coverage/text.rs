@@ -33,6 +33,9 @@ impl Coverage {
             let help = format!("add the range of {axes} to [measured] of the machine file");
             say(GapKind::RangeNotStated.code(), message, help);
         }
+        if let Some((message, help)) = self.components() {
+            say(GapKind::Component.code(), message, help);
+        }
         for gap in &self.gaps {
             if let Some((message, help)) = squareness(gap) {
                 say(gap.kind.code(), message, help);
@@ -42,6 +45,16 @@ impl Coverage {
             }
         }
         found
+    }
+
+    /// Returns message and help of positioning and straightness errors that no measurement shows.
+    fn components(&self) -> Option<(String, String)> {
+        let (axes, verb, ..) = self.subjects(GapKind::Component)?;
+        let names: Vec<String> =
+            self.gaps.iter().flat_map(|gap| &gap.components).map(|name| format!("{name} ({})", name.spelled_out())).collect();
+        let message = format!("{axes} {verb}, and no measurement shows {}", names.join(", "));
+        let help = "measure them, for example with a ball-bar, a straightness optic or probed balls, and calibrate; or remove those that are known from not_shown in [measured]";
+        Some((message, help.to_owned()))
     }
 
     /// Returns the axes of a kind of gaps as a subject, with its verb, its errors and its passive.
@@ -105,7 +118,7 @@ fn sentence(gap: &CoverageGap) -> Option<(String, String)> {
     let size = size.map_or_else(String::new, |um| format!("; {} of the error is extrapolated", micrometers(um)));
     let unit = gap.unit();
     Some(match gap.kind {
-        GapKind::NoErrors | GapKind::RangeNotStated | GapKind::Squareness => return None,
+        GapKind::NoErrors | GapKind::RangeNotStated | GapKind::Squareness | GapKind::Component => return None,
         GapKind::Position => {
             let axis = gap.axis?;
             let range = match gap.table {
