@@ -70,7 +70,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("W0609", "import_wrong: missing_rows_are_named"),
     ("W0610", "strangers: the_slope_of_a_height_map_is_not_that_of_the_axis"),
     ("W0611", "strangers: a_scale_from_circles_of_unknown_length_is_relative"),
-    ("W0331", "not_shown: a_straightness_that_no_reading_shows_is_named"),
+    ("W0332", "not_shown: a_straightness_that_no_reading_shows_is_named"),
     ("W0620", "not_shown: a_squareness_that_the_readings_show_and_the_model_lacks_is_named"),
     ("W0615", "strangers: two_reference_temperatures_are_named"),
     ("W0607", "diagnose_faults: the_command_reports_faults_and_refuses_what_is_no_data"),

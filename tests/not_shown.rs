@@ -146,7 +146,7 @@ fn a_straightness_that_no_reading_shows_is_named() {
     let text = calibrate(&shop, "lines.csv", "start.toml", "EXX1,EYY1,EYX2", "lines_only.toml");
     assert!(text.contains("not_shown = [\"EC0Y\", \"EZX\", \"EXY\", \"EZY\"]"), "{text}");
     let run = fix(&shop, "one.mpf", "lines_only.toml");
-    assert_eq!(run.codes(), ["W0331"]);
+    assert_eq!(run.codes(), ["W0332"]);
     assert!(run.stdout.contains("EZX (straightness of X in Z)"), "{}", run.stdout);
     let json = run.json();
     assert_eq!(json["coverage"]["gaps"][0]["components"], serde_json::json!(["EZX"]));
@@ -155,9 +155,11 @@ fn a_straightness_that_no_reading_shows_is_named() {
     let text = calibrate(&shop, "lines.csv circle.csv", "start.toml", "EXX1,EYY1,EYX2,EC0Y", "together.toml");
     assert!(text.contains("not_shown = [\"EZX\", \"EZY\"]"), "{text}");
     // What the file states is known, and what is removed by hand too.
-    for text in [text.replace("\"EZX\", ", ""), text + "[[motion]]\ncomponent = \"EZX\"\nkind = \"polynomial\"\ncoefficients = [0, 0, 1e-9]\n"] {
-        let shop = shop.file("known.toml", text);
-        assert!(fix(&shop, "one.mpf", "known.toml").codes().is_empty());
+    let stated = "[[motion]]\ncomponent = \"EZX\"\nkind = \"polynomial\"\ncoefficients = [0, 0, 1e-9]\n";
+    let shop =
+        shop.file("removed.toml", text.replace("\"EZX\", ", "")).file("stated.toml", format!("{text}\n{stated}"));
+    for known in ["removed.toml", "stated.toml"] {
+        assert!(fix(&shop, "one.mpf", known).codes().is_empty(), "{known}");
     }
 }
 

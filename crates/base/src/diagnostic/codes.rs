@@ -56,7 +56,7 @@ impl Code {
     /// True if it names a gap in the ranges that were measured.
     #[must_use]
     pub fn is_coverage(self) -> bool {
-        matches!(self.0, "W0316" | "W0317" | "W0318" | "W0319" | "W0320" | "W0330" | "W0331" | "E0322")
+        matches!(self.0, "W0316" | "W0317" | "W0318" | "W0319" | "W0320" | "W0330" | "W0332" | "E0322")
     }
 
     /// True if the program text itself was not understood (exit status 3, not 4).
@@ -941,7 +941,7 @@ its positions are true positions, and no touched zero is subtracted.";
 the machine file names this squareness. A laser measures each axis alone, and a straightness whose reference was aligned by hand shows no
 slope. Or the readings show the angle, and --model of the calibration lacked it (W0620). The squareness is unknown, not zero: the correction leaves it on the workpiece, and the predicted error does not contain it.
 Measure it, for example with a ball-bar or a square, and calibrate again.";
-    COMPONENT_NOT_SHOWN = "W0331" "positioning or straightness that no measurement shows"
+    COMPONENT_NOT_SHOWN = "W0332" "positioning or straightness that no measurement shows"
 "An axis moves while the tool cuts, and no reading of the calibration shows one of its errors: the positioning along its own direction (EXX), or
 its straightness across it (EYX, EZX). The list not_shown in [measured] of the machine file names them. A laser for positioning shows no
 straightness, and two measured diagonals show only a squareness. These errors are unknown, not zero: the correction leaves them on the workpiece, and the

@@ -137,10 +137,13 @@ pub(super) fn read(mut section: Section<'_>, axes: AxisSet, findings: &mut Vec<D
     ranges.instruments = section.texts("instruments").unwrap_or_default();
     ranges.residual_um = section.number_where("residual_um", "a number that is not negative", |um| um >= 0.0);
     if let Some(names) = section.texts(NOT_SHOWN) {
-        let (own, others): (Vec<String>, Vec<String>) = names.into_iter().partition(|name| is_squareness(name, axes) || is_translation(name, axes));
+        let (own, others): (Vec<String>, Vec<String>) =
+            names.into_iter().partition(|name| is_squareness(name, axes) || is_translation(name, axes));
         ranges.not_shown = Some(own);
         for name in others {
-            let message = format!("{NOT_SHOWN} has '{name}', which is no squareness, straightness or positioning error of a linear axis of this machine");
+            let message = format!(
+                "{NOT_SHOWN} has '{name}', which is no squareness, straightness or positioning error of a linear axis of this machine"
+            );
             let help = "write the names of such errors, for example [\"EC0Y\", \"EZX\"]";
             section.report(Code::BAD_VALUE, section.place_of(NOT_SHOWN), message, help);
         }
@@ -151,7 +154,9 @@ pub(super) fn read(mut section: Section<'_>, axes: AxisSet, findings: &mut Vec<D
 
 /// True for the positioning or a straightness of a linear axis of the machine: `EXX`, `EZX`.
 fn is_translation(name: &str, axes: AxisSet) -> bool {
-    axes.iter().filter(|axis| !axis.is_rotary()).any(|axis| ['X', 'Y', 'Z'].iter().any(|along| name == format!("E{along}{axis}")))
+    axes.iter()
+        .filter(|axis| !axis.is_rotary())
+        .any(|axis| ['X', 'Y', 'Z'].iter().any(|along| name == format!("E{along}{axis}")))
 }
 
 /// True for the rotation of a linear axis of the machine about another axis: `EC0Y`.

@@ -149,7 +149,13 @@ impl PreparedFit<'_> {
         self.compare(&fit, findings, report);
         findings.extend(worse(report));
         if candidates.is_none() && !self.settings.is_automatic {
-            omitted::check((self.begin.machine, self.begin.errors), &self.parameters, &self.used, self.options(), findings);
+            omitted::check(
+                (self.begin.machine, self.begin.errors),
+                &self.parameters,
+                &self.used,
+                self.options(),
+                findings,
+            );
         }
         self.rows(&fit, findings, report);
         Some(fit)

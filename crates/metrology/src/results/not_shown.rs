@@ -45,10 +45,7 @@ pub fn not_shown(
         };
         let is_missing = is_open(&term.name, [first, second])
             && !states_squareness(start, error, [first, second])
-            && !names
-                .into_iter()
-                .filter(is_tried)
-                .any(|name| sets.iter().any(|set| shows(machine, name, set)));
+            && !names.into_iter().filter(is_tried).any(|name| sets.iter().any(|set| shows(machine, name, set)));
         is_missing.then_some(term.name)
     };
     let mut names: Vec<String> = [Plane::XY, Plane::ZX, Plane::YZ].into_iter().filter_map(of_plane).collect();

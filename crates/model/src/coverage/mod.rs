@@ -336,8 +336,7 @@ impl<'a> Survey<'a> {
     fn components(&self, gaps: &mut Vec<CoverageGap>) {
         let names = self.measured.not_shown.iter().flatten().filter_map(|name| name.parse::<ErrorName>().ok());
         let is_stated = |name: &ErrorName| self.errors.motion.iter().any(|error| error.name == *name);
-        let open: Vec<ErrorName> =
-            names.filter(|name| name.kind == ErrorKind::Motion && !is_stated(name)).collect();
+        let open: Vec<ErrorName> = names.filter(|name| name.kind == ErrorKind::Motion && !is_stated(name)).collect();
         for (&axis, &used) in self.used.axes.iter().filter(|(_, [low, high])| high - low > ON_LIMIT) {
             let components: Vec<ErrorName> = open.iter().filter(|name| name.axis() == Some(axis)).copied().collect();
             if components.is_empty() {

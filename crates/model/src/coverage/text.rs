@@ -50,8 +50,12 @@ impl Coverage {
     /// Returns message and help of positioning and straightness errors that no measurement shows.
     fn components(&self) -> Option<(String, String)> {
         let (axes, verb, ..) = self.subjects(GapKind::Component)?;
-        let names: Vec<String> =
-            self.gaps.iter().flat_map(|gap| &gap.components).map(|name| format!("{name} ({})", name.spelled_out())).collect();
+        let names: Vec<String> = self
+            .gaps
+            .iter()
+            .flat_map(|gap| &gap.components)
+            .map(|name| format!("{name} ({})", name.spelled_out()))
+            .collect();
         let message = format!("{axes} {verb}, and no measurement shows {}", names.join(", "));
         let help = "measure them, for example with a ball-bar, a straightness optic or probed balls, and calibrate; or remove those that are known from not_shown in [measured]";
         Some((message, help.to_owned()))
