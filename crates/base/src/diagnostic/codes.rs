@@ -923,9 +923,9 @@ blocks, and surfaces may show it. Choose a larger --tolerance, which gives longe
 for each.";
     ZERO_LENGTH_NOT_STATED = "W0326" "length of the tool at the touch not stated"
 "A touched zero contains the error of the machine where the tool touched, and this depends on the length of the tool or probe: a
-longer one touches at a higher position of the axes. Without a stated length the correction is right for the length 0. All cuts
-are then displaced by the size in the message. State the length: --zero G54=touched@L110, or tool_length_mm in
-[zero_offset.NAME.set_at]. See docs/how-to/set-the-zero.md.";
+longer one touches at a higher position of the axes. Without a stated length, the first tool with which the program cuts in this
+zero counts. If another tool or a probe touched, all cuts are displaced by up to the size in the message. State the length:
+--zero G54=touched@L110, or tool_length_mm in [zero_offset.NAME.set_at]. See docs/how-to/set-the-zero.md.";
     BACKWARD_TOOL = "W0327" "negative tool length"
 "A tool of the program has a negative length, as on a control whose lengths count from the machine zero or from a reference tool.
 The axis positions are then still right, but ncfix needs the distance from the gauge point of the spindle to the tip: angular errors
@@ -941,6 +941,10 @@ its positions are true positions, and no touched zero is subtracted.";
 the machine file names this squareness. A laser measures each axis alone, and a straightness whose reference was aligned by hand shows no
 slope. The squareness is unknown, not zero: the correction leaves it on the workpiece, and the predicted error does not contain it.
 Measure it, for example with a ball-bar or a square, and calibrate again.";
+    ZERO_OUT_OF_REACH = "W0331" "zero offset outside the travel"
+"machine check found a zero offset whose zero no tool of the machine file can reach. For X and Y, its value is outside the travel. For
+the axis along the spindle, it is outside with every tool. Mostly a sign or a digit is wrong, or the value is that of another machine.
+Compare it with the control. On a part that is longer than the travel, the value may be right.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be detected. Add the lowest
 and the highest position of the axis, in machine coordinates.";
