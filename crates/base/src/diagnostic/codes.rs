@@ -155,9 +155,9 @@ has more.";
 on for absolute values, or CR= for the radius. Fanuc, RS274/NGC and Grundig: I, J, K, or R for the radius. Without them,
 infinitely many arcs lead from the start to the end. Add the center or the radius to the block.";
     ARC_OFF_CIRCLE = "E0203" "arc end is not on the circle"
-"The radius at the start of the arc and the radius at its end differ by more than the control allows. Or the center is off the
-perpendicular bisector of the chord by more than that and, on a Sinumerik, by more than 1.8° as seen from the start. The limit is
-the larger of control.arc_tolerance_mm and control.arc_tolerance_ratio times the radius (Sinumerik MD21000 and MD21010, default
+"The radius at the start of the arc and the radius at its end differ by more than the control allows. Or the nearest center of a
+circle through both points is farther away than that and, on a Sinumerik, more than 1.8° as seen from the start. The limit is the
+larger of control.arc_tolerance_mm and control.arc_tolerance_ratio times the radius (Sinumerik MD21000 and MD21010, default
 0.01 mm and 0.001).
 
   N10 G1 X0 Y0
