@@ -105,10 +105,6 @@ const FACTS: &[(RowFact, &[&str])] = &[
             "komponente",
             "composante",
             "componente",
-            "head",
-            "spindle",
-            "channel",
-            "sensor",
         ],
     ),
 ];
@@ -138,6 +134,15 @@ const QUANTITIES: &[&str] = &[
     "deviation",
     "abweichung",
     "écart",
+    "pressure",
+    "druck",
+    "luftdruck",
+    "pression",
+    "pressione",
+    "presión",
+    "air",
+    "luft",
+    "humidity",
     "time",
     "zeit",
     "speed",
@@ -287,7 +292,7 @@ mod tests {
             assert_eq!(row_fact(heading), Some(expected), "{heading}");
         }
         for heading in
-            ["x axis", "axis position", "dia", "humidity", "remark", "barometer", "planid", "direction error"]
+            ["x axis", "axis position", "dia", "humidity", "remark", "air pressure [bar]", "planid", "direction error"]
         {
             assert_eq!(row_fact(heading), None, "{heading}");
         }
