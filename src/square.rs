@@ -167,7 +167,10 @@ pub(crate) fn find(
             gamma_urad / 1e3
         ),
     );
-    row("term", format!("{} = {value_urad:.1} µrad on {}", term.name, machine.topology));
+    // The term is that of the axis of its name; the model turns this one, and the other keeps its direction.
+    let (turned, stays) =
+        if term.name.ends_with(char::from(first.letter())) { (first, second) } else { (second, first) };
+    row("term", format!("{} = {value_urad:.1} µrad on {}: {turned} turns, {stays} stays", term.name, machine.topology));
     let [d1, d2] = measured.diagonals_mm(sides_mm);
     let [a, b] = sides_mm;
     let lean_mm = a.max(b) * measured.gamma_rad.abs();

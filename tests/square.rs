@@ -41,7 +41,7 @@ fn the_worked_example_is_half_a_millimeter_in_a_meter() {
     let shop = Shop::new().file("m.toml", machine("wFXYZSt"));
     let run = square(&shop, &["--d1", "848.740", "--d2", "848.316", "--side", "600", "--read-to", "0.5"]).exits(0);
     assert!(run.stdout.contains("X+ to Y+ is 90° − 499.7 µrad ± "), "{}", run.stdout);
-    assert!(run.stdout.contains("EC0Y = -499.7 µrad on wFXYZSt"), "{}", run.stdout);
+    assert!(run.stdout.contains("EC0Y = -499.7 µrad on wFXYZSt: Y turns, X stays"), "{}", run.stdout);
     // u(γ) = u·D/(√2·a·b), u = 0.5/√3 = 0.28868: 0.28868·848.528/(1.41421·360000) = 4.8113e-4; twice that is 962.3 µrad.
     assert!(run.stdout.contains("± 962.3 µrad (95 %)"), "{}", run.stdout);
     // Over a travel of 2000 mm the correction is 1 mm, more than the 0.2 mm of a correction without an option.
