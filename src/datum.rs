@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostics::Diagnostics;
-use crate::first_tools::{self, FirstTools, depends_on_length};
+use crate::first_tools::{self, FirstTools};
 use crate::machine::Machine;
 use crate::program::Program;
 use ncfix_base::diagnostic::{Code, Diagnostic};
@@ -84,7 +84,7 @@ fn datum_of(chosen: &Machine, name: &str, index: u16) -> Datum {
 }
 
 /// Names and shifts of all zero offsets, by index: those of the machine file, and then those that the program sets.
-pub(crate) fn all(chosen: &Machine) -> impl Iterator<Item = (&String, AxisVector)> {
+fn all(chosen: &Machine) -> impl Iterator<Item = (&String, AxisVector)> {
     let of_file = chosen.machine.zero_offsets.iter().map(|(name, zero)| (name, zero.shift()));
     of_file.chain(chosen.written_zeros.iter().map(|(name, shift)| (name, *shift)))
 }
@@ -108,7 +108,8 @@ pub(crate) fn with_written(program: &Program, chosen: &Machine) -> Machine {
     let begins = |byte: &u8| matches!(byte, b'G' | b'g' | b'U' | b'u' | b'I' | b'i' | b'#');
     let may_set = bytes.iter().enumerate().any(|(at, byte)| begins(byte) && sets(at, bytes));
     let model = chosen.model();
-    if model.is_empty() || !(may_set || depends_on_length(chosen, &model)) {
+    let asked = if model.is_empty() { Vec::new() } else { first_tools::asked(chosen, &model, all(chosen)) };
+    if model.is_empty() || !may_set && asked.is_empty() {
         return out;
     }
     let Ok(Some(opened)) = program.open(Some(chosen), &mut Diagnostics::default()) else { return out };
@@ -118,7 +119,7 @@ pub(crate) fn with_written(program: &Program, chosen: &Machine) -> Machine {
     let mut tools = FirstTools::new(&chosen.machine);
     for element in elements.take(MOST_ELEMENTS).flatten() {
         tools.see(&element.kind);
-        if !may_set && tools.len() == first {
+        if !may_set && tools.has_all(&asked) {
             break;
         }
         if let Kind::Setup(setup) = &element.kind

@@ -3,9 +3,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::datum;
 use crate::machine::Machine;
-use ncfix_base::geometry::Vector;
+use ncfix_base::geometry::{AxisVector, Vector};
 use ncfix_machine::machine;
 use ncfix_machine::snc::Kind;
 use ncfix_model::Model;
@@ -45,9 +44,9 @@ impl<'a> FirstTools<'a> {
         }
     }
 
-    /// Number of zero offsets with a tool.
-    pub(crate) fn len(&self) -> usize {
-        self.found.len()
+    /// True if each of these zero offsets has its tool.
+    pub(crate) fn has_all(&self, zeros: &[u16]) -> bool {
+        zeros.iter().all(|zero| self.found.contains_key(zero))
     }
 
     /// Lengths by the index of the zero offset, mm.
@@ -61,10 +60,15 @@ const TRIED_MM: [f64; 3] = [0.0, 100.0, 300.0];
 /// Differences below this are rounding noise, mm.
 const NOISE_MM: f64 = 1e-6;
 
-/// True if a zero offset that is stated as touched contains an error that depends on the length of the tool at the touch, and no length is stated.
-pub(crate) fn depends_on_length(chosen: &Machine, model: &Model) -> bool {
+/// Indices of the zero offsets that are stated as touched, contain an error that depends on the length of the tool at the touch, and have no stated length.
+/// `zeros` are the names and shifts of all zero offsets, by index.
+pub(crate) fn asked<'a>(
+    chosen: &Machine,
+    model: &Model,
+    zeros: impl Iterator<Item = (&'a String, AxisVector)>,
+) -> Vec<u16> {
     let machine = &chosen.machine;
-    datum::all(chosen).any(|(name, shift)| {
+    let is_asked = |name: &str, shift: &AxisVector| {
         let datum = machine.datums.get(name).copied().unwrap_or_default();
         let is_touched = datum.setting.is_some_and(|setting| setting.is_relative());
         if !is_touched || datum.at.iter().all(|at| at.tool_length_mm.is_some()) {
@@ -73,8 +77,9 @@ pub(crate) fn depends_on_length(chosen: &Machine, model: &Model) -> bool {
         let [none_mm, short_mm, long_mm] = TRIED_MM.map(|length_mm| {
             let mut tried = datum;
             tried.at.iter_mut().for_each(|at| at.tool_length_mm = at.tool_length_mm.or(Some(length_mm)));
-            model.displacement_at(&[0, 1, 2].map(|side| tried.pose(side, &shift, machine)))
+            model.displacement_at(&[0, 1, 2].map(|side| tried.pose(side, shift, machine)))
         });
         [short_mm, long_mm].iter().any(|mm| (mm - none_mm).amax() > NOISE_MM)
-    })
+    };
+    zeros.zip(0_u16..).filter(|((name, shift), _)| is_asked(name, shift)).map(|(_, index)| index).collect()
 }
