@@ -218,18 +218,18 @@ fn a_column_of_units_counts_in_a_report_of_features() {
 #[test]
 fn a_common_position_does_not_shift_the_targets_of_an_axis_that_moved() {
     let table = |axis: &str| format!("Axis;{axis}\nTarget [mm];1+ [um];1- [um]\n0;0;1\n100;2;3\n200;4;6\n");
-    let shop = shop().file("exports/x.csv", table("X")).file("exports/y.csv", table("Y"));
+    let shop = shop().file("exports/lx.csv", table("X")).file("exports/ly.csv", table("Y"));
     let folder = |at: &[&'static str]| {
         let words = ["import", "exports", "--machine", "tool.toml", "-o", "read", "--force"];
         let all = words.into_iter().chain(["--sign", "+", "--tool", "0", "--material", "20C"]);
         shop.run(all.chain(at.iter().flat_map(|at| ["--at", at])))
     };
     let run = folder(&["X300,Y200,Z100"]).exits(4);
-    run.says("E0618").says("X moved in x.csv, so X300 of --at would shift its targets by 300").says("--at x=");
+    run.says("E0618").says("X moved in lx.csv, so X300 of --at would shift its targets by 300").says("--at lx=");
     assert!(!shop.path("read").exists());
-    folder(&["x=Y200,Z100", "y=X300,Z100"]).exits(0);
-    assert!(shop.text("read/x.csv").contains("200"), "{}", shop.text("read/x.csv"));
+    folder(&["lx=Y200,Z100", "ly=X300,Z100"]).exits(0);
+    assert!(shop.text("read/lx.csv").contains("200"), "{}", shop.text("read/lx.csv"));
     // For one file alone, the position is that of target 0.
-    folder(&["x=X300,Y200,Z100", "y=X300,Z100"]).exits(0);
-    assert!(shop.text("read/x.csv").contains("500"), "{}", shop.text("read/x.csv"));
+    folder(&["lx=X300,Y200,Z100", "ly=X300,Z100"]).exits(0);
+    assert!(shop.text("read/lx.csv").contains("500"), "{}", shop.text("read/lx.csv"));
 }
