@@ -71,7 +71,7 @@ impl CircleFacts {
     /// Takes the facts of columns with one value in all rows.
     ///
     /// # Errors
-    /// If a value is none of its kind, or if a line before the table states another one.
+    /// If a value is not of its kind, or if a line before the table states another one.
     pub(super) fn add(
         &mut self,
         inquiry: &Inquiry<'_>,
