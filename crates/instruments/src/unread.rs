@@ -34,7 +34,7 @@ impl Inquiry<'_> {
         Ok(())
     }
 
-    /// Checks that all features of a table were measured in one set-up with one sign. What a feature is, and where, follows from its coordinates.
+    /// Checks that all features of a table were measured in one set-up with one sign. The coordinates of a feature say where it is.
     ///
     /// # Errors
     /// If a column divides them.
