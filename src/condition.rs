@@ -1,12 +1,12 @@
 //! The condition of the machine: `--state` and `--load`.
 
-use crate::datum;
 use crate::diagnostics::Diagnostics;
 use crate::disk::files;
 use crate::disk::hash::short_hash;
 use crate::error::Error;
 use crate::machine::Machine;
 use crate::options::ConditionFiles;
+use crate::stated_zero;
 use ncfix_base::csv::Table;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{AXIS_COUNT, Axis, Vector};
@@ -85,7 +85,7 @@ pub(crate) fn read(choice: &ConditionFiles, chosen: &mut Machine, findings: &mut
         condition.add_load(load);
         parts.push(format!("{load:?}"));
     }
-    datum::state(&choice.zeros, chosen)?;
+    stated_zero::state(&choice.zeros, chosen)?;
     parts.extend(choice.zeros.iter().map(|zero| format!("{zero:?}")));
     if !parts.is_empty() {
         chosen.state = Some(short_hash(parts.iter().map(String::as_bytes)));

@@ -1,106 +1,21 @@
 //! The datum of a job: the zero offsets that a program uses, the method by which each was set, and the error of the machine that a touched one contains.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::str::FromStr;
 
 use crate::diagnostics::Diagnostics;
-use crate::error::Error;
+use crate::first_tools::{self, FirstTools};
 use crate::machine::Machine;
 use crate::program::Program;
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Vector};
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
 use ncfix_base::number::significant;
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_language::exec;
 use ncfix_machine::machine::condition::Condition;
-use ncfix_machine::machine::{Datum, State, TouchedAt, ZeroSetting};
+use ncfix_machine::machine::{Datum, State};
 use ncfix_machine::snc::Kind;
 use ncfix_model::Model;
 use ncfix_report::json::{ZeroReport, components_um};
-
-/// A statement about a zero offset on the command line: `G54=touched@X330,Y240,Z120`.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct StatedZero {
-    /// Name of the zero offset.
-    name: String,
-    setting: ZeroSetting,
-    /// Axis positions of the touch, machine coordinates, for the stated axes.
-    at: Option<(AxisSet, AxisVector)>,
-    /// Length of the tool or probe at the touch, mm.
-    tool_length_mm: Option<f64>,
-    /// As written.
-    text: String,
-}
-
-impl StatedZero {
-    /// The statement as it was written.
-    pub(crate) fn text(&self) -> &str {
-        &self.text
-    }
-}
-
-impl FromStr for StatedZero {
-    type Err = String;
-
-    /// Reads `G54=touched`, `G54=absolute` or `G54=probed@X330,Y240,Z120,L100`, with the length of the tool after L.
-    fn from_str(text: &str) -> Result<StatedZero, String> {
-        let wrong = || {
-            format!(
-                "'{text}' states no zero: the methods are touched, probed and absolute; write for example G54=touched or G54=touched@X330,Y240,Z120,L100"
-            )
-        };
-        let no_method = || match ZeroSetting::of_name(text.trim()) {
-            Some(setting) => format!("'{text}' names no zero offset; write for example G54={}", setting.name()),
-            None => format!(
-                "'{text}' does not state how the zero was set; write for example {text}=touched or {text}=absolute"
-            ),
-        };
-        let (name, rest) = text.split_once('=').ok_or_else(no_method)?;
-        let (setting, place) = rest.split_once('@').map_or((rest, None), |(setting, place)| (setting, Some(place)));
-        let setting = ZeroSetting::of_name(setting.trim()).ok_or_else(wrong)?;
-        let parts = || place.into_iter().flat_map(|place| place.split(',')).map(str::trim);
-        let length_of = |part: &str| part.strip_prefix(['L', 'l']).map(|text| text.trim().parse::<f64>());
-        let tool_length_mm = parts().find_map(length_of).transpose().map_err(|_| wrong())?;
-        if tool_length_mm.is_some_and(|length_mm| !length_mm.is_finite()) {
-            return Err(wrong());
-        }
-        let axes: Vec<&str> = parts().filter(|part| length_of(part).is_none()).collect();
-        let letters = axes.iter().filter_map(|part| part.bytes().next());
-        let stated = letters.filter_map(|letter| Axis::from_letter(letter.to_ascii_uppercase())).collect();
-        let command = |_| axes.join(",").parse::<AxisVector>().map_err(|_| wrong());
-        // A length alone states no position.
-        let at = place.filter(|_| !axes.is_empty() || tool_length_mm.is_none()).map(command).transpose()?;
-        let at = at.map(|command| (stated, command));
-        let name = name.trim().to_ascii_uppercase();
-        Ok(StatedZero { name, setting, at, tool_length_mm, text: text.to_owned() })
-    }
-}
-
-/// Notes statements about zero offsets in the machine; they override its file.
-///
-/// # Errors
-/// If a zero offset has no value there.
-pub(crate) fn state(zeros: &[StatedZero], chosen: &mut Machine) -> Result<(), Error> {
-    for StatedZero { name, setting, at, tool_length_mm, .. } in zeros {
-        if !chosen.machine.zero_offsets.contains_key(name) {
-            return Err(Error::usage(format!("--zero {name}: this zero offset has no value in the machine file")));
-        }
-        if !chosen.stated_zeros.contains(name) {
-            chosen.stated_zeros.push(name.clone());
-        }
-        let datum = chosen.machine.datums.entry(name.clone()).or_default();
-        datum.setting = Some(*setting);
-        datum.is_of_other_value = false;
-        if let Some((stated, command)) = *at {
-            let tool_length_mm = datum.at[0].tool_length_mm;
-            datum.at = [TouchedAt { stated, command, tool_length_mm, ..TouchedAt::default() }; 3];
-        }
-        if tool_length_mm.is_some() {
-            datum.at.iter_mut().for_each(|at| at.tool_length_mm = *tool_length_mm);
-        }
-    }
-    Ok(())
-}
 
 /// A model of the machine with the errors that its zero offsets contain.
 pub(crate) fn with_zeros(chosen: &Machine, model: Model) -> Model {
@@ -115,8 +30,8 @@ pub(crate) fn with_zeros(chosen: &Machine, model: Model) -> Model {
     let then = earlier.as_ref().unwrap_or(&model);
     // The temperature of the machine at a touch that no file states is unknown: drift counts from the reference condition.
     let reference = Model::at(machine, &chosen.errors, &Condition::default());
-    let datums = all(chosen).map(|(name, shift)| {
-        let datum = machine.datums.get(name).copied().unwrap_or_default();
+    let datums = all(chosen).zip(0_u16..).map(|((name, shift), index)| {
+        let datum = datum_of(chosen, name, index);
         let is_assumed = datum.setting.is_none() && earlier.is_none();
         let then = if is_assumed { &reference } else { then };
         let touch_mm = then.displacement_at(&[0, 1, 2].map(|side| datum.pose(side, &shift, machine)));
@@ -160,6 +75,14 @@ pub(crate) fn of_unknown_sides(chosen: &Machine) -> Vec<Model> {
     [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate().filter_map(of_axis).collect()
 }
 
+/// The statement about a zero offset. If it says that the zero was touched and not with which tool, that is the first one with which the program cuts there.
+fn datum_of(chosen: &Machine, name: &str, index: u16) -> Datum {
+    let mut datum = chosen.machine.datums.get(name).copied().unwrap_or_default();
+    let first_mm = chosen.first_tools_mm.get(&index).copied().filter(|_| datum.setting.is_some());
+    datum.at.iter_mut().for_each(|at| at.tool_length_mm = at.tool_length_mm.or(first_mm));
+    datum
+}
+
 /// Names and shifts of all zero offsets, by index: those of the machine file, and then those that the program sets.
 fn all(chosen: &Machine) -> impl Iterator<Item = (&String, AxisVector)> {
     let of_file = chosen.machine.zero_offsets.iter().map(|(name, zero)| (name, zero.shift()));
@@ -172,24 +95,33 @@ const SETTERS: [&[u8]; 6] = [b"G10", b"UIFR", b"IFRAME", b"#5", b"#7", b"#["];
 /// Maximum number of executed elements of this: a program may have no end.
 const MOST_ELEMENTS: usize = 10_000_000;
 
-/// The machine with the values of the zero offsets that a program sets itself. If it may set any, it is executed once.
+/// The machine with the values of the zero offsets that a program sets itself, and with the first tool of each offset. If the program may set any, or if a
+/// touch depends on a length that nothing states, it is executed once.
 pub(crate) fn with_written(program: &Program, chosen: &Machine) -> Machine {
     let mut out = chosen.clone();
     out.written_zeros.clear();
+    out.first_tools_mm.clear();
     let sets = |at: usize, text: &[u8]| {
         SETTERS.iter().any(|word| text.get(at..at + word.len()).is_some_and(|part| part.eq_ignore_ascii_case(word)))
     };
     let bytes = program.bytes();
     let begins = |byte: &u8| matches!(byte, b'G' | b'g' | b'U' | b'u' | b'I' | b'i' | b'#');
     let may_set = bytes.iter().enumerate().any(|(at, byte)| begins(byte) && sets(at, bytes));
-    if !may_set || chosen.model().is_empty() {
+    let model = chosen.model();
+    let asked = if model.is_empty() { Vec::new() } else { first_tools::asked(chosen, &model, all(chosen)) };
+    if model.is_empty() || !may_set && asked.is_empty() {
         return out;
     }
     let Ok(Some(opened)) = program.open(Some(chosen), &mut Diagnostics::default()) else { return out };
     let elements = program.start_as(opened, &chosen.machine, exec::Options::default());
     let first = chosen.machine.zero_offsets.len();
     let mut found: BTreeMap<usize, (String, AxisVector)> = BTreeMap::new();
+    let mut tools = FirstTools::new(&chosen.machine);
     for element in elements.take(MOST_ELEMENTS).flatten() {
+        tools.see(&element.kind);
+        if !may_set && tools.has_all(&asked) {
+            break;
+        }
         if let Kind::Setup(setup) = &element.kind
             && let Some(written) = &setup.written_zero
         {
@@ -200,6 +132,7 @@ pub(crate) fn with_written(program: &Program, chosen: &Machine) -> Machine {
     // A value that was replaced before any motion has an index, but no move counts from it.
     let count = found.keys().next_back().map_or(0, |last| last + 1);
     out.written_zeros = (0..count).map(|index| found.remove(&index).unwrap_or_default()).collect();
+    out.first_tools_mm = tools.lengths_mm();
     out
 }
 
@@ -221,7 +154,7 @@ pub(crate) fn of_run(
     let machine = &chosen.machine;
     let used: Vec<_> = all(chosen).zip(0_u16..).filter(|(_, index)| used.contains(index)).collect();
     let reports = used.iter().map(|((name, shift), index)| {
-        let datum = machine.datums.get(*name).copied().unwrap_or_default();
+        let datum = datum_of(chosen, name, *index);
         let contains_mm = model.touch_mm(*index);
         ZeroReport {
             name: (*name).clone(),
@@ -278,10 +211,12 @@ pub(crate) fn of_run(
         found.add(Diagnostic::nowhere(Code::ZERO_NOT_STATED, message, help), &[]);
     }
     let tools_mm = tools_mm.filter(|_| !chosen.is_demo);
-    for ((name, shift), _) in &used {
+    for ((name, shift), index) in &used {
         let datum = machine.datums.get(*name).copied().unwrap_or_default();
-        let finding =
-            tools_mm.and_then(|tools_mm| length_unstated(chosen, model, (name, &datum, shift), tools_mm, tolerance_mm));
+        let first_mm = chosen.first_tools_mm.get(index).copied().filter(|_| datum.setting.is_some());
+        let finding = tools_mm.and_then(|tools_mm| {
+            length_unstated(chosen, model, (name, &datum, shift), (first_mm, tools_mm), tolerance_mm)
+        });
         finding.into_iter().for_each(|finding| found.add(finding, &[]));
     }
     reports
@@ -344,12 +279,13 @@ pub(crate) fn without_use(chosen: &Machine, used: &BTreeSet<u16>, found: &mut Di
 }
 
 /// A warning if a zero that contains the error of the machine depends on the length of the tool at the touch by more than `tolerance_mm`, and no length
-/// is stated. `tools_mm` are the shortest and the longest tool of the program: a zero is touched with one of them, or with a probe of like length.
+/// is stated. `first_mm` is the length of the first tool there, which counts; the other lengths are none, and those of the shortest and the longest tool of
+/// the program.
 fn length_unstated(
     chosen: &Machine,
     model: &Model,
     (name, datum, shift): (&String, &Datum, &AxisVector),
-    tools_mm: [Vector; 2],
+    (first_mm, tools_mm): (Option<f64>, [Vector; 2]),
     tolerance_mm: f64,
 ) -> Option<Diagnostic> {
     if !datum.method().is_relative() {
@@ -360,25 +296,29 @@ fn length_unstated(
         stated.at.iter_mut().for_each(|at| at.tool_length_mm = at.tool_length_mm.or(Some(length_mm)));
         model.displacement_at(&[0, 1, 2].map(|side| stated.pose(side, shift, &chosen.machine)))
     };
-    let without_mm = contained_mm(0.0);
-    // A control that measures tools from the machine zero has negative lengths.
-    let length_of = |tool_mm: &Vector| tool_mm.norm().copysign(-chosen.machine.spindle.axis.dot(tool_mm));
-    let changes = tools_mm.map(|tool_mm| (length_of(&tool_mm), contained_mm(length_of(&tool_mm)) - without_mm));
+    let counted_mm = contained_mm(first_mm.unwrap_or(0.0));
+    let [shortest_mm, longest_mm] = tools_mm.map(|tool_mm| first_tools::length_mm(&chosen.machine, &tool_mm));
+    let changes = [0.0, shortest_mm, longest_mm].map(|length_mm| (length_mm, contained_mm(length_mm) - counted_mm));
     let (length_mm, change_mm) = changes.into_iter().max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()))?;
     let parts = components_um([0, 1, 2].map(|axis| um_from_mm(change_mm[axis])));
     if !(change_mm.norm() > tolerance_mm && change_mm.norm().is_finite()) || parts.is_empty() {
         return None;
     }
-    let length = significant(length_mm);
+    let [first, other] = [first_mm.unwrap_or(0.0), length_mm].map(significant);
+    let counted = match first_mm {
+        Some(_) => format!("the first tool of the program there, of length {first} mm"),
+        None => "a tool of length 0".to_owned(),
+    };
     let message = format!(
-        "{name} counts as touched with a tool of length 0, because no length is stated; if the tool of {length} mm of this program touched, the zero is wrong by {}",
+        "{name} counts as touched with {counted}, because no length is stated; if a tool of length {other} mm touched, the zero is wrong by {}",
         parts.join(", ")
     );
     let mut help = format!(
         "state the length of the tool or probe at the touch: tool_length_mm in [zero_offset.{name}.set_at], or 0 for a touch without a tool"
     );
     if chosen.machine.zero_offsets.contains_key(name) {
-        help += &format!("; or --zero {name}={}@L{length}", datum.method().name());
+        let example = if first_mm.is_some() { first } else { other };
+        help += &format!("; or --zero {name}={}@L{example}", datum.method().name());
     }
     Some(Diagnostic::nowhere(Code::ZERO_LENGTH_NOT_STATED, message, help))
 }
@@ -390,8 +330,8 @@ fn since_reference_mm(chosen: &Machine, model: &Model, name: &str) -> Option<Vec
         return None;
     }
     let machine = &chosen.machine;
-    let (_, shift) = all(chosen).find(|(own, _)| *own == name)?;
-    let datum = machine.datums.get(name).copied().unwrap_or_default();
+    let ((_, shift), index) = all(chosen).zip(0_u16..).find(|((own, _), _)| *own == name)?;
+    let datum = datum_of(chosen, name, index);
     let poses = [0, 1, 2].map(|side| datum.pose(side, &shift, machine));
     let reference = Model::at(machine, &chosen.errors, &Condition::default());
     let drift_mm = model.displacement_at(&poses) - reference.displacement_at(&poses);

@@ -12,7 +12,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::FileId;
 use ncfix_instruments::answers::{FileAnswers, ImportAnswers};
 use ncfix_instruments::preview::preview;
-use ncfix_instruments::readings::ImportedReadings;
+use ncfix_instruments::readings::{ImportedKind, ImportedReadings};
 use ncfix_instruments::text::DecodedText;
 use ncfix_instruments::{ImportOutcome, import};
 
@@ -269,7 +269,12 @@ impl InstrumentFiles {
     /// for this file alone.
     fn take_idle(&mut self, all: &[ImportedReadings], stated: &FileAnswers, findings: &mut Diagnostics) -> bool {
         let mut refused: Vec<&str> = Vec::new();
+        let mut is_shifted = false;
         for (file, readings) in self.files.iter().zip(all) {
+            if let Some(finding) = self.shifted(file, readings, stated) {
+                findings.add(finding, &[]);
+                is_shifted = true;
+            }
             for option in &readings.unused {
                 let name = option.trim_start_matches('-').split(' ').next().unwrap_or_default();
                 let is_idle = |other: &ImportedReadings| other.unused.contains(option);
@@ -287,7 +292,24 @@ impl InstrumentFiles {
                 }
             }
         }
-        refused.is_empty()
+        refused.is_empty() && !is_shifted
+    }
+
+    /// The refusal of a position in the common `--at` of several files that would shift the targets of one of them: the axis moved in this file.
+    fn shifted(&self, file: &InstrumentFile, readings: &ImportedReadings, stated: &FileAnswers) -> Option<Diagnostic> {
+        if self.files.len() < 2 || readings.kind != ImportedKind::Direct || stated.is_own(&file.name, "at") {
+            return None;
+        }
+        let moved = readings.axes.first()?;
+        let answers = stated.of(&file.name);
+        let (_, value) = answers.at.iter().find(|(axis, value)| axis == moved && *value != 0.0)?;
+        let message =
+            format!("{moved} moved in {}, so {moved}{value} of --at would shift its targets by {value}", file.name);
+        let stem = file.name.rsplit_once('.').map_or(file.name.as_str(), |(stem, _)| stem);
+        let help = format!(
+            "give the positions of the axes that stood still for this file alone: --at {stem}=…; with {moved} in it, target 0 of the file is this position"
+        );
+        Some(Diagnostic::nowhere(Code::IMPORT_CONTRADICTION, message, help))
     }
 
     /// The files in the order of the command.

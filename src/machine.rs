@@ -1,5 +1,6 @@
 //! Machines: axes, tools and errors of one machine, in one condition.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -46,6 +47,8 @@ pub struct Machine {
     pub(crate) stated_zeros: Vec<String>,
     /// Zero offsets that the program sets itself, by name and shift, in the order of their indices.
     pub(crate) written_zeros: Vec<(String, AxisVector)>,
+    /// Lengths of the first tool with which the program cuts in each zero offset, by its index, mm: those count for a touch whose tool nothing states.
+    pub(crate) first_tools_mm: BTreeMap<u16, f64>,
     /// The files that were read: none of them may be overwritten.
     pub(crate) files: Vec<PathBuf>,
 }

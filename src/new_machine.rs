@@ -10,7 +10,7 @@ use crate::registry::Registry;
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::describe::{
     Ask, Description, DescriptionRequest, KnownOrigin, TEMPLATES, TravelRange, has_same_setup, setup_text, template,
-    text,
+    text, worn_edges,
 };
 use ncfix_report::chain::{ChainPicture, sketch};
 use ncfix_report::plot::Picture as _;
@@ -65,6 +65,8 @@ pub(crate) fn describe(
                 "{names} has {what}, which a machine file cannot hold: leave --setup out here, and give it with each command"
             ))
         };
+        let worn: Vec<String> =
+            worn_edges(&machine.machine, &full.machine).into_iter().map(|(number, _)| format!("T{number}")).collect();
         let added = setup_text(&machine.machine, &full.machine).map_err(|what| cannot(&what))?;
         text.push_str(&format!(
             "\n# From {}: if they change at the control, give --setup FILE, which overrides them.\n{added}",
@@ -74,6 +76,15 @@ pub(crate) fn describe(
         let Some(again) = machine_file::of_text(&source, &Registry::default(), findings)? else { return Ok(None) };
         if !has_same_setup(&again.machine, &full.machine) {
             return Err(cannot("data"));
+        }
+        if !worn.is_empty() {
+            let worn = worn.join(", ");
+            text.push_str(&format!(
+                "\n# Not in this file because its radius has a wear: {worn}. Give --setup FILE with each command.\n"
+            ));
+            read.push(format!(
+                "  {worn}: the radius has a wear, which a machine file cannot hold; give --setup {names} with each command\n"
+            ));
         }
         machine = again;
         let (offsets, tools) = (machine.machine.zero_offsets.len(), machine.machine.tools.len());

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::datum::StatedZero;
 use crate::machine::Machine;
+use crate::square::FoundSquareness;
+use crate::stated_zero::StatedZero;
 
 /// A row with a command.
 fn row(words: &[String]) -> String {
@@ -31,7 +32,8 @@ fn beside(path: &Path, addition: &str) -> PathBuf {
 /// After `ncfix machine new`: the files of instruments; for a router, whose owner has a ruler, two diagonals.
 pub(crate) fn after_new_machine(machine: &Path, template: &str) -> String {
     if template.contains("router") {
-        let line = "square --machine {} --d1 D1 --d2 D2 --sides A,B -o {}";
+        // Both sides and the programmed ones give the scales too; a ruler is read to half a millimeter.
+        let line = "square --machine {} --d1 D1 --d2 D2 --sides A,B --nominal A,B --read-to 0.5 -o {}";
         return row(&words(line, &[machine, &beside(machine, "square")]));
     }
     row(&words("import FOLDER --machine {} -o readings", &[machine]))
@@ -52,6 +54,15 @@ pub(crate) fn after_calibration(machine: &Path, has_offsets: bool) -> String {
     }
     let setup = if has_offsets { "" } else { " --setup OFFSETS" };
     row(&words(&format!("fix PROGRAM --machine {{}}{setup} -o CORRECTED --review review.html"), &[machine]))
+}
+
+/// After `ncfix square`: as after a calibration, with the largest correction if the default does not allow it.
+pub(crate) fn after_square(output: &Path, machine: &Machine, found: &FoundSquareness) -> String {
+    let line = after_calibration(output, !machine.machine.zero_offsets.is_empty());
+    found
+        .max_correction(machine)
+        .filter(|_| !line.is_empty())
+        .map_or(line.clone(), |largest| format!("{} --max-correction {largest}\n", line.trim_end()))
 }
 
 /// After a calibration whose residual is too large: the search for the errors that the model lacks.

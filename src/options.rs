@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use crate::datum::StatedZero;
 use crate::error::Error;
+use crate::stated_zero::StatedZero;
 use ncfix_base::geometry::AxisVector;
 use ncfix_machine::machine::Load;
 use ncfix_path::path::{self, Arcs, FiveAxis, OutputFrame, Rapids, Rotary, Subdivision};

@@ -59,23 +59,25 @@ pub(crate) struct PartSides {
 }
 
 impl PartSides {
-    /// The sides of a square or a rectangle, and the programmed ones, mm.
+    /// The sides of a square or a rectangle, and the programmed ones, mm; one length stands for both sides of a square.
     ///
     /// # Errors
-    /// If `sides` or `nominal` are not two, or the part was cut more than 2 % away from its programmed sides.
+    /// If `sides` or `nominal` are more than two, or the part was cut more than 2 % away from its programmed sides.
     pub(crate) fn of(side: Option<f64>, sides: &[f64], nominal: &[f64]) -> Result<PartSides, Error> {
         /// A larger difference is no scale of a machine: a number is wrong, or the two are exchanged.
         const MOST_SHARE: f64 = 0.02;
         let measured_mm = match (side, sides) {
             (Some(side), _) => [side; 2],
             (None, [a, b]) => [*a, *b],
+            (None, [a]) => [*a; 2],
             (None, []) => [SHOWN_MM; 2],
-            _ => return Err(Error::usage("--sides needs two lengths in mm, such as 600,400".into())),
+            _ => return Err(Error::usage("--sides needs one or two lengths in mm, such as 600,400".into())),
         };
         let nominal_mm = match nominal {
             [] => measured_mm.map(|side| side.round().max(1.0)),
             [a, b] => [*a, *b],
-            _ => return Err(Error::usage("--nominal needs two lengths in mm, such as 600,400".into())),
+            [a] => [*a; 2],
+            _ => return Err(Error::usage("--nominal needs one or two lengths in mm, such as 600,400".into())),
         };
         let is_near = |(side, nominal): (f64, f64)| (side - nominal).abs() <= MOST_SHARE * nominal;
         let shows_scales = !nominal.is_empty();
@@ -95,6 +97,21 @@ struct FoundScale {
     value: f64,
     /// Standard uncertainty.
     uncertainty: f64,
+}
+
+/// Largest correction that is allowed without an option, mm.
+const USUAL_MM: f64 = 0.2;
+
+impl FoundSquareness {
+    /// The option for corrections as large as the found errors over the travel of the machine; `None` if the default allows them.
+    pub(crate) fn max_correction(&self, chosen: &Machine) -> Option<String> {
+        let travels = chosen.machine.axes.iter().flatten().filter(|data| !data.axis.is_rotary());
+        let longest_mm = travels.filter_map(|data| data.travel).map(|[low, high]| high - low).fold(0.0, f64::max);
+        let share = self.value_urad.abs() * 1e-6 + self.scales.iter().map(|one| one.value.abs()).sum::<f64>();
+        let largest_mm = share * longest_mm;
+        // A whole number that is easy to read, with room for the position in the travel.
+        (largest_mm > USUAL_MM).then(|| format!("{}mm", (1.5 * largest_mm).ceil()))
+    }
 }
 
 /// Squareness of a machine.
@@ -150,7 +167,10 @@ pub(crate) fn find(
             gamma_urad / 1e3
         ),
     );
-    row("term", format!("{} = {value_urad:.1} µrad on {}", term.name, machine.topology));
+    // The term is that of the axis of its name; the model turns this one, and the other keeps its direction.
+    let (turned, stays) =
+        if term.name.ends_with(char::from(first.letter())) { (first, second) } else { (second, first) };
+    row("term", format!("{} = {value_urad:.1} µrad on {}: {turned} turns, {stays} stays", term.name, machine.topology));
     let [d1, d2] = measured.diagonals_mm(sides_mm);
     let [a, b] = sides_mm;
     let lean_mm = a.max(b) * measured.gamma_rad.abs();

@@ -109,6 +109,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("W0330", "not_shown: a_squareness_that_no_reading_shows_is_named"),
     ("W0327", "coverage: a_tool_of_negative_length_is_named"),
     ("W0326", "datum: the_length_of_the_tool_at_the_touch_is_asked_for_where_it_matters"),
+    ("W0331", "datum: a_zero_that_no_tool_reaches_is_named"),
     ("W0328", "datum: a_stated_zero_in_which_nothing_moves_is_pointed_out"),
     ("W0321", "datum: what_nobody_states_is_pointed_out_with_its_size"),
 ];

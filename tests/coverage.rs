@@ -133,7 +133,7 @@ fn a_position_beyond_the_measured_range_is_named_with_its_distance_and_size() {
     // The cubic rises by 1.4815e-9 (650³ − 597³) mm; the offsets of squareness change by nothing along X.
     let rise_um = 1.4815e-6 * (650_f64.powi(3) - 597_f64.powi(3));
     assert!((gap["size_um"].as_f64().unwrap() - rise_um).abs() < 0.02 * rise_um, "{gap} {rise_um}");
-    fix(&shop, "").exits(0).says("X 650 mm is 53 mm beyond the measured range, 3 to 597 mm; 91.6 µm of the error");
+    fix(&shop, "").exits(0).says("X 650 mm is 53 mm above the measured range, 3 to 597 mm; 91.6 µm of the error");
 }
 
 #[test]
@@ -163,7 +163,7 @@ fn a_table_states_its_own_range() {
     let gap = gaps(&json, "position")[0].clone();
     assert_eq!((&gap["table"], &gap["measured"]), (&"EZX".into(), &serde_json::json!([0.0, 400.0])));
     assert!((gap["beyond"].as_f64().unwrap() - 100.0).abs() < 1e-9);
-    fix(&shop, "").exits(0).says("X 500 mm is 100 mm beyond the table of EZX, 0 to 400 mm");
+    fix(&shop, "").exits(0).says("X 500 mm is 100 mm above the table of EZX, 0 to 400 mm");
 }
 
 #[test]
@@ -234,7 +234,7 @@ fn a_release_gate_refuses_gaps_and_writes_nothing() {
     for (own, x, says) in [
         ("", 300.0, "A and C move, but their errors are not in the machine file"),
         ("", 300.0, "the machine file does not state in which ranges its errors were measured"),
-        (MEASURED, 650.0, "X 650 mm is 53 mm beyond the measured range"),
+        (MEASURED, 650.0, "X 650 mm is 53 mm above the measured range"),
     ] {
         let shop = shop(own, &program(x, 20.0, 90.0));
         fix(&shop, "--require-coverage").exits(4).says("error[E0322]").says(says);
@@ -257,7 +257,7 @@ fn tables_are_not_filled_beyond_the_measured_range_in_silence() {
     let run = shop.run(words.split_whitespace()).exits(0);
     assert!(run.codes().contains(&"W0317".to_owned()), "{}", run.stdout);
     let run = shop.run(words.split_whitespace().filter(|word| *word != "--json"));
-    run.says("X 700 mm is 103 mm beyond the measured range, 3 to 597 mm");
+    run.says("X 700 mm is 103 mm above the measured range, 3 to 597 mm");
     // A part of the travel that was measured.
     let part = words.split_whitespace().chain(["--range", "X=3..597"]);
     assert!(!shop.run(part).exits(0).codes().contains(&"W0317".to_owned()));
@@ -268,7 +268,7 @@ fn a_transfer_names_gaps_before_it_begins() {
     let shop = shop(MEASURED, &program(650.0, 20.0, 90.0));
     let words = "feed part.mpf --machine five.toml --link siemens-v24 --port /dev/null --dry-run --max-correction 2mm";
     let run = shop.run(words.split_whitespace());
-    run.says("X 650 mm is 53 mm beyond the measured range");
+    run.says("X 650 mm is 53 mm above the measured range");
 }
 
 /// Rows of a laser along X at seven places and along Y at five, with errors of a scale.

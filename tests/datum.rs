@@ -424,9 +424,10 @@ fn the_length_of_the_tool_at_the_touch_is_asked_for_where_it_matters() {
             [command[0], "in.mpf", "--machine", "m.toml", "--zero", zero].into_iter().chain(out).collect::<Vec<_>>()
         };
         let run = shop.run(words("G54=touched")).exits(0);
-        run.says("warning[W0326]: G54 counts as touched with a tool of length 0")
-            .says("110 mm")
-            .says("by Z 11.0 µm")
+        // Nothing states the tool: the first one of the program has touched. Without a tool, Z would have stood at 0 and 11 µm lower.
+        run.says("warning[W0326]: G54 counts as touched with the first tool of the program there, of length 110 mm")
+            .says("if a tool of length 0 mm touched")
+            .says("by Z -11.0 µm")
             .says("--zero G54=touched@L110");
         for zero in ["G54=touched@L110", "G54=probed@L0", "G54=absolute"] {
             let run = shop.run(words(zero)).exits(0);
@@ -436,11 +437,96 @@ fn the_length_of_the_tool_at_the_touch_is_asked_for_where_it_matters() {
     // With the length, the surface that was touched is cut where the touch was.
     let shop = shop.file("in.mpf", program.replace("Z5 F", "Z0 F"));
     near(last(&shop, 'Z', &["--zero", "G54=touched@L110"]), 0.0);
-    near(last(&shop, 'Z', &["--zero", "G54=touched"]), -0.011);
+    near(last(&shop, 'Z', &["--zero", "G54=touched"]), 0.0);
+    near(last(&shop, 'Z', &["--zero", "G54=touched@L0"]), -0.011);
     // Lengths from the machine zero are negative: Z stands at -110 when the tip touches 0.
     let shop = shop.file("m.toml", format!("{LINEAR}{long}{G54}{}", tool.replace("110.0", "-110.0")));
     let run = shop.run(["fix", "in.mpf", "--machine", "m.toml", "--zero", "G54=touched", "-o", "out.mpf"]).exits(0);
-    run.says("tool of -110 mm").says("by Z -11.0 µm").says("--zero G54=touched@L-110");
+    run.says("of length -110 mm").says("by Z 11.0 µm").says("--zero G54=touched@L-110");
+}
+
+/// Each zero counts with the first tool that cuts in it: G54 with T1 of 110 mm, G55 with T2 of 60 mm. Z is 0.1 mm per meter too long.
+#[test]
+fn each_zero_has_its_own_first_tool() {
+    let long = "[[motion]]\ncomponent = \"EZZ\"\nkind = \"polynomial\"\ncoefficients = [0, 1e-4]\n";
+    let tool =
+        |number: u32, length: f64| format!("[[tool]]\nnumber = {number}\nlength_mm = {length:?}\nradius_mm = 4.0\n");
+    let zeros = format!("{G54}set = \"touched\"\n{}set = \"touched\"\n", G54.replace("G54", "G55"));
+    let machine = format!("{LINEAR}{long}{zeros}{}{}", tool(1, 110.0), tool(2, 60.0));
+    let program = "N10 G17 G90 G71 G94 G54\nN15 T1 M6\nN18 D1\nN20 G0 X10 Y10 Z50\nN30 G1 Z0 F500\nN40 X40\nN50 G0 Z50\n\
+        N55 T2 M6\nN58 D1\nN60 G55\nN65 G0 X10 Y10 Z50\nN70 G1 Z0 F500\nN80 X40\nN90 G54 G0 Z50\nN95 G1 Z0\nN99 M30\n";
+    let shop = shop(&machine, program);
+    shop.run(["fix", "in.mpf", "-o", "out.mpf", "--machine", "m.toml"]).exits(0).says("W0326");
+    let feeds = shop.text("out.mpf");
+    let of_block = |number: &str| {
+        let lines = feeds.lines().filter(|line| line.starts_with(number));
+        let word = lines.flat_map(str::split_whitespace).filter_map(|word| word.strip_prefix('Z')).next_back();
+        word.unwrap_or_else(|| panic!("{number}: {feeds}")).parse::<f64>().unwrap()
+    };
+    near(of_block("N30 "), 0.0);
+    near(of_block("N70 "), 0.0);
+    // T2 in the zero of T1: Z stands at 60 instead of 110, where it is 5 µm lower.
+    near(of_block("N95 "), 0.005);
+}
+
+/// The places of the touches one by one, their sides and the radius of the edge finder: by hand as in the tests before.
+#[test]
+fn sides_and_radius_of_a_touch_are_stated_on_the_command_line() {
+    let shop = shop(&format!("{LINEAR}{OFF_AND_LONG}{G54}set = \"touched\"\n"), &program("X400"));
+    let of = |zero: &str| last(&shop, 'X', &["--zero", zero]);
+    // Touched at X 600, whatever the pose of the other touches.
+    near(of("G54=touched@X:X600"), 400.010);
+    near(of("G54=touched@X700@X:X600@Y:X0,Y10"), 400.010);
+    near(of("G54=touched@Y:X600"), 399.960);
+    // The center stood at 100 − 50, where the error is 0.305: c + 0.3 + c/10⁴ = 500.305 gives 500.005/1.0001.
+    near(of("G54=touched@X+,R50"), 399.955);
+    // From the other side it stood at 150: 500.015/1.0001.
+    near(of("G54=touched@X:X-,R50"), 399.965);
+    let machine = format!(
+        "{LINEAR}[[motion]]\ncomponent = \"EXX\"\nkind = \"backlash\"\nvalue_um = 100\n{G54}set = \"touched\"\n"
+    );
+    let shop = shop.file("m.toml", machine);
+    for (zero, wanted) in [("G54=touched@X+", 400.0), ("G54=touched@X:X100-", 399.9), ("G54=touched@Y+", 399.95)] {
+        near(last(&shop, 'X', &["--max-correction", "1mm", "--zero", zero]), wanted);
+    }
+    let run = ["in.mpf", "-o", "x.mpf", "--machine", "m.toml", "--zero"];
+    for (zero, says) in [("G54=touched@R5", "without the side"), ("G54=touched@W:X1", "states no zero")] {
+        shop.run(run.iter().chain([&zero])).exits(2).says(says);
+    }
+}
+
+/// X goes from −10 to 900, Z from −200 to 200: an axis cannot touch elsewhere.
+#[test]
+fn a_touch_outside_the_travel_is_refused() {
+    let shop = shop(&format!("{LINEAR}{OFF}{G54}"), &program("X400"));
+    for zero in ["G54=touched@X950", "G54=touched@Z:X100,Z250,L50", "G54=probed@X+,R200"] {
+        let run = shop.run(["in.mpf", "-o", "x.mpf", "--machine", "m.toml", "--zero", zero]).exits(2);
+        run.says("cannot stand at").says("travel");
+        assert!(!shop.path("x.mpf").exists(), "{zero}");
+    }
+    for at in ["set_at = { X_mm = 950 }", "set_at = { Z = { Z_mm = -201 } }"] {
+        std::fs::write(shop.path("m.toml"), format!("{LINEAR}{OFF}{G54}set = \"touched\"\n{at}\n")).unwrap();
+        shop.run(["machine", "check", "m.toml"]).exits(4).says("E0302").says("outside the travel");
+    }
+}
+
+/// Without tools in the file, a tool may have up to 500 mm: Z −600 is reached, Z −800 and Z 300 are not. X ends at 900.
+#[test]
+fn a_zero_that_no_tool_reaches_is_named() {
+    let check = |x: f64, z: f64, tool: &str| {
+        let zero = format!("[zero_offset.G54]\nX_mm = {x}\nY_mm = 0\nZ_mm = {z}\n");
+        let shop = Shop::new().file("m.toml", format!("{LINEAR}{OFF}{zero}{tool}"));
+        let run = shop.run(["machine", "check", "m.toml"]).exits(0);
+        run.stderr.lines().filter(|line| line.starts_with("warning[W0331]")).map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert!(check(100.0, -600.0, "").is_empty());
+    for (x, z, says) in [(9000.0, 0.0, "X 9000 mm of G54"), (100.0, -800.0, "Z -800 mm"), (100.0, 300.0, "Z 300 mm")] {
+        let found = check(x, z, "");
+        assert!(found.len() == 1 && found[0].contains(says), "{found:?}");
+    }
+    // The longest tool has 110 mm: −600 + 110 is below −200.
+    let found = check(100.0, -600.0, "[[tool]]\nnumber = 1\nlength_mm = 110.0\nradius_mm = 4.0\n");
+    assert!(found.len() == 1 && found[0].contains("Z -600 mm"), "{found:?}");
 }
 
 /// C turns 0.2 mrad per radian too far. At C 90 this is 0.2 · π/2 = 0.314 mrad; the table turns about −Z, so the sign is that of the axis. The zero of X, Y and Z is

@@ -370,7 +370,7 @@ fn every_command_states_the_next_one() {
     );
     next(
         "machine new r.toml --like router --control grbl",
-        "square --machine r.toml --d1 D1 --d2 D2 --sides A,B -o r_square.toml",
+        "square --machine r.toml --d1 D1 --d2 D2 --sides A,B --nominal A,B --read-to 0.5 -o r_square.toml",
     );
     next(
         "import exports --machine mill.toml --sign + --tool 0 --material 20C --at Y100,Z-200 -o readings",

@@ -231,6 +231,32 @@ fn the_unit_of_saved_offsets_is_an_option() {
     let text = shop.text("m.toml");
     // 10 inches are 254 mm.
     assert!(text.contains("saved_unit = \"inch\"") && text.contains("X_mm = -254"), "{text}");
+    let line = text.lines().find(|line| line.starts_with("saved_unit")).unwrap();
+    assert!(line.ends_with("# unit of saved offsets and tools"), "{line}");
+}
+
+/// T2 is worn by 0.02 mm. The zero and T1 go into the new file; without T2 no program with it is corrected by mistake.
+#[test]
+fn a_worn_tool_does_not_refuse_the_other_offsets() {
+    let saved =
+        "%\nG21\nG10L2P1X-10.Y-8.Z-2.\nG10L10P1R100.\nG10L12P1R5.\nG10L10P2R80.\nG10L12P2R4.\nG10L13P2R-0.02\n%\n";
+    let program = |tool: u32| {
+        format!("%\nO1\nG21 G90 G17 G94 G54\nT{tool} M6\nG43 H{tool} Z50.\nG0 X0. Y0.\nG1 X5. F500\nM30\n%\n")
+    };
+    let shop = Shop::new().file("OFFS.TXT", saved).file("one.nc", program(1)).file("two.nc", program(2));
+    let all = "machine new m.toml --like vmc --control fanuc --travel X=-500..500 --travel Y=-400..400 --travel Z=-400..400 --setup OFFS.TXT";
+    let run = shop.run(all.split(' ')).exits(0);
+    assert!(
+        run.stdout.contains("T2: the radius has a wear") && run.stdout.contains("--setup OFFS.TXT"),
+        "{}",
+        run.stdout
+    );
+    let text = shop.text("m.toml");
+    assert!(text.contains("X_mm = -10") && text.contains("length_mm = 100"), "{text}");
+    assert!(text.contains("radius has a wear: T2") && !text.contains("length_mm = 80"), "{text}");
+    shop.run(["check", "one.nc", "--machine", "m.toml"]).exits(0);
+    shop.run(["check", "two.nc", "--machine", "m.toml"]).exits(4).says("E0307");
+    shop.run(["check", "two.nc", "--machine", "m.toml", "--setup", "OFFS.TXT"]).exits(0);
 }
 
 #[test]

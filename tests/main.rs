@@ -126,6 +126,7 @@ mod import;
 mod import_centres;
 mod import_directions;
 mod import_drivers;
+mod import_facts;
 mod import_wrong;
 mod instruments;
 mod interval_axes;

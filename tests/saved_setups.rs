@@ -33,6 +33,13 @@ fn variables_of_linuxcnc() {
     let shifted = VARIABLES.replace("5210\t0.0", "5210\t1.0").replace("5211\t0.0", "5211\t7.0");
     shown("rs274", "saved_unit = \"mm\"", "mill.var", &shifted).exits(4).says("G92.1");
     shown("sinumerik", "", "mill.var", VARIABLES).exits(4).says("controller = \"rs274\"");
+    // The lines of one system, copied by hand.
+    for part in ["5221\t100.000000\n5222\t50.000000\n5223\t-20.000000\n", "; G54\n5221 100\n5222 50\n5223 -20\n"] {
+        let run = shown("rs274", "saved_unit = \"mm\"", "g54.var", part).exits(0);
+        assert!(run.stdout.contains("G54   X100 Y50 Z-20"), "{}", run.stdout);
+    }
+    // Other numbers are no variables.
+    shown("rs274", "saved_unit = \"mm\"", "list.var", "1 100\n2 50\n3 -20\n").exits(4);
     // A system without one variable is not stated; one with some of its axes may be cut off.
     let run = shown("rs274", "saved_unit = \"mm\"", "mill.var", &VARIABLES.replace("5223\t-20.000000\n", "")).exits(0);
     let run = run.says("warning[W0404]").says("G54 gives X and Y but not Z, which counts as 0").says("add 5223");

@@ -41,9 +41,14 @@ fn the_worked_example_is_half_a_millimeter_in_a_meter() {
     let shop = Shop::new().file("m.toml", machine("wFXYZSt"));
     let run = square(&shop, &["--d1", "848.740", "--d2", "848.316", "--side", "600", "--read-to", "0.5"]).exits(0);
     assert!(run.stdout.contains("X+ to Y+ is 90° − 499.7 µrad ± "), "{}", run.stdout);
-    assert!(run.stdout.contains("EC0Y = -499.7 µrad on wFXYZSt"), "{}", run.stdout);
+    assert!(run.stdout.contains("EC0Y = -499.7 µrad on wFXYZSt: Y turns, X stays"), "{}", run.stdout);
     // u(γ) = u·D/(√2·a·b), u = 0.5/√3 = 0.28868: 0.28868·848.528/(1.41421·360000) = 4.8113e-4; twice that is 962.3 µrad.
     assert!(run.stdout.contains("± 962.3 µrad (95 %)"), "{}", run.stdout);
+    // Over a travel of 2000 mm the correction is 1 mm, more than the 0.2 mm of a correction without an option.
+    let far = ["--d1", "848.740", "--d2", "848.316", "--side", "600", "-o", "far.toml"];
+    square(&shop, &far).exits(0).says("--max-correction 2mm");
+    let small = ["--square", "300", "--dial", "0.02", "-o", "small.toml"];
+    assert!(!square(&shop, &small).exits(0).stderr.contains("--max-correction"));
     // The uncertainty is larger than the angle.
     assert!(run.stdout.contains("not larger than its uncertainty"), "{}", run.stdout);
 }
@@ -188,6 +193,11 @@ fn measured_sides_give_the_scales() {
     let plain = ["--d1", "424.193", "--d2", "424.193", "--sides", "299.80,300.10", "--check-cut", "c.nc"];
     square(&shop, &plain).exits(0);
     assert!(shop.text("c.nc").contains("300 X 300"), "{}", shop.text("c.nc"));
+    // One length is that of both sides of a square, measured and programmed.
+    let one = ["--d1", "423.840", "--d2", "423.840", "--sides", "299.70", "--nominal", "300", "--read-to", "0.02"];
+    let run = square(&shop, &one).exits(0);
+    assert!(run.stdout.contains("X moves -1000 ±") && run.stdout.contains("Y moves -1000 ±"), "{}", run.stdout);
+    square(&shop, &["--d1", "500", "--d2", "500", "--sides", "300,400,500"]).exits(2).says("one or two lengths");
     // Exchanged or mistyped sides are no scales.
     let wrong = ["--d1", "500", "--d2", "500", "--sides", "300,400", "--nominal", "400,300"];
     square(&shop, &wrong).exits(2).says("more than 2 %");

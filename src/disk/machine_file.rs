@@ -1,5 +1,6 @@
 //! Finds and reads the machine: `--machine`, `NCFIX_MACHINE`, the nearest `ncfix.toml`, or the embedded demo machine.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -264,6 +265,7 @@ fn read_with(
         is_demo: false,
         stated_zeros: Vec::new(),
         written_zeros: Vec::new(),
+        first_tools_mm: BTreeMap::new(),
         hash,
         files,
     }))

@@ -348,8 +348,9 @@ fn read(text: &DecodedText, separator: Separator) -> Result<GridTable, Box<Diagn
             let help = "a missing cell needs its separator, and a number in another notation makes two cells of one: export the table again";
             return Err(Box::new(Diagnostic::at(Code::DATA_NO_TABLE, text.place(line.number), message, help)));
         } else if !skipped.is_empty() && is_row(line) {
-            let message = format!("line {} belongs to a second table", line.number);
-            let help = "keep one table in the file, and import the other one from a file of its own";
+            let places = blocks(&lines[start.min(lines.len())..], &|own| own.cells.len() == width && is_row(own));
+            let message = format!("line {} belongs to a second table; rows are in the lines {places}", line.number);
+            let help = "save each table with the lines above it in a file of its own, and import all files together";
             let help = format!("{help}{}", tables_of_targets(text));
             return Err(Box::new(Diagnostic::at(Code::DATA_NO_TABLE, text.place(line.number), message, help)));
         } else {
@@ -360,6 +361,22 @@ fn read(text: &DecodedText, separator: Separator) -> Result<GridTable, Box<Diagn
     let decimal = decimal_sign(&rows, separator)?;
     let heading_line = heading.and_then(|at| lines.get(at)).map_or(0, |line| line.number);
     Ok(GridTable { separator, decimal, headings, heading_line, rows, before, skipped })
+}
+
+/// Names the first and the last line of each block of rows: `3 to 5, 9 to 11`.
+fn blocks(lines: &[GridLine], is_row: &dyn Fn(&GridLine) -> bool) -> String {
+    /// Most blocks that are named.
+    const MOST: usize = 8;
+    let groups = lines.chunk_by(|one, other| is_row(one) == is_row(other));
+    let mut named: Vec<String> = groups
+        .filter(|group| group.iter().all(is_row))
+        .filter_map(|group| Some(format!("{} to {}", group.first()?.number, group.last()?.number)))
+        .collect();
+    if named.len() > MOST {
+        named.truncate(MOST);
+        named.push("…".to_owned());
+    }
+    named.join(", ")
 }
 
 /// Names the tables of a report in Markdown that have targets, for an advice; empty without such tables.

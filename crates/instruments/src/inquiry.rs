@@ -13,7 +13,6 @@ use crate::rows;
 use crate::stated;
 use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
-use crate::words;
 
 /// Question that a file leaves open.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -68,6 +67,8 @@ pub struct Inquiry<'a> {
     used: RefCell<Vec<&'static str>>,
     /// Axes whose positions it has asked for.
     used_axes: RefCell<Vec<Axis>>,
+    /// Positions of axes that the file states, mm and degrees.
+    stated_at: Vec<(Axis, f64)>,
 }
 
 /// Quotes a line of the file in a note.
@@ -86,6 +87,7 @@ impl<'a> Inquiry<'a> {
             is_unit_stated: false,
             used: RefCell::default(),
             used_axes: RefCell::default(),
+            stated_at: Vec::new(),
         }
     }
 
@@ -198,32 +200,6 @@ impl<'a> Inquiry<'a> {
             found.push(GridHeading { unit: heading.unit.or(unit), ..heading });
         }
         Ok(found)
-    }
-
-    /// Notes the columns that are not read.
-    ///
-    /// # Errors
-    /// If one of them has a unit, a quantity or an axis in each row, and `--columns` does not say that it is not read: then the rows may not be of one kind.
-    pub fn unread(&mut self, columns: &[&GridHeading], line: usize) -> Result<(), ImportStop> {
-        // Drivers go into the measurement, or are named there.
-        let columns: Vec<&GridHeading> =
-            columns.iter().copied().filter(|own| !words::is_driver(&own.written)).collect();
-        let is_needed = |own: &&&GridHeading| {
-            words::is_unit(&own.words) || words::is_kind(&own.words) || words::is_axis(&own.words)
-        };
-        if let Some(own) = columns.iter().find(is_needed).filter(|_| self.answers.columns.is_empty()) {
-            let message = format!(
-                "the column '{}' is not read, and its rows may have several units, quantities or axes",
-                own.written
-            );
-            let help = "name all columns with --columns, and write - for this one if all rows are of one kind";
-            return Err(self.refused(message, help, line));
-        }
-        if !columns.is_empty() {
-            let names: Vec<&str> = columns.iter().map(|own| own.written.as_str()).collect();
-            self.note(format!("columns that are not read: {}", names.join(", ")), line);
-        }
-        Ok(())
     }
 
     /// Checks that the value of an option is that of the file: `said` by the option, `stated` by the file with its line.
@@ -398,19 +374,44 @@ impl<'a> Inquiry<'a> {
                 format!("the file does not state the position of {} during the measurement", missing.join(", "));
             let example: Vec<String> = missing.iter().map(|letter| format!("{letter}0")).collect();
             self.ask("at", sentence, format!("all of them, such as {}", example.join(",")));
-        } else if !found.is_empty() {
+        } else {
+            let is_said = |axis: &Axis| self.stated_at.iter().all(|(own, _)| own != axis);
+            let said = found.iter().filter(|(axis, _)| is_said(axis));
             let shown: Vec<String> =
-                found.iter().map(|(axis, value)| format!("{}{value}", char::from(axis.letter()))).collect();
+                said.map(|(axis, value)| format!("{}{value}", char::from(axis.letter()))).collect();
+            if shown.is_empty() {
+                return found;
+            }
             self.note(format!("positions of the other axes: --at {}", shown.join(",")), 0);
         }
         found
     }
 
-    /// Position of an axis in `--at`.
+    /// Position of an axis in `--at`, or in a column of the file.
     #[must_use]
     pub fn given(&self, axis: Axis) -> Option<f64> {
         self.used_axes.borrow_mut().push(axis);
-        self.answers.at.iter().find(|(own, _)| *own == axis).map(|(_, value)| *value)
+        let all = self.answers.at.iter().chain(&self.stated_at);
+        all.into_iter().find(|(own, _)| *own == axis).map(|(_, value)| *value)
+    }
+
+    /// Takes the position of an axis that did not move from a column of the file, mm or degrees.
+    ///
+    /// # Errors
+    /// If `--at` states another one.
+    pub fn state_position(&mut self, axis: Axis, value: f64, line: usize) -> Result<(), ImportStop> {
+        /// Half a digit of a position, mm or degrees.
+        const SLACK: f64 = 0.005;
+        if let Some((_, said)) = self.answers.at.iter().find(|(own, _)| *own == axis)
+            && (said - value).abs() > SLACK
+        {
+            let message =
+                format!("--at {axis}{} contradicts the column {axis} of the file: {}", shown(*said), shown(value));
+            return Err(self.refused(message, format!("remove {axis} from --at, or correct the column"), line));
+        }
+        self.note(format!("position of {axis}: {} in all rows", shown(value)), line);
+        self.stated_at.push((axis, value));
+        Ok(())
     }
 
     /// Machine position of the zero of the positions in the file, for linear axes that have a column.

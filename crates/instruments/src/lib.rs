@@ -11,10 +11,12 @@ pub mod inquiry;
 mod kept;
 pub mod preview;
 pub mod readings;
+mod row_fact;
 mod rows;
 mod stated;
 pub mod text;
 pub mod unit;
+mod unread;
 pub mod words;
 mod workbook;
 

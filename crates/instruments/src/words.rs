@@ -344,15 +344,6 @@ pub fn is_kind(words: &str) -> bool {
     KINDS.contains(&words.trim())
 }
 
-/// Headings of columns that have the axis of each row.
-const AXES: &[&str] = &["axis", "achse", "axe", "asse", "eje"];
-
-/// True for the heading of a column that has the axis of each row.
-#[must_use]
-pub fn is_axis(words: &str) -> bool {
-    AXES.contains(&words.trim())
-}
-
 /// Names of columns that a measurement may have besides positions and readings.
 const DRIVERS: &[&str] = &["t_s", "feed_mm_min", "load_N", "load_x_mm", "load_y_mm", "load_z_mm"];
 /// Ends of the names of drivers: their units.
@@ -417,7 +408,21 @@ fn named_series(words: &str) -> Option<ColumnRole> {
 #[must_use]
 pub fn axis(words: &str) -> Option<Axis> {
     let mut parts = words.split([' ', '-', '_', '.', ':']).filter(|part| !part.is_empty());
-    let rest = ["axis", "achse", "axe", "asse", "eje", "position", "pos", "target", "soll", "nominal", "command"];
+    let rest = [
+        "axis",
+        "achse",
+        "axe",
+        "asse",
+        "eje",
+        "position",
+        "pos",
+        "target",
+        "soll",
+        "nominal",
+        "command",
+        "linear",
+        "linearachse",
+    ];
     let mut found = None;
     for part in parts.by_ref() {
         match part.as_bytes() {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand};
 
 use crate::cli::arguments::{MachineChoice, examples};
-use crate::datum::StatedZero;
+use crate::stated_zero::StatedZero;
 use crate::tool::ToolVector;
 use ncfix_base::geometry::AxisVector;
 use ncfix_machine::describe::{DescriptionRequest, StatedPivot, StatedSense, StatedTravel};

@@ -54,7 +54,7 @@ pub(in crate::cli) struct SquareArguments {
     /// Side of the square part, mm
     #[arg(long, value_name = "MM", group = "sizes")]
     pub(in crate::cli) side: Option<f64>,
-    /// Sides of the rectangular part, mm
+    /// Sides of the part, mm; one length for a square
     #[arg(long, value_name = "A,B", value_delimiter = ',', group = "sizes")]
     pub(in crate::cli) sides: Vec<f64>,
     /// Programmed sides of the part: the measured ones then give the scales of both axes too

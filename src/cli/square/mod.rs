@@ -54,7 +54,7 @@ pub(in crate::cli) fn run(arguments: &SquareArguments) -> Result<ExitCode, Stop>
         print(&result.page)?;
     }
     if let Some(output) = &arguments.output {
-        tell(&next_line::after_calibration(output, !chosen.machine.zero_offsets.is_empty()));
+        tell(&next_line::after_square(output, &chosen, &result));
     }
     Ok(findings.exit_code())
 }

@@ -155,9 +155,9 @@ has more.";
 on for absolute values, or CR= for the radius. Fanuc, RS274/NGC and Grundig: I, J, K, or R for the radius. Without them,
 infinitely many arcs lead from the start to the end. Add the center or the radius to the block.";
     ARC_OFF_CIRCLE = "E0203" "arc end is not on the circle"
-"The radius at the start of the arc and the radius at its end differ by more than the control allows. Or the center is off the
-perpendicular bisector of the chord by more than that and, on a Sinumerik, by more than 1.8° as seen from the start. The limit is
-the larger of control.arc_tolerance_mm and control.arc_tolerance_ratio times the radius (Sinumerik MD21000 and MD21010, default
+"The radius at the start of the arc and the radius at its end differ by more than the control allows. Or the nearest center of a
+circle through both points is farther away than that and, on a Sinumerik, more than 1.8° as seen from the start. The limit is the
+larger of control.arc_tolerance_mm and control.arc_tolerance_ratio times the radius (Sinumerik MD21000 and MD21010, default
 0.01 mm and 0.001).
 
   N10 G1 X0 Y0
@@ -923,9 +923,9 @@ blocks, and surfaces may show it. Choose a larger --tolerance, which gives longe
 for each.";
     ZERO_LENGTH_NOT_STATED = "W0326" "length of the tool at the touch not stated"
 "A touched zero contains the error of the machine where the tool touched, and this depends on the length of the tool or probe: a
-longer one touches at a higher position of the axes. Without a stated length the correction is right for the length 0. All cuts
-are then displaced by the size in the message. State the length: --zero G54=touched@L110, or tool_length_mm in
-[zero_offset.NAME.set_at]. See docs/how-to/set-the-zero.md.";
+longer one touches at a higher position of the axes. Without a stated length, the first tool with which the program cuts in this
+zero counts. If another tool or a probe touched, all cuts are displaced by up to the size in the message. State the length:
+--zero G54=touched@L110, or tool_length_mm in [zero_offset.NAME.set_at]. See docs/how-to/set-the-zero.md.";
     BACKWARD_TOOL = "W0327" "negative tool length"
 "A tool of the program has a negative length, as on a control whose lengths count from the machine zero or from a reference tool.
 The axis positions are then still right, but ncfix needs the distance from the gauge point of the spindle to the tip: angular errors
@@ -939,8 +939,12 @@ its positions are true positions, and no touched zero is subtracted.";
     SQUARENESS_NOT_SHOWN = "W0330" "squareness that no measurement shows"
 "Both axes move while the tool cuts, and no reading of the calibration shows the angle between them. The list not_shown in [measured] of
 the machine file names this squareness. A laser measures each axis alone, and a straightness whose reference was aligned by hand shows no
-slope. Or the readings show the angle, and --model of the calibration lacked it (W0620). The squareness is unknown, not zero: the correction leaves it on the workpiece, and the predicted error does not contain it.
-Measure it, for example with a ball-bar or a square, and calibrate again.";
+slope. Or the readings show the angle, and --model of the calibration lacked it (W0620). The squareness is unknown, not zero: the
+correction leaves it on the workpiece, and the predicted error does not contain it. Measure it, for example with a ball-bar or a square, and calibrate again.";
+    ZERO_OUT_OF_REACH = "W0331" "zero offset outside the travel"
+"machine check found a zero offset whose zero no tool of the machine file can reach. For X and Y, its value is outside the travel. For
+the axis along the spindle, it is outside with every tool. Mostly a sign or a digit is wrong, or the value is that of another machine.
+Compare it with the control. On a part that is longer than the travel, the value may be right.";
     COMPONENT_NOT_SHOWN = "W0332" "positioning or straightness that no measurement shows"
 "An axis moves while the tool cuts, and no reading of the calibration shows one of its errors: the positioning along its own direction (EXX), or
 its straightness across it (EYX, EZX). The list not_shown in [measured] of the machine file names them. A laser for positioning shows no

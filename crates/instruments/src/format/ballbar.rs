@@ -52,9 +52,10 @@ fn recognize(text: &DecodedText) -> u8 {
 
 fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     let table = grid::table(inquiry.text)?;
-    let facts = facts(inquiry.text, &table);
+    let mut facts = facts(inquiry.text, &table);
     let line = table.heading_line;
     let columns = columns::find(inquiry, &table)?;
+    facts.add(inquiry, table.decimal, &columns.constants)?;
     facts.check(inquiry)?;
     let plane = facts.plane(inquiry)?;
     let radius_mm = match (inquiry.answers().radius_mm, facts.radius_mm) {
@@ -79,6 +80,9 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
             facts.radius_mm.map_or(0, |(_, line)| line),
         ));
     }
+    if let Some((_, line)) = facts.turn {
+        inquiry.note("direction of all circles", line);
+    }
     let feed = inquiry.answers().feed.or(facts.feed.map(|(feed, line)| {
         inquiry.note("feed", line);
         feed
@@ -86,7 +90,8 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     let bounds_deg = facts.start_deg.zip(facts.end_deg).map(|((start, _), (end, _))| [start, end]);
     let mut clock = match (columns.angle, columns.time) {
         (None, Some(time)) => {
-            let turns = stated_turns(inquiry, &table, &columns)?;
+            let mut turns = stated_turns(inquiry, &table, &columns)?;
+            turns.extend(facts.turn.map(|(turn, _)| turn));
             Some(CircleClock::ask(inquiry, &table, (time, turns), (feed, radius_mm), bounds_deg)?)
         }
         _ => None,
@@ -109,7 +114,14 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
         };
         for (column, heading) in &columns.readings {
             let name = heading.run.map_or_else(|| name.to_owned(), |run| run.to_string());
-            let turn = turn.or(heading.turn.map(f64::from));
+            let own = turn.or(heading.turn.map(f64::from));
+            if let (Some(own), Some((stated, at))) = (own, facts.turn)
+                && own != stated
+            {
+                let message = format!("the direction of this circle contradicts line {at}");
+                return Err(inquiry.refused(message, "remove the line, or correct it", row.number));
+            }
+            let turn = own.or(facts.turn.map(|(turn, _)| turn));
             let index = runs.iter().position(|run| run.name == name && run.turn == turn).unwrap_or_else(|| {
                 runs.push(CircleRun { name, turn, readings: Vec::new() });
                 runs.len() - 1

@@ -9,7 +9,7 @@ use ncfix_base::geometry::Axis;
 
 use super::nominal_actual::position_unit;
 use super::{InstrumentFormat, axis_columns};
-use crate::grid::{self, GridHeading, GridTable};
+use crate::grid::{self, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
 use crate::unit::ReadingUnit;
@@ -180,11 +180,8 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
             || columns.rotary.iter().any(|(own, _)| *own == index)
             || [columns.ball, columns.run].contains(&Some(index))
     };
-    let headings = table.headings.iter().enumerate();
-    let is_unread = |index: usize, written: &str| !used(index) && !["-", ""].contains(&written);
-    let unread: Vec<&GridHeading> =
-        headings.filter(|(index, own)| is_unread(*index, &own.written)).map(|(_, own)| own).collect();
-    inquiry.unread(&unread, line)?;
+    let unread: Vec<usize> = (0..table.headings.len()).filter(|index| !used(*index)).collect();
+    inquiry.unread(&table, &table.headings, &unread)?;
     let mut largest = 0.0_f64;
     for row in &table.rows {
         for column in columns.linear {

@@ -5,7 +5,7 @@
 use ncfix_base::geometry::Axis;
 
 use super::{InstrumentFormat, axis_columns};
-use crate::grid::{self, GridHeading, GridTable};
+use crate::grid::{self, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
 use crate::text::DecodedText;
@@ -96,9 +96,8 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
             || values.iter().any(|(own, _)| *own == index)
             || run == Some(index)
     };
-    let headings = table.headings.iter().enumerate();
-    let unread: Vec<&GridHeading> = headings.filter(|(index, _)| !used(*index)).map(|(_, own)| own).collect();
-    inquiry.unread(&unread, line)?;
+    let unread: Vec<usize> = (0..table.headings.len()).filter(|index| !used(*index)).collect();
+    inquiry.unread(&table, &table.headings, &unread)?;
     let mut largest = 0.0_f64;
     for row in &table.rows {
         for (column, _) in &values {

@@ -14,6 +14,7 @@ use crate::answers::ReadingMaterial;
 use crate::grid::{self, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
+use crate::row_fact::{RowFact, row_fact};
 use crate::rows;
 use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
@@ -107,18 +108,19 @@ fn name_column(table: &GridTable, labels: usize) -> Option<usize> {
     named.into_iter().find(is_shared).or_else(|| (0..labels).next_back())
 }
 
-/// Unit in a column of its own, the same in all rows of coordinates.
+/// Unit in a column of its own, the same in all rows of coordinates; `labels` is the column with their names.
 fn row_unit(
     inquiry: &Inquiry<'_>,
     table: &GridTable,
-    labels: usize,
+    labels: Option<usize>,
 ) -> Result<Option<(ReadingUnit, usize)>, ImportStop> {
-    let Some(column) = table.headings.iter().position(|heading| words::is_unit(&heading.words)) else {
+    let Some(column) = table.headings.iter().position(|heading| row_fact(&heading.words) == Some(RowFact::Unit)) else {
         return Ok(None);
     };
     let mut found: Option<(ReadingUnit, usize)> = None;
     for row in &table.rows {
-        if row.cells.get(labels).is_none_or(|cell| coordinate(&cell.text).is_none()) {
+        let label = labels.map(|column| row.cells.get(column).and_then(|cell| coordinate(&cell.text)));
+        if label.is_some_and(|coordinate| coordinate.is_none()) {
             continue;
         }
         let text = row.cells.get(column).map_or("", |cell| cell.text.as_str());
@@ -208,12 +210,13 @@ fn tabular(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
         .filter(|(index, heading)| {
             parts.iter().all(|(own, ..)| own != index)
                 && words::role(&heading.words) == ColumnRole::Unknown
-                && !words::is_unit(&heading.words)
+                && row_fact(&heading.words) != Some(RowFact::Unit)
                 && !words::is_driver(&heading.written)
                 && !heading.written.is_empty()
         })
         .map(|(_, heading)| heading.written.clone())
         .collect();
+    inquiry.check_places(&table)?;
     if !unread.is_empty() {
         inquiry.note(format!("columns that are not read: {}", unread.join(", ")), line);
     }
@@ -238,7 +241,7 @@ fn tabular(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
             return Err(ImportStop::Asks);
         };
         let names = name_column(&table, labels);
-        unit = unit.or(row_unit(inquiry, &table, labels)?);
+        unit = unit.or(row_unit(inquiry, &table, Some(labels))?);
         let mut last = None;
         let mut skipped = 0;
         for row in &table.rows {
@@ -274,6 +277,7 @@ fn tabular(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
             return Err(inquiry.refused(message, help, features.first().map_or(line, |feature| feature.line)));
         }
     } else {
+        unit = unit.or(row_unit(inquiry, &table, None)?);
         for row in &table.rows {
             let mut feature = Feature { line: row.number, ..Feature::default() };
             for k in 0..3 {

@@ -7,7 +7,7 @@ use ncfix_base::geometry::{Axis, Vector};
 
 use super::nominal_actual::position_unit;
 use super::{InstrumentFormat, axis_columns, centres};
-use crate::grid::{self, GridHeading, GridTable};
+use crate::grid::{self, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
 use crate::text::DecodedText;
@@ -60,10 +60,8 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
         ));
     };
     let used = |index: usize| index == label || linear.contains(&index) || rotary.iter().any(|(own, _)| *own == index);
-    let headings = table.headings.iter().enumerate();
-    let unread: Vec<&GridHeading> =
-        headings.filter(|(index, own)| !used(*index) && !own.written.is_empty()).map(|(_, own)| own).collect();
-    inquiry.unread(&unread, line)?;
+    let unread: Vec<usize> = (0..table.headings.len()).filter(|index| !used(*index)).collect();
+    inquiry.unread(&table, &table.headings, &unread)?;
     let mut balls: Vec<(String, Vec<f64>, Vec<Vector>, usize)> = Vec::new();
     for row in &table.rows {
         let name = row.cells.get(label).map(|cell| cell.text.clone()).unwrap_or_default();

@@ -4,9 +4,12 @@
 //! targets in its first row. The description of `direct` readings is the deviation of the moving body: of an axis under the table it has the opposite sign
 //! of what an instrument between tool and table reads.
 
+mod axes;
 mod checks;
 mod direct;
 mod facts;
+
+use ncfix_base::geometry::Axis;
 
 use super::InstrumentFormat;
 use crate::answers::{MeasuredComponent, component};
@@ -176,22 +179,26 @@ fn collect(
     let line = table.heading_line;
     let mut columns: Vec<(usize, ColumnRole)> = Vec::new();
     let mut components: Vec<(usize, MeasuredComponent)> = Vec::new();
-    let mut unknown = Vec::new();
+    let mut positions: Vec<(usize, Axis)> = Vec::new();
+    let mut skipped = Vec::new();
     for (index, heading) in headings.iter().enumerate() {
         match words::role(&heading.words) {
             ColumnRole::Unknown => match (component(&heading.words), words::axis(&heading.words)) {
                 (Ok(found), _) => components.push((index, found)),
-                (_, Some(axis)) => {
-                    facts.axis.get_or_insert((axis, line));
-                    columns.push((index, ColumnRole::Target));
-                }
-                _ => unknown.push(heading),
+                (_, Some(axis)) => positions.push((index, axis)),
+                _ => {}
             },
-            ColumnRole::Skip => {}
+            ColumnRole::Skip => skipped.push(index),
             role => columns.push((index, role)),
         }
     }
-    inquiry.unread(&unknown, line)?;
+    if let Some(column) = axes::named(inquiry, table, &headings, facts)? {
+        skipped.push(column);
+    }
+    let has_target = columns.iter().any(|(_, role)| *role == ColumnRole::Target);
+    if let Some(moved) = axes::moved(inquiry, table, (&headings, &positions), has_target, facts)? {
+        columns.push((moved, ColumnRole::Target));
+    }
     if !table.skipped.is_empty() {
         let lines: Vec<String> = table.skipped.iter().take(20).map(ToString::to_string).collect();
         inquiry.note(format!("lines that are not readings: {}", lines.join(", ")), 0);
@@ -213,6 +220,22 @@ fn collect(
             |(index, role)| if let ColumnRole::Series(run, sense) = role { Some((*index, *run, *sense)) } else { None },
         )
         .collect();
+    let is_read = |index: usize| {
+        // A run and a direction are not read beside columns that state their own.
+        let is_role = |role: &ColumnRole| match role {
+            ColumnRole::Series(..) => true,
+            ColumnRole::Deviation | ColumnRole::Actual | ColumnRole::Correction => series.is_empty(),
+            ColumnRole::Run | ColumnRole::Sense => series.is_empty() && of(*role) == Some(index),
+            ColumnRole::Target => index == target,
+            _ => false,
+        };
+        columns.iter().any(|(own, role)| *own == index && is_role(role))
+            || components.iter().any(|(own, _)| *own == index)
+            || positions.iter().any(|(own, _)| *own == index)
+            || skipped.contains(&index)
+    };
+    let unread: Vec<usize> = (0..headings.len()).filter(|index| !is_read(*index)).collect();
+    inquiry.unread(table, &headings, &unread)?;
     let unit_of = |index: usize| headings.get(index).and_then(|heading| heading.unit).map(|unit| (unit, line));
     let mut found = Vec::new();
     if !series.is_empty() {

@@ -16,7 +16,7 @@ pub use contradiction::contradictions;
 pub use data::{AxisFacts, ControlFacts};
 pub use description::{Ask, AxisDescription, Description, DescriptionRequest, Question};
 pub use known::{Known, KnownOrigin};
-pub use setup::{has_same_setup, setup_text};
+pub use setup::{has_same_setup, setup_text, worn_edges};
 pub use stated::{StatedPivot, StatedSense, StatedTravel, TravelRange};
 pub use template::{TEMPLATES, Template, TemplateRotary, template};
 pub use write::{measured, text};

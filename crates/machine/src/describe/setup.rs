@@ -1,20 +1,21 @@
 //! Text of the zero offsets, tools and variables of a machine, as sections of its file.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use crate::machine::{Machine, Setting};
+use crate::machine::{Machine, Setting, Tool};
 use ncfix_base::geometry::{Axis, AxisVector, FrameParts};
 
 /// Largest difference of numbers after they were written and read, mm, rad or a factor: the conversion to degrees and back rounds.
 const SAME: f64 = 1e-9;
 
-/// Returns the sections of zero offsets, tools and variables that `full` has and `bare`, the machine of a text, has not.
+/// Returns the sections of zero offsets, tools and variables that `full` has and `bare`, the machine of a text, has not. The edges of [`worn_edges`] are not
+/// among them.
 ///
 /// # Errors
 /// Names the data that a machine file cannot hold.
 pub fn setup_text(bare: &Machine, full: &Machine) -> Result<String, String> {
     let refused = [
-        (has_other_wear(bare, full), "the wear of tool radii"),
         (bare.base_frames != full.base_frames, "base frames"),
         (bare.parameters != full.parameters, "R parameters"),
         (bare.partial_offsets != full.partial_offsets, "zero offsets without a shift of X, Y and Z"),
@@ -27,7 +28,9 @@ pub fn setup_text(bare: &Machine, full: &Machine) -> Result<String, String> {
     for (name, parts) in full.zero_offsets.iter().filter(|(name, parts)| bare.zero_offsets.get(*name) != Some(parts)) {
         offset(&mut out, name, parts, full);
     }
-    for tool in full.tools.iter().filter(|tool| !bare.tools.contains(tool)) {
+    let worn = worn_edges(bare, full);
+    let is_new = |tool: &&Tool| !bare.tools.contains(tool) && !worn.contains(&(tool.number, tool.edge));
+    for tool in full.tools.iter().filter(is_new) {
         // Writing into a String cannot fail.
         let _ = writeln!(out, "\n[[tool]]\nnumber = {}", tool.number);
         if let Some(name) = &tool.name {
@@ -54,21 +57,24 @@ pub fn setup_text(bare: &Machine, full: &Machine) -> Result<String, String> {
     Ok(out)
 }
 
-/// True if `full` has a wear that `bare` has not. A tool table lists edges without wear, too.
-fn has_other_wear(bare: &Machine, full: &Machine) -> bool {
+/// Number and edge of each tool whose radius has a wear in `full` that it has not in `bare`: a machine file has no place for the wear, and without it the
+/// control would follow another path. A tool table lists edges without wear, too.
+#[must_use]
+pub fn worn_edges(bare: &Machine, full: &Machine) -> BTreeSet<(u32, u32)> {
     let is_other =
-        |(place, wear_mm): (&(u32, u32), &f64)| *wear_mm != bare.radius_wear_mm.get(place).copied().unwrap_or(0.0);
-    full.radius_wear_mm.iter().any(is_other)
+        |(place, wear_mm): &(&(u32, u32), &f64)| **wear_mm != bare.radius_wear_mm.get(*place).copied().unwrap_or(0.0);
+    full.radius_wear_mm.iter().filter(is_other).map(|(place, _)| *place).collect()
 }
 
-/// True if two machines have the same zero offsets, tools and variables.
+/// True if `one` has the zero offsets, variables and tools of `other`, without its [`worn_edges`].
 #[must_use]
 pub fn has_same_setup(one: &Machine, other: &Machine) -> bool {
+    let worn = worn_edges(one, other);
     let offsets = [&one.zero_offsets, &other.zero_offsets];
     let is_same = |(name, parts): (&String, &FrameParts)| offsets[1].get(name).is_some_and(|own| is_near(parts, own));
     offsets[0].len() == offsets[1].len()
         && offsets[0].iter().all(is_same)
-        && one.tools == other.tools
+        && one.tools.iter().eq(other.tools.iter().filter(|tool| !worn.contains(&(tool.number, tool.edge))))
         && one.system == other.system
         && one.gud == other.gud
 }

@@ -52,11 +52,13 @@ pub fn text(description: &Description) -> String {
         line(&mut out, "increment_mm = 0.001", "decimals of the output");
     }
     if let Some(unit) = &description.saved_unit {
-        let from = format!("unit of .var and tool.tbl; {}", origin(unit));
+        let parts = ["unit of saved offsets and tools".to_owned(), origin(unit)];
+        let from = parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("; ");
         line(&mut out, &format!("saved_unit = \"{}\"", unit.value), &from);
     }
     if let Some(code) = &description.startup_code {
-        let from = format!("in force before the first block; {}", origin(code));
+        let parts = ["in force before the first block".to_owned(), origin(code)];
+        let from = parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("; ");
         line(&mut out, &format!("startup_code = {}", quoted(&code.value)), &from);
     }
     for one in &description.control_lines {

@@ -7,7 +7,10 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector};
 
 use super::section::Section;
-use super::{Machine, ZeroPose};
+use super::{AxisData, Machine, ZeroPose};
+
+/// Rounding of a display, mm or degrees.
+const ROOM: f64 = 1e-3;
 
 /// Method by which a zero offset was set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,7 +94,11 @@ impl Datum {
     }
 
     /// Reads `set` and `set_at` of a zero offset; `None` if it has neither.
-    pub(super) fn read(section: &mut Section<'_>, axes: AxisSet, findings: &mut Vec<Diagnostic>) -> Option<Datum> {
+    pub(super) fn read(
+        section: &mut Section<'_>,
+        (axes, data): (AxisSet, &[Option<AxisData>]),
+        findings: &mut Vec<Diagnostic>,
+    ) -> Option<Datum> {
         let mut datum = Datum::default();
         if let Some(text) = section.text("set") {
             datum.setting = ZeroSetting::of_name(text);
@@ -102,11 +109,11 @@ impl Datum {
             }
         }
         let Some(mut at) = section.section("set_at") else { return datum.setting.map(|_| datum) };
-        let common = TouchedAt::read(&mut at, axes, TouchedAt::default());
+        let common = TouchedAt::read(&mut at, (axes, data), TouchedAt::default());
         datum.at = [common; 3];
         for (side, axis) in [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate() {
             if let Some(mut own) = at.section(&axis.to_string()) {
-                datum.at[side] = TouchedAt::read(&mut own, axes, common);
+                datum.at[side] = TouchedAt::read(&mut own, (axes, data), common);
                 own.finish(findings);
             }
         }
@@ -117,7 +124,7 @@ impl Datum {
 
 impl TouchedAt {
     /// Reads positions of axes and the length of the tool over those of `base`.
-    fn read(section: &mut Section<'_>, axes: AxisSet, base: TouchedAt) -> TouchedAt {
+    fn read(section: &mut Section<'_>, (axes, data): (AxisSet, &[Option<AxisData>]), base: TouchedAt) -> TouchedAt {
         let mut out = base;
         for axis in axes.iter() {
             let key = format!("{axis}_dir");
@@ -125,7 +132,16 @@ impl TouchedAt {
                 out.direction[axis.slot()] = if direction > 0.0 { 1 } else { -1 };
             }
             let unit = if axis.is_rotary() { "deg" } else { "mm" };
-            let Some(value) = section.number(&format!("{axis}_{unit}")) else { continue };
+            let key = format!("{axis}_{unit}");
+            let Some(value) = section.number(&key) else { continue };
+            let travel = data.iter().flatten().find(|one| one.axis == axis).and_then(|one| one.travel);
+            let travel = travel.map(|ends| ends.map(|end| if axis.is_rotary() { end.to_degrees() } else { end }));
+            if let Some([low, high]) = travel.filter(|[low, high]| !(low - ROOM..=high + ROOM).contains(&value)) {
+                let message =
+                    format!("the touch at {axis} {value} {unit} is outside the travel of {low} to {high} {unit}");
+                let help = "write the position of the axis at the touch in machine coordinates (G53), not that of the edge in the workpiece";
+                section.report(Code::OUT_OF_TRAVEL, section.place_of(&key), message, help);
+            }
             out.command[axis] = if axis.is_rotary() { value.to_radians() } else { value };
             out.stated.insert(axis);
         }

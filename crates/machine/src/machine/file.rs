@@ -71,7 +71,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     opaque::read_sections(root.sections("opaque"), &mut control, &mut findings);
     let axis_set = known.unwrap_or_else(|| AXES.into_iter().collect());
     let ZeroOffsets { offsets: zero_offsets, datums, .. } =
-        read_zero_offsets(&mut root, axis_set, &controller, &mut findings);
+        read_zero_offsets(&mut root, (axis_set, &axes), &controller, &mut findings);
     let tools = tool::read(&mut root, &mut findings);
     let sensor_references_c = read_sensors(root.section("sensor"), &mut findings);
     let system = setting::read(root.section("system"), true, &mut findings);
@@ -164,7 +164,8 @@ pub fn apply_setup(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
     };
     let mut findings = Vec::new();
     let mut root = file.root();
-    let zeros = read_zero_offsets(&mut root, machine.topology.axis_set(), &machine.controller, &mut findings);
+    let axes = (machine.topology.axis_set(), machine.axes.as_slice());
+    let zeros = read_zero_offsets(&mut root, axes, &machine.controller, &mut findings);
     let tools = tool::read(&mut root, &mut findings);
     let system = setting::read(root.section("system"), true, &mut findings);
     let gud = setting::read(root.section("gud"), false, &mut findings);

@@ -5,9 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{AXES, Axis, AxisSet, FrameParts};
 
-use super::Machine;
 use super::datum::{Datum, ZeroSetting};
 use super::section::Section;
+use super::{AxisData, Machine};
 
 /// Settable zero offsets of a control.
 struct Names {
@@ -90,7 +90,7 @@ pub(super) struct ZeroOffsets {
 
 pub(super) fn read_zero_offsets(
     root: &mut Section<'_>,
-    axes: AxisSet,
+    (axes, data): (AxisSet, &[Option<AxisData>]),
     controller: &str,
     findings: &mut Vec<Diagnostic>,
 ) -> ZeroOffsets {
@@ -108,7 +108,7 @@ pub(super) fn read_zero_offsets(
         let states_value = own.keys().any(|key| !matches!(key, "set" | "set_at"));
         let parts = read_parts(&mut own, axes);
         check_whole(&mut own, name, axes);
-        if let Some(datum) = Datum::read(&mut own, axes, findings) {
+        if let Some(datum) = Datum::read(&mut own, (axes, data), findings) {
             out.datums.insert(common_name(name), datum);
         }
         own.finish(findings);

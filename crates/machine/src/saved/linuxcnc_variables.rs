@@ -41,9 +41,17 @@ fn pair(line: &SavedLine<'_>) -> Option<(u32, f64)> {
     parts.next().is_none().then_some(pair)
 }
 
+/// Variables of the zero offsets, with the number of the active one.
+const OFFSETS: std::ops::RangeInclusive<u32> = 5220..=5390;
+
+/// A whole file has all variables; a part of one has nothing but variables, and some of zero offsets.
 fn is(lines: &[SavedLine<'_>]) -> bool {
+    let is_comment = |line: &&SavedLine<'_>| line.text.trim_start().starts_with(['#', ';', '(']);
+    let count = lines.iter().filter(|line| !is_comment(line)).count();
     let keys: Vec<u32> = lines.iter().filter_map(pair).map(|(key, _)| key).collect();
-    keys.len() >= 5 && keys.contains(&5220) && keys.contains(&5221)
+    let is_whole = keys.len() >= 5 && keys.contains(&5220) && keys.contains(&5221);
+    let is_part = keys.len() == count && keys.iter().any(|key| OFFSETS.contains(key) && *key != 5220);
+    is_whole || is_part
 }
 
 fn read(lines: &[SavedLine<'_>], machine: &Machine) -> Result<SavedValues, Diagnostic> {

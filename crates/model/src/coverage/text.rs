@@ -129,7 +129,8 @@ fn sentence(gap: &CoverageGap) -> Option<(String, String)> {
                 Some(name) => format!("the table of {name}, {ends} {unit}"),
                 None => format!("the measured range, {ends} {unit}"),
             };
-            let message = format!("{axis} {used} {unit} is {far} {unit} beyond {range}{size}");
+            let side = if gap.beyond > 0.0 { "above" } else { "below" };
+            let message = format!("{axis} {used} {unit} is {far} {unit} {side} {range}{size}");
             let measure = format!("measure {axis} to {used} {unit}");
             // Another place of the workpiece does not change the angle of a rotary axis.
             (message, if axis.is_rotary() { measure } else { format!("move the workpiece, or {measure}") })

@@ -226,7 +226,7 @@ impl<'a> DiagnosticCollector<'a> {
             format!("during this move {axis} reaches {position:.4} {unit}, {side} the limit of {limit} {unit}")
         };
         let help = format!(
-            "check zero offset and tool length (machine file or --setup), or axis.{axis}.travel_{unit} in the machine file"
+            "the position is that of the axis in machine coordinates, not of the tool tip; check zero offset and tool length (machine file or --setup), or axis.{axis}.travel_{unit} in the machine file"
         );
         self.report(origin, Code::OUT_OF_TRAVEL, message, help);
     }

@@ -2,6 +2,7 @@
 
 use crate::grid::{GridHeading, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
+use crate::row_fact::{ColumnValues, RowFact, row_fact};
 use crate::unit::ReadingUnit;
 use crate::words::{self, CircleHeading, ColumnRole};
 
@@ -23,6 +24,8 @@ pub(super) struct CircleColumns {
     pub(super) is_radius: bool,
     /// Unit of the readings in their heading.
     pub(super) unit: Option<ReadingUnit>,
+    /// Facts in columns that have one value in all rows.
+    pub(super) constants: Vec<ColumnFact>,
 }
 
 /// Columns of readings with what their headings say: deviations, else radii, else one for each circle.
@@ -94,8 +97,52 @@ pub(super) fn find(inquiry: &mut Inquiry<'_>, table: &GridTable) -> Result<Circl
         [angle, time, run, sense].contains(&Some(column)) || readings.iter().any(|(own, _)| *own == column)
     };
     let is_open = |column: usize| !is_read(column) && roles.get(column) != Some(&ColumnRole::Skip);
-    let unread: Vec<&GridHeading> =
-        headings.iter().enumerate().filter(|(column, _)| is_open(*column)).map(|(_, heading)| heading).collect();
-    inquiry.unread(&unread, line)?;
-    Ok(CircleColumns { angle, deg, time, run, sense, readings, is_radius, unit })
+    let open: Vec<usize> = (0..headings.len()).filter(|column| is_open(*column)).collect();
+    let mut constants = Vec::new();
+    let mut unread = Vec::new();
+    for column in open {
+        match constant(table, column, headings.get(column), roles.get(column)) {
+            Some(found) => constants.push(found),
+            None => unread.push(column),
+        }
+    }
+    inquiry.unread(table, &headings, &unread)?;
+    Ok(CircleColumns { angle, deg, time, run, sense, readings, is_radius, unit, constants })
+}
+
+/// Fact of the circle in a column that has one value in all rows.
+#[derive(Clone, Debug)]
+pub(super) struct ColumnFact {
+    /// Which fact.
+    pub(super) fact: RowFact,
+    /// Its value, in lower case.
+    pub(super) text: String,
+    /// Unit in the heading.
+    pub(super) unit: Option<ReadingUnit>,
+    /// Heading, as written.
+    pub(super) written: String,
+    /// First line with the value.
+    pub(super) line: usize,
+}
+
+/// Fact that a column which is no reading states for the whole table.
+fn constant(
+    table: &GridTable,
+    column: usize,
+    heading: Option<&GridHeading>,
+    role: Option<&ColumnRole>,
+) -> Option<ColumnFact> {
+    let heading = heading?;
+    // A nominal radius is exactly one number, a measured one is not.
+    let is_radius = role == Some(&ColumnRole::Radius);
+    let fact = if is_radius { RowFact::Bar } else { row_fact(&heading.words)? };
+    let values = ColumnValues::of(table, column);
+    let (text, line) = values.only(table).filter(|_| !is_radius || values.distinct.len() == 1)?;
+    matches!(fact, RowFact::Plane | RowFact::Bar | RowFact::Feed).then(|| ColumnFact {
+        fact,
+        text: text.to_owned(),
+        unit: heading.unit,
+        written: heading.written.clone(),
+        line,
+    })
 }

@@ -1,13 +1,19 @@
 //! Values that the lines before the table of a ball-bar state.
 
+use ncfix_base::csv::DecimalSign;
 use ncfix_base::geometry::Axis;
 
+use super::columns::ColumnFact;
 use crate::answers;
 use crate::grid::{self, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::shown;
+use crate::row_fact::RowFact;
 use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
+
+/// Share by which a length or a feed may differ between a line and a column.
+const SAME: f64 = 1e-3;
 
 /// Values with their lines.
 #[derive(Default)]
@@ -24,6 +30,8 @@ pub(super) struct CircleFacts {
     pub(super) start_deg: Option<(f64, usize)>,
     /// Angle at which it ends.
     pub(super) end_deg: Option<(f64, usize)>,
+    /// Direction of all circles: 1 counterclockwise, -1 clockwise.
+    pub(super) turn: Option<(f64, usize)>,
     /// Axis positions at the center.
     pub(super) center: Vec<(Axis, f64, usize)>,
     /// Two lines that state the same key with different values.
@@ -55,6 +63,47 @@ impl CircleFacts {
                 let message = format!("--at {axis}{said} contradicts the file, whose line {line} says {value}");
                 let help = format!("remove {axis} from --at; if line {line} is no machine coordinate, remove the line");
                 return Err(inquiry.refused(message, help, line));
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the facts of columns with one value in all rows.
+    ///
+    /// # Errors
+    /// If a value is not of its kind, or if a line before the table states another one.
+    pub(super) fn add(
+        &mut self,
+        inquiry: &Inquiry<'_>,
+        decimal: DecimalSign,
+        columns: &[ColumnFact],
+    ) -> Result<(), ImportStop> {
+        for column in columns {
+            let (line, help) = (column.line, "correct the column, or the line before the table");
+            let wrong = |message: String| inquiry.refused(message, help, line);
+            let other = |stated: usize| {
+                wrong(format!("the column '{}' says {}, and line {stated} another value", column.written, column.text))
+            };
+            if column.fact == RowFact::Plane {
+                let own = answers::plane(&column.text).map_err(&wrong)?;
+                match self.plane {
+                    Some((stated, at)) if stated != own => return Err(other(at)),
+                    Some(_) => {}
+                    None => self.plane = Some((own, line)),
+                }
+                continue;
+            }
+            let value = grid::number(&column.text, decimal)
+                .ok_or_else(|| wrong(format!("'{}' in the column '{}' is no number", column.text, column.written)))?;
+            let (slot, value) = match (column.fact, column.unit) {
+                (RowFact::Bar, Some(unit @ ReadingUnit::Length(..))) => (&mut self.radius_mm, unit.inner(value)),
+                (RowFact::Bar, _) => (&mut self.radius_mm, value),
+                _ => (&mut self.feed, value * feed_factor(&column.written.to_lowercase(), "")),
+            };
+            match *slot {
+                Some((stated, at)) if (stated - value).abs() > SAME * stated.abs() => return Err(other(at)),
+                Some(_) => {}
+                None => *slot = Some((value, line)),
             }
         }
         Ok(())
@@ -158,6 +207,28 @@ fn name_of(key: &str) -> &str {
     name
 }
 
+/// Keys of a line with the direction of the circles: `Direction;CCW`.
+const DIRECTIONS: &[&str] = &[
+    "direction",
+    "dir",
+    "run direction",
+    "rotation",
+    "turn",
+    "sense",
+    "richtung",
+    "drehrichtung",
+    "drehsinn",
+    "umlaufsinn",
+    "sens",
+    "sens de rotation",
+    "direzione",
+    "senso",
+    "verso",
+    "dirección",
+    "direccion",
+    "sentido",
+];
+
 /// An answer in a line of a file; `None` for a number or another word.
 fn yes(value: &str) -> Option<bool> {
     match value {
@@ -206,6 +277,9 @@ pub(super) fn facts(text: &DecodedText, table: &GridTable) -> CircleFacts {
             take(&mut found.calibrated, yes(&value), line, conflict);
         } else if has(&["feed", "vorschub", "avance", "avanzamento"]) {
             take(&mut found.feed, number.map(|number| number * feed_factor(&key, &value)), line, conflict);
+        } else if DIRECTIONS.iter().any(|word| name.trim_end() == *word || name.starts_with(&format!("{word} of"))) {
+            // A line that names both directions states none.
+            take(&mut found.turn, answers::turn(&value).ok(), line, conflict);
         } else if has(&["start angle", "start_angle", "startwinkel", "start"]) {
             take(&mut found.start_deg, number, line, conflict);
         } else if has(&["end angle", "end_angle", "endwinkel", "end"]) {

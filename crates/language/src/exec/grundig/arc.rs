@@ -317,8 +317,8 @@ fn center_fault(found: CenterFault, span: Span, fits_from_center: bool) -> Fault
             Code::ARC_OFF_CIRCLE,
             span,
             format!(
-                "start radius {start_radius_mm:.4} mm, end radius {end_radius_mm:.4} mm, the center {off_bisector_mm:.4} mm off \
-                 the perpendicular bisector of the chord"
+                "start radius {start_radius_mm:.4} mm, end radius {end_radius_mm:.4} mm: the nearest center of a circle through \
+                 both points is {off_bisector_mm:.4} mm away"
             ),
             help,
         ),

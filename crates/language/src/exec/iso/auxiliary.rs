@@ -96,7 +96,7 @@ fn refused(number: u32, span: Span) -> Result<(), Fault> {
     match codes.and_then(|codes| codes.m(number as usize)).filter(|entry| entry.effect == CodeEffect::Refuse) {
         Some(entry) => {
             let message = format!("{} ({}) is not supported", entry.name, entry.meaning);
-            Err(fault(Code::NOT_SUPPORTED, span, message, "program it another way"))
+            Err(fault(Code::NOT_SUPPORTED, span, message, "write the moves that it causes in its place"))
         }
         None => Ok(()),
     }

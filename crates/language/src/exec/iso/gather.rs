@@ -112,9 +112,9 @@ fn g_code(scope: &Scope<'_, '_>, value: f64, span: Span, out: &mut Gathered) -> 
         };
         let help = match of_haas {
             Some(_) => {
-                "if the control is a Haas, set controller = \"haas\" in the machine file; otherwise program it another way"
+                "if the control is a Haas, set controller = \"haas\" in the machine file; otherwise write these moves as G0, G1, G2 and G3"
             }
-            None => haas_codes::advice(tenths).unwrap_or("program it another way"),
+            None => haas_codes::advice(tenths).unwrap_or("write these moves as G0, G1, G2 and G3"),
         };
         return Err(fault(Code::NOT_SUPPORTED, span, message, help));
     }
@@ -156,7 +156,7 @@ fn g_code(scope: &Scope<'_, '_>, value: f64, span: Span, out: &mut Gathered) -> 
         }
         Some(entry) => {
             let message = format!("{name} ({}) is not supported", entry.meaning);
-            Err(fault(Code::NOT_SUPPORTED, span, message, "program it another way"))
+            Err(fault(Code::NOT_SUPPORTED, span, message, "write these moves as G0, G1, G2 and G3"))
         }
         None => {
             let message = format!("{name} is unknown");

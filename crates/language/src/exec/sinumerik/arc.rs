@@ -234,8 +234,8 @@ pub(super) fn arc(
             Code::ARC_OFF_CIRCLE,
             context.span,
             format!(
-                "start radius {start_radius_mm:.4} mm, end radius {end_radius_mm:.4} mm, the center {off_bisector_mm:.4} mm off the \
-                 perpendicular bisector of the chord"
+                "start radius {start_radius_mm:.4} mm, end radius {end_radius_mm:.4} mm: the nearest center of a circle through \
+                 both points is {off_bisector_mm:.4} mm away"
             ),
             "correct the center or the end point; the limit is control.arc_tolerance_mm",
         ),
