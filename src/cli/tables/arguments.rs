@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::cli::arguments::{MachineChoice, StateChoice};
-use crate::cli::stop::Stop;
 use crate::cli::value::{self, MultiplicationChoice, OrientationChoice};
 use crate::tables::TableOptions;
 use crate::tool::ToolVector;
@@ -34,6 +33,7 @@ Examples:
   ncfix tables --machine mill.toml --format cec --scheme fik --tool 120 -o CEC.INI --check
   ncfix tables --machine mill.toml --format fanuc --scheme grid --tolerance 1um -o grid.csv --check
   ncfix tables --machine mill.toml --format cec --scheme auto --tolerance 2um -o CEC.INI
+  ncfix tables --machine mill.toml --format cec --scheme fik --most 8 -o CEC.INI
   ncfix tables --read CEC.INI --machine mill.toml --check
   ncfix tables --read OLD.INI --compare CEC.INI --svg both.svg
   ncfix tables --read CEC.INI --machine mill.toml --check --report cec.html
@@ -77,6 +77,9 @@ pub(in crate::cli) struct TablesArguments {
     /// Residual error allowed at the tool tip, RMS over the volume, with unit
     #[arg(long, value_name = "LENGTH", default_value = "1um", value_parser = value::positive_length_mm)]
     pub(in crate::cli) tolerance: f64,
+    /// Largest number of tables: make the best set of them, and print the residual of the best set of each number
+    #[arg(long, value_name = "N", conflicts_with = "read", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(in crate::cli) most: Option<u32>,
     /// Number of points of a table
     #[arg(long, value_name = "N", default_value_t = 37, value_parser = clap::value_parser!(u32).range(2..=2000))]
     pub(in crate::cli) points: u32,
@@ -124,32 +127,10 @@ impl TablesArguments {
             axis_names: self.axis_name.clone(),
             multiplication: self.multiplication.map(MultiplicationChoice::multiplication),
             tries_fewer: self.check || self.report.is_some(),
+            most: self.most.map(|most| most as usize),
             each_error: self.each_error,
         }
     }
-
-    /// Refuses two names of one axis, and one name of two.
-    pub(super) fn check_names(&self) -> Result<(), Stop> {
-        once("--axis-name", self.axis_name.iter().map(|(_, name)| name.clone()))?;
-        once("--axis-name", self.axis_name.iter().map(|(axis, _)| format!("axis {axis}")))
-    }
-
-    /// Refuses two ranges of one axis.
-    pub(super) fn check_ranges(&self) -> Result<(), Stop> {
-        once("--range", self.range.iter().map(|(axis, _)| axis.to_string()))
-    }
-}
-
-/// Refuses an option that is given twice for the same thing.
-fn once(option: &str, all: impl Iterator<Item = String>) -> Result<(), Stop> {
-    let mut known: Vec<String> = Vec::new();
-    for one in all.map(|one| one.to_ascii_uppercase()) {
-        if known.contains(&one) {
-            return Err(Stop::Usage(format!("{option} is given twice for {one}; give it once")));
-        }
-        known.push(one);
-    }
-    Ok(())
 }
 
 fn named(text: &str) -> Result<&'static Format, String> {

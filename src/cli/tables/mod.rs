@@ -25,7 +25,7 @@ pub(in crate::cli) fn run(arguments: &TablesArguments) -> Result<ExitCode, Stop>
         print(&list())?;
         return Ok(ExitCode::Done);
     }
-    arguments.check_names()?;
+    arguments.options().check_unique()?;
     let mut findings = Findings::default();
     let mut report = TablesReport::default();
     let result = if arguments.read.is_empty() {
@@ -49,7 +49,6 @@ pub(in crate::cli) fn run(arguments: &TablesArguments) -> Result<ExitCode, Stop>
 
 /// The machine itself, without tables that are active in its control; `None` if there are errors.
 fn machine(arguments: &TablesArguments, findings: &mut Findings) -> Result<Option<Chosen>, Stop> {
-    arguments.check_ranges()?;
     let chosen = machine_choice::choose_in(&arguments.machine, &arguments.state, beside(arguments), findings)?;
     Ok(chosen.filter(|_| !findings.has_errors()).map(|chosen| itself(&chosen)))
 }
