@@ -1,5 +1,7 @@
 //! Compensation tables of controls.
 
+pub(crate) mod live;
+pub(crate) mod output;
 pub(crate) mod reread;
 
 use std::path::{Path, PathBuf};
