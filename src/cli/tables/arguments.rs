@@ -39,7 +39,7 @@ Examples:
   ncfix tables --machine mill.toml --format cec --scheme auto --tolerance 2um -o CEC.INI
   ncfix tables --machine mill.toml --format cec --scheme fik --most 8 -o CEC.INI
   ncfix tables --read CEC.INI --machine mill.toml --check
-  ncfix tables --machine mill.toml --format cec --scheme fik -o CEC.INI --state log.csv --watch --change 2um
+  ncfix tables --machine mill.toml --format cec --scheme fik -o CEC.INI --state log.csv --watch
   ncfix tables --read OLD.INI --compare CEC.INI --svg both.svg
   ncfix tables --read CEC.INI --machine mill.toml --check --report cec.html
   ncfix tables --read EEC.INI --format comp -o joints.comp

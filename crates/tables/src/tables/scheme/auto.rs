@@ -48,7 +48,7 @@ pub fn choose_with(schemes: &Schemes, task: &Task<'_>) -> (Option<(&'static Sche
         if best.as_ref().is_some_and(|(_, best)| best.count() <= 1 && best.entries() <= POINTS[0]) {
             break;
         }
-        let mut trial = Trial { task, scheme, poses: &poses, best: None, tried: Vec::new() };
+        let mut trial = SchemeTrial { task, scheme, poses: &poses, best: None, tried: Vec::new() };
         trial.run(&points, best.as_ref().map(|(_, tables)| tables.count()));
         trial.tried.sort_by_key(|one| one.points);
         tried.append(&mut trial.tried);
@@ -125,7 +125,7 @@ fn size(tables: &Tables) -> (usize, usize) {
 }
 
 /// The search of one scheme.
-struct Trial<'a> {
+struct SchemeTrial<'a> {
     task: &'a Task<'a>,
     scheme: &'static Scheme,
     poses: &'a [CheckedPose],
@@ -134,7 +134,7 @@ struct Trial<'a> {
     tried: Vec<Tried>,
 }
 
-impl Trial<'_> {
+impl SchemeTrial<'_> {
     /// Tries these numbers of points: the fewest tables first of all, then the fewest points. `known` is the number of tables of another scheme.
     ///
     /// With the most points, tables leave the smallest residual, and most of them can be omitted. The numbers of points between matter only if the

@@ -79,7 +79,7 @@ struct Squares {
 
 /// A set during a search, with half the derivative of its square by the share of each group.
 #[derive(Clone, Debug)]
-struct Walk {
+struct SetWalk {
     set: u128,
     square: f64,
     slopes: Vec<f64>,
@@ -123,25 +123,25 @@ impl Squares {
         sum
     }
 
-    fn empty(&self) -> Walk {
-        Walk { set: 0, square: self.alone, slopes: self.linear.clone() }
+    fn empty(&self) -> SetWalk {
+        SetWalk { set: 0, square: self.alone, slopes: self.linear.clone() }
     }
 
     /// The square with a group added to a set or taken from it.
-    fn toggled(&self, walk: &Walk, group: usize) -> f64 {
+    fn toggled(&self, walk: &SetWalk, group: usize) -> f64 {
         let is_in = walk.set >> group & 1 == 1;
         let sign = if is_in { -1.0 } else { 1.0 };
         walk.square + sign * 2.0 * walk.slopes[group] + self.pairs[group][group]
     }
 
-    fn toggle(&self, walk: &mut Walk, group: usize) {
+    fn toggle(&self, walk: &mut SetWalk, group: usize) {
         let sign = if walk.set >> group & 1 == 1 { -1.0 } else { 1.0 };
         walk.square = self.toggled(walk, group);
         walk.set ^= 1 << group;
         walk.slopes.iter_mut().zip(&self.pairs[group]).for_each(|(slope, pair)| *slope += sign * pair);
     }
 
-    fn walk_to(&self, set: u128) -> Walk {
+    fn walk_to(&self, set: u128) -> SetWalk {
         let mut walk = self.empty();
         (0..self.linear.len()).filter(|group| set >> group & 1 == 1).for_each(|group| self.toggle(&mut walk, group));
         walk
