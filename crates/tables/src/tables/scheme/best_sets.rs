@@ -42,7 +42,7 @@ pub(super) fn best_sets(task: &Task<'_>, tables: &Tables, poses: &[CheckedPose])
     let set = |(count, found): (usize, Option<(f64, u128)>)| {
         let (square, set) = found?;
         let mut kept = vec![false; tables.lookups.len()];
-        let members = groups.iter().enumerate().filter(|(group, _)| set >> group & 1 == 1);
+        let members = groups.iter().enumerate().filter(|(group, _)| (set >> group) & 1 == 1);
         members.flat_map(|(_, group)| group).for_each(|&index| kept[index] = true);
         Some(BestSet { count, kept, rms_mm: (square.max(0.0) / poses.len() as f64).sqrt() })
     };
@@ -129,13 +129,13 @@ impl Squares {
 
     /// The square with a group added to a set or taken from it.
     fn toggled(&self, walk: &SetWalk, group: usize) -> f64 {
-        let is_in = walk.set >> group & 1 == 1;
+        let is_in = (walk.set >> group) & 1 == 1;
         let sign = if is_in { -1.0 } else { 1.0 };
         walk.square + sign * 2.0 * walk.slopes[group] + self.pairs[group][group]
     }
 
     fn toggle(&self, walk: &mut SetWalk, group: usize) {
-        let sign = if walk.set >> group & 1 == 1 { -1.0 } else { 1.0 };
+        let sign = if (walk.set >> group) & 1 == 1 { -1.0 } else { 1.0 };
         walk.square = self.toggled(walk, group);
         walk.set ^= 1 << group;
         walk.slopes.iter_mut().zip(&self.pairs[group]).for_each(|(slope, pair)| *slope += sign * pair);
@@ -143,7 +143,7 @@ impl Squares {
 
     fn walk_to(&self, set: u128) -> SetWalk {
         let mut walk = self.empty();
-        (0..self.linear.len()).filter(|group| set >> group & 1 == 1).for_each(|group| self.toggle(&mut walk, group));
+        (0..self.linear.len()).filter(|group| (set >> group) & 1 == 1).for_each(|group| self.toggle(&mut walk, group));
         walk
     }
 
@@ -156,7 +156,7 @@ impl Squares {
         for step in 1_u32..1 << sizes.len().min(MOST_COMPARED as usize) {
             let group = step.trailing_zeros() as usize;
             self.toggle(&mut walk, group);
-            if walk.set >> group & 1 == 1 {
+            if (walk.set >> group) & 1 == 1 {
                 size += sizes[group]
             } else {
                 size -= sizes[group]
@@ -174,7 +174,7 @@ impl Squares {
         let mut best: Best = vec![None; sizes.iter().sum::<usize>() + 1];
         let everything = if count >= 128 { u128::MAX } else { (1 << count) - 1 };
         for set in [0, everything] {
-            let size = (0..count).filter(|group| set >> group & 1 == 1).map(|group| sizes[group]).sum::<usize>();
+            let size = (0..count).filter(|group| (set >> group) & 1 == 1).map(|group| sizes[group]).sum::<usize>();
             best[size] = Some((self.walk_to(set).square, set));
         }
         let mut done: Best = vec![None; best.len()];
@@ -187,12 +187,12 @@ impl Squares {
                 for group in 0..count {
                     let mut next = walk.clone();
                     self.toggle(&mut next, group);
-                    let is_in = next.set >> group & 1 == 1;
+                    let is_in = (next.set >> group) & 1 == 1;
                     let size = if is_in { size + sizes[group] } else { size - sizes[group] };
                     note(&mut best, size, next.square, next.set);
                     // An exchange is counted once: something leaves, then another enters.
-                    for other in (0..count).filter(|other| !is_in && *other != group && walk.set >> other & 1 == 0) {
-                        note(&mut best, size + sizes[other], self.toggled(&next, other), next.set ^ 1 << other);
+                    for other in (0..count).filter(|other| !is_in && *other != group && (walk.set >> other) & 1 == 0) {
+                        note(&mut best, size + sizes[other], self.toggled(&next, other), next.set ^ (1 << other));
                     }
                 }
             }
@@ -230,9 +230,9 @@ mod tests {
         let sizes = [1, 1, 2, 1];
         let mut wanted = [f64::MAX; 6];
         for set in 0_u32..16 {
-            let size: usize = (0..4).filter(|group| set >> group & 1 == 1).map(|group| sizes[group]).sum();
+            let size: usize = (0..4).filter(|group| (set >> group) & 1 == 1).map(|group| sizes[group]).sum();
             let left = (0..4).map(|place| {
-                let moved = (0..4).filter(|group| set >> group & 1 == 1).map(|group| moves[group][place]);
+                let moved = (0..4).filter(|group| (set >> group) & 1 == 1).map(|group| moves[group][place]);
                 (error[place] + moved.sum::<f64>()).powi(2)
             });
             wanted[size] = wanted[size].min(left.sum());
