@@ -87,6 +87,32 @@ fn what_active_tables_do_is_not_corrected_twice() {
     assert!(shown.contains("active in the control: CEC.INI"), "{shown}");
 }
 
+/// Scales of 40, 20 and 10 µm/m, and a control with one table: X, the best one, is corrected there. The program has the rest: at X500 Y400 Z300
+/// −8 µm in Y and −3 µm in Z, and nothing of the 20 µm in X.
+#[test]
+fn few_tables_take_the_largest_errors_and_the_program_the_rest() {
+    let scale = |component: &str, slope: &str| {
+        format!("[[motion]]\ncomponent = \"{component}\"\nkind = \"polynomial\"\ncoefficients = [0, {slope}]\n")
+    };
+    let errors = [("EXX", "4e-5"), ("EYY", "2e-5"), ("EZZ", "1e-5")].map(|(name, slope)| scale(name, slope)).concat();
+    let active = MILL.replace("controller", "active_tables = [\"CEC.INI\"]\ncontroller");
+    let shop = Shop::new()
+        .file("mill.toml", format!("{MILL}{errors}"))
+        .file("active.toml", format!("{active}{errors}"))
+        .file("part.mpf", "N10 G90 G94 G53 G1 X500 Y400 Z300 F1000\nN20 M30\n");
+    let made = shop.run(make(&["--most", "1", "--json"])).exits(0).json();
+    assert_eq!((&made["tables"], &made["rows"][0]["input"]), (&1.into(), &"X".into()), "{made}");
+    let corrected = |machine: &str| {
+        shop.run(["part.mpf", "-o", "out.mpf", "--machine", machine]).exits(0);
+        shop.text("out.mpf")
+    };
+    let whole = corrected("mill.toml");
+    assert!(["X499.98", "Y399.992", "Z299.997"].iter().all(|word| whole.contains(word)), "{whole}");
+    let rest = corrected("active.toml");
+    assert!(["X500", "Y399.992", "Z299.997"].iter().all(|word| rest.contains(word)), "{rest}");
+    assert!(!rest.contains("X499"), "{rest}");
+}
+
 #[test]
 fn active_tables_that_cannot_be_read_forbid_the_program() {
     let active = MILL.replace("controller", "active_tables = [\"CEC.INI\"]\ncontroller");

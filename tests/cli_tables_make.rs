@@ -223,7 +223,7 @@ const SCALES: &str = "[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\nco
                       [[motion]]\ncomponent = \"EZZ\"\nkind = \"polynomial\"\ncoefficients = [0, 1e-5]\n";
 
 #[test]
-fn the_residual_with_fewer_tables_drops_the_least_useful_first() {
+fn the_residual_with_fewer_tables_is_that_of_the_best_set() {
     let shop = shop(MILL, SCALES);
     let made = shop.run(make("cec", "fik", "CEC.INI", &["--check", "--json"])).exits(0).json();
     let rows: Vec<(u64, f64)> = made["fewer"]
@@ -280,6 +280,59 @@ fn each_error_alone_has_its_number_of_tables() {
     assert_eq!((row("EXX1")["size"].as_str(), row("EC0Y")["size"].as_str()), (Some("40.0 µm/m"), Some("400 µrad")));
     let text = shop.run(make("cec", "fik", "CEC.INI", &["--each-error"])).exits(0).stdout;
     assert!(text.contains("tables for a machine with one error\n"), "{text}");
+}
+
+/// Of the scales, X is worth 20/√3 µm, Y 8/√3 and Z 3/√3: the best table is that of X, the best two are those of X and Y.
+#[test]
+fn the_best_set_of_a_number_of_tables_is_made() {
+    let shop = shop(MILL, SCALES);
+    for (most, inputs, left) in
+        [("1", vec!["X"], 8_f64.hypot(3.0)), ("2", vec!["X", "Y"], 3.0), ("7", vec!["X", "Y", "Z"], 0.0)]
+    {
+        for scheme in ["fik", "auto"] {
+            let made = shop.run(make("cec", scheme, "CEC.INI", &["--most", most, "--check", "--json"])).exits(0).json();
+            let rows = made["rows"].as_array().unwrap();
+            assert_eq!(rows.iter().map(|row| row["input"].as_str().unwrap()).collect::<Vec<_>>(), inputs, "{made}");
+            let rms = made["check"]["tables"]["rms_um"].as_f64().unwrap();
+            let um = left / 3_f64.sqrt();
+            assert!((rms - um).abs() < 0.08 * um + 0.01, "{scheme} {most}: {rms} {um}");
+            let counts: Vec<_> = made["fewer"].as_array().unwrap().iter().map(|row| row["count"].clone()).collect();
+            assert_eq!((counts, made["chosen_of"].as_u64()), (vec![3.into(), 2.into(), 1.into(), 0.into()], Some(3)));
+        }
+    }
+    // Without --check too, the curve shows what more tables would be worth.
+    let shown = shop.run(make("cec", "fik", "CEC.INI", &["--most", "2", "--report", "r.html"])).exits(0).stdout;
+    assert!(shown.contains("the best set of the 3 tables of the scheme"), "{shown}");
+    assert!(shown.contains("residual over the number of tables"), "{shown}");
+    assert!(shop.text("r.html").contains("Residual over the number of tables"));
+    shop.run(make("cec", "fik", "CEC.INI", &["--most", "0"])).exits(2);
+}
+
+/// X is bent by c·x². Between points at a distance h, the table leaves c·h²/√180 about its mean: 0.8 µm with 5 points, 0.2 µm with 9. The scale of Y
+/// leaves 0.6 µm without a table. 5 points with the table of X alone leave 1.0 µm, more than 0.95 µm; 9 points leave 0.63 µm.
+#[test]
+fn more_points_save_a_table() {
+    let bend = 0.8e-3 * 180_f64.sqrt() / 125_f64.powi(2);
+    let scale = 0.6e-3 * 3_f64.sqrt() / 400.0;
+    let errors = format!(
+        "[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0, 0, {bend}]\n\
+         [[motion]]\ncomponent = \"EYY\"\nkind = \"polynomial\"\ncoefficients = [0, {scale}]\n"
+    );
+    let made = shop(MILL, &errors).run(make("enc", "auto", "E.INI", &["--tolerance", "1um", "--json"])).exits(0).json();
+    let rows = made["rows"].as_array().unwrap();
+    assert_eq!((rows.len(), &rows[0]["input"], &rows[0]["points"]), (1, &"X".into(), &9.into()), "{made}");
+}
+
+/// B tilted about X by 400 µrad moves the workpiece by −400 µrad · Z along Y and 400 µrad · Y along Z, at any angle: two tables. The tilt stays.
+#[test]
+fn a_tilted_rotary_axis_alone_needs_two_tables() {
+    let shop = shop(TURNING, SCALE);
+    let made = shop.run(make("cec", "polynomial", "CEC.INI", &["--each-error", "--json"])).exits(0).json();
+    let rows = made["single_errors"].as_array().unwrap();
+    let row = rows.iter().find(|row| row["error"] == "EA0B").unwrap_or_else(|| panic!("{made}"));
+    assert_eq!((&row["tables"], &row["size"]), (&2.into(), &"400 µrad".into()), "{row}");
+    assert!(row["rms_um"].as_f64().unwrap() < 0.1, "{row}");
+    assert!((row["tilt_rms_urad"].as_f64().unwrap() - 400.0).abs() < 1.0, "{row}");
 }
 
 /// Tables for a machine at 25 °C: a scale of 8 µm/(m K) is 40 µm/m longer. Over 500 mm these are 20 µm, beside the 20 µm of the cold machine.

@@ -47,6 +47,7 @@ mod cli_tables;
 mod cli_tables_back;
 mod cli_tables_make;
 mod cli_tables_read;
+mod cli_tables_watch;
 mod cli_verify;
 mod cli_voice;
 mod codes;

@@ -227,3 +227,21 @@ fn the_sample_machines_have_an_answer() {
         assert_eq!(json["failures"], 0, "{name}: {json}");
     }
 }
+
+/// Readings every 50 mm (Spaan 1995, ch. 7, chose a step of 20 mm for 5 µm). Where the slope changes by k, a chord of the length s leaves k·s/4.
+/// Along X, the slopes change most at 250 mm: by −10, −19 and 22 µm over 50 mm, together 30.8/50. With the worst changes of Y (26.9/50) and Z (18.4/50),
+/// and the pitch (27 µrad/50 at an arm of at most 650 mm), the sum is 93.6/50.
+#[test]
+fn readings_every_50_mm_need_a_step_of_about_20_mm() {
+    let shop = Shop::new();
+    let step_mm = |words: &[&str]| -> f64 {
+        let run = shop.run(["max-step", "--residual", "5um", "--json", "-q"].iter().chain(words)).exits(0);
+        run.json()["largest_step_mm"].as_f64().unwrap()
+    };
+    let worn = step_mm(&["--machine", &machine("worn_mill")]);
+    let [of_all, of_x] = [93.6, 30.8].map(|change| 4.0 * 5.0 / (change / 50.0));
+    assert!(of_all < worn && worn < of_x, "{of_all} {worn} {of_x}");
+    // Errors without such corners allow much longer steps.
+    let smooth = step_mm(&["--machine", &machine("maho700s"), "--load", "4800", "--tool", "245"]);
+    assert!(smooth > 3.0 * of_x, "{smooth}");
+}

@@ -411,6 +411,21 @@ fn auto_needs_no_more_tables_than_any_scheme_that_reaches_the_tolerance() {
     assert!(bench.tables(&Wish { tolerance_um: 1e-6, ..wish }).is_err());
 }
 
+/// Functions that are free at every point contain cubic polynomials: on no machine may they leave more. A hundredth is the chance of other poses.
+#[test]
+fn free_functions_leave_no_more_than_the_polynomials_that_they_contain() {
+    let samples = ["demo", "esmaeili_huron", "esmaeili_xyz5", "knee_mill", "maho700s", "universal_mill", "vmc"];
+    for name in samples {
+        let bench = Bench::sample(name).with_tool(100.0);
+        let region = bench.region().reached(&bench.machine);
+        let [free, simple] = ["free", "polynomial"].map(|scheme| {
+            let tables = bench.tables(&Wish { scheme, ..WISH }).unwrap();
+            um(bench.check(&tables, &region, WISH.orientation).tables.rms_mm())
+        });
+        assert!(free <= 1.01 * simple, "{name}: {free} {simple}");
+    }
+}
+
 /// A backlash of 6 µm: half of it in each sense.
 #[test]
 fn a_reversal_gets_a_table_for_each_sense() {

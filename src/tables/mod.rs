@@ -1,5 +1,7 @@
 //! Compensation tables of controls.
 
+pub(crate) mod live;
+pub(crate) mod output;
 pub(crate) mod reread;
 
 use std::path::{Path, PathBuf};
@@ -55,6 +57,8 @@ pub struct TableOptions {
     pub multiplication: Option<Multiplication>,
     /// `true` to compute the residuals with fewer tables too, which takes longer.
     pub tries_fewer: bool,
+    /// Largest number of tables: the best set of them is made, with the residuals of the best sets of each number; `None` for no limit.
+    pub most: Option<usize>,
     /// `true` to also count the tables that each single error of the machine needs, which takes longer.
     pub each_error: bool,
 }
@@ -72,9 +76,34 @@ impl Default for TableOptions {
             axis_names: Vec::new(),
             multiplication: None,
             tries_fewer: false,
+            most: None,
             each_error: false,
         }
     }
+}
+
+impl TableOptions {
+    /// Refuses two ranges or two names of one axis, and one name of two axes.
+    ///
+    /// # Errors
+    /// The option that is given twice.
+    pub(crate) fn check_unique(&self) -> Result<(), Error> {
+        once("--axis-name", self.axis_names.iter().map(|(_, name)| name.clone()))?;
+        once("--axis-name", self.axis_names.iter().map(|(axis, _)| format!("axis {axis}")))?;
+        once("--range", self.ranges_mm_deg.iter().map(|(axis, _)| axis.to_string()))
+    }
+}
+
+/// Refuses an option that is given twice for the same thing.
+fn once(option: &str, all: impl Iterator<Item = String>) -> Result<(), Error> {
+    let mut known: Vec<String> = Vec::new();
+    for one in all.map(|one| one.to_ascii_uppercase()) {
+        if known.contains(&one) {
+            return Err(Error::usage(format!("{option} is given twice for {one}; give it once")));
+        }
+        known.push(one);
+    }
+    Ok(())
 }
 
 /// The residual of a set of tables over the travel of a machine, RMS.
@@ -159,8 +188,9 @@ impl Tables {
         let schemes = &machine.registry.schemes;
         let scheme = scheme_of(schemes, &options.scheme)?;
         let request = request(machine, options)?;
-        let &TableOptions { points, tolerance_mm, tries_fewer, .. } = options;
-        let filling = Filling { format, scheme, schemes, points, tolerance_mm, tries_fewer };
+        let &TableOptions { points, tolerance_mm, most, .. } = options;
+        let tries_fewer = options.tries_fewer || most.is_some();
+        let filling = Filling { format, scheme, schemes, points, tolerance_mm, tries_fewer, most, is_fewest: false };
         if options.each_error {
             result.single_errors = single_errors(&request, &filling);
         }

@@ -15,6 +15,8 @@ use ncfix_tables::tables::{FORMATS, SCHEMES, Sense, Tables};
 
 /// Maximum number of tables that are listed individually.
 const MOST_ROWS: usize = 80;
+/// Tilt that does not count for a single error, µrad: it moves the tip of a tool of 500 mm by 0.05 µm.
+const LEAST_TILT_URAD: f64 = 0.1;
 /// Maximum number of rows of the residuals with fewer tables, and the width of their longest bar.
 const MOST_FEWER: usize = 24;
 const FEWER_WIDTH: usize = 40;
@@ -164,8 +166,11 @@ impl TablesReport {
                 one.unit.unit().sign()
             );
         }
-        if self.found.check.is_some() && self.found.fewer.len() > 1 {
-            let what = if self.found.grid.is_some() { "nodes along each axis" } else { "tables" };
+        if let Some(all) = self.found.chosen_of {
+            let _ = writeln!(page, "the best set of the {} of the scheme", counted(all as u64, "table"));
+        }
+        if self.found.fewer.len() > 1 {
+            let what = if self.found.grid.is_some() { "nodes along each axis" } else { "tables (best set of each)" };
             let _ = writeln!(page, "residual over the number of {what}, rms µm");
             let most = self.found.fewer.iter().map(|one| one.rms_um).fold(f64::MIN_POSITIVE, f64::max);
             let every = self.found.fewer.len().div_ceil(MOST_FEWER);
@@ -184,10 +189,12 @@ impl TablesReport {
         }
         page.push_str("tables for a machine with one error\n");
         for one in &self.found.single_errors {
+            let tilt = one.tilt_rms_urad.filter(|tilt| *tilt > LEAST_TILT_URAD);
+            let tilt = tilt.map_or(String::new(), |tilt| format!(", a tilt of {} µrad", significant(tilt)));
             let _ = match (one.tables, one.before_rms_um, one.rms_um) {
                 (Some(tables), Some(before), Some(left)) => writeln!(
                     page,
-                    "  {:<6} {:>12}  {tables:>3} by {}, rms {} → {} µm",
+                    "  {:<6} {:>12}  {tables:>3} by {}, rms {} → {} µm{tilt}",
                     one.error,
                     one.size,
                     one.scheme,

@@ -6,10 +6,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::cli::stop::Stop;
 
 /// Ctrl-C and other stop signals.
-pub(super) struct Keys(Arc<AtomicBool>);
+pub(in crate::cli) struct Keys(Arc<AtomicBool>);
 
 impl Keys {
-    pub(super) fn new() -> Result<Keys, Stop> {
+    pub(in crate::cli) fn new() -> Result<Keys, Stop> {
         let pressed = Arc::new(AtomicBool::new(false));
         let signals = [
             signal_hook::consts::SIGINT,
@@ -24,7 +24,7 @@ impl Keys {
         Ok(Keys(pressed))
     }
 
-    pub(super) fn pressed(&self) -> bool {
+    pub(in crate::cli) fn pressed(&self) -> bool {
         self.0.swap(false, Ordering::Relaxed)
     }
 }

@@ -1,7 +1,7 @@
 //! `ncfix feed`: sends a program to a control line by line, corrected for the current temperatures.
 
 pub(in crate::cli) mod arguments;
-mod keys;
+pub(in crate::cli) mod keys;
 mod show;
 
 use std::path::{Path, PathBuf};

@@ -1,15 +1,18 @@
 //! The arguments of `ncfix tables`.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::Args;
 
 use crate::cli::arguments::{MachineChoice, StateChoice};
-use crate::cli::stop::Stop;
 use crate::cli::value::{self, MultiplicationChoice, OrientationChoice};
 use crate::tables::TableOptions;
+use crate::tables::live::Renewal;
+use crate::tables::output::TableOutputs;
 use crate::tool::ToolVector;
 use ncfix_base::geometry::Axis;
+use ncfix_base::units::um_from_mm;
 use ncfix_tables::tables::{FORMATS, Format, format};
 
 /// End of `ncfix tables --help`.
@@ -34,7 +37,9 @@ Examples:
   ncfix tables --machine mill.toml --format cec --scheme fik --tool 120 -o CEC.INI --check
   ncfix tables --machine mill.toml --format fanuc --scheme grid --tolerance 1um -o grid.csv --check
   ncfix tables --machine mill.toml --format cec --scheme auto --tolerance 2um -o CEC.INI
+  ncfix tables --machine mill.toml --format cec --scheme fik --most 8 -o CEC.INI
   ncfix tables --read CEC.INI --machine mill.toml --check
+  ncfix tables --machine mill.toml --format cec --scheme fik -o CEC.INI --state log.csv --watch
   ncfix tables --read OLD.INI --compare CEC.INI --svg both.svg
   ncfix tables --read CEC.INI --machine mill.toml --check --report cec.html
   ncfix tables --read EEC.INI --format comp -o joints.comp
@@ -71,12 +76,27 @@ pub(in crate::cli) struct TablesArguments {
     /// Also count the tables that each error needs if the machine has no other; without a size in the machine file, 10 µm, 400 µrad or 40 µm/m
     #[arg(long, conflicts_with = "read")]
     pub(in crate::cli) each_error: bool,
+    /// Continue, and read --state again: if a correction has changed by more than --change, write the tables again; until Ctrl-C or --for
+    #[arg(long, requires = "state", conflicts_with_all = ["read", "json", "svg", "report", "most"])]
+    pub(in crate::cli) watch: bool,
+    /// Smallest change of a correction for which --watch writes the tables again, with unit; for a rotary axis at an arm of 1 m
+    #[arg(long, value_name = "LENGTH", default_value = "1um", requires = "watch", value_parser = value::positive_length_mm)]
+    pub(in crate::cli) change: f64,
+    /// Interval for reading --state again, s
+    #[arg(long, value_name = "SECONDS", default_value = "60", requires = "watch", value_parser = value::seconds)]
+    pub(in crate::cli) update_s: Duration,
+    /// End --watch after this time, s
+    #[arg(long = "for", value_name = "SECONDS", requires = "watch", value_parser = value::seconds)]
+    pub(in crate::cli) duration: Option<Duration>,
     /// Number of poses of the check
     #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(in crate::cli) poses: u32,
     /// Residual error allowed at the tool tip, RMS over the volume, with unit
     #[arg(long, value_name = "LENGTH", default_value = "1um", value_parser = value::positive_length_mm)]
     pub(in crate::cli) tolerance: f64,
+    /// Largest number of tables: make the best set of them, and print the residual of the best set of each number
+    #[arg(long, value_name = "N", conflicts_with = "read", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(in crate::cli) most: Option<u32>,
     /// Number of points of a table
     #[arg(long, value_name = "N", default_value_t = 37, value_parser = clap::value_parser!(u32).range(2..=2000))]
     pub(in crate::cli) points: u32,
@@ -111,6 +131,16 @@ pub(in crate::cli) struct TablesArguments {
 }
 
 impl TablesArguments {
+    /// The times and the change of --watch.
+    pub(super) fn renewal(&self) -> Renewal {
+        Renewal { period: self.update_s, least_um: um_from_mm(self.change), duration: self.duration }
+    }
+
+    /// The picture, the page and the JSON object.
+    pub(super) fn outputs(&self) -> TableOutputs<'_> {
+        TableOutputs { svg: self.svg.as_deref(), report: self.report.as_deref(), is_json: self.json }
+    }
+
     /// Options to make and check the tables.
     pub(super) fn options(&self) -> TableOptions {
         TableOptions {
@@ -124,32 +154,10 @@ impl TablesArguments {
             axis_names: self.axis_name.clone(),
             multiplication: self.multiplication.map(MultiplicationChoice::multiplication),
             tries_fewer: self.check || self.report.is_some(),
+            most: self.most.map(|most| most as usize),
             each_error: self.each_error,
         }
     }
-
-    /// Refuses two names of one axis, and one name of two.
-    pub(super) fn check_names(&self) -> Result<(), Stop> {
-        once("--axis-name", self.axis_name.iter().map(|(_, name)| name.clone()))?;
-        once("--axis-name", self.axis_name.iter().map(|(axis, _)| format!("axis {axis}")))
-    }
-
-    /// Refuses two ranges of one axis.
-    pub(super) fn check_ranges(&self) -> Result<(), Stop> {
-        once("--range", self.range.iter().map(|(axis, _)| axis.to_string()))
-    }
-}
-
-/// Refuses an option that is given twice for the same thing.
-fn once(option: &str, all: impl Iterator<Item = String>) -> Result<(), Stop> {
-    let mut known: Vec<String> = Vec::new();
-    for one in all.map(|one| one.to_ascii_uppercase()) {
-        if known.contains(&one) {
-            return Err(Stop::Usage(format!("{option} is given twice for {one}; give it once")));
-        }
-        known.push(one);
-    }
-    Ok(())
 }
 
 fn named(text: &str) -> Result<&'static Format, String> {

@@ -1,12 +1,12 @@
 //! `ncfix tables`: makes compensation tables, checks them with the interpolation of the control, reads, draws, compares and converts them.
 
 pub(in crate::cli) mod arguments;
-mod write;
 
 use std::path::{Path, PathBuf};
 
 use crate::cli::arguments::TablesArguments;
 use crate::cli::exit_code::ExitCode;
+use crate::cli::feed::keys::Keys;
 use crate::cli::findings::Findings;
 use crate::cli::machine_choice::{self, Chosen};
 use crate::cli::output::Target;
@@ -14,6 +14,7 @@ use crate::cli::stop::Stop;
 use crate::cli::{input, print, program, tell};
 use crate::disk::machine_file::is_toml;
 use crate::registry::Registry;
+use crate::tables::live::LiveTables;
 use crate::tables::reread::Reread;
 use crate::tables::{Tables, itself, scheme_of};
 use ncfix_report::json;
@@ -25,18 +26,18 @@ pub(in crate::cli) fn run(arguments: &TablesArguments) -> Result<ExitCode, Stop>
         print(&list())?;
         return Ok(ExitCode::Done);
     }
-    arguments.check_names()?;
+    arguments.options().check_unique()?;
     let mut findings = Findings::default();
     let mut report = TablesReport::default();
     let result = if arguments.read.is_empty() {
         make(arguments, &mut report, &mut findings)
     } else {
-        reread(arguments, &mut report, &mut findings)
+        reread(arguments, &mut report, &mut findings).map(|()| None)
     };
     if !arguments.json || result.is_err() {
         findings.draw();
     }
-    result?;
+    let live = result?;
     let goes_out = arguments.output.as_deref().is_some_and(input::is_standard_stream);
     if arguments.json {
         report.diagnostics = findings.json();
@@ -44,12 +45,15 @@ pub(in crate::cli) fn run(arguments: &TablesArguments) -> Result<ExitCode, Stop>
     } else if report.found.tables > 0 {
         if goes_out { tell(&report.page()) } else { print(&report.page())? }
     }
+    if let Some(live) = live {
+        let keys = Keys::new()?;
+        live.run(arguments.renewal(), || keys.pressed(), Findings::draw, print)?;
+    }
     Ok(findings.exit_code())
 }
 
 /// The machine itself, without tables that are active in its control; `None` if there are errors.
 fn machine(arguments: &TablesArguments, findings: &mut Findings) -> Result<Option<Chosen>, Stop> {
-    arguments.check_ranges()?;
     let chosen = machine_choice::choose_in(&arguments.machine, &arguments.state, beside(arguments), findings)?;
     Ok(chosen.filter(|_| !findings.has_errors()).map(|chosen| itself(&chosen)))
 }
@@ -67,22 +71,33 @@ fn beside(arguments: &TablesArguments) -> &Path {
     arguments.output.as_deref().or(arguments.read.first().map(PathBuf::as_path)).unwrap_or(Path::new("."))
 }
 
-fn make(arguments: &TablesArguments, report: &mut TablesReport, findings: &mut Findings) -> Result<(), Stop> {
+/// Makes tables; those that are renewed, if that is wanted and there are no errors.
+fn make<'a>(
+    arguments: &'a TablesArguments,
+    report: &mut TablesReport,
+    findings: &mut Findings,
+) -> Result<Option<LiveTables<'a>>, Stop> {
     let Some(format) = arguments.format else {
         return Err(Stop::Usage("give --format; `ncfix tables --list` lists the formats".into()));
     };
     let Some(output) = &arguments.output else {
         return Err(Stop::Usage("give -o, the file to write; -o - for standard output".into()));
     };
-    scheme_of(&Registry::default().schemes, &arguments.scheme)?;
-    let Some(machine) = machine(arguments, findings)? else { return Ok(()) };
+    let scheme = scheme_of(&Registry::default().schemes, &arguments.scheme)?;
+    if arguments.watch && (scheme.is_none() || input::is_standard_stream(output)) {
+        return Err(Stop::Usage("--watch needs a --scheme other than auto, and a file with -o".into()));
+    }
+    let Some(machine) = machine(arguments, findings)? else { return Ok(None) };
     let made = Tables::make_noting(&machine, format, &arguments.options(), &mut report.found, findings)?;
     if !arguments.check {
         report.found.check = None;
     }
-    let Some(made) = made else { return Ok(()) };
+    let Some(made) = made else { return Ok(None) };
     let files = made.files_at(output)?;
-    write::publish(arguments, files, &[("", made.inner())], machine.files, report, findings)
+    arguments.outputs().publish(files, &[("", made.inner())], &machine.files, report, findings)?;
+    let is_live = arguments.watch && !findings.has_errors();
+    let live = || LiveTables::new(machine, (&arguments.state).into(), &arguments.options(), output, made);
+    Ok(is_live.then(live))
 }
 
 /// Shows the tables of a control, checks them, compares them and converts them.
@@ -113,6 +128,6 @@ fn reread(arguments: &TablesArguments, report: &mut TablesReport, findings: &mut
         Some(other) => vec![("first ", &read.tables), ("second ", other)],
         None => vec![("", &read.tables)],
     };
-    let inputs = arguments.read.iter().chain(&arguments.compare).cloned().collect();
-    write::publish(arguments, files, &sets, inputs, report, findings)
+    let inputs: Vec<PathBuf> = arguments.read.iter().chain(&arguments.compare).cloned().collect();
+    Ok(arguments.outputs().publish(files, &sets, &inputs, report, findings)?)
 }

@@ -1110,9 +1110,9 @@ and corrects in two Newton steps. At 1000 poses over the whole travel it was com
 deviates by more than 0.5 µm or 5 µrad somewhere. Errors that change by a hundredth of the path or more cause this: a step in a
 table, a wrong unit. Check the machine file for such an error. The program corrections of ncfix fix iterate further and are
 correct.";
-    NOT_RENEWED = "W0802" "kernel not renewed"
+    NOT_RENEWED = "W0802" "kernel or tables not renewed"
 "The state was read again after --update-s, and cannot be used: a file that is missing or half written, a sensor without a value,
-corrections beyond --max-correction. The current kernel, made for the previous state, remains in use until the next reading. Check
+corrections beyond --max-correction, tables that do not fit. The current kernel or file, made for the previous state, stays. Check
 the sensors and the program that writes the file if the warning comes again.";
     UNUSED_TABLE = "W0901" "part of a table file that is not used"
 "Part of a file of compensation tables is unknown or has no effect on the control: a table with step 0, values beyond its end, points

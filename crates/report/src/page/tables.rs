@@ -89,7 +89,7 @@ fn left(out: &mut Markup, check: &TablesCheck) {
 
 /// Draws the residuals with fewer tables, or over the nodes of a grid.
 fn fewer(out: &mut Markup, report: &TablesReport) {
-    if report.found.check.is_none() || report.found.fewer.len() < 2 {
+    if report.found.fewer.len() < 2 {
         return;
     }
     let what = if report.found.grid.is_some() { "number of nodes along each axis" } else { "number of tables" };

@@ -26,6 +26,10 @@ pub struct Filling<'a> {
     pub tolerance_mm: f64,
     /// `true` to compute the residuals with fewer tables too.
     pub tries_fewer: bool,
+    /// Largest number of tables: the best set of them is taken.
+    pub most: Option<usize>,
+    /// `true` to omit the tables of a stated scheme that the tolerance does not need.
+    pub is_fewest: bool,
 }
 
 /// Tables that reduce the error.
@@ -63,9 +67,26 @@ pub fn make(
         wiring: &request.wiring,
     };
     let refused = |why: String, help: String| Box::new(Diagnostic::nowhere(Code::TABLES_DO_NOT_FIT, why, help));
-    let (name, tables) = match filling.scheme {
-        Some(scheme) => (scheme.name, scheme.tables(&task).map_err(|why| refused(why, help(&task, ANOTHER)))?),
-        None => {
+    let (name, whole, tables) = match (filling.scheme, filling.most) {
+        (Some(scheme), most) => {
+            let whole = scheme.tables(&task).map_err(|why| refused(why, help(&task, ANOTHER)))?;
+            let tables = match most {
+                Some(most) => scheme::fewer::at_most(&task, &whole, most),
+                None if filling.is_fewest => scheme::fewest(&task, &whole).unwrap_or_else(|| whole.clone()),
+                None => whole.clone(),
+            };
+            (scheme.name, whole, tables)
+        }
+        (None, Some(most)) => {
+            let (best, tried) = scheme::choose_at_most(filling.schemes, &task, most);
+            result.tried = tried.iter().map(TriedScheme::from).collect();
+            let Some((scheme, [whole, tables])) = best else {
+                let tried: Vec<String> = result.tried.iter().map(said).collect();
+                return Err(refused(format!("no scheme fits: {}", tried.join("; ")), help(&task, OTHER_FORMAT)));
+            };
+            (scheme.name, whole, tables)
+        }
+        (None, None) => {
             let (best, tried) = scheme::choose_with(filling.schemes, &task);
             result.aim = Some(aim(filling.tolerance_mm));
             result.tried = tried.iter().map(TriedScheme::from).collect();
@@ -74,7 +95,7 @@ pub fn make(
                 let why = format!("no scheme reaches {}: {}", aim(filling.tolerance_mm), tried.join("; "));
                 return Err(refused(why, help(&task, &larger(&result.tried))));
             };
-            (scheme.name, tables)
+            (scheme.name, tables.clone(), tables)
         }
     };
     if tables.errors.is_some() {
@@ -88,6 +109,20 @@ pub fn make(
     filling.format.name.clone_into(&mut result.format);
     result.note(&tables);
     result.sums = request.largest_sums(&tables);
+    if let Some(most) = filling.most {
+        if tables.count() > most {
+            let why = format!(
+                "{most} tables are allowed, but the scheme {name} cannot do with fewer than {}",
+                tables.count()
+            );
+            return Err(refused(why, help(&task, ANOTHER)));
+        }
+        if tables.is_empty() && !whole.are_zeros() {
+            let why = format!("no set of at most {most} of the {} tables of {name} reduces the error", whole.count());
+            return Err(refused(why, help(&task, "allow more tables with --most")));
+        }
+        result.chosen_of = Some(whole.count());
+    }
     let checked = request.check(&tables);
     if tables.are_zeros() {
         result.tables = 0;
@@ -100,7 +135,7 @@ pub fn make(
     }
     result.ranges = request.asked_ranges();
     if filling.tries_fewer {
-        result.fewer = scheme::fewer::fewer(&task, &tables).iter().map(FewerRow::from).collect();
+        result.fewer = scheme::fewer::fewer(&task, &whole).iter().map(FewerRow::from).collect();
     }
     Ok(MadeTables { tables, scheme: name, checked })
 }
@@ -173,6 +208,9 @@ fn plays(task: &Task<'_>) -> Vec<String> {
     let is_left = !task.format.can_hold(Holds::Senses);
     task.region.axes().filter(has_play).filter(|_| is_left).map(|axis| axis.to_string()).collect()
 }
+
+/// Advice if no scheme fits the format.
+const OTHER_FORMAT: &str = "try another --format";
 
 /// Advice for a stated scheme.
 const ANOTHER: &str = "try --scheme auto, which takes a scheme that the format holds";

@@ -49,7 +49,9 @@ pub struct TablesResult {
     pub sums: Vec<CorrectionSum>,
     /// Parts of errors that the tables lack, because they depend on a second axis.
     pub left_out: Vec<MissingPart>,
-    /// Residual with fewer tables, or with the nodes of smaller grids.
+    /// Number of tables of the scheme, if the best set of a smaller number was asked for.
+    pub chosen_of: Option<usize>,
+    /// Residual with the best set of each smaller number of tables, or with the nodes of smaller grids.
     pub fewer: Vec<FewerRow>,
     /// Number of tables that each error needs if it is the only one.
     pub single_errors: Vec<SingleErrorRow>,
@@ -107,6 +109,8 @@ pub struct SingleErrorRow {
     pub before_rms_um: Option<f64>,
     /// Root mean square of the tip error with the tables, µm.
     pub rms_um: Option<f64>,
+    /// Root mean square of the tilt of the tool with the tables, µrad.
+    pub tilt_rms_urad: Option<f64>,
     /// Reason why no tables were made.
     pub reason: Option<String>,
 }

@@ -1,8 +1,10 @@
 //! The number of tables that each single error of a machine needs (Esmaeili 2021, ch. 9.2), with the sizes of Table 6-2.
 
-use super::made::{Filling, make};
+use super::made::{Filling, MadeTables, make};
 use super::request::TablesRequest;
 use super::result::{SingleErrorRow, TablesResult};
+use crate::tables::Orientation;
+use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::Axis;
 use ncfix_base::number::significant;
 use ncfix_base::units::um_from_mm;
@@ -43,9 +45,7 @@ fn single(name: &ParameterName, request: &TablesRequest<'_>, filling: &Filling<'
     let value = if own == 0.0 { assumed } else { own };
     let mut errors = ErrorModel::default();
     name.set(&mut errors, value);
-    let alone = TablesRequest { errors: &errors, ..request.clone() };
-    let mut result = TablesResult::default();
-    let made = make(&alone, &Filling { tries_fewer: false, ..*filling }, &mut result);
+    let made = fewest(&TablesRequest { errors: &errors, ..request.clone() }, filling);
     let unit = if is_scale {
         "µm/m"
     } else if is_angle {
@@ -65,8 +65,27 @@ fn single(name: &ParameterName, request: &TablesRequest<'_>, filling: &Filling<'
             made.scheme.clone_into(&mut row.scheme);
             row.before_rms_um = Some(made.checked.before.rms_um);
             row.rms_um = Some(made.checked.tables.rms_um);
+            row.tilt_rms_urad = Some(made.checked.tables.tilt_rms_urad);
         }
         Err(why) => row.reason = Some(why.message.clone()),
     }
     row
+}
+
+/// The fewest tables within the tolerance, which is one of the tip: unless the orientation is stated, also without corrections by the rotary axes, which
+/// other tables would have to follow.
+fn fewest(request: &TablesRequest<'_>, filling: &Filling<'_>) -> Result<MadeTables, Box<Diagnostic>> {
+    let filling = Filling { tries_fewer: false, most: None, is_fewest: true, ..*filling };
+    let made = |request: &TablesRequest<'_>| make(request, &filling, &mut TablesResult::default());
+    let has_rotary = request.machine.axes.iter().flatten().any(|data| data.axis.is_rotary());
+    let own = made(request);
+    if request.orientation.is_some() || !has_rotary {
+        return own;
+    }
+    let size = |made: &MadeTables| (made.tables.count(), made.tables.entries());
+    match (own, made(&TablesRequest { orientation: Some(Orientation::Off), ..request.clone() })) {
+        (Ok(own), Ok(off)) if size(&own) <= size(&off) => Ok(own),
+        (_, Ok(off)) => Ok(off),
+        (own, Err(_)) => own,
+    }
 }

@@ -30,6 +30,8 @@ pub(super) enum FitTerm {
     Power(Axis, i32),
     /// 1 at a node, 0 at the others, linear between.
     Hat(Axis, usize),
+    /// The same on an axis whose ends are one position: the first node is also the last.
+    Ring(Axis, usize),
     /// A trigonometric function of a rotary axis, optionally times a linear axis.
     Wave(Option<Axis>, Axis, Wave),
 }
@@ -78,6 +80,11 @@ impl Basis<'_> {
         match term {
             FitTerm::Power(own, power) if own == axis => self.scaled(axis, at).powi(power),
             FitTerm::Hat(own, node) if own == axis => hat(&self.nodes[axis.slot()], node, at),
+            FitTerm::Ring(own, node) if own == axis => {
+                let nodes = &self.nodes[axis.slot()];
+                let end = if node == 0 { hat(nodes, nodes.len().saturating_sub(1), at) } else { 0.0 };
+                hat(nodes, node, at) + end
+            }
             FitTerm::Wave(_, turned, wave) if turned == axis => wave.value(at),
             FitTerm::Wave(Some(lever), _, _) if lever == axis => self.scaled(axis, at),
             _ => 1.0,
@@ -87,7 +94,7 @@ impl Basis<'_> {
     fn value(&self, term: FitTerm, pose: &AxisVector) -> f64 {
         match term {
             FitTerm::One => 1.0,
-            FitTerm::Power(axis, _) | FitTerm::Hat(axis, _) | FitTerm::Wave(None, axis, _) => {
+            FitTerm::Power(axis, _) | FitTerm::Hat(axis, _) | FitTerm::Ring(axis, _) | FitTerm::Wave(None, axis, _) => {
                 self.part(term, axis, pose[axis])
             }
             FitTerm::Wave(Some(lever), axis, _) => {
@@ -134,7 +141,9 @@ impl Basis<'_> {
             };
             match term {
                 FitTerm::One => assembly.add_constant(output, coefficient),
-                FitTerm::Power(axis, _) | FitTerm::Hat(axis, _) => assembly.add(output, axis, &at_nodes(axis)),
+                FitTerm::Power(axis, _) | FitTerm::Hat(axis, _) | FitTerm::Ring(axis, _) => {
+                    assembly.add(output, axis, &at_nodes(axis))
+                }
                 FitTerm::Wave(None, axis, _) => assembly.add(output, axis, &at_nodes(axis)),
                 // Linear in the linear axis: collected below.
                 FitTerm::Wave(Some(_), ..) => {}

@@ -2,6 +2,7 @@
 
 mod assembly;
 mod auto;
+mod best_sets;
 mod exact;
 pub mod fewer;
 mod fit;
@@ -10,6 +11,7 @@ mod matrix;
 pub mod mesh;
 mod own;
 mod reversal;
+mod rival;
 mod sums;
 mod trigonometric;
 
@@ -22,7 +24,7 @@ use ncfix_base::register::{Register, Registered};
 use ncfix_machine::machine::State;
 use ncfix_model::Accumulator;
 
-pub use auto::{AIM, Tried, choose, choose_with};
+pub use auto::{AIM, Tried, choose, choose_at_most, choose_with, fewest};
 pub use reversal::{Reversal, reversals};
 
 /// A request for tables.
