@@ -309,6 +309,7 @@ where
             takes_up: false,
             limits_turns: false,
             settled: Default::default(),
+            sides: Default::default(),
         };
         let trial = fitter.at_end(standing, end, &mut scratch);
         self.scratch = scratch;
