@@ -85,3 +85,25 @@ fn an_axis_at_rest_follows_its_correction_through_its_lost_motion() {
         }
     }
 }
+
+/// A reversal by exactly the lost motion: the tool goes there and back by 5 µm, and not by 0 or 10.
+#[test]
+fn a_step_of_exactly_the_lost_motion_is_made() {
+    for step in ["59.995", "59.9949", "59.9951"] {
+        let program = format!(
+            "G17 G90 G71 G94 G54\nT2 M6\nD1 S2000 M3\nG0 X20 Y20 Z20\nG1 Z-6 F200\nG1 X60 F400\nG1 X{step}\nG1 Y40\nG1 X60\nG1 X{step}\nG1 X60\n\
+             G1 Y60\nG0 Z50\nM30\n"
+        );
+        let shop = Shop::new().file("step.mpf", program).file("m.toml", machine(UPRIGHT, "sinumerik"));
+        shop.run(["fix", "step.mpf", "-o", "out.mpf", "--machine", "m.toml"]).exits(0);
+        shop.run(["verify", "step.mpf", "out.mpf", "--machine", "m.toml"]).exits(0);
+        let stream = shop.run(["snc", "out.mpf", "--machine", "m.toml"]).exits(0).stdout;
+        let ends = cut_to(&stream, UPRIGHT);
+        let x_mm: f64 = step.parse().unwrap();
+        for wanted in [[60.0, 20.0], [x_mm, 20.0], [x_mm, 40.0], [60.0, 40.0], [60.0, 60.0]] {
+            let off = |end: &[f64; 3]| (end[0] - wanted[0]).hypot(end[1] - wanted[1]).hypot(end[2] + 6.0);
+            let nearest = ends.iter().map(off).fold(f64::INFINITY, f64::min);
+            assert!(nearest <= ALLOWED_MM, "{step} {wanted:?} {nearest}\n{}", shop.text("out.mpf"));
+        }
+    }
+}
