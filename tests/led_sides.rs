@@ -39,8 +39,8 @@ fn cut_to(stream: &str, errors: PlateErrors) -> Vec<[f64; 3]> {
     found
 }
 
-/// From X20 to X150, the straightness of X moves the tool by 4e-8 (190² - 60²) = 1.3 µm in Y. Y has to go back by as much, within its lost motion of 5 µm: on the side that the
-/// plunge leaves it, its body would stay.
+/// From X20 to X150, the straightness of X moves the tool by 4e-8 (190² - 60²) = 1.3 µm in Y. Y has to go back by as much, within its lost motion of 5 µm:
+/// on the side where the plunge ends, its body would stay.
 #[test]
 fn an_axis_at_rest_follows_its_correction_through_its_lost_motion() {
     for y in [20.0, 20.3] {
