@@ -122,6 +122,45 @@ fn a_hole_that_begins_at_the_level_of_the_tool_is_accepted() {
     }
 }
 
+/// X, Y and Z of a move of the flat stream, in the coordinates of the program.
+fn place(line: &str) -> Option<[f64; 3]> {
+    let stated = ['X', 'Y', 'Z'].map(|letter| word(line, letter));
+    let [Some(x), Some(y), Some(z)] = stated else { return None };
+    Some([x - 40.0, y - 30.0, z - 100.0])
+}
+
+/// Under G98, R is the level of the tool. The rises of Y and Z lower the far holes by 5.5 µm. The tool crosses at its own level all the same, and the cut
+/// after the last hole begins at its place, not 5.5 µm above it.
+#[test]
+fn under_g98_the_tool_crosses_at_its_level_and_cuts_at_its_place() {
+    let program = "G21 G17 G90 G40 G49 G80 G94 G54\nT2 M6\nS2000 M3\nG0 X20. Y20.\nG43 H2 Z50.\nG0 Z2.\n\
+                   G98 G81 X20. Y20. Z-7. R2. F100.\nX400. Y300.\nX60. Y35.\nX420. Y300.\nG80\nG1 X380. F300.\nG0 Z50.\n";
+    for (control, name, program) in
+        [("rs274", "r.ngc", format!("{program}M2\n")), ("fanuc", "r.nc", format!("%\nO1\n{program}M30\n%\n"))]
+    {
+        let text = corrected(control, name, &program, UPRIGHT);
+        let holes = [[20.0, 20.0], [400.0, 300.0], [60.0, 35.0], [420.0, 300.0]];
+        let holes = holes.map(|[x, y]| Drilled { reference: [x, y, 2.0], bottom: [x, y, -7.0] });
+        judge(UPRIGHT, &iso_holes(&text), &holes, &text);
+        let shop = Shop::new().file(name, &text).file("m.toml", UPRIGHT.machine(control));
+        let stream = shop.run(["snc", name, "--machine", "m.toml"]).exits(0).stdout;
+        let moves: Vec<(bool, [f64; 3])> =
+            stream.lines().filter_map(|line| Some((line.starts_with("G0 "), place(line)?))).collect();
+        let before = text.lines().take_while(|line| !line.contains("G81"));
+        let level_mm = before.filter_map(|line| word(bare(line), 'Z')).last().unwrap();
+        let crossings = moves.windows(2).filter(|pair| pair[1].0 && (pair[1].1[0] - pair[0].1[0]).abs() > 100.0);
+        let heights: Vec<f64> = crossings.map(|pair| pair[1].1[2]).collect();
+        assert_eq!(heights.len(), 3, "{stream}");
+        assert!(heights.iter().all(|z| (z - level_mm).abs() < 1e-6), "{level_mm} {heights:?}\n{text}");
+        let cut = moves.iter().position(|(rapid, at)| !rapid && (at[0] - 380.0).abs() < 0.5).unwrap();
+        for (at, wanted) in [(moves[cut - 1].1, [420.0, 300.0, 2.0]), (moves[cut].1, [380.0, 300.0, 2.0])] {
+            let real = UPRIGHT.real(at);
+            let off = (0..3).map(|axis| (real[axis] - wanted[axis]).powi(2)).sum::<f64>().sqrt();
+            assert!(off <= ALLOWED_MM, "{off} {at:?} {wanted:?}\n{text}");
+        }
+    }
+}
+
 /// A function after the motion, another level, and a feed move trigger the modal call too.
 #[test]
 fn holes_of_a_modal_call_between_other_words_stay_calls() {

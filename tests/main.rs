@@ -145,6 +145,7 @@ mod iso_tilted;
 mod iso_tip;
 mod kinematics;
 mod large;
+mod led_sides;
 mod lei_hsu;
 mod limits;
 mod live_step;

@@ -1,6 +1,7 @@
 //! The corrector adapter: takes elements and emits corrected pieces and other elements, in order, one move at a time.
 
 mod between;
+mod bodies;
 mod clamps;
 mod dead_band;
 mod hole;
@@ -230,7 +231,10 @@ where
 
     /// Makes the next piece of the move.
     fn advance(&mut self, mut active: Box<Active<'a>>) -> Option<Piece> {
-        let mut trial = self.next_piece(&mut active);
+        let mut scratch = std::mem::take(&mut self.scratch);
+        let mut trial = self.next_piece(&mut active, &mut scratch);
+        self.lead_bodies(&active, &mut trial, &mut scratch);
+        self.scratch = scratch;
         self.overshoot(&active, &mut trial);
         let piece = self.accept(&mut active, &trial);
         if active.parameter < 1.0 {
@@ -243,14 +247,14 @@ where
         piece
     }
 
-    fn next_piece(&mut self, active: &mut Active<'a>) -> SegmentCandidate<'a> {
-        let route = &active.route;
-        let bench = SegmentFitter {
+    /// The fitter of pieces of a move.
+    fn fitter<'b>(&'b self, active: &'b Active<'a>) -> SegmentFitter<'b, 'a> {
+        SegmentFitter {
             placer: &self.placer,
             sampler: &self.sampler,
             lead: &self.lead,
             control: &self.machine.control,
-            route,
+            route: &active.route,
             samples: active.samples,
             known: active.motion.known,
             tolerance_mm: self.options.tolerance_mm,
@@ -258,9 +262,14 @@ where
                 && active.motion.motion_mode == MotionMode::Path,
             limits_turns: active.treatment == MoveTreatment::RotaryDirection,
             settled: active.settled,
-        };
-        let (standing, scratch) = (&self.standing, &mut self.scratch);
-        let from = active.parameter;
+            sides: [0; AXIS_COUNT],
+        }
+    }
+
+    fn next_piece(&self, active: &mut Active<'a>, scratch: &mut Vec<f64>) -> SegmentCandidate<'a> {
+        let bench = self.fitter(active);
+        let standing = &self.standing;
+        let (route, from) = (&active.route, active.parameter);
         match active.treatment {
             MoveTreatment::Programmed => return bench.as_programmed(standing, active.moving),
             MoveTreatment::Named => return bench.of_named(standing, active.moving),
@@ -275,8 +284,9 @@ where
             if route.arc().is_none() {
                 let trial = bench.unmeasured(standing, [from, 1.0]);
                 if active.motion.rapid && is_pushed_out(self.machine, &route.end, &trial.end.command) {
+                    let programmed = bench.as_programmed(standing, active.moving);
                     active.treatment = MoveTreatment::Programmed;
-                    return bench.as_programmed(standing, active.moving);
+                    return programmed;
                 }
                 return trial;
             }
@@ -308,6 +318,7 @@ where
             active.as_chords = true;
             active.length = 1.0;
         }
+        let bench = self.fitter(active);
         let limit = turning.min(from + step);
         let mut first = None;
         if active.length >= limit - from {
@@ -318,7 +329,7 @@ where
             }
             first = Some(whole);
         }
-        let floor = SHORTEST_MM / route.size_mm();
+        let floor = SHORTEST_MM / active.route.size_mm();
         let reach = SearchBounds { from, limit, guess: active.length, floor, order: 2.0 };
         fit_line(&bench, standing, reach, first, scratch).unwrap_or_else(|| bench.unmeasured(standing, [from, turning]))
     }
@@ -327,9 +338,7 @@ where
     fn accept(&mut self, active: &mut Active<'a>, trial: &SegmentCandidate<'a>) -> Option<Piece> {
         let [from, to] = trial.between;
         let is_last = to >= 1.0;
-        let frame = &self.placer.setup.frame;
-        let known = active.motion.known;
-        let stated = if self.placer.is_parallel() { known } else { frame.known_across(known, false) };
+        let stated = self.stated(active);
         let bands = self.bands(trial, stated);
         let (first, first_band) = (self.standing.command, self.standing.band);
         if let Some(start) = &trial.overshoot {

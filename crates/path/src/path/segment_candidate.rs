@@ -48,6 +48,8 @@ pub(super) struct SegmentFitter<'a, 'm> {
     pub(super) limits_turns: bool,
     /// Axes whose final direction is fixed, by slot: after an overshoot.
     pub(super) settled: [i8; AXIS_COUNT],
+    /// Sides that are tried first, by slot; 0 for an axis whose motion decides.
+    pub(super) sides: [i8; AXIS_COUNT],
 }
 
 /// A candidate piece.
@@ -249,6 +251,11 @@ impl<'m> SegmentFitter<'_, 'm> {
         let mut sense = standing.state;
         sense.note_stated(standing.sensed, &nominal_start, &nominal_end);
         self.settle(&mut sense);
+        for (sense, &side) in sense.direction.iter_mut().zip(&self.sides) {
+            if side != 0 {
+                *sense = side;
+            }
+        }
         let mut tries = 0;
         let mut enough_mm = SAMPLED_SHARE * self.tolerance_mm;
         loop {

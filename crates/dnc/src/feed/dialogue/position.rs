@@ -7,21 +7,16 @@
 //!
 //! A later line that commands the same axes again hides an earlier line that was not executed. The comparison sees it only if they are compared in between.
 
+mod compare;
+
 use ncfix_base::units::MM_PER_INCH;
 
-/// Beginning of the reason if the control reports another position than the lines sent command.
-pub const ELSEWHERE: &str = "the control is at another position";
+pub use compare::ELSEWHERE;
+pub(super) use compare::{PositionComparison, elsewhere, number};
 
 /// Axis letters in the order in which controls report them.
 pub(super) const LETTERS: &[u8; 9] = b"XYZABCUVW";
 const COUNT: usize = LETTERS.len();
-
-/// Permitted difference of a linear axis, mm: half a step of a drive with 10 steps/mm, the coarsest in use.
-const LINEAR_MM: f64 = 0.05;
-/// Permitted difference of a rotary axis, degrees: half a step of a drive with 5 steps/°.
-const ROTARY_DEG: f64 = 0.1;
-/// Revolution, degrees: some controls report a rotary axis within one.
-const TURN_DEG: f64 = 360.0;
 
 /// Codes in tenths that change no position and no meaning of one.
 const HARMLESS: &[u32] =
@@ -76,17 +71,6 @@ impl Default for CommandedPosition {
             is_beyond: false,
         }
     }
-}
-
-/// Result of a comparison.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum PositionComparison {
-    /// No axis can be compared.
-    Nothing,
-    /// These axes agree.
-    Agrees(String),
-    /// An axis differs. The text names both positions.
-    Differs(String),
 }
 
 fn slot(letter: u8) -> Option<usize> {
@@ -213,72 +197,6 @@ impl CommandedPosition {
         self.is_beyond = true;
         false
     }
-
-    /// True if the end of the program may have changed the zero offset, so that a difference proves nothing.
-    fn is_unsure(&self) -> bool {
-        self.has_ended && (self.is_shifted || self.offset != Some(540))
-    }
-
-    /// Compares with positions that a control reports in the coordinates of the program. Each has the number of its digits after the point. The unit of a
-    /// linear axis may be the inch, whatever the program uses.
-    pub(super) fn compare(&self, reported: &[(u8, f64, usize)]) -> PositionComparison {
-        if self.is_beyond {
-            return PositionComparison::Nothing;
-        }
-        // Units of the report in units of the text, which is in millimeters unless it stated nothing.
-        let factors: &[f64] =
-            if self.unit_mm.is_some() { &[1.0, MM_PER_INCH] } else { &[1.0, MM_PER_INCH, 1.0 / MM_PER_INCH] };
-        let first = self.by(reported, 1.0);
-        let best = factors
-            .iter()
-            .map(|factor| self.by(reported, *factor))
-            .find(|found| !matches!(found, PositionComparison::Differs(_)));
-        match best {
-            Some(found) => found,
-            None if self.is_unsure() => PositionComparison::Nothing,
-            None => first,
-        }
-    }
-
-    fn by(&self, reported: &[(u8, f64, usize)], factor: f64) -> PositionComparison {
-        let mut agreed = String::new();
-        for &(letter, value, digits) in reported {
-            let Some(slot) = slot(letter) else { continue };
-            let Some(commanded) = self.axes[slot] else { continue };
-            let rotary = is_rotary(slot);
-            let (value, unit) = if rotary { (value, "°") } else { (value * factor, " mm") };
-            let mut difference = (value - commanded).abs();
-            if rotary {
-                difference %= TURN_DEG;
-                difference = difference.min(TURN_DEG - difference);
-            }
-            let digit = 0.5 * 10_f64.powi(-i32::try_from(digits).unwrap_or(0)) * if rotary { 1.0 } else { factor };
-            let most = digit + if rotary { ROTARY_DEG } else { LINEAR_MM };
-            if difference.is_nan() || difference > most {
-                let letter = char::from(letter);
-                return PositionComparison::Differs(format!(
-                    "it reports {letter} at {value:.3}{unit}, the lines sent command {commanded:.3}{unit} (permitted difference {most:.2}{unit})"
-                ));
-            }
-            agreed.push(char::from(letter));
-        }
-        if agreed.is_empty() { PositionComparison::Nothing } else { PositionComparison::Agrees(agreed) }
-    }
-}
-
-/// Returns the reason that ends a job if the position differs, from the sentence with both positions.
-pub(super) fn elsewhere(why: &str) -> String {
-    format!(
-        "{ELSEWHERE}: {why}; a line was accepted and not executed, or a person has moved the axes or changed the zero offset"
-    )
-}
-
-/// Reads a number and the count of its digits after the point.
-pub(super) fn number(text: &str) -> Option<(f64, usize)> {
-    let text = text.trim();
-    let value: f64 = text.parse().ok()?;
-    let digits = text.split_once('.').map_or(0, |(_, digits)| digits.len());
-    value.is_finite().then_some((value, digits))
 }
 
 #[cfg(test)]

@@ -179,7 +179,8 @@ where
         let is_height_known = AxisSet::XYZ
             .iter()
             .all(|axis| motion.known.contains(axis) || self.rise_of(axis, &motion.target).abs() < ACROSS);
-        let goes_down = match self.elements.next() {
+        let upcoming = self.elements.next();
+        let goes_down = match upcoming {
             Upcoming::Move(next) if !is_height_known || self.is_above_cuts(&motion.target) => {
                 (!is_height_known || self.placer.height_mm(&motion.target, &next.target) < 0.0) && {
                     let ends = [&motion.target, &next.target];
@@ -190,6 +191,10 @@ where
             Upcoming::Move(_) => false,
             Upcoming::Change | Upcoming::Nothing => return settled,
         };
+        let drift = match upcoming {
+            Upcoming::Move(next) if goes_down && is_height_known => self.drift(motion, &next),
+            _ => AxisVector::ZERO,
+        };
         for axis in open.iter() {
             let height_mm = self.rise_of(axis, &motion.target);
             settled[axis.slot()] = match () {
@@ -197,6 +202,12 @@ where
                 () if height_mm < -ALONG => 1,
                 () if height_mm.abs() > ACROSS => 0,
                 () if !goes_down => 0,
+                // The body of an axis at rest follows its correction only on this side.
+                () if drift[axis] < -self.options.tolerance_mm
+                    && self.has_room(axis, motion.target[axis], self.beyond_mm(axis, &motion.target)) =>
+                {
+                    -1
+                }
                 () if self.has_room(axis, motion.target[axis], -self.beyond_mm(axis, &motion.target)) => 1,
                 () => -1,
             };
@@ -206,6 +217,16 @@ where
             }
         }
         settled
+    }
+
+    /// Change of the correction of each axis along the next move, mm and rad; zero where no correction is found.
+    fn drift(&self, motion: &Move, next: &Move) -> AxisVector {
+        let (state, guess) = (self.standing.state, self.standing.correction);
+        let corrected = |at: &Move| self.placer.exact(&at.target, at.known, &state, &guess, f64::INFINITY);
+        match [corrected(motion), corrected(next)] {
+            [Ok(here), Ok(there)] => (there - next.target) - (here - motion.target),
+            _ => AxisVector::ZERO,
+        }
     }
 
     /// Length of an overshoot, mm.
