@@ -147,7 +147,11 @@ fn the_curve_of_the_search_does_not_take_the_amount_of_a_hypothesis() {
             let least = if k == 0 { 1.76 } else { 4.24 };
             assert!((0.7 * least..3.0 * least).contains(&u95), "{seed}: {amount}");
         }
-        assert_eq!((&sum["answer"], &square["answer"]), (&Value::from("supported"), &Value::from("supported")), "{report}");
+        assert_eq!(
+            (&sum["answer"], &square["answer"]),
+            (&Value::from("supported"), &Value::from("supported")),
+            "{report}"
+        );
         assert!(!sum["stands_for"].as_array().unwrap().is_empty(), "{sum}");
         assert_eq!(square["beside"], Value::from(vec!["motion EXX (slope)"]), "{square}");
     }

@@ -1068,10 +1068,11 @@ degree = 3 in [sensors] with a star of more rows, keep the ball nearer to the mi
 of it is a mistake.";
     REFERENCES_DIFFER = "W0615" "readings that refer to different temperatures"
 "Readings of a laser refer to 20 °C. A part, a plate or a ball-bar with a stated temperature shows the lengths that the machine has
-at this temperature. ncfix calibrate fits files of both kinds together, and the scales then contradict each other: at 22 °C by
-23 µm/m on a machine of steel. The fit takes a mean that is right for neither, or turns the difference into a squareness. Give all
-files one reference temperature. Beside a laser that refers to 20 °C, import the part, plate or bar with --material 20C: the result then
-makes parts that have their nominal size at 20 °C, if they expand as the machine does. Or calibrate the files apart.";
+at this temperature. In one ncfix calibrate or ncfix diagnose, files of both kinds contradict each other: at 22 °C by 23 µm/m on a
+machine of steel. A fit takes a mean that is right for neither, or turns the difference into a squareness. A search takes it for a
+cause. Give all files one reference temperature. Beside a laser that refers to 20 °C, import the part, plate or bar with
+--material 20C: the result then makes parts that have their nominal size at 20 °C, if they expand as the machine does. Or use the
+files apart.";
     STARVING = "W0701" "the link is too slow in places"
 "The machine executes some lines faster than the link can deliver the next ones. At these places the axes stop for a moment until
 the next line arrives, and the tool can cut a mark into the surface. All stops together are short: less than half a second, or

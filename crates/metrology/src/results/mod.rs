@@ -39,6 +39,7 @@ mod slope;
 pub mod stated;
 pub mod uncertain;
 pub mod weighed;
+mod widened;
 
 use ncfix_base::diagnostic::Diagnostic;
 

@@ -338,6 +338,15 @@ impl Candidate {
         }
     }
 
+    /// The column whose amount a parameter of the machine file takes; `None` if it takes none.
+    #[must_use]
+    pub fn place_of(&self, name: &ParameterName) -> Option<usize> {
+        match &self.term {
+            Term::Parameters(names) => names.iter().position(|own| own == name),
+            _ => None,
+        }
+    }
+
     /// Its effect and parameter, as `location EC0X`.
     #[must_use]
     pub fn title(&self) -> String {

@@ -210,19 +210,10 @@ pub(super) fn amounts(name: &str, subject: &StatedSubject, accepted: &AcceptedCa
         let (term, unit) = (name.to_owned(), size.unit.to_owned());
         return vec![TermAmount { term, value: size.value, u95: size.u95, sigma: size.u95 / EXPANDED, unit }];
     }
-    // Omitted parts of the data may increase the uncertainty.
-    let inflation = match (accepted.size.value.abs(), accepted.amounts.values.as_slice()) {
-        (value, [amount]) if value > 0.0 && *amount != 0.0 => {
-            let relative = accepted.size.u95 / value;
-            let own = accepted.amounts.u95(0) / amount.abs();
-            if own > 0.0 && relative.is_finite() { (relative / own).max(1.0) } else { 1.0 }
-        }
-        _ => 1.0,
-    };
-    subject.units.iter().map(|unit| amount(unit, &accepted.amounts, inflation)).collect()
+    subject.units.iter().map(|unit| amount(unit, &accepted.amounts)).collect()
 }
 
-fn amount(unit: &AmountUnit, amounts: &Amounts, inflation: f64) -> TermAmount {
+fn amount(unit: &AmountUnit, amounts: &Amounts) -> TermAmount {
     let count = amounts.values.len();
     let at = |k: usize| amounts.values.get(k).copied().unwrap_or(0.0);
     let mut along = vec![0.0; count];
@@ -237,8 +228,8 @@ fn amount(unit: &AmountUnit, amounts: &Amounts, inflation: f64) -> TermAmount {
     TermAmount {
         term: unit.term.clone(),
         value: unit.factor * value,
-        u95: inflation * EXPANDED * unit.factor.abs() * sigma,
-        sigma: inflation * unit.factor.abs() * sigma,
+        u95: EXPANDED * unit.factor.abs() * sigma,
+        sigma: unit.factor.abs() * sigma,
         unit: unit.unit.clone(),
     }
 }
