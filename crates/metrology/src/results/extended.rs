@@ -382,7 +382,10 @@ fn estimates(changes: &[Change], fitted: Option<&Fit>) -> Vec<(String, f64, f64,
             Parameter::Geometry(name) => (1.0, name.unit()),
             Parameter::Effect(own) => (own.unit().0, own.unit().1.to_owned()),
         };
-        out.push((parameter.to_string(), factor * estimate.value, factor * EXPANDED * estimate.sigma, unit));
+        // The file has the full value.
+        let is_half = matches!(parameter, Parameter::Geometry(name) if name.term == ComponentTerm::Backlash);
+        let half = if is_half { " (half of the reversal value)" } else { "" };
+        out.push((format!("{parameter}{half}"), factor * estimate.value, factor * EXPANDED * estimate.sigma, unit));
     }
     out
 }
