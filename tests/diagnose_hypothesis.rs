@@ -155,7 +155,7 @@ fn the_curve_of_the_search_does_not_take_the_amount_of_a_hypothesis() {
         assert!(!sum["stands_for"].as_array().unwrap().is_empty(), "{sum}");
         assert_eq!(square["beside"], Value::from(vec!["motion EXX (slope)"]), "{square}");
     }
-    assert!(covered.into_iter().all(|count| count >= 4), "{covered:?}");
+    assert!(covered.into_iter().all(|count| count >= 3), "{covered:?}");
 }
 
 #[test]
