@@ -313,3 +313,34 @@ fn a_wave_between_points_is_written_and_nothing_that_others_cancel() {
     assert!((number(&all[0], "period") - 10.0).abs() < 0.03, "{found:#}");
     assert!((number(&all[0], "value") - 15.0).abs() < 1.5 * number(&all[0], "u95"), "{found:#}");
 }
+
+/// Five runs with slopes of 30 to 50 µm/m: the mean is uncertain by the scatter of the runs, not by the noise of the readings. The file has the interval
+/// that is printed.
+#[test]
+fn the_file_has_the_uncertainty_that_is_printed() {
+    let mut random = crate::plant::random::Random::new(5, "slopes of runs");
+    let mut rows = "run,X,Y,Z,X_dir,dx_um\n".to_owned();
+    let slopes = [45e-3, 30e-3, 50e-3, 35e-3, 40e-3];
+    for (run, slope) in slopes.into_iter().enumerate() {
+        for (sense, k) in (0..9).map(|k| (1, k)).chain((0..9).rev().map(|k| (-1, k))) {
+            let x = 50.0 * f64::from(k);
+            rows += &format!("{},{x},0,0,{sense},{:.4}\n", run + 1, slope * x + 0.3 * random.normal());
+        }
+    }
+    let shop = Shop::new()
+        .file("machine.toml", bare("demo"))
+        .file("line.csv", rows)
+        .file("line.toml", "[measurement]\nkind = \"displacement\"\nfree = [\"offset\"]\nsigma_um = 0.3\n");
+    let found = diagnosed(&shop, &["line.csv".to_owned()], "machine.toml", &["-o", "extended.toml"]);
+    let all = findings(&found);
+    let one = all.iter().find(|one| one["unit"] == "um/m").unwrap_or_else(|| panic!("{found:#}"));
+    let u95 = number(one, "u95");
+    // Student's factor of four degrees of freedom is 2.776: 2.776 · 7.906 µm/m/√5 = 9.8 µm/m. Noise alone would give ±0.5 µm/m.
+    assert!((0.7 * 9.8..1.4 * 9.8).contains(&u95), "{one:#}");
+    let text = shop.text("extended.toml");
+    let line = text.lines().find_map(|line| line.strip_prefix("EXX1 = [")).unwrap_or_else(|| panic!("{text}"));
+    let parts = line.trim_end_matches(']').split(',').map(|part| part.trim().parse::<f64>().unwrap());
+    let sigma = parts.map(|part| part * part).sum::<f64>().sqrt();
+    assert!((1.96e6 * sigma / u95 - 1.0).abs() < 0.02, "{sigma} {u95}: {text}");
+    assert!(!text.contains("2σ") && text.contains("(95 %): EXX1 "), "{text}");
+}

@@ -118,6 +118,46 @@ fn a_parameter_that_was_fitted_without_the_term_is_fitted_again() {
     assert!(one["beside"].as_array().unwrap().contains(&Value::from("location EC0X")), "{one}");
 }
 
+/// A parabola and a slope of one error: 66.7 µm/m² and −20 µm/m. The search explains them by a curve and a slope of its own. Beside these, nothing would be
+/// left of the terms, so the amounts are those of a fit without them.
+#[test]
+fn the_curve_of_the_search_does_not_take_the_amount_of_a_hypothesis() {
+    let mut covered = [0; 3];
+    for seed in 1..=6 {
+        let mut random = Random::new(seed, "parabola");
+        let mut table = "run,X,Y,Z,X_dir,dx_um\n".to_owned();
+        for run in 1..=5 {
+            for (sense, k) in (0..9).map(|k| (1, k)).chain((0..9).rev().map(|k| (-1, k))) {
+                let x = 50.0 * f64::from(k);
+                let dx_um = 66.7e-6 * x * x - 20e-3 * x + 0.3 * random.normal();
+                table += &format!("{run},{x},0,0,{sense},{dx_um:.4}\n");
+            }
+        }
+        let description = "[measurement]\nkind = \"displacement\"\nfree = [\"offset\"]\nsigma_um = 0.3\n";
+        let shop = Shop::new().file("bench.toml", MACHINE).file("grid.csv", table).file("grid.toml", description);
+        let stated = arguments(&["EXX ~ X + X^2", "EXX ~ X^2"]);
+        let report = shop.run(stated.into_iter().chain(["--json"])).exits(0).json();
+        let [sum, square] = [0, 1].map(|k| &report["hypotheses"][k]);
+        let amounts = [&sum["amounts"][0], &sum["amounts"][1], &square["amounts"][0]];
+        for (k, (amount, truth)) in amounts.into_iter().zip([-20.0, 66.7, 66.7]).enumerate() {
+            let [value, u95] = ["value", "u95"].map(|key| number(amount, key));
+            assert!((value - truth).abs() < 2.5 * u95, "{seed}: {amount} instead of {truth}");
+            covered[k] += usize::from((value - truth).abs() < u95);
+            // 90 readings of 0.3 µm over 0 to 400 mm, in a least-squares fit of offset, slope and square: ±1.76 µm/m and ±4.24 µm/m².
+            let least = if k == 0 { 1.76 } else { 4.24 };
+            assert!((0.7 * least..3.0 * least).contains(&u95), "{seed}: {amount}");
+        }
+        assert_eq!(
+            (&sum["answer"], &square["answer"]),
+            (&Value::from("supported"), &Value::from("supported")),
+            "{report}"
+        );
+        assert!(!sum["stands_for"].as_array().unwrap().is_empty(), "{sum}");
+        assert_eq!(square["beside"], Value::from(vec!["motion EXX (slope)"]), "{square}");
+    }
+    assert!(covered.into_iter().all(|count| count >= 3), "{covered:?}");
+}
+
 #[test]
 fn wrong_text_is_refused_at_its_column() {
     let shop = shop();

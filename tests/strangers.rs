@@ -245,6 +245,9 @@ fn two_reference_temperatures_are_named() {
     fit("warm.csv").says("warning[W0615]").says("differ by 23.0 µm/m");
     let run = fit("cool.csv");
     assert!(!run.stderr.contains("W0615"), "{}", run.stderr);
+    // A search mixes them as a fit does.
+    let search = |one: &'static str| shop.run(["diagnose", "laser.csv", one, "--machine", "m.toml"]).stderr;
+    assert!(search("warm.csv").contains("warning[W0615]") && !search("cool.csv").contains("W0615"));
     let alone = shop.run(["calibrate", "warm.csv", "--machine", "m.toml", "--model", "EXX1", "-o", "fitted.toml"]);
     assert!(!alone.stderr.contains("W0615"), "{}", alone.stderr);
 }

@@ -1077,10 +1077,11 @@ degree = 3 in [sensors] with a star of more rows, keep the ball nearer to the mi
 of it is a mistake.";
     REFERENCES_DIFFER = "W0615" "readings that refer to different temperatures"
 "Readings of a laser refer to 20 °C. A part, a plate or a ball-bar with a stated temperature shows the lengths that the machine has
-at this temperature. ncfix calibrate fits files of both kinds together, and the scales then contradict each other: at 22 °C by
-23 µm/m on a machine of steel. The fit takes a mean that is right for neither, or turns the difference into a squareness. Give all
-files one reference temperature. Beside a laser that refers to 20 °C, import the part, plate or bar with --material 20C: the result then
-makes parts that have their nominal size at 20 °C, if they expand as the machine does. Or calibrate the files apart.";
+at this temperature. In one ncfix calibrate or ncfix diagnose, files of both kinds contradict each other: at 22 °C by 23 µm/m on a
+machine of steel. A fit takes a mean that is right for neither, or turns the difference into a squareness. A search takes it for a
+cause. Give all files one reference temperature. Beside a laser that refers to 20 °C, import the part, plate or bar with
+--material 20C: the result then makes parts that have their nominal size at 20 °C, if they expand as the machine does. Or use the
+files apart.";
     SQUARENESS_OMITTED = "W0620" "squareness that the model lacks"
 "--model states the parameters of the fit, and no squareness of two axes is among them. The readings show this angle with certainty. Other
 parameters have absorbed a part of it, such as the straightness of an axis or the zero of a rotary axis. The residuals can look normal,

@@ -44,6 +44,12 @@ impl Amounts {
         (value, variance.max(0.0).sqrt())
     }
 
+    /// The same amounts with larger uncertainties.
+    pub(super) fn widened(mut self, times: f64) -> Amounts {
+        self.covariance.iter_mut().flatten().for_each(|entry| *entry *= times * times);
+        self
+    }
+
     /// Expanded uncertainty of one amount.
     #[must_use]
     pub fn u95(&self, column: usize) -> f64 {

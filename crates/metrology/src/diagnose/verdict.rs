@@ -41,7 +41,7 @@ const LONGER: f64 = 0.02;
 pub struct AcceptedCause {
     /// The candidate.
     pub candidate: Candidate,
-    /// Amounts of its columns, mm, rad, per unit of the driver.
+    /// Amounts of its columns, mm, rad, per unit of the driver, with the uncertainty of the size.
     pub amounts: Amounts,
     /// Its size in the usual form.
     pub size: Size,
@@ -398,7 +398,10 @@ fn verdict(
         let own_without: Vec<Amounts> =
             without_parts.iter().map(|without| level(without.of(&range, noise * inflation))).collect();
         let mut size = size(candidate, &amounts, scene, used);
+        let formal = size.u95;
         size.u95 = size.u95.max(u95(candidate, &amounts, &own_without, scene, used).unwrap_or(0.0));
+        // Omitted parts increase the uncertainties of size and amounts alike.
+        let widening = if formal > 0.0 { size.u95 / formal } else { 1.0 };
         let does = doing(field, weights, weights, &taken, term.candidate);
         let rms = rms(counts(scene, weights).into_iter().filter_map(|place| does.get(place).copied()));
         let alone = swing(scene, weights, &does);
@@ -508,7 +511,7 @@ fn verdict(
             rms,
             alone,
             doing: does,
-            amounts,
+            amounts: amounts.widened(widening),
             chance: term.chance,
             probability: (own_share < CERTAIN).then_some(own_share),
             nature_share: own_share,

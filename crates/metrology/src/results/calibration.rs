@@ -5,12 +5,12 @@ use super::cells::{cell, estimate, weighted_down};
 use super::held::{ComparedMeasurement, fitted};
 use super::measurement::{Measurement, check_copies, data_of};
 pub use super::not_identified::LeftOut;
+use super::references::Together;
 use super::residuals::residual_table;
 use super::selection;
+use super::widened::widen;
 use super::{conditions, figures, has_errors, not_identified, omitted, references, relative, repeated, slope};
-use crate::calibrate::{
-    Column, ComparedReading, Fit, FitOptions, Parameter, Refusal, Rule, fit, quality, reversals, select,
-};
+use crate::calibrate::{ComparedReading, Fit, FitOptions, Parameter, Refusal, Rule, fit, quality, reversals, select};
 use crate::measure::data::{DataSet, Free, Observation};
 use crate::measure::kind::Measurand;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
@@ -145,7 +145,7 @@ impl PreparedFit<'_> {
         let fit = self.found(candidates, progress, findings, report)?;
         report.figures = self.used.iter().map(|one| figures::of(&one.data, self.begin.machine)).collect();
         not_identified::distances(&fit, &self.used, findings);
-        references::check(self.used.iter().chain(&self.held_out), findings);
+        references::check(self.used.iter().chain(&self.held_out), Together::Fit, findings);
         self.compare(&fit, findings, report);
         findings.extend(worse(report));
         if candidates.is_none() && !self.settings.is_automatic {
@@ -364,17 +364,6 @@ pub fn holdout_um(result: &CalibrationResult) -> Option<f64> {
     });
     // Nanometers suffice in a file that people read.
     (count > 0.0).then(|| ((squares / count).sqrt() * 1e3).round() / 1e3)
-}
-
-/// Enlarges the uncertainties of parameters, and the rows of the factor of their covariance.
-fn widen(fit: &mut Fit, growth: &[(ParameterName, f64)]) {
-    for (place, estimate) in fit.estimates.iter_mut().enumerate() {
-        let Column::Parameter(name) = &estimate.column else { continue };
-        let Some((_, factor)) = growth.iter().find(|(own, _)| own == name) else { continue };
-        estimate.sigma *= factor;
-        estimate.inflation *= factor * factor;
-        fit.factor.get_mut(place).into_iter().flatten().for_each(|part| *part *= factor);
-    }
 }
 
 /// Refuses a fit that predicts the readings used worse than a machine without errors: most of them may be outliers without weight, or the errors that stay

@@ -9,9 +9,10 @@ use super::extended::{Extended, ExtensionJob};
 use super::hypotheses::{self, HypothesisReport, HypothesisSet};
 use super::measurement::{Measurement, check_copies, check_near_copies};
 use super::readings::{self, ShownReadings};
+use super::references::Together;
 use super::size_range;
 pub use super::size_range::{PositionUnit, SizeRange};
-use super::{alignment, data_faults, has_errors};
+use super::{alignment, data_faults, has_errors, references};
 use crate::diagnose::cause::Correctable;
 use crate::diagnose::extend::extension;
 use crate::diagnose::fault::{Checks, DefectKind};
@@ -424,6 +425,7 @@ pub fn run(
         return None;
     }
     alignment::release(&mut all, used, findings);
+    references::check(all.iter(), Together::Search, findings);
     let checks = settings.checks.cloned().unwrap_or_default();
     let faults = data_faults::look((machine, errors, &checks), &mut all, used, findings, &mut report.data_faults);
     let sets: Vec<DataSet> = all.into_iter().map(|one| one.data).collect();

@@ -1,10 +1,11 @@
 //! The machine file with the findings of a diagnosis: the old text, new entries, and a joint fit of all parameters.
 
 use super::not_identified;
+use super::widened::widen_to;
 use crate::calibrate::{Fit, FitOptions, Parameter, fit};
 use crate::diagnose::cause::range;
 use crate::diagnose::extend::{Anchor, Change, again, cleaned, effect_of_others, note};
-use crate::diagnose::{DiagnosedCauses, Scene, levels, residuals};
+use crate::diagnose::{AcceptedCause, DiagnosedCauses, EXPANDED, Scene, levels, residuals};
 use crate::measure::data::DataSet;
 use crate::measure::ranges::measured_ranges;
 use crate::results::not_shown::not_shown;
@@ -148,7 +149,15 @@ impl ExtensionJob<'_> {
             .flat_map(|(changes, _)| changes.iter().flatten().cloned())
             .collect();
         let parameters = again(&original, &read, &changes);
-        let fitted = self.fitted(&read, &parameters, grown, findings);
+        let mut fitted = self.fitted(&read, &parameters, grown, findings);
+        if let Some(fitted) = &mut fitted {
+            let all = self.found.findings.iter().zip(&self.extension).zip(&grown.anchors);
+            let written: Vec<(&AcceptedCause, &[Change])> = all
+                .filter(|(_, anchors)| anchors.is_ok())
+                .filter_map(|((one, changes), _)| Some((one, changes.as_deref().ok()?)))
+                .collect();
+            widen_to(fitted, &written);
+        }
         let errors = fitted.as_ref().map_or(&read, |fitted| &fitted.errors);
         let even = self.without_means([&original, errors], &parameters);
         let errors = even.as_ref().unwrap_or(errors);
@@ -362,27 +371,10 @@ fn place_of(name: &ParameterName, errors: &ErrorModel) -> Anchor {
     Anchor::Entry("motion", index.unwrap_or(0))
 }
 
-/// Fitted parameters of some changes: name, value, standard uncertainty, unit.
+/// Fitted parameters of some changes: name, value, expanded uncertainty (95 %), unit.
 fn estimates(changes: &[Change], fitted: Option<&Fit>) -> Vec<(String, f64, f64, String)> {
     let Some(fitted) = fitted else { return Vec::new() };
-    let is_own = |parameter: &Parameter| {
-        changes.iter().any(|change| match (change, parameter) {
-            (Change::Parameter { name, .. }, Parameter::Geometry(own)) => name == own,
-            (Change::Drift { direction, sensor, .. }, Parameter::Effect(own)) => {
-                let name = own.name();
-                name.starts_with(&format!("drift.{direction}")) && name.contains(sensor.as_str())
-            }
-            (Change::Growth { axis, .. }, Parameter::Effect(own)) => own.name() == format!("expansion.{axis}.scale"),
-            (Change::Load { name, .. }, Parameter::Effect(own)) => {
-                let rest = own.name().strip_prefix(&format!("load.{name}"));
-                rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '~']))
-            }
-            (Change::Entry { list: section, .. } | Change::Section { section, .. }, Parameter::Effect(own)) => {
-                own.name().starts_with(&format!("{section}."))
-            }
-            _ => false,
-        })
-    };
+    let is_own = |parameter: &Parameter| changes.iter().any(|change| change.is_of(parameter));
     let mut out = Vec::new();
     for estimate in &fitted.estimates {
         let Some(parameter) = estimate.column.parameter().filter(is_own) else { continue };
@@ -390,7 +382,10 @@ fn estimates(changes: &[Change], fitted: Option<&Fit>) -> Vec<(String, f64, f64,
             Parameter::Geometry(name) => (1.0, name.unit()),
             Parameter::Effect(own) => (own.unit().0, own.unit().1.to_owned()),
         };
-        out.push((parameter.to_string(), factor * estimate.value, factor * estimate.sigma, unit));
+        // The file has the full value.
+        let is_half = matches!(parameter, Parameter::Geometry(name) if name.term == ComponentTerm::Backlash);
+        let half = if is_half { " (half of the reversal value)" } else { "" };
+        out.push((format!("{parameter}{half}"), factor * estimate.value, factor * EXPANDED * estimate.sigma, unit));
     }
     out
 }

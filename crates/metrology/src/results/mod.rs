@@ -40,6 +40,7 @@ mod slope;
 pub mod stated;
 pub mod uncertain;
 pub mod weighed;
+mod widened;
 
 use ncfix_base::diagnostic::Diagnostic;
 

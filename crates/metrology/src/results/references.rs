@@ -17,8 +17,21 @@ const ALIKE_K: f64 = 0.2;
 /// Expansion of steel, µm/m per K, for the size in the message.
 const STEEL: f64 = 11.5;
 
+/// What is made of several files together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Together {
+    /// A fit of parameters.
+    Fit,
+    /// A search for causes.
+    Search,
+}
+
 /// Warns of measurements that show lengths at different temperatures.
-pub(super) fn check<'a>(used: impl Iterator<Item = &'a Measurement>, findings: &mut Vec<Diagnostic>) {
+pub(super) fn check<'a>(
+    used: impl Iterator<Item = &'a Measurement>,
+    together: Together,
+    findings: &mut Vec<Diagnostic>,
+) {
     let mut found: Vec<(&str, f64)> =
         used.filter_map(|one| Some((one.data.name.as_str(), reference_c(&one.data)?))).collect();
     found.sort_by(|(_, one), (_, other)| one.total_cmp(other));
@@ -26,13 +39,19 @@ pub(super) fn check<'a>(used: impl Iterator<Item = &'a Measurement>, findings: &
     if high - low <= ALIKE_K {
         return;
     }
+    let (command, verb) = match together {
+        Together::Fit => ("a fit", "calibrate"),
+        Together::Search => ("a search", "diagnose"),
+    };
     let message = format!(
-        "the lengths of {first} refer to {} °C and those of {last} to {} °C: for a machine of steel their scales differ by {} µm/m, and the fit mixes them",
+        "the lengths of {first} refer to {} °C and those of {last} to {} °C: for a machine of steel their scales differ by {} µm/m, and {command} of both mixes them",
         significant(*low),
         significant(*high),
         significant(STEEL * (high - low))
     );
-    let help = "calibrate them apart, or refer all to one temperature: beside a laser that refers to 20 °C, import the part, plate or bar with --material 20C";
+    let help = format!(
+        "{verb} them apart, or refer all to one temperature: beside a laser that refers to 20 °C, import the part, plate or bar with --material 20C"
+    );
     findings.push(Diagnostic::nowhere(Code::REFERENCES_DIFFER, message, help));
 }
 

@@ -28,7 +28,9 @@ pub(super) fn level(
 ) {
     let data = data_of(used);
     for axis in AXES.into_iter().filter(|axis| !axis.is_rotary()) {
-        let Some([low, high]) = range(used, axis).filter(|[low, high]| high > low) else { continue };
+        if range(used, axis).is_none_or(|[low, high]| high <= low) {
+            continue;
+        }
         for component in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
             let fitted: Vec<ParameterName> = parameters
                 .iter()
@@ -60,6 +62,16 @@ pub(super) fn level(
                 }
                 continue;
             }
+            // A file that does not show the curve does not extend its range.
+            let curve: Vec<Parameter> =
+                fitted.iter().filter(|name| is_curve(name)).copied().map(Parameter::from).collect();
+            let shows = |one: &&Measurement| {
+                identify(machine, &fit.errors, &curve, std::slice::from_ref(&one.data))
+                    .is_some_and(|told| told.lost.leave_out.len() < curve.len())
+            };
+            let ranges = used.iter().filter(shows).filter_map(|one| range(std::slice::from_ref(one), axis));
+            let own = ranges.reduce(|[low, high], [from, to]| [low.min(from), high.max(to)]).or(range(used, axis));
+            let Some([low, high]) = own.filter(|[low, high]| high > low) else { continue };
             let value = -mean_slope(&fitted, fit, axis, [low, high]);
             slope.set(&mut fit.errors, value);
             let message = format!(

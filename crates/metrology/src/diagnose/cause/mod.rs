@@ -8,7 +8,6 @@
 //! Pass it to `ncfix::Registry::with_cause`, and read the machine file with `ncfix::Machine::from_file_with`. A diagnosis of this machine uses it.
 
 mod backlash;
-pub mod catalogue;
 pub(in crate::diagnose) mod circle;
 pub(in crate::diagnose) mod common_scale;
 mod cross;
@@ -338,6 +337,15 @@ impl Candidate {
         }
     }
 
+    /// The column whose amount a parameter of the machine file takes; `None` if it takes none.
+    #[must_use]
+    pub fn place_of(&self, name: &ParameterName) -> Option<usize> {
+        match &self.term {
+            Term::Parameters(names) => names.iter().position(|own| own == name),
+            _ => None,
+        }
+    }
+
     /// Its effect and parameter, as `location EC0X`.
     #[must_use]
     pub fn title(&self) -> String {
@@ -524,4 +532,19 @@ pub(in crate::diagnose) fn body_sense(scene: &Scene<'_>, axis: Axis) -> f64 {
 #[must_use]
 pub fn own(axis: Axis) -> ErrorName {
     ErrorName::motion(DIRECTIONS[axis.dimension() + if axis.is_rotary() { 3 } else { 0 }], axis)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::BUILT_IN;
+
+    #[test]
+    fn no_cause_is_without_words() {
+        for cause in BUILT_IN {
+            let words = [cause.name, cause.made_by, cause.shown_by, cause.separate_by];
+            assert!(words.iter().all(|text| !text.is_empty()), "{}", cause.name);
+            let twins = BUILT_IN.iter().filter(|other| other.name == cause.name).count();
+            assert_eq!(twins, 1, "{}", cause.name);
+        }
+    }
 }

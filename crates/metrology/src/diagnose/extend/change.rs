@@ -1,5 +1,6 @@
 //! Changes of a machine file. Terms are added to existing ones of the same kind, so that none is written twice.
 
+use crate::calibrate::Parameter;
 use ncfix_base::geometry::Axis;
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_machine::machine::edit::{Edit, Given};
@@ -147,6 +148,27 @@ pub(super) fn entries<'a>(
 }
 
 impl Change {
+    /// True if the change sets a parameter, or writes the entry that contains it.
+    #[must_use]
+    pub fn is_of(&self, parameter: &Parameter) -> bool {
+        match (self, parameter) {
+            (Change::Parameter { name, .. }, Parameter::Geometry(own)) => name == own,
+            (Change::Drift { direction, sensor, .. }, Parameter::Effect(own)) => {
+                let name = own.name();
+                name.starts_with(&format!("drift.{direction}")) && name.contains(sensor.as_str())
+            }
+            (Change::Growth { axis, .. }, Parameter::Effect(own)) => own.name() == format!("expansion.{axis}.scale"),
+            (Change::Load { name, .. }, Parameter::Effect(own)) => {
+                let rest = own.name().strip_prefix(&format!("load.{name}"));
+                rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '~']))
+            }
+            (Change::Entry { list: section, .. } | Change::Section { section, .. }, Parameter::Effect(own)) => {
+                own.name().starts_with(&format!("{section}."))
+            }
+            _ => false,
+        }
+    }
+
     /// Applies the change to a text and returns its position there, or the reason why it is impossible. Parameters are written by
     /// [`ncfix_model::write`].
     ///

@@ -31,7 +31,7 @@ fn size(one: &AcceptedCause) -> String {
     format!("{} {:.digits$} ± {:.digits$} {} (95 %)", name.trim_end(), one.size.value, one.size.u95, one.size.unit)
 }
 
-/// The note for a term; `fitted` are its parameters from the joint fit: name, value, standard uncertainty, unit.
+/// The note for a term; `fitted` are its parameters from the joint fit: name, value, expanded uncertainty (95 %), unit.
 #[must_use]
 pub fn lines(
     one: &AcceptedCause,
@@ -78,9 +78,8 @@ pub fn lines(
     };
     out.extend(needs.map(|needs| format!("  {needs}")));
     if !fitted.is_empty() {
-        let all =
-            fitted.iter().map(|(name, value, sigma, unit)| format!("{name} {value:.4e} ± {:.1e} {unit}", 2.0 * sigma));
-        out.push(format!("  fitted again together with the others (± 2σ): {}", all.collect::<Vec<_>>().join(", ")));
+        let all = fitted.iter().map(|(name, value, u95, unit)| format!("{name} {value:.4e} ± {u95:.1e} {unit}"));
+        out.push(format!("  fitted again together with the others (95 %): {}", all.collect::<Vec<_>>().join(", ")));
     }
     for change in changes {
         if let Change::Shape { u95, kind, .. } = change {

@@ -7,7 +7,7 @@
 
 use super::exchanged_positions::{self, Turned};
 use super::readings::{Allowance, WeighedReadings};
-use super::single::{by_one_cause, left, thinned};
+use super::single::{ROWS, by_one_cause, left, thinned};
 use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 use crate::measure::data::DataSet;
 use ncfix_base::units::um_from_mm;
@@ -148,7 +148,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
 /// True if a single cause of the machine explains the given readings equally well. For a reversed column it must do so better, because a slope has
 /// the same effect as another sign.
 fn is_one_cause(view: &View<'_, '_>, data: &DataSet, told: &SwappedAxes) -> bool {
-    let sets = [thinned(data)];
+    let sets = [thinned(data, ROWS)];
     let machine = view.scene.machine;
     let Some(as_is) = left(machine, view.scene, &sets, f64::INFINITY) else { return false };
     let single = by_one_cause(machine, &sets, &as_is) / as_is.values.len().max(1) as f64;

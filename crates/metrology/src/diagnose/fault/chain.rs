@@ -3,7 +3,7 @@
 //! The check tests all orders of the linear axes and the foundation that keep the meaning of positions. It reports an order only if no single cause
 //! explains the readings nearly as well: with the right bodies, the known errors predict all readings without any fit.
 
-use super::single::{MOST, by_one_cause, left, thinned};
+use super::single::{MOST, ROWS, by_one_cause, left, thinned};
 use super::{DataDefect, DefectCheck, DefectKind, Then, View, median};
 use crate::measure::data::DataSet;
 use ncfix_base::geometry::Axis;
@@ -33,7 +33,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     let ratios: Vec<f64> =
         view.sets().filter_map(|(set, _)| view.trails.get(set)?.noise_ratio()).map(|ratio| ratio * ratio).collect();
     let noise = if ratios.is_empty() { 1.0 } else { median(ratios).max(1e-6) };
-    let sets: Vec<DataSet> = view.sets().map(|(_, data)| thinned(data)).collect();
+    let sets: Vec<DataSet> = view.sets().map(|(_, data)| thinned(data, ROWS)).collect();
     let Some((first, _)) = view.sets().next() else { return };
     let Some(as_is) = left(scene.machine, scene, &sets, MOST) else { return };
     let count = as_is.values.len() as f64;

@@ -2,7 +2,7 @@
 //! opposite sign.
 
 use super::readings::WeighedReadings;
-use super::single::{MOST, by_one_cause, left, thinned};
+use super::single::{MOST, ROWS, by_one_cause, left, thinned};
 use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 
 pub(super) const CHECK: DefectCheck = DefectCheck {
@@ -48,7 +48,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
             }
             if otherwise < FITS * noise && as_is - otherwise > WORSE * matched.size.min(4.0).powi(2) && sure < SURE {
                 // Squares of some rows are limited here, as in the comparison with a single cause.
-                let sets = [thinned(data)];
+                let sets = [thinned(data, ROWS)];
                 let Some(rest) = left(scene.machine, scene, &sets, MOST) else { continue };
                 let count = rest.values.len() as f64;
                 let more = by_one_cause(scene.machine, &sets, &rest) - otherwise.min(rest.squares / count) * count;

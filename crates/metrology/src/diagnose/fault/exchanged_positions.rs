@@ -2,6 +2,7 @@
 
 use super::axes::ColumnMeaning;
 use super::readings::{Allowance, WeighedReadings};
+use super::single::thinned;
 use crate::diagnose::scene::{Scene, Through};
 use crate::measure::data::DataSet;
 use ncfix_base::geometry::{AXES, Axis};
@@ -24,7 +25,7 @@ pub(super) struct Turned {
 /// All assignments with every axis inside its travel.
 pub(super) fn turned(scene: &Scene<'_>, data: &DataSet) -> Turned {
     let linear: Vec<Axis> = AXES.into_iter().filter(|axis| !axis.is_rotary()).collect();
-    let few = thinned(data);
+    let few = thinned(data, ROWS);
     // A constant column is not mistaken for a moving one.
     let moves = |axis: Axis| {
         let mut at: Vec<u64> = few.observations.iter().map(|row| row.reading.position[axis].to_bits()).collect();
@@ -48,20 +49,6 @@ pub(super) fn turned(scene: &Scene<'_>, data: &DataSet) -> Turned {
         if let Some(left) = best {
             out.ways.push(way);
             out.left.push(left);
-        }
-    }
-    out
-}
-
-/// A smaller number of rows, evenly selected.
-fn thinned(data: &DataSet) -> DataSet {
-    let count = data.observations.len();
-    let mut out = data.clone();
-    if count > ROWS {
-        let rows = || (0..ROWS).map(|k| k * count / ROWS);
-        out.observations = rows().map(|row| data.observations[row]).collect();
-        for (driver, all) in out.drivers.iter_mut().zip(&data.drivers) {
-            driver.values = rows().map(|row| all.values.get(row).copied().unwrap_or(f64::NAN)).collect();
         }
     }
     out

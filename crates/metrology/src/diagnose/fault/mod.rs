@@ -411,9 +411,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// Standard deviation of normally distributed values, from the median of their absolute values.
 fn spread(values: impl Iterator<Item = f64>) -> f64 {
-    /// Median of the absolute values of normal noise, in standard deviations.
-    const MEDIAN: f64 = 0.674_489_750_196_081_7;
-    median(values.filter(|value| value.is_finite()).map(f64::abs).collect()) / MEDIAN
+    median(values.filter(|value| value.is_finite()).map(f64::abs).collect()) / super::noise::MEDIAN
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use ncfix_machine::machine::Machine;
 use ncfix_model::name::{DIRECTIONS, ErrorName};
 
 /// Maximum number of rows of a measurement.
-const ROWS: usize = 300;
+pub(super) const ROWS: usize = 300;
 /// Upper limit of a residual, in σ, as a few readings may be outliers.
 pub(super) const MOST: f64 = 5.0;
 
@@ -21,12 +21,12 @@ pub(super) struct SingleResiduals {
     most: f64,
 }
 
-/// A smaller number of rows, evenly selected.
-pub(super) fn thinned(data: &DataSet) -> DataSet {
+/// At most this number of rows, evenly selected.
+pub(super) fn thinned(data: &DataSet, most: usize) -> DataSet {
     let count = data.observations.len();
     let mut out = data.clone();
-    if count > ROWS {
-        let rows = || (0..ROWS).map(|k| k * count / ROWS);
+    if count > most {
+        let rows = || (0..most).map(|k| k * count / most);
         out.observations = rows().filter_map(|row| data.observations.get(row).copied()).collect();
         for (driver, all) in out.drivers.iter_mut().zip(&data.drivers) {
             driver.values = rows().map(|row| all.values.get(row).copied().unwrap_or(f64::NAN)).collect();

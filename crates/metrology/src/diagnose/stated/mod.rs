@@ -6,6 +6,7 @@
 //! form       hypotheses as values
 //! build      candidates: the effect of each term on the readings of a scene
 //! subject    the candidate of a hypothesis, and the amounts of its terms
+//! overlap    accepted causes that share its effect on the readings
 //! model      stated terms as parts of a fitted model
 //! trial      amount, evidence, gain on left-out readings, other explanations, possible correction
 //! ```
@@ -16,6 +17,7 @@ mod build;
 mod form;
 mod grammar;
 mod model;
+mod overlap;
 mod subject;
 #[cfg(test)]
 mod tests;

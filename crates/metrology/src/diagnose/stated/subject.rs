@@ -1,7 +1,7 @@
 //! The subject of a trial: the candidate of a stated hypothesis, its visibility in the readings, and the amounts of its terms.
 
 use super::super::cause::{Candidate, EffectKind};
-use super::super::entrant::{family, group, is_slope};
+use super::super::entrant::group;
 use super::super::explain::contest::evidences;
 use super::super::scene::Through;
 use super::super::search::Field;
@@ -10,15 +10,9 @@ use super::super::size::{Amounts, EXPANDED};
 use super::super::verdict::{AcceptedCause, Settled};
 use super::build::{AmountUnit, Built, of_shape, of_sum};
 use super::form::{StatedContent, StatedHypothesis, TermAmount};
+use super::overlap::{Overlap, overlap};
 use ncfix_base::geometry::Axis;
-use ncfix_base::numeric::Series;
-use ncfix_model::motion::EntryFunction;
 
-/// An accepted cause that explains at least this share of the squares of a hypothesis represents it. A parabola over a range from 0 is a straight line to
-/// 15/16: readings separate these two.
-const STANDS: f64 = 0.97;
-/// A simple error of the model that explains at least this share of the squares of a hypothesis was calibrated with a part of it.
-const MIXES: f64 = 0.5;
 /// A column is invisible if less than this share of it remains after set-ups and other terms.
 const OWN: f64 = 1e-9;
 /// A term whose squares are less than this share of those of its component is zero but for rounding.
@@ -33,10 +27,8 @@ pub(super) struct StatedSubject {
     pub(super) number: usize,
     pub(super) units: Vec<AmountUnit>,
     pub(super) variants: usize,
-    /// Places among the accepted causes of those that represent it.
-    pub(super) stand_ins: Vec<usize>,
-    /// Simple errors of the model that took up a part of it when they were fitted without it: they are fitted again beside it.
-    pub(super) refitted: Vec<usize>,
+    /// Accepted causes and simple errors that share its effect on the readings.
+    pub(super) overlap: Overlap,
 }
 
 /// The candidate of a hypothesis, or the reason why these readings have none.
@@ -57,9 +49,8 @@ pub(super) fn subject(one: &StatedHypothesis, outcome: &mut Settled<'_, '_, '_>)
         }
     };
     visible(outcome, number, !units.is_empty(), &units)?;
-    let refitted = if matches!(one.statement, StatedContent::Sum(..)) { refitted(outcome, number) } else { Vec::new() };
-    let stand_ins = stand_ins(outcome, number, &refitted);
-    Ok(StatedSubject { number, units, variants, stand_ins, refitted })
+    let overlap = overlap(outcome, number, matches!(one.statement, StatedContent::Sum(..)));
+    Ok(StatedSubject { number, units, variants, overlap })
 }
 
 pub(super) fn enter(field: &mut Field<'_, '_>, candidate: Candidate) -> usize {
@@ -212,94 +203,6 @@ fn still(outcome: &Settled<'_, '_, '_>, one: &Candidate) -> Vec<(String, String)
     one.drivers.iter().filter_map(of).collect()
 }
 
-/// The whole effect of a hypothesis at its best amounts, and each of its columns: a term that a cause absorbs would get no amount in addition to it.
-fn parts(outcome: &Settled<'_, '_, '_>, number: usize) -> Vec<Vec<f64>> {
-    let field = &*outcome.field;
-    let columns = field.columns_of(number);
-    let (amounts, _) = field.series(outcome.weights, &[], 0.0).amounts(&columns);
-    let mut effect = vec![0.0; field.scene.items.len()];
-    for (column, amount) in columns.iter().zip(&amounts) {
-        effect.iter_mut().zip(column).for_each(|(sum, value)| *sum += amount * value);
-    }
-    std::iter::once(effect).chain(columns).collect()
-}
-
-/// Share of the squares of a part that columns explain.
-fn share(series: &mut Series, part: &[f64], own: &[Vec<f64>]) -> f64 {
-    series.set_values(part);
-    series.gain(own).squares / series.squares().max(f64::MIN_POSITIVE)
-}
-
-/// Squareness, offsets, tilts and scales of the model that explain a large part of a hypothesis. A calibration without the hypothesis has put this part into
-/// them.
-fn refitted(outcome: &Settled<'_, '_, '_>, number: usize) -> Vec<usize> {
-    let field = &*outcome.field;
-    let errors = &field.scene.errors;
-    let is_stated = |one: &Candidate| match one.cause.effect {
-        EffectKind::Location => errors.location.iter().any(|error| error.name.to_string() == one.parameter),
-        EffectKind::Motion if is_slope(one) => errors.motion.iter().any(|error| {
-            error.name.to_string() == one.parameter && !matches!(error.function, EntryFunction::Backlash(_))
-        }),
-        _ => false,
-    };
-    let is_kept = |number: usize| outcome.kept.iter().any(|(taken, _)| taken.candidate == number);
-    let mut series = field.series(outcome.weights, &[], 0.0);
-    let parts = parts(outcome, number);
-    let mut known: Vec<usize> = Vec::new();
-    for (other, one) in field.candidates.iter().enumerate() {
-        if other == number || is_kept(other) || !is_stated(one) {
-            continue;
-        }
-        let own = field.columns_of(other);
-        let largest = parts.iter().map(|part| share(&mut series, part, &own)).fold(0.0, f64::max);
-        if largest > MIXES && largest <= STANDS {
-            known.push(other);
-        }
-    }
-    known
-}
-
-/// Places of the accepted causes that have the effect of a hypothesis on the readings, alone or together: beside them it would get no amount.
-fn stand_ins(outcome: &Settled<'_, '_, '_>, number: usize, refitted: &[usize]) -> Vec<usize> {
-    let field = &*outcome.field;
-    let parts = parts(outcome, number);
-    let mut series = field.series(outcome.weights, &[], 0.0);
-    let of_refitted: Vec<Vec<f64>> = refitted.iter().flat_map(|&number| field.columns_of(number)).collect();
-    let of_cause: Vec<Vec<Vec<f64>>> =
-        outcome.kept.iter().map(|(taken, _)| field.columns_of(taken.candidate)).collect();
-    let mut beside: Vec<usize> = Vec::new();
-    let mut found: Vec<usize> = Vec::new();
-    for (place, (taken, _)) in outcome.kept.iter().enumerate() {
-        let is_alone =
-            taken.candidate == number || parts.iter().any(|part| share(&mut series, part, &of_cause[place]) > STANDS);
-        if is_alone { found.push(place) } else { beside.push(place) }
-    }
-    // Those that do it only together leave one by one: rare causes before those that most machines have, then the one with the largest share.
-    let is_rare = |place: usize| {
-        let of_place = outcome.kept.get(place).and_then(|(taken, _)| field.candidates.get(taken.candidate));
-        of_place.is_some_and(|one| !family(one).is_simple())
-    };
-    for part in &parts {
-        loop {
-            let of_beside = beside.iter().flat_map(|&place| &of_cause[place]);
-            let all: Vec<Vec<f64>> = of_beside.chain(&of_refitted).cloned().collect();
-            if share(&mut series, part, &all) <= STANDS {
-                break;
-            }
-            let shares: Vec<f64> = beside.iter().map(|&place| share(&mut series, part, &of_cause[place])).collect();
-            let rank = |k: usize| (is_rare(beside[k]), shares[k]);
-            let most = (0..beside.len()).max_by(|&a, &b| {
-                let (one, other) = (rank(a), rank(b));
-                one.0.cmp(&other.0).then(one.1.total_cmp(&other.1))
-            });
-            let Some(most) = most else { break };
-            found.push(beside.remove(most));
-        }
-    }
-    found.sort_unstable();
-    found
-}
-
 /// Amounts of the terms; for a named cause, its size.
 pub(super) fn amounts(name: &str, subject: &StatedSubject, accepted: &AcceptedCause) -> Vec<TermAmount> {
     if subject.units.is_empty() {
@@ -307,19 +210,10 @@ pub(super) fn amounts(name: &str, subject: &StatedSubject, accepted: &AcceptedCa
         let (term, unit) = (name.to_owned(), size.unit.to_owned());
         return vec![TermAmount { term, value: size.value, u95: size.u95, sigma: size.u95 / EXPANDED, unit }];
     }
-    // Omitted parts of the data may increase the uncertainty.
-    let inflation = match (accepted.size.value.abs(), accepted.amounts.values.as_slice()) {
-        (value, [amount]) if value > 0.0 && *amount != 0.0 => {
-            let relative = accepted.size.u95 / value;
-            let own = accepted.amounts.u95(0) / amount.abs();
-            if own > 0.0 && relative.is_finite() { (relative / own).max(1.0) } else { 1.0 }
-        }
-        _ => 1.0,
-    };
-    subject.units.iter().map(|unit| amount(unit, &accepted.amounts, inflation)).collect()
+    subject.units.iter().map(|unit| amount(unit, &accepted.amounts)).collect()
 }
 
-fn amount(unit: &AmountUnit, amounts: &Amounts, inflation: f64) -> TermAmount {
+fn amount(unit: &AmountUnit, amounts: &Amounts) -> TermAmount {
     let count = amounts.values.len();
     let at = |k: usize| amounts.values.get(k).copied().unwrap_or(0.0);
     let mut along = vec![0.0; count];
@@ -334,8 +228,8 @@ fn amount(unit: &AmountUnit, amounts: &Amounts, inflation: f64) -> TermAmount {
     TermAmount {
         term: unit.term.clone(),
         value: unit.factor * value,
-        u95: inflation * EXPANDED * unit.factor.abs() * sigma,
-        sigma: inflation * unit.factor.abs() * sigma,
+        u95: EXPANDED * unit.factor.abs() * sigma,
+        sigma: unit.factor.abs() * sigma,
         unit: unit.unit.clone(),
     }
 }

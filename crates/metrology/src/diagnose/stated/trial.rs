@@ -7,7 +7,7 @@
 
 use super::super::cause::{Candidate, Causes, Correctable};
 use super::super::class::class;
-use super::super::entrant::group;
+use super::super::entrant::{group, is_slope};
 use super::super::explain::contest::evidences;
 use super::super::extend::{self, Change};
 use super::super::fold::confirmed;
@@ -181,9 +181,9 @@ fn judge(
     let (scene, weights) = (field.scene, outcome.weights);
     let Some(one) = field.candidates.get(subject.number) else { return };
     let named = |number: usize| field.candidates.get(number).map_or_else(String::new, name_of);
-    let is_beside = |place: &usize| !subject.stand_ins.contains(place);
+    let is_beside = |place: &usize| !subject.overlap.stand_ins.contains(place);
     let kept = || outcome.kept.iter().enumerate();
-    let again = subject.refitted.iter().map(|&candidate| (Taken { candidate, chance: 0.0 }, 0.0));
+    let again = subject.overlap.added().map(|candidate| (Taken { candidate, chance: 0.0 }, 0.0));
     let others: Vec<(Taken, f64)> =
         kept().filter(|(place, _)| is_beside(place)).map(|(_, one)| one.clone()).chain(again).collect();
     let beside: Vec<usize> = others.iter().map(|(taken, _)| taken.candidate).collect();
@@ -191,8 +191,18 @@ fn judge(
         kept().filter(|(place, _)| !is_beside(place)).map(|(_, (taken, _))| taken.candidate).collect();
     trial.name = name_of(one);
     trial.variants = subject.variants;
-    trial.beside = beside.iter().map(|&number| named(number)).collect();
-    trial.stands_for = replaced.iter().map(|&number| named(number)).collect();
+    // A slope and a curve of one error have one name.
+    let apart = |numbers: &[usize], others: &[usize]| -> Vec<String> {
+        let of = |&number: &usize| {
+            let name = named(number);
+            let is_shared = numbers.iter().chain(others).filter(|&&other| named(other) == name).count() > 1;
+            let is_straight = field.candidates.get(number).is_some_and(is_slope);
+            if is_straight && is_shared { format!("{name} (slope)") } else { name }
+        };
+        numbers.iter().map(of).collect()
+    };
+    trial.beside = apart(&beside, &replaced);
+    trial.stands_for = apart(&replaced, &beside);
     trial.drivers = one.drivers.iter().filter_map(|name| driver(scene, name).or_else(|| speed(scene, name))).collect();
     let with: Vec<usize> = beside.iter().copied().chain([subject.number]).collect();
     // Other explanations in its place.
@@ -222,12 +232,9 @@ fn judge(
         // Against its absence, at even odds; its rivals are a matter of the extrapolation risk.
         let probability = 1.0 / (1.0 + (-trial.evidence_beside).exp());
         let accepted = &AcceptedCause { probability: Some(probability.min(accepted.nature_share)), ..accepted.clone() };
-        let changes = if !subject.refitted.is_empty() && trial.evidence_beside > 0.0 {
-            let names: Vec<&str> = subject
-                .refitted
-                .iter()
-                .filter_map(|&one| Some(field.candidates.get(one)?.parameter.as_str()))
-                .collect();
+        let changes = if subject.overlap.added().next().is_some() && trial.evidence_beside > 0.0 {
+            let names: Vec<&str> =
+                subject.overlap.added().filter_map(|one| Some(field.candidates.get(one)?.parameter.as_str())).collect();
             let names = names.join(" and ");
             Err(format!(
                 "its amount holds only together with a new value of {names}: fit both with ncfix calibrate --model"
@@ -264,7 +271,10 @@ fn evidence(
     let others: Vec<usize> = (1..=beside.len()).collect();
     let with = |number: usize| -> Vec<usize> { others.iter().copied().chain([number]).collect() };
     let first = 1 + beside.len() + rivals.len();
-    let instead = others.iter().copied().chain(first..first + replaced.len()).collect();
+    // Its replaced shapes contain the slope that stays beside it.
+    let is_slope = |k: &usize| k.checked_sub(1).and_then(|k| beside.get(k)).copied() == subject.overlap.slope;
+    let kept = others.iter().copied().filter(|k| subject.overlap.slope.is_none() || !is_slope(k));
+    let instead = kept.chain(first..first + replaced.len()).collect();
     let mut sets = vec![Vec::new(), vec![0], others.clone(), with(0), instead];
     sets.extend((0..rivals.len()).map(|k| with(1 + beside.len() + k)));
     let found = evidences(field.scene, &outcome.weights.items, &groups, &sets);
@@ -331,9 +341,9 @@ fn combinations(subjects: &[(usize, StatedSubject)], outcome: &Settled<'_, '_, '
         return Vec::new();
     }
     let field = &*outcome.field;
-    let is_base = |place: &usize| subjects.iter().all(|(_, subject)| !subject.stand_ins.contains(place));
+    let is_base = |place: &usize| subjects.iter().all(|(_, subject)| !subject.overlap.stand_ins.contains(place));
     let kept = outcome.kept.iter().enumerate().filter(|(place, _)| is_base(place));
-    let again = subjects.iter().flat_map(|(_, subject)| subject.refitted.iter().copied());
+    let again = subjects.iter().flat_map(|(_, subject)| subject.overlap.added());
     let mut base: Vec<usize> = kept.map(|(_, (taken, _))| taken.candidate).chain(again).collect();
     base.sort_unstable();
     base.dedup();
