@@ -130,7 +130,7 @@ impl Bank {
     }
 
     /// The fit of some candidates; `None` if they are linearly dependent.
-    pub(super) fn fit(&self, members: &[usize], shrinkage: Shrinkage) -> Option<Fit> {
+    pub(super) fn fit(&self, members: &[usize], shrinkage: Shrinkage) -> Option<ShrunkFit> {
         let part = self.products.of(members);
         let lengths: Vec<f64> = members.iter().filter_map(|&member| self.lengths.get(member).copied()).collect();
         let (unit, effective) = match shrinkage {
@@ -148,13 +148,13 @@ impl Bank {
         // |values − columns · unit|²; only least squares has values · unit for its last term.
         let squares = part.total - 2.0 * unit.dot(&part.values) + unit.dot(&(&part.columns * &unit));
         let um_per_k = unit.iter().zip(&lengths).map(|(value, length)| value / length).collect();
-        Some(Fit { um_per_k, squares: squares.max(0.0), effective })
+        Some(ShrunkFit { um_per_k, squares: squares.max(0.0), effective })
     }
 }
 
 /// Coefficients of some candidates, with what they leave and cost.
 #[derive(Clone, Debug)]
-pub(super) struct Fit {
+pub(super) struct ShrunkFit {
     /// Coefficients, µm/K.
     pub(super) um_per_k: Vec<f64>,
     /// Residual sum of squares of these coefficients, µm²; larger than that of least squares if they are shrunk.

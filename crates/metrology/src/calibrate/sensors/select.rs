@@ -3,7 +3,7 @@
 use ncfix_base::geometry::Axis;
 
 use super::data::SensorRun;
-use super::products::{Bank, Fit, LaggedSensor, RowPart, RunRows, pieces};
+use super::products::{Bank, LaggedSensor, RowPart, RunRows, ShrunkFit, pieces};
 use super::shrinkage::Shrinkage;
 use super::subset::Subset;
 
@@ -121,7 +121,8 @@ pub fn select(
     let mut sizes = Vec::new();
     let mut rests = Vec::new();
     for subset in &found {
-        let Some(Fit { um_per_k: learned_um_per_k, squares, effective }) = bank.fit(&subset.members, options.shrinkage)
+        let Some(ShrunkFit { um_per_k: learned_um_per_k, squares, effective }) =
+            bank.fit(&subset.members, options.shrinkage)
         else {
             continue;
         };
