@@ -44,6 +44,13 @@ impl Machine {
         self.machine.heads.iter().map(|head| head.name.as_str())
     }
 
+    /// Numbers of the heads, in the order of the machine file from 0, with their names; empty without heads.
+    pub(crate) fn numbered_heads(&self) -> Vec<(u64, String)> {
+        let entries = self.errors.heads.iter().map(|own| own.head_entries.map(|entries| entries.index as u64));
+        let names = self.machine.heads.iter().map(|head| head.name.clone());
+        entries.zip(names).filter_map(|(number, name)| Some((number?, name))).collect()
+    }
+
     /// The machine with another head at the start of a program.
     ///
     /// # Errors

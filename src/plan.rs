@@ -56,14 +56,6 @@ impl PlanRequest<'_> {
         self.kind.check(self.wishes, self.is_seeded, machine).map_err(|reason| Error::usage(reason.to_string()))?;
         let refused = |reason: String| Error::usage(format!("plan {} is not possible: {reason}", self.kind.name));
         let head = machine.heads.first().filter(|_| machine.heads.len() > 1);
-        if let Some(head) = head.filter(|_| self.has_program) {
-            let reason = format!(
-                "its program would not select the head {}; plan without --program, and write the program with {}",
-                head.name,
-                head.words()
-            );
-            return Err(refused(reason));
-        }
         let mut plan = (self.kind.build)(machine, self.wishes).map_err(|reason| refused(reason.to_string()))?;
         plan.data.head = head.map(|head| head.name.clone());
         let Some(others) = others(self.with, chosen, found)? else { return Ok(None) };

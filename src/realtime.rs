@@ -16,7 +16,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{AxisSet, Vector};
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_report::number::grouped;
-use ncfix_tables::realtime::ring::{Overrun, Ring};
+use ncfix_tables::realtime::ring::{Overrun, Ring, RingOrder};
 use ncfix_tables::realtime::set_points::{ControlLine, NoSetPoint, SetPointLines};
 use ncfix_tables::realtime::{
     Agreement, Cycle, CycleCounts, Dosing, Kernel, KernelRecipe, Publisher, ServingEnd, Updater, handover, serve,
@@ -41,6 +41,8 @@ pub(crate) struct RealtimeCorrection {
     source: KernelSource,
     /// Updates the kernel until it is dropped.
     updater: Option<Updater>,
+    /// The machine with all its heads, in no condition.
+    all: Machine,
 }
 
 /// Source of kernels: the machine in its newest condition.
@@ -53,9 +55,10 @@ struct KernelSource {
 }
 
 impl RealtimeCorrection {
-    /// Makes a kernel for a machine in its condition, which is read again in every period; `None` if there are errors.
+    /// Makes a kernel for a machine in its condition, which is read again in every period; `None` if there are errors. The machine has one head of those
+    /// of `all`, to which a control may change.
     pub(crate) fn new(
-        machine: Machine,
+        (machine, all): (Machine, Machine),
         recipe: KernelRecipe,
         dosing: Dosing,
         (files, period): (ConditionFiles, Duration),
@@ -64,22 +67,36 @@ impl RealtimeCorrection {
     ) -> Option<RealtimeCorrection> {
         let (kernel, agreement) = make(&recipe, &machine, found)?;
         let axes = kernel.axes();
-        let result = KernelResult::new(&kernel, &agreement);
+        let mut result = KernelResult::new(&kernel, &agreement);
+        result.heads = all.numbered_heads();
+        result.heads.sort_unstable();
         let (publisher, subscriber) = handover(kernel);
         let control = &machine.machine.control;
         let cycle = Cycle::new(subscriber, dosing, control.increment_mm, control.increment_rad);
         let source = KernelSource { machine: Arc::new(Mutex::new(machine)), recipe, period, files, complain };
         let updater = Some(source.renew(publisher));
-        Some(RealtimeCorrection { cycle, axes, kernel: result, counts: CycleCounts::default(), source, updater })
+        Some(RealtimeCorrection { cycle, axes, kernel: result, counts: CycleCounts::default(), source, updater, all })
     }
 
-    /// Changes to another tool: kernels for the old one are no longer made. The new one is in force from the next set-point on, and the correction
-    /// goes to it in doses. `false` if there are errors.
-    fn change_tool(&mut self, tool: ToolVector, found: &mut Diagnostics) -> bool {
+    /// Changes to another tool, and to another head if one is named: kernels for the old ones are no longer made. The new one is in force from the next
+    /// set-point on, and the correction goes to it in doses. `false` if there are errors.
+    fn change(&mut self, head: Option<&str>, tool: ToolVector, found: &mut Diagnostics) -> bool {
         // The thread has ended before the condition of the machine is used.
         self.updater = None;
         let made = {
-            let machine = self.source.machine.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut machine = self.source.machine.lock().unwrap_or_else(PoisonError::into_inner);
+            if let Some(head) = head {
+                // The sensors of this head alone are needed, in their newest state.
+                let Ok(mut other) = self.all.with_head(head) else { return false };
+                match condition::apply(&self.source.files, &mut other, found) {
+                    Ok(true) => *machine = other,
+                    Ok(false) => return false,
+                    Err(why) => {
+                        found.add(not_renewed(&why.to_string()), &[]);
+                        return false;
+                    }
+                }
+            }
             self.source.recipe.tool_mm = tool.vector_mm(&machine.machine);
             make(&self.source.recipe, &machine, found)
         };
@@ -108,13 +125,22 @@ impl RealtimeCorrection {
                     self.cycle.reset();
                     continue;
                 }
-                Ok(Some(ControlLine::Tool(numbers))) => {
+                Ok(Some(line @ (ControlLine::Tool(_) | ControlLine::Head(..)))) => {
+                    let (head, numbers) = match line {
+                        ControlLine::Head(name, numbers) => (Some(name), numbers),
+                        ControlLine::Tool(numbers) => (None, numbers),
+                        ControlLine::SetPoint(_) | ControlLine::Reset => continue,
+                    };
                     let tool = match numbers[..] {
                         [x, y, z] => ToolVector::Tip(Vector::new(x, y, z)),
                         _ => ToolVector::Length(numbers.first().copied().unwrap_or_default()),
                     };
+                    if let Some(name) = head.as_deref().filter(|name| !self.all.heads().any(|one| one == *name)) {
+                        out.flush().map_err(failed)?;
+                        return Ok(Some(self.no_head(&format!("the head {name}"))));
+                    }
                     let mut found = Diagnostics::default();
-                    let is_made = self.change_tool(tool, &mut found);
+                    let is_made = self.change(head.as_deref(), tool, &mut found);
                     (self.source.complain)(&found);
                     if is_made {
                         continue;
@@ -167,13 +193,14 @@ impl RealtimeCorrection {
     pub(crate) fn serve(&mut self, ring: &Ring, is_over: impl Fn() -> bool) -> ServingEnd {
         loop {
             match serve(ring, &mut self.cycle, &mut self.counts, &is_over) {
-                ServingEnd::Tool(tool_mm) => {
+                ServingEnd::Order(order) => {
                     let mut found = Diagnostics::default();
-                    let is_sound = tool_mm.iter().all(|mm| mm.is_finite());
-                    let is_made = is_sound && self.change_tool(ToolVector::Tip(Vector::from(tool_mm)), &mut found);
+                    let is_made = self.carry_out(&order, &mut found);
                     (self.source.complain)(&found);
-                    if !is_made {
-                        return ServingEnd::NoKernel;
+                    match is_made {
+                        Some(true) => {}
+                        Some(false) => return ServingEnd::NoKernel,
+                        None => return ServingEnd::Order(order),
                     }
                 }
                 end => return end,
@@ -181,8 +208,42 @@ impl RealtimeCorrection {
         }
     }
 
+    /// Carries out an order of a ring; `Some(false)` if there is no kernel, `None` if it is no order for this machine.
+    fn carry_out(&mut self, order: &RingOrder, found: &mut Diagnostics) -> Option<bool> {
+        let (head, tool_mm) = match order {
+            RingOrder::Tool(tool_mm) => (None, tool_mm),
+            RingOrder::Head(number, tool_mm) => {
+                let heads = self.all.numbered_heads();
+                (Some(heads.into_iter().find(|(own, _)| own == number)?.1), tool_mm)
+            }
+            RingOrder::Unknown(_) => return None,
+        };
+        let is_sound = tool_mm.iter().all(|mm| mm.is_finite());
+        Some(is_sound && self.change(head.as_deref(), ToolVector::Tip(Vector::from(*tool_mm)), found))
+    }
+
+    /// The diagnostic for an order that is not possible: it does not exist, the machine lacks its head, or its tool has no kernel.
+    pub(crate) fn no_order(&self, end: &ServingEnd) -> Diagnostic {
+        match end {
+            ServingEnd::Order(RingOrder::Head(number, _)) => self.no_head(&format!("the head {number}")),
+            ServingEnd::Order(RingOrder::Unknown(number)) => {
+                let message = format!("the control wrote the order {number}, which does not exist");
+                Diagnostic::nowhere(Code::BAD_SET_POINT, message, self.held())
+            }
+            _ => self.no_kernel(),
+        }
+    }
+
+    /// The diagnostic for a head that the machine lacks.
+    fn no_head(&self, what: &str) -> Diagnostic {
+        let known: Vec<String> = self.kernel.heads.iter().map(|(number, name)| format!("{number} {name}")).collect();
+        let has = if known.is_empty() { "no [[head]]".to_owned() } else { known.join(", ") };
+        let message = format!("the control selects {what}, and the machine {} has {has}", self.all.machine.name);
+        Diagnostic::nowhere(Code::BAD_SET_POINT, message, self.held())
+    }
+
     /// The diagnostic for a tool without a kernel.
-    pub(crate) fn no_kernel(&self) -> Diagnostic {
+    fn no_kernel(&self) -> Diagnostic {
         let message = "the tool of the set-points has no kernel".to_owned();
         Diagnostic::nowhere(Code::BAD_SET_POINT, message, self.held())
     }
@@ -240,6 +301,20 @@ impl Drop for RingFile {
         // Another process may have removed it already.
         let _ = fs::remove_file(&self.path);
     }
+}
+
+/// The machine with the head at the start, in its condition; `None` if it cannot be used.
+///
+/// # Errors
+/// If the head is not clear, or a file cannot be read.
+pub(crate) fn in_use(
+    all: &Machine,
+    head: Option<&str>,
+    files: &ConditionFiles,
+    found: &mut Diagnostics,
+) -> Result<Option<Machine>, Error> {
+    let mut chosen = all.clone().with_one_head(head)?;
+    Ok(condition::apply(files, &mut chosen, found)?.then_some(chosen))
 }
 
 /// A kernel for the condition of a machine; `None` if there are errors.

@@ -280,6 +280,39 @@ fn lasers_and_levels_give_single_components() {
     assert_eq!((&report["data"][0]["unit"], &report["data"][1]["unit"]), (&"µm".into(), &"µrad".into()));
 }
 
+/// With X and Y on the two sides of F (wYFXZSt), EC0X and EC0Y are the same angle with opposite signs. Readings of 16 and 20 µrad, each ± 4, have the mean 18 ± 4/√2.
+#[test]
+fn a_squareness_is_read_as_a_number_with_its_uncertainty() {
+    let direct =
+        "[measurement]\nkind = \"direct\"\nsigma_urad = 4\nsigma_um = 0.5\n[position]\nX_mm = 0\nY_mm = 0\nZ_mm = 0\n";
+    let table = "component,value_urad\nEC0X,16\nEC0Y,-20\nEA0Z,9\n";
+    let apart = bare("demo").replace("wXYFZSt", "wYFXZSt").replace("direction = [-1, 0, 0]", "direction = [1, 0, 0]");
+    let shop = three_axes()
+        .file("start.toml", &apart)
+        .file("square.csv", table)
+        .file("square.toml", direct)
+        .file("model.txt", "EC0X\nEA0Z\n");
+    let report = calibrate(&shop, &["square.csv"], "model.txt", &[]);
+    for (number, (value, sigma)) in [(18.0, 4.0 / 2_f64.sqrt()), (9.0, 4.0)].into_iter().enumerate() {
+        let one = &report["parameters"][number];
+        let [found, by] = ["value", "sigma"].map(|key| one[key].as_f64().unwrap());
+        assert!((found - value).abs() < 1e-3 && (by - sigma).abs() < 0.1, "{one}");
+    }
+    // X and Y both carry the table: a turn of Y, which is nearer to F, turns X with it.
+    let refused = |machine: &str, table: &str, description: &str, says: &str| {
+        let shop = Shop::new().file("m.toml", machine).file("s.csv", table).file("s.toml", description);
+        let words = ["calibrate", "s.csv", "--machine", "m.toml", "--model", "EC0X", "-o", "new.toml"];
+        let run = shop.run(words).exits(4).says("E0603");
+        assert!(run.stderr.contains(says), "{says}: {}", run.stderr);
+    };
+    let one = "component,value_urad\nEC0Y,20\n";
+    refused(&bare("demo"), one, direct, "EC0Y has no effect on the angle between X and Y");
+    let bare_text = direct.replace("sigma_urad = 4\nsigma_um = 0.5\n", "");
+    refused(&apart, one, &bare_text, "a reading of EC0Y itself needs its uncertainty");
+    refused(&bare("demo"), "component,value_urad\nEC0X,90000\n", direct, "is no error of a machine");
+    refused(&bare("demo"), "component,value_urad\nEC0Q,9\n", direct, "'EC0Q' is not an error component");
+}
+
 const BALLS_TOML: &str = "[measurement]\nkind = \"probe\"\n[ball.b1]\nplace_mm = [70, 0, 150]\n\
     [ball.b2]\nplace_mm = [-40, 60, 120]\n[ball.b3]\nplace_mm = [-30, -65, 190]\n";
 

@@ -294,6 +294,38 @@ fn two_heights_of_transducers_give_the_rotation_of_the_tool_holder() {
     assert!(shop.text("m.toml").contains("urad_per_K = "), "{}", shop.text("m.toml"));
 }
 
+/// A machine ages (Spaan 1995, ch. 5.5): its head drifts by 3 µm/K when the model is made, and by 4 µm/K a year later. The model leaves a quarter of the
+/// newer drift, so that its efficiency falls from nearly 1 to 1 − 1/4.
+#[test]
+fn an_older_machine_loses_efficiency() {
+    let run = |per_k: f64| {
+        let mut table = "t_s,T_head_C,dy_um\n".to_owned();
+        for k in 0..40 {
+            let rise = f64::from(k) / 4.0;
+            let noise = if k % 2 == 0 { 0.01 } else { -0.01 };
+            let _ = writeln!(table, "{},{},{:.4}", 60 * k, 20.0 + rise, per_k * rise + noise);
+        }
+        table
+    };
+    let description =
+        "[measurement]\nkind = \"displacement\"\nsigma_um = 0.1\n[position]\nX_mm = 350\nY_mm = 250\nZ_mm = 300\n";
+    let start = format!("{THREE}[[drift]]\ndirection = \"Y\"\nsensors = [{{ name = \"T_head\", um_per_K = 0 }}]\n");
+    let mut shop = Shop::new().file("start.toml", start).file("model.txt", "drift\n");
+    for (name, per_k) in [("new", 3.0), ("check", 3.0), ("old", 4.0)] {
+        shop = shop.file(&format!("{name}.csv"), run(per_k)).file(&format!("{name}.toml"), description);
+    }
+    let words = ["calibrate", "new.csv", "--machine", "start.toml", "--model", "model.txt", "-o", "m.toml", "--json"];
+    let efficiency = |held: &str| {
+        let json = shop.run(words.iter().chain(&["--hold-out", held])).exits(0).json();
+        let data = json["data"].as_array().unwrap();
+        let one = data.iter().find(|one| one["is_held_out"] == true).unwrap_or_else(|| panic!("{json}"));
+        one["efficiency"].as_f64().unwrap()
+    };
+    assert!(efficiency("check.csv") > 0.99);
+    let aged = efficiency("old.csv");
+    assert!((aged - 0.75).abs() < 0.005, "{aged}");
+}
+
 /// An analytical model with an empirical part (Spaan 1995, ch. 9): a column of 800 mm with 11 µm/(m K) lengthens by 8.8 µm/K. What it leaves is fitted to the
 /// head: 1.5 µm/K along Z and 3 µm/K along Y.
 #[test]

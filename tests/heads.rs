@@ -330,8 +330,75 @@ fn a_plan_names_its_head() {
     };
     simulate("horizontal").exits(4).says("with the head vertical");
     simulate("vertical").exits(0);
-    let refused = shop.run(plan.iter().chain(&["--program", "plan.mpf"])).exits(2);
-    assert!(refused.stderr.contains("would not select the head vertical"), "{}", refused.stderr);
+}
+
+/// The program of a plan selects its head before the first move, and is otherwise that of a machine with this spindle alone.
+#[test]
+fn the_program_of_a_plan_selects_its_head() {
+    for dialect in &DIALECTS {
+        let shop = shop(dialect, "");
+        let program = |machine: &str, more: &[&str]| {
+            let words = ["plan", "laser", "--axis", "X", "--runs", "1", "-o", "plan.csv", "--program", dialect.file];
+            shop.run(words.iter().chain(&["--machine", machine]).chain(more)).exits(0);
+            // Without block numbers: the lines of the head shift them.
+            let bare = |line: String| match line.split_once(' ') {
+                Some((number, rest)) if number.strip_prefix('N').is_some_and(|n| n.parse::<u32>().is_ok()) => {
+                    rest.to_owned()
+                }
+                _ => line,
+            };
+            body(&shop, dialect.file).into_iter().map(bare).collect::<Vec<String>>()
+        };
+        for (is_vertical, head) in [(false, "horizontal"), (true, "vertical")] {
+            let alone = program(&format!("{head}.toml"), &[]);
+            let found = program("both.toml", &["--head", head]);
+            let word = dialect.words[usize::from(is_vertical)];
+            let without: Vec<String> = found.iter().filter(|line| !line.contains(word)).cloned().collect();
+            assert_eq!(without, alone, "{}", dialect.controller);
+            let is_place =
+                |word: &str| word.strip_prefix('X').is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
+            let is_move = |line: &String| line.split_whitespace().any(is_place);
+            let [at, first] =
+                [found.iter().position(|line| line == word), found.iter().position(is_move)].map(Option::unwrap);
+            assert!(at < first, "{found:?}");
+            // It is read again, with the head that it selects.
+            let flat = shop.run(["snc", dialect.file, "--machine", "both.toml"]).exits(0).stdout;
+            assert!(flat.lines().any(|line| line.starts_with(&format!("{word} "))), "{flat}");
+        }
+    }
+}
+
+/// Readings of the vertical head show its tilt of 30 µrad: 80 and 180 mm below the gauge point 2.4 and 5.4 µm. The machine file with it keeps the other head.
+#[test]
+fn a_diagnosis_writes_into_its_head() {
+    let dialect = &DIALECTS[0];
+    let truth = both("grundig", dialect.words);
+    let start = truth.replace("EZ0S = -8.0\nEC0S = 30.0\n", "EZ0S = -8.0\n");
+    let shop = Shop::new()
+        .file("truth.toml", &truth)
+        .file("start.toml", &start)
+        .file("plan.csv", plan())
+        .file("plan.toml", "[measurement]\nkind = \"displacement\"\nfree = []\n");
+    let simulate = ["simulate", "plan.csv", "--noise", "0.1um", "-o", "data.csv"];
+    shop.run(simulate.iter().chain(&["--machine", "truth.toml", "--head", "vertical"])).exits(0);
+    let words = ["diagnose", "data.csv", "--machine", "start.toml", "--head", "vertical", "-o", "new.toml"];
+    shop.run(words).exits(0);
+    let text = shop.text("new.toml");
+    let (common, vertical) = text.split_once("name = \"vertical\"").unwrap();
+    let value = vertical.lines().find_map(|line| line.strip_prefix("EC0S = ")?.parse::<f64>().ok()).unwrap();
+    assert!((value - 30.0).abs() < 0.5, "{value}");
+    let (_, horizontal) = common.split_once("name = \"horizontal\"").unwrap();
+    assert!(horizontal.contains("EX0S = 5.0\nEA0S = 20.0\n") && !common.contains("EC0S = "), "{common}");
+    assert!(vertical.contains("[[head.drift]]"), "{vertical}");
+    // The other head is corrected as before.
+    let show = |file: &str| {
+        let words = ["machine", "show", file, "--head", "horizontal", "--at", "X50,Y100,Z20,B0", "--tool", "80"];
+        let page = shop.run(words).exits(0).stdout;
+        page.lines().filter(|line| line.contains("E")).map(str::to_owned).collect::<Vec<_>>()
+    };
+    let rows =
+        |file: &str| show(file).into_iter().filter(|line| line.trim_start().starts_with('E')).collect::<Vec<_>>();
+    assert_eq!(rows("new.toml"), rows("start.toml"));
 }
 
 /// The gauge point of the vertical head: with the tool along Y, EC0S turns the tip by 80 mm · 30 µrad = 2.4 µm along X.

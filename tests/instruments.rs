@@ -463,3 +463,34 @@ fn the_alignment_of_a_straightness_is_no_error_of_the_machine() {
     let run = shop.run(["diagnose", "line.csv", "--machine", "m.toml"]);
     assert!(run.code != 0 && run.stderr.contains("\"offset\", \"slope\""), "{run:?}");
 }
+
+/// A reading of a squareness itself is moved by the squareness alone, by its other name with the opposite sign (X and Y on two sides of F), and by no
+/// displacement of the tool.
+#[test]
+fn a_reading_of_a_location_error_shows_this_error_alone() {
+    use ncfix_metrology::diagnose::Scene;
+    use ncfix_metrology::diagnose::scene::Through;
+    use ncfix_metrology::measure::data::load;
+
+    let text = "[machine]\nname = \"m\"\ntopology = \"wYFXZSt\"\n[axis.X]\ndirection = [1, 0, 0]\n[axis.Y]\ndirection = [0, -1, 0]\n\
+        [axis.Z]\ndirection = [0, 0, 1]\n[location]\nEC0X = 5.0\n";
+    let source = |name: &str, text: &str| Source::new(FileId(0), name, text.as_bytes().to_vec()).unwrap();
+    let (machine, errors) = ncfix_model::file::load(&source("m.toml", text)).0.unwrap();
+    let table =
+        source("s.csv", "component,X,Y,Z,value_urad,value_um\nEC0X,300,200,0,60,\nEC0Y,0,0,0,-61,\nEXX,500,0,0,,4\n");
+    let description = source("s.toml", "[measurement]\nkind = \"direct\"\nsigma_urad = 2\nsigma_um = 1\n");
+    let (data, findings) = load("s", &table, &description, &machine);
+    assert!(findings.is_empty(), "{findings:#?}");
+    let sets = [data.unwrap()];
+    let scene = Scene::new(&machine, &errors, &sets).unwrap();
+    let left: Vec<f64> = scene.items.iter().map(|item| (item.left * 1e9).round() / 1e3).collect();
+    // 60 − 5, and −61 + 5: the machine file has 5 µrad.
+    assert_eq!(left[..2], [55.0, -56.0]);
+    let factors = |through| scene.factors(through)[..2].to_vec();
+    assert_eq!(factors(Through::Component("EC0X".parse().unwrap())), [1.0, -1.0]);
+    assert_eq!(factors(Through::Component("EC0Y".parse().unwrap())), [-1.0, 1.0]);
+    for other in ["EA0Z", "ECX", "EXX"] {
+        assert_eq!(factors(Through::Component(other.parse().unwrap())), [0.0, 0.0], "{other}");
+    }
+    assert_eq!(factors(Through::Tip(0)), [0.0, 0.0]);
+}

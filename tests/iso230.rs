@@ -258,6 +258,68 @@ fn what_is_no_circle_has_no_figures() {
     assert!(minimum_zone(&[[f64::NAN, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]]).is_none());
 }
 
+/// A table B below X and Y: a turn of B by 0.02° is one of 349.066 µrad. B stands on X, and the level reads the body that X moves relative to the tool,
+/// which is the turn of the table itself. No axis turns about X.
+#[test]
+fn the_sign_of_an_angle_is_tested_by_a_rotary_axis_or_by_hand() {
+    let text = "[machine]\nname = \"four\"\ntopology = \"wBXFYZSt\"\ncontroller = \"sinumerik\"\n[axis.X]\ndirection = [-1, 0, 0]\n\
+        travel_mm = [0, 700]\n[axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [0, 500]\n[axis.Z]\ndirection = [0, 0, 1]\n\
+        travel_mm = [0, 600]\n[axis.B]\ndirection = [0, 1, 0]\npoint_mm = [350, 0, 250]\ntravel_deg = [-180, 180]\n\
+        [control]\nincrement_mm = 0.001\nincrement_deg = 0.001\n";
+    let shop = Shop::new().file("m.toml", text);
+    let words =
+        ["plan", "laser", "--axis", "X", "--variant", "signs", "--machine", "m.toml", "--runs", "2", "-o", "p.csv"];
+    let run = shop.run(words.iter().chain(&["--component", "EBX", "--component", "EAX"])).exits(0);
+    assert!(
+        run.stderr.contains("no axis turns about EAX alone") || run.stdout.contains("no axis turns about EAX alone")
+    );
+    let csv = shop.text("p.csv");
+    let head: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+    let place = |name: &str| head.iter().position(|one| *one == name).unwrap_or_else(|| panic!("{name}"));
+    let moves: Vec<f64> =
+        csv.lines().skip(1).filter_map(|line| line.split(',').nth(place("moved_urad"))?.parse().ok()).collect();
+    assert!(moves.len() == 2 && moves[0] == 0.0 && (moves[1] - 349.066).abs() < 0.01, "{moves:?}");
+    assert!(!head.contains(&"moved_um"), "{head:?}");
+    // EBX of 10 µrad per 100 mm, and EAX of −5, which a foil of 20 µm below one side of a level of 100 mm tests: 200 µrad.
+    let filled = |factors: [f64; 2]| {
+        let mut out = head.join(",") + "\n";
+        let foil = |urad: f64, share: f64| {
+            let mut cells = vec![String::new(); head.len()];
+            let own =
+                [("run", "foil"), ("setup", "A"), ("component", "EAX"), ("X", "0"), ("Y", "0"), ("Z", "0"), ("B", "0")];
+            let zero =
+                ["X_dir", "Y_dir", "Z_dir", "B_dir", "tool_x_mm", "tool_y_mm", "tool_z_mm"].map(|name| (name, "0"));
+            own.iter().chain(&zero).for_each(|(name, text)| cells[place(name)] = (*text).to_owned());
+            cells[place("feed_mm_min")] = "1000".to_owned();
+            cells[place("moved_urad")] = urad.to_string();
+            cells[place("value_urad")] = format!("{:.3}", share * urad + 0.7);
+            cells.join(",") + "\n"
+        };
+        out += &(foil(0.0, factors[1]) + &foil(200.0, factors[1]));
+        for (number, line) in csv.lines().skip(1).enumerate() {
+            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            let x: f64 = cells[place("X")].parse().unwrap();
+            let moved: f64 = cells[place("moved_urad")].parse().unwrap_or(0.0);
+            let noise = if number % 3 == 0 { 0.05 } else { -0.02 };
+            let value = if cells[place("component")] == "EBX" { factors[0] * (moved + 0.1 * x) } else { -0.05 * x };
+            cells[place("value_urad")] = format!("{:.4}", value + noise);
+            out += &(cells.join(",") + "\n");
+        }
+        out
+    };
+    let description = shop.text("p.toml");
+    let figures = |table: String| {
+        let shop = Shop::new().file("m.toml", text).file("level.toml", &description).file("level.csv", table);
+        shop.run(["iso230", "level.csv", "--machine", "m.toml"])
+    };
+    figures(filled([1.0, 1.0])).exits(0);
+    figures(filled([-1.0, 1.0])).exits(4).says("E0619").says("the readings of EBX have the opposite sign");
+    figures(filled([1.0, -1.0])).exits(4).says("the readings of EAX have the opposite sign");
+    figures(filled([1.0, 0.01])).exits(4).says("the readings of EAX do not follow a known move");
+    // An angle has no move along a length.
+    figures(filled([1.0, 1.0]).replace("moved_urad", "moved_um")).exits(4).says("E0603").says("EAX has no moved_um");
+}
+
 /// The program moves the tool by 100 µm along each component before the runs, and the readings must follow (Spaan 1995, ch. 9). The machine is 20 µm/m too long
 /// along X and bent by 30 µm/m² along Y.
 #[test]

@@ -199,6 +199,11 @@ fn tables_have_a_page() {
     let rms = f64::hypot(4e-5 * 500.0, 1e-4 * 400.0) / 3_f64.sqrt() * 1e3;
     assert!((cell("without", 2) - rms).abs() < 0.1 * rms, "{} {rms}", cell("without", 2));
     assert!(page.descendants().filter(|node| node.has_tag_name("figure")).count() >= 3, "histograms and tables");
+    // One histogram before and one after, each over the distances of the poses.
+    for title in ["Tip errors without tables", "Tip errors with the tables"] {
+        assert_eq!(text.matches(title).count(), 1, "{title}");
+    }
+    assert!(text.matches("distance of the tip from its position, µm").count() >= 2);
     shop.run(with_mill(&[&make[..], &["--report", "mill.ini"]].concat())).exits(2);
     shop.run(with_mill(&[&make[..], &["--report", "mill.toml"]].concat())).exits(4).says("E0310");
 }

@@ -351,6 +351,96 @@ fn another_tool_and_a_reference_run_are_lines_too() {
     assert_eq!(found, [-8.0, -16.0, -20.0, -8.0, -16.0, -20.0]);
 }
 
+/// Two heads whose gauge points are off by 5 and −7 µm along X, so that the commands need −5 and 7 µm.
+fn two_heads() -> Shop {
+    let axes = "[axis.X]\ndirection = [-1, 0, 0]\ntravel_mm = [-200, 200]\n[axis.Y]\ndirection = [0, -1, 0]\ntravel_mm = [-200, 200]\n\
+                [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [0, 400]\n";
+    let heads = "[[head]]\nname = \"a\"\nselect = [\"M81\"]\n[head.location]\nEX0S = 5\n\
+                 [[head]]\nname = \"b\"\nselect = [\"M82\"]\nstart = true\naxis = [0, 1, 0]\n[head.location]\nEX0S = -7\n";
+    let machine = format!("[machine]\nname = \"m\"\ntopology = \"wXYFZSt\"\ncontroller = \"sinumerik\"\n{axes}{heads}");
+    Shop::new().file("m.toml", machine)
+}
+
+#[test]
+fn another_head_with_its_tool_is_a_line() {
+    let words = ["realtime", "--machine", "m.toml", "--head", "a", "--dose-um", "off"];
+    let input = b"X0 Y0 Z300\nhead b 50\nX0\nX0\nhead a 0,0,-80\nX0\n";
+    let run = two_heads().run_with_input(words, input).exits(0);
+    let expected = [(-5.0, ""), (7.0, "renewed"), (7.0, ""), (-5.0, "renewed")];
+    let rows = x_of(&run.stdout);
+    assert_eq!(rows.len(), expected.len(), "{}", run.stdout);
+    for ((x, signals), (wanted, word)) in rows.iter().zip(expected) {
+        assert!((x - wanted).abs() < 0.01 && signals == word, "{}", run.stdout);
+    }
+    // Numbers are those of the machine file, whichever head is active at the start.
+    run.says("heads: 0 a, 1 b");
+    for (line, what) in [
+        ("head c 50", "the control selects the head c, and the machine m has 0 a, 1 b"),
+        ("head b", "head needs a name and a tool"),
+        ("head b 5x", "'5x' is neither a length nor a vector"),
+    ] {
+        let run = two_heads().run_with_input(words, format!("X0 Y0 Z300\n{line}\nX0\n").as_bytes()).exits(4);
+        assert_eq!(run.stdout.lines().count(), 2, "{line}: {}", run.stdout);
+        run.says("E0801").says(what);
+    }
+    // Which head is active now is not known from the machine file.
+    let run = two_heads().run_with_input(&words[..3], b"X0 Y0 Z300\n").exits(2);
+    assert!(run.stderr.contains("choose it with --head"), "{}", run.stderr);
+}
+
+#[test]
+fn another_head_is_an_order_of_a_ring_and_an_unknown_order_ends_the_run() {
+    let shop = two_heads();
+    let path = shop.path("ring");
+    let name = path.display().to_string();
+    for wrong in [9, 3] {
+        let arguments =
+            ["realtime", "--machine", "m.toml", "--head", "b", "--ring", &name, "--records", "4", "--dose-um", "off"];
+        let child = shop.command(arguments).spawn().unwrap();
+        let mut client = None;
+        for _ in 0..2000 {
+            let opened = File::options().read(true).write(true).open(&path);
+            client =
+                opened.ok().filter(|file| file.metadata().unwrap().len() > 0).and_then(|file| Client::open(&file).ok());
+            if client.is_some() {
+                break;
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let client = client.unwrap();
+        let here = at(&[(Axis::Z, 300.0)]);
+        let taken = || {
+            for _ in 0..2000 {
+                if let Some((_, answer)) = client.take() {
+                    return (answer.correction[Axis::X] * 1e3).round();
+                }
+                std::thread::sleep(Duration::from_millis(5));
+            }
+            panic!("no answer");
+        };
+        let mut found = Vec::new();
+        assert!(client.put(0, &here));
+        found.push(taken());
+        assert!(client.put_with_head(1, &here, 0, &[0.0, 0.0, -80.0]));
+        found.push(taken());
+        assert!(client.put(2, &here));
+        found.push(taken());
+        assert_eq!(found, [7.0, -5.0, -5.0]);
+        // The number of the head of the order stands at byte 856.
+        let bytes = std::fs::read(&path).unwrap();
+        assert_eq!(u64::from_le_bytes(bytes[856..864].try_into().unwrap()), 0);
+        // No order has the number 9, and no head the number 2.
+        let is_put =
+            if wrong == 9 { client.put_after(3, &here, wrong) } else { client.put_with_head(3, &here, 2, &[0.0; 3]) };
+        assert!(is_put);
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(4));
+        let text = String::from_utf8_lossy(&output.stderr);
+        let what = if wrong == 9 { "the order 9, which does not exist" } else { "the control selects the head 2" };
+        assert!(text.contains(what) && client.take().is_none(), "{text}");
+    }
+}
+
 /// 100 µrad at 9.7 m is 0.97 mm: more than is allowed. No set-point after it has an answer.
 #[test]
 fn a_tool_whose_correction_is_too_large_ends_the_run() {

@@ -148,6 +148,35 @@ fn cp_of_all_sensors_is_their_number() {
     assert_eq!(found.sizes[1].terms.iter().map(|term| term.sensor.as_str()).collect::<Vec<_>>(), ["A", "B"]);
 }
 
+/// Sixteen readings and three waves of ±1 that are orthogonal and have mean zero. The drift is 3a + 2b + e µm; A rises by a, B by b/2 K.
+/// The sum of squares of each wave is 16, so that MSE of both sensors is 16/(16 − 3).
+#[test]
+fn cp_counts_what_shrunk_coefficients_leave_and_cost() {
+    let mut text = "t_s,dx_um,A_C,B_C".to_owned();
+    for k in 0..16_u32 {
+        let [a, b, e] = [1, 2, 4].map(|bit| if k & bit == 0 { -1.0 } else { 1.0 });
+        write!(text, "\n{},{},{},{}", 60 * k, 3.0 * a + 2.0 * b + e, 20.0 + a, 20.0 + b / 2.0).unwrap();
+    }
+    let runs = [read(&source("run.csv", &text), None, &machine(MACHINE).0).unwrap()];
+    let cp = |shrinkage| {
+        let found = select(&runs, &runs, 0, None, &SelectionOptions { most: 2, shrinkage, ..PLAIN }).unwrap();
+        found.sizes.iter().map(|size| size.cp.unwrap()).collect::<Vec<f64>>()
+    };
+    // Of least squares: 16 · (4 + 1) · 13/16 + 2 · 2 − 16, and the number of coefficients.
+    // A reading error of 1 K doubles the square of A, and adds four times its own to that of B: 3 becomes 3/2, and 2 becomes 2/5.
+    // Left of one: 16 · (9/4 + 4 + 1) = 116, it costs 1/2. Left of both: 16 · (9/4 + 64/25 + 1) = 92.96, they cost 1/2 + 1/5.
+    // One component of both sensors is A alone: B, whose rises are smaller, is left out.
+    for (shrinkage, expected) in [
+        (Shrinkage::ReadingError(0.0), [53.0, 3.0]),
+        (Shrinkage::ReadingError(1.0), [116.0 * 13.0 / 16.0 + 3.0 - 16.0, 92.96 * 13.0 / 16.0 + 3.4 - 16.0]),
+        (Shrinkage::Components(1), [53.0, 53.0]),
+    ] {
+        for (found, expected) in cp(shrinkage).into_iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-6, "{shrinkage:?}: {found} instead of {expected}");
+        }
+    }
+}
+
 #[test]
 fn shrinkage_makes_a_sensor_that_reads_wrong_less_harmful() {
     let (learned, _) = random_run(0, 41);

@@ -157,6 +157,26 @@ fn the_longest_tool_of_the_machine_decides() {
     assert!((step(&["--residual", "1.25um"]) * 2.0 / longest - 1.0).abs() < 0.005);
 }
 
+/// The weight doubles the pitch of its reference load: 2 · 1e-8 on a tool of 400 mm, so that the step is 2 √(5 µm / 400 mm / 2e-8) = 50 mm. Half of the weight
+/// has the root of 2 more.
+#[test]
+fn the_full_load_has_the_smallest_step() {
+    let load =
+        "[[load]]\ncomponent = \"EBX\"\nreference_N = 1000\nkind = \"polynomial\"\ncoefficients = [0, 0, 1e-8]\n";
+    let shop = Shop::new().file("ncfix.toml", file(TOOLS, load));
+    let step = |load: &str| {
+        let json = shop.run(["max-step", "--json", "--load", load]).exits(0).json();
+        assert_eq!(json["answer"], "up_to", "{json}");
+        json["largest_step_mm"].as_f64().unwrap()
+    };
+    let [full, half] = [step("2000"), step("1000")];
+    assert!((full / 50.0 - 1.0).abs() < 0.02, "{full}");
+    assert!((half / full / 2_f64.sqrt() - 1.0).abs() < 0.005, "{half} {full}");
+    // The empty table has no pitch at all.
+    let empty = shop.run(["max-step", "--json", "--load", "0"]).exits(0).json();
+    assert_eq!(empty["answer"], "any", "{empty}");
+}
+
 #[test]
 fn the_page_names_answer_and_place_without_colors() {
     let shop = Shop::new().file("m.toml", file(TOOLS, PITCH));

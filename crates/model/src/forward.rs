@@ -302,6 +302,18 @@ impl Model {
         }
     }
 
+    /// Returns a location error, mm or rad; 0 for a motion error, and for an axis that the machine lacks.
+    #[must_use]
+    pub fn location(&self, name: ErrorName) -> f64 {
+        let of_axis = |link: &AxisLink| (Carrier::Axis(link.axis) == name.carrier).then_some(link.location)?;
+        let own = match name.carrier {
+            Carrier::Spindle => self.spindle_error,
+            Carrier::Axis(_) => self.tool_side.iter().chain(&self.workpiece_side).find_map(of_axis),
+        };
+        let own = own.filter(|_| name.kind == ErrorKind::Location);
+        own.map_or(0.0, |own| own.component(name.direction.index()))
+    }
+
     /// Returns tip and axis of the tool with their derivatives by the commands, in the workpiece frame.
     pub(super) fn pointer(&self, command: &AxisVector, tool_mm: &Vector, errors: Option<&State>) -> Pointer {
         self.carry(Pointer::new(*tool_mm, self.spindle_axis), &self.controlled(command, tool_mm, errors), errors)

@@ -38,6 +38,11 @@ impl Displacement {
         components.iter().any(|&component| component != 0.0).then(|| Displacement::new(components))
     }
 
+    /// Returns a component by its index, EX EY EZ in mm, EA EB EC in rad.
+    pub(super) fn component(&self, index: usize) -> f64 {
+        if index < 3 { self.translation[index] } else { self.rotation.vector()[index % 3] }
+    }
+
     #[inline(always)]
     pub(super) fn apply(&self, body: &mut impl RigidBody) {
         body.tilt(&self.rotation);
@@ -58,7 +63,7 @@ pub(super) struct AxisLink {
     pub(super) direction: Vector,
     point_mm: Vector,
     lever: Lever,
-    location: Option<Displacement>,
+    pub(super) location: Option<Displacement>,
     pub(super) functions: Functions,
 }
 

@@ -93,6 +93,12 @@ impl ErrorName {
         ErrorName { direction, carrier: Carrier::Spindle, kind: ErrorKind::Location }
     }
 
+    /// True for an error that does not depend on the position of its axis.
+    #[must_use]
+    pub fn is_location(&self) -> bool {
+        self.kind == ErrorKind::Location
+    }
+
     /// Returns the axis that has the error; `None` for the spindle.
     #[must_use]
     pub fn axis(&self) -> Option<Axis> {

@@ -34,6 +34,11 @@ impl Rotation {
         }
     }
 
+    /// Returns the rotation vector from which it was made, rad.
+    pub(super) fn vector(&self) -> &Vector {
+        &self.vector
+    }
+
     /// Returns the rotation by `angle_rad` about a unit vector.
     #[inline]
     pub(super) fn about(axis: Vector, angle_rad: f64) -> Rotation {

@@ -12,8 +12,10 @@ pub fn kernel(kernel: &KernelResult) -> String {
     let direct: Vec<String> = direct.iter().map(|(axis, count)| format!("{count} of {axis}")).collect();
     let direct =
         if direct.is_empty() { String::new() } else { format!("; additional functions: {}", direct.join(", ")) };
+    let heads: Vec<String> = kernel.heads.iter().map(|(number, name)| format!("{number} {name}")).collect();
+    let heads = if heads.is_empty() { String::new() } else { format!("heads: {}\n", heads.join(", ")) };
     format!(
-        "{} intervals per axis{direct}; within {} and {} µrad of the model at {} poses\n",
+        "{} intervals per axis{direct}; within {} and {} µrad of the model at {} poses\n{heads}",
         kernel.intervals,
         micrometers(kernel.position_um),
         significant(kernel.direction_urad),

@@ -12,7 +12,7 @@ use crate::cli::findings::Findings;
 use crate::cli::output::Target;
 use crate::cli::stop::Stop;
 use crate::cli::{machine_choice, pages, tell};
-use crate::realtime::{RealtimeCorrection, RingFile};
+use crate::realtime::{self, RealtimeCorrection, RingFile};
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_report::page::stability::stability;
 use ncfix_report::realtime::{kernel, page};
@@ -46,11 +46,13 @@ pub(in crate::cli) fn run(arguments: &RealtimeArguments) -> Result<ExitCode, Sto
 }
 
 fn prepare(arguments: &RealtimeArguments, findings: &mut Findings) -> Result<Option<RealtimeCorrection>, Stop> {
-    let chosen = machine_choice::choose_in(&arguments.machine, &arguments.state, Path::new("-"), findings)?;
+    let search = machine_choice::MachineSearch::of_program(Path::new("-"));
+    let Some(all) = machine_choice::choose(&arguments.machine, search, findings)? else { return Ok(None) };
+    let renewal = ((&arguments.state).into(), arguments.update_s);
+    let chosen = realtime::in_use(&all, arguments.machine.head.as_deref(), &renewal.0, findings)?;
     let Some(chosen) = chosen else { return Ok(None) };
     let recipe = arguments.recipe(&chosen.machine);
-    let renewal = ((&arguments.state).into(), arguments.update_s);
-    Ok(RealtimeCorrection::new(chosen, recipe, arguments.dosing(), renewal, Findings::draw, findings))
+    Ok(RealtimeCorrection::new((chosen, all), recipe, arguments.dosing(), renewal, Findings::draw, findings))
 }
 
 /// Answers the lines of standard input.
@@ -73,7 +75,7 @@ fn serve(name: &str, records: u64, correction: &mut RealtimeCorrection) -> Resul
     Ok(match correction.serve(&ring, || is_over.load(Ordering::Relaxed)) {
         ServingEnd::Control => ExitCode::Done,
         ServingEnd::Stopped => ExitCode::Interrupted,
-        ServingEnd::Tool(_) | ServingEnd::NoKernel => refused(correction.no_kernel()),
+        end @ (ServingEnd::NoKernel | ServingEnd::Order(_)) => refused(correction.no_order(&end)),
         ServingEnd::Overrun(overrun) => refused(correction.overrun(overrun, records)),
     })
 }

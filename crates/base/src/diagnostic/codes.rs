@@ -611,7 +611,7 @@ reversed; they fit only a machine with another order of the axes; or they lack e
 compensation table of the control was active during the measurement. Causes found in such readings would be meaningless. The
 message gives the evidence. Change the columns, the machine file or active_tables as it states, or measure again.";
     DATA_SIGN = "E0619" "readings that do not follow a known move"
-"The table has rows in which the tool was moved by a known amount (moved_um), and the readings do not follow it. With the opposite
+"The table has rows in which the tool was moved by a known amount (moved_um, moved_urad), and the readings do not follow it. With the opposite
 sign, a correction would double the errors of the machine. Correct the sign, the unit or the component of the readings, then repeat
 the test of signs. ncfix plan laser --variant signs plans one.";
     BAD_HYPOTHESIS = "E0615" "hypothesis that cannot be read"

@@ -66,7 +66,11 @@ pub fn usual_candidates(machine: &Machine, data: &[DataSet], pieces: PiecewisePo
     };
     for set in data {
         match set.kind.measurand {
-            Measurand::Component => set.observations.iter().filter_map(|row| row.component).for_each(&mut add),
+            Measurand::Component => set
+                .observations
+                .iter()
+                .filter_map(|row| row.component.filter(|name| !name.is_location()))
+                .for_each(&mut add),
             Measurand::BallDistance | Measurand::Displacement | Measurand::LineLength => {
                 let linear = AXES.into_iter().filter(|axis| !axis.is_rotary() && machine.axis(*axis).is_some());
                 for axis in linear.filter(|&axis| moves(set, axis)) {

@@ -245,7 +245,7 @@ impl<'a> Design<'a> {
             }
             for equation in &equations {
                 if factors {
-                    units.factors(&equation.by_tip, &equation.by_turn, &mut shared);
+                    units.factors(equation, &mut shared);
                     all.push_parts(&shared, own.factors(equation));
                 }
                 lines.push(own.line(equation, EquationOrigin::Row(row)));

@@ -2,6 +2,7 @@
 
 use super::design::Design;
 use super::effect::{ParameterEffect, Probe};
+use crate::measure::kind::Equation;
 use crate::measure::reading::Reading;
 use ncfix_base::geometry::{Matrix, Vector};
 use ncfix_machine::machine::Condition;
@@ -70,12 +71,13 @@ impl<'a> Units<'a> {
         }
     }
 
-    /// The derivatives with respect to all parameters, from those of a reading with respect to tip and direction; 0 for unknowns.
-    pub(super) fn factors(&self, by_tip: &Vector, by_turn: &Vector, out: &mut [f64]) {
+    /// The derivatives with respect to all parameters, from those of an equation with respect to tip, direction and components; 0 for unknowns.
+    pub(super) fn factors(&self, equation: &Equation, out: &mut [f64]) {
         out.fill(0.0);
         for &(column, component, share) in &self.shares {
             let [tip, turn] = &self.by_component[component];
-            out[column] += (by_tip.dot(tip) + by_turn.dot(turn)) * share;
+            let own = equation.by_component(self.components[component]);
+            out[column] += (equation.by_tip.dot(tip) + equation.by_turn.dot(turn) + own) * share;
         }
     }
 

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 use crate::calibrate::{Column, FitError, FitOptions, Parameter, WEAK, fit};
 use crate::measure::data::DataSet;
-use crate::measure::kind::{Equation, Seen};
+use crate::measure::kind::{Equation, Seen, by_component};
 use ncfix_base::geometry::Vector;
 use ncfix_machine::machine::{Condition, Machine};
 use ncfix_model::{ErrorModel, ErrorName, Model};
@@ -50,6 +50,7 @@ pub struct SceneReading {
     pub is_angle: bool,
     by_tip: Vector,
     by_turn: Vector,
+    by_location: [Option<(ErrorName, f64)>; 2],
     /// Derivatives with respect to set-up unknowns, with their numbers among all unknowns.
     pub by_unknown: Vec<(usize, f64)>,
 }
@@ -127,6 +128,7 @@ impl<'a> Scene<'a> {
                         is_angle: equation.is_angle,
                         by_tip: equation.by_tip,
                         by_turn: equation.by_turn,
+                        by_location: equation.by_location,
                         by_unknown: equation.by_unknown.iter().map(|&(k, factor)| (from + k, factor)).collect(),
                     });
                 }
@@ -144,6 +146,7 @@ impl<'a> Scene<'a> {
                     is_angle: false,
                     by_tip: Vector::zeros(),
                     by_turn: Vector::zeros(),
+                    by_location: [None; 2],
                     by_unknown: equation.by_unknown.iter().map(|&(k, factor)| (from + k, factor)).collect(),
                 });
             }
@@ -181,7 +184,10 @@ impl<'a> Scene<'a> {
             match through {
                 Through::Reading(of_angles) => f64::from(u8::from(item.is_angle == of_angles)),
                 Through::Value(value) => f64::from(u8::from(item.value == value)),
-                _ => item.by_tip.dot(&tip) + item.by_turn.dot(&turn),
+                Through::Component(name) => {
+                    item.by_tip.dot(&tip) + item.by_turn.dot(&turn) + by_component(&item.by_location, name)
+                }
+                Through::Tip(_) => item.by_tip.dot(&tip) + item.by_turn.dot(&turn),
             }
         };
         let mut factors: Vec<f64> = self.items.iter().map(one).collect();

@@ -11,7 +11,7 @@ mod repeats;
 mod rows;
 mod signs;
 
-pub use drivers::{DataColumn, FEATURE_COLUMNS, MOVED, TIME};
+pub use drivers::{DataColumn, FEATURE_COLUMNS, MOVED, TIME, TURNED};
 
 use std::sync::LazyLock;
 
@@ -25,7 +25,7 @@ use ncfix_model::ErrorName;
 
 use self::cycles::RepeatCycle;
 use super::circles;
-use super::kind::{Instrument, Instruments};
+use super::kind::{Instrument, Instruments, location};
 use super::nest::SensorNest;
 use super::reading::{Reading, Readings};
 
@@ -209,6 +209,12 @@ pub struct Observation {
 }
 
 impl Observation {
+    /// The axis whose motion was measured, if one component was read.
+    #[must_use]
+    pub fn motion_axis(&self) -> Option<Axis> {
+        self.component.filter(|name| !name.is_location())?.axis()
+    }
+
     /// `true` if an angle was read.
     #[must_use]
     pub fn is_angle(&self) -> bool {
@@ -327,6 +333,7 @@ pub fn load_with(
     }
     if findings.is_empty() {
         (data.kind.check)(&data, &rows, &mut findings);
+        location::check(&data, machine, &mut findings);
         circles::contradictions(machine, &data, &mut findings);
     }
     let sound = !findings.iter().any(Diagnostic::is_error);

@@ -3,7 +3,6 @@
 use super::data::{DataSet, Observation};
 use ncfix_base::geometry::{AXES, Axis};
 use ncfix_machine::machine::{Condition, Machine, MeasuredRanges};
-use ncfix_model::name::ErrorKind;
 
 /// Smallest motion of an axis that counts, mm or rad.
 const STANDS: f64 = 1e-6;
@@ -26,7 +25,11 @@ pub fn measured_ranges<'d>(
 
 /// The ranges of one measurement. An axis that did not move in it was not measured.
 fn of_set(machine: &Machine, set: &DataSet) -> MeasuredRanges {
-    let rows = &set.observations;
+    // A reading of a location error itself has no place.
+    let rows: Vec<_> =
+        set.observations.iter().filter(|row| !row.component.is_some_and(|name| name.is_location())).collect();
+    // A reading of one motion error is about its own axis alone.
+    let is_about = |row: &Observation, axis: Axis| row.motion_axis().is_none_or(|own| own == axis);
     let moved = AXES.into_iter().filter(|&axis| machine.axis(axis).is_some()).filter_map(|axis| {
         let positions = rows.iter().filter(|row| is_about(row, axis)).map(|row| row.reading.position[axis]);
         let [low, high] = range_of(positions)?;
@@ -53,12 +56,6 @@ fn of_set(machine: &Machine, set: &DataSet) -> MeasuredRanges {
         instruments: vec![set.kind.name.to_owned()],
         ..MeasuredRanges::default()
     }
-}
-
-/// `true` if a row can reveal errors of an axis: a reading of one motion error is about its own axis alone.
-fn is_about(row: &Observation, axis: Axis) -> bool {
-    let own = row.component.filter(|name| name.kind == ErrorKind::Motion).and_then(|name| name.axis());
-    own.is_none_or(|own| own == axis)
 }
 
 /// The lowest and the highest value; `None` without values.

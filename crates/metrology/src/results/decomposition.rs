@@ -452,11 +452,7 @@ fn delay(delay_s: f64, uncertainty_s: f64, by_run: &[(f64, f64)], cycle_s: f64) 
     Delay {
         is_determined,
         not_determined: (!is_determined).then(|| NotDetermined {
-            reason: format!(
-                "its interval of ± {:.1} ms is wider than a cycle of {:.1} ms",
-                SIGMAS_95 * ms(uncertainty_s),
-                ms(cycle_s)
-            ),
+            reason: format!("± {:.1} ms is more than a cycle of {:.1} ms", SIGMAS_95 * ms(uncertainty_s), ms(cycle_s)),
             measure: "a path with corners and reversals of several axes, at a higher feed".into(),
         }),
         ms: ms(delay_s),
@@ -483,7 +479,8 @@ fn link(link: &decompose::LinkError) -> LinkReport {
             reason: if link.is_told {
                 let sign = UnitKey::of(is_rotation).unit().sign();
                 let [by, usual] = [link.uncertainty_95, link.usual_size].map(shown);
-                format!("its interval of ± {by:.1} {sign} is wider than the usual size of {usual:.1} {sign}")
+                let wide = 2.0 * by;
+                format!("± {by:.1} {sign} is {wide:.1} {sign} wide, more than the usual size of {usual:.1} {sign}")
             } else {
                 "other links have the same effect on this path".into()
             },
@@ -499,7 +496,7 @@ fn no_gain(axis: &AxisServoErrors) -> NotDetermined {
     let reason = match axis.velocity_gain {
         None => "no lag is visible".into(),
         Some(_) if axis.limits.velocity_gain.is_finite() => {
-            format!("its interval of ± {:.1} 1/s is wider than an eighth of it", axis.limits.velocity_gain)
+            format!("± {:.1} 1/s is more than an eighth of it", axis.limits.velocity_gain)
         }
         Some(_) => "this motion does not separate it from the feed-forward".into(),
     };

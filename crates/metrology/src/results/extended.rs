@@ -57,6 +57,9 @@ impl Extended {
     }
 }
 
+/// The machine file at the start, its error types, and the name of the head in use if it has heads.
+pub(super) type StartFile<'a> = (&'a Source, &'a ModelRegisters, Option<&'a str>);
+
 /// Reason why something is not written, and help.
 pub type NotWritten = (String, &'static str);
 
@@ -82,9 +85,14 @@ impl ExtensionJob<'_> {
         Some(Extended { text, why_not, residuals })
     }
 
+    /// The machine file, with the head with which the readings were taken.
+    fn of<'s>(&'s self, old: &'s Source) -> StartFile<'s> {
+        (old, &self.registers, self.machine.heads.first().map(|head| head.name.as_str()))
+    }
+
     /// Residuals of the current model and of a written one, of the used and of the held-out readings.
     fn residuals(&self, old: &Source, text: &str) -> [Option<[f64; 2]>; 2] {
-        let Some(written) = load((old, &self.registers), text) else { return [None; 2] };
+        let Some(written) = load(self.of(old), text) else { return [None; 2] };
         let Some(after) = self.with_errors(&written, &[]) else { return [None; 2] };
         let none = vec![false; self.found.findings.len()];
         let effects = effect_of_others(self.found, self.scene, &none);
@@ -99,10 +107,8 @@ impl ExtensionJob<'_> {
         for changes in &self.extension {
             let made = changes.clone().and_then(|changes| {
                 let mut own = grown.text.clone();
-                let anchors = changes
-                    .iter()
-                    .map(|change| made((old, &self.registers), &mut own, change))
-                    .collect::<Result<Vec<_>, _>>()?;
+                let anchors =
+                    changes.iter().map(|change| made(self.of(old), &mut own, change)).collect::<Result<Vec<_>, _>>()?;
                 if anchors.is_empty() {
                     return Err("the readings do not determine its size".into());
                 }
@@ -124,10 +130,6 @@ impl ExtensionJob<'_> {
         grown: &Grown,
         findings: &mut Vec<Diagnostic>,
     ) -> Result<String, NotWritten> {
-        if !self.machine.heads.is_empty() {
-            let help = "run the diagnosis without -o, and fit the errors of a head with ncfix calibrate --head";
-            return Err(("it has several heads, and a finding may belong to one of them".into(), help));
-        }
         if grown.anchors.iter().all(Result::is_err) {
             let help = "run the diagnosis without -o; --json gives the reason for each finding (extends_why)";
             let reason = grown.anchors.iter().find_map(|one| one.as_ref().err());
@@ -138,7 +140,7 @@ impl ExtensionJob<'_> {
             return Err((message, help));
         }
         let fault = || (format!("{} cannot be read back", old.name()), SECTIONS);
-        let from = (old, &self.registers);
+        let from = self.of(old);
         let read = load(from, &grown.text).ok_or_else(fault)?;
         let original = load(from, original).ok_or_else(fault)?;
         let changes: Vec<Change> = self
@@ -272,7 +274,8 @@ impl ExtensionJob<'_> {
         for ((one, changes), anchors) in all {
             match (changes, anchors) {
                 (Ok(changes), Ok(anchors)) => {
-                    let lines = note::lines(one, changes, &files, &estimates(changes, fitted));
+                    let mut lines = note::lines(one, changes, &files, &estimates(changes, fitted));
+                    lines.extend(self.with_every_head(changes));
                     let is_done = match anchors.first() {
                         Some(Anchor::Key(section, key)) => edit.note_key(section, key, &lines),
                         Some(Anchor::Entry(list, index)) => edit.note(list, *index, &lines),
@@ -290,6 +293,17 @@ impl ExtensionJob<'_> {
             out = format!("{}\n\n{}\n", out.trim_end(), behind.join("\n"));
         }
         out
+    }
+
+    /// The line about an error of an axis of a machine with several heads: it acts with all of them.
+    fn with_every_head(&self, changes: &[Change]) -> Option<String> {
+        let head = self.machine.heads.first().filter(|_| self.machine.heads.len() > 1)?;
+        let is_of_axis =
+            |change: &Change| matches!(change, Change::Parameter { name, .. } if name.component.axis().is_some());
+        changes
+            .iter()
+            .any(is_of_axis)
+            .then(|| format!("  an error of an axis acts with every head; it was found with {}", head.name))
     }
 
     /// RMS levels of the readings with two models, after subtracting an amount from each, mm or rad.
@@ -339,7 +353,7 @@ const SAME: f64 = 1.001;
 const LOST: f64 = 1.01;
 
 /// Makes one change in a text. Returns its place, or the reason why it fails.
-pub(super) fn made(from: (&Source, &ModelRegisters), text: &mut String, change: &Change) -> Result<Anchor, String> {
+pub(super) fn made(from: StartFile<'_>, text: &mut String, change: &Change) -> Result<Anchor, String> {
     let no = || "it conflicts with an entry of the machine file".to_owned();
     let anchor = if let Change::Parameter { name, amount } = change {
         let read = load(from, text).ok_or_else(no)?;
@@ -347,6 +361,8 @@ pub(super) fn made(from: (&Source, &ModelRegisters), text: &mut String, change: 
         name.set(&mut errors, name.get(&read) + amount);
         *text = write::write(text, &read, &errors).map_err(|reason| reason.0)?;
         place_of(name, &errors)
+    } else if from.2.is_some() {
+        return Err("the machine has heads, and such an entry may belong to one of them: write it by hand".into());
     } else {
         let mut edit = Edit::parse(text).ok_or_else(no)?;
         let anchor = change.make(&mut edit)?;
@@ -390,8 +406,12 @@ fn estimates(changes: &[Change], fitted: Option<&Fit>) -> Vec<(String, f64, f64,
     out
 }
 
-/// The errors of a machine file.
-pub(super) fn load((old, registers): (&Source, &ModelRegisters), text: &str) -> Option<ErrorModel> {
+/// The errors of a machine file, with the head in use.
+pub(super) fn load((old, registers, head): StartFile<'_>, text: &str) -> Option<ErrorModel> {
     let source = Source::new(MACHINE, old.name(), text.as_bytes().to_vec()).ok()?;
-    file::load_with(&source, registers).0.map(|(_, errors)| errors).filter(|errors| errors.heads.is_empty())
+    let (machine, errors) = file::load_with(&source, registers).0?;
+    match head {
+        None => Some(errors).filter(|errors| errors.heads.is_empty()),
+        Some(name) => Some(errors.of_head(u16::try_from(machine.head_named(name)?).ok()?)),
+    }
 }

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::measurement::Measurement;
-use crate::measure::data::{MOVED, Observation};
+use crate::measure::data::{MOVED, Observation, TURNED};
 use crate::measure::noise::Noise;
 use crate::measure::reading::Readings;
 use crate::measure::simulate::{ReadValue, Simulation};
@@ -56,10 +56,11 @@ impl PlannedReadings<'_> {
         let sigma_mm = noise_mm.unwrap_or(0.0);
         let mut rows = Vec::new();
         let sign = self.sign();
-        let moved = self.table.column(MOVED);
+        let [moved, turned] = [MOVED, TURNED].map(|name| self.table.column(name));
         for (row, cells) in data.observations.iter().zip(self.table.rows()) {
             // A known move of a test of signs shows in the reading.
-            let moved_um = moved.and_then(|column| cells.number(column, sign).ok()).unwrap_or(0.0);
+            let moved = if row.is_angle() { turned } else { moved };
+            let by = moved.and_then(|column| cells.number(column, sign).ok()).unwrap_or(0.0);
             match simulation.read(row) {
                 Ok(ReadValue::Values(values)) => {
                     let cells = values.iter().enumerate().filter_map(|(k, value)| {
@@ -70,7 +71,7 @@ impl PlannedReadings<'_> {
                         } else {
                             um_from_mm(value + next(sigma_mm))
                         };
-                        Some(SimulatedCell { column, value: um + moved_um, decimals: DECIMALS_UM })
+                        Some(SimulatedCell { column, value: um + by, decimals: DECIMALS_UM })
                     });
                     rows.push(cells.collect());
                 }

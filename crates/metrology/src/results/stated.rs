@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::extended::{load, made};
+use super::extended::{StartFile, load, made};
 use crate::calibrate::Parameter;
 use crate::diagnose::cause::Causes;
 use crate::diagnose::extend::{Anchor, Change, again};
@@ -97,7 +97,7 @@ pub fn start_with_terms(
                 }
             }
             Ok(ModelTerm::Changes(changes, amounts)) => {
-                let entered = enter((file, registers), &grown, &changes, &note(one, &changes, &amounts));
+                let entered = enter((file, registers, None), &grown, &changes, &note(one, &changes, &amounts));
                 match entered {
                     Ok(text) => grown = text,
                     Err(why) => {
@@ -123,7 +123,7 @@ pub fn start_with_terms(
         return None;
     }
     findings.extend(doubts);
-    let read = load((file, registers), &grown);
+    let read = load((file, registers, None), &grown);
     let Some(read) = read else {
         refuse(findings, None, format!("{} cannot be read back", file.name()), SECTIONS);
         return None;
@@ -140,7 +140,7 @@ pub fn start_with_terms(
 }
 
 /// The text with the changes of a term, and a note at the first of them.
-fn enter(from: (&Source, &ModelRegisters), text: &str, changes: &[Change], note: &[String]) -> Result<String, String> {
+fn enter(from: StartFile<'_>, text: &str, changes: &[Change], note: &[String]) -> Result<String, String> {
     let mut own = text.to_owned();
     let mut first = None;
     for change in changes {

@@ -120,6 +120,7 @@ impl Flat<'_> {
                 ]);
                 self.line(b"G17 G710 G90 G94 G40 G60");
                 self.line(b"D0");
+                self.select_head();
                 if self.has_rotary() {
                     self.line(b"TRAFOOF");
                 }
@@ -131,6 +132,7 @@ impl Flat<'_> {
                 ]);
                 self.line(b"G17 G71 G90 G94 G40");
                 self.line(b"G53");
+                self.select_head();
             }
             Language::Fanuc => {
                 self.notes(&[
@@ -139,6 +141,7 @@ impl Flat<'_> {
                     "rapid of G53 at the first position and from stop to stop: use the override",
                 ]);
                 self.line(b"G21 G17 G90 G94 G40 G49 G80");
+                self.select_head();
             }
             Language::Rs274 => {
                 self.notes(&[
@@ -146,6 +149,7 @@ impl Flat<'_> {
                     "no rotation of coordinates may be active; G49 cancels the tool length",
                 ]);
                 self.line(b"G21 G17 G90 G94 G40 G49 G80 G61");
+                self.select_head();
             }
         }
     }
@@ -184,6 +188,8 @@ impl Flat<'_> {
             Language::Fanuc => b"G21 G17 G90 G94 G40 G49 G80",
             Language::Rs274 => b"G21 G17 G90 G94 G40 G49 G80 G61",
         });
+        // The head before its tool: a change is not possible while a tool length is active.
+        self.select_head();
         let change = if self.machine.control.tool_change == ToolChange::M6 { " M6" } else { "" };
         // Sinumerik changes the tool in a block of its own, after which its edge is selected.
         if self.language == Language::Sinumerik && !change.is_empty() {
@@ -198,6 +204,15 @@ impl Flat<'_> {
         self.line(part.zero_offset.as_bytes());
         if self.language == Language::Sinumerik && self.has_rotary() {
             self.line(b"TRAFOOF");
+        }
+    }
+
+    /// The word of the head in use, for a machine with several: which one is active at the start is unknown.
+    fn select_head(&mut self) {
+        let Some(head) = self.machine.heads.first().filter(|_| self.machine.heads.len() > 1) else { return };
+        if let Some(word) = head.select.first() {
+            self.comment(format!("M{word} selects the head {}: start where the head can turn", head.name).as_bytes());
+            self.line(format!("M{word}").as_bytes());
         }
     }
 

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::DiagnosisReport;
-use super::text::sign;
+use super::text::{plus_minus, sign};
 use crate::number::significant;
 use ncfix_metrology::diagnose::cause::Correctable;
 use ncfix_metrology::results::hypotheses::{
@@ -126,7 +126,7 @@ pub(crate) fn in_words(amount: &HypothesisAmount) -> String {
     let unit = (2..=9)
         .zip(["²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"])
         .fold(sign(&amount.unit), |unit, (power, raised)| unit.replace(&format!("^{power}"), raised));
-    format!("{} ± {} {unit}", significant(amount.value), significant(amount.u95))
+    plus_minus(amount.value, amount.u95, &unit)
 }
 
 /// Returns an evidence, a natural logarithm, as a factor.

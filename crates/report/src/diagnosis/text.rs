@@ -618,7 +618,7 @@ impl CauseText for CauseReport {
     }
 
     fn size(&self) -> String {
-        format!("{} ± {} {}", significant(self.value), significant(self.u95), sign(&self.unit))
+        plus_minus(self.value, self.u95, &sign(&self.unit))
     }
 
     fn over(&self) -> String {
@@ -661,12 +661,23 @@ impl CauseText for CauseReport {
     }
 }
 
+/// Returns a value with its uncertainty: `10.0 ± 0.2 µm`. Without a finite one, the readings do not separate the value from the other unknowns of its set-up,
+/// such as an offset from a tilt of a plate whose holes are on one line.
+#[must_use]
+pub(crate) fn plus_minus(value: f64, by: f64, unit: &str) -> String {
+    match by.is_finite() {
+        true => format!("{} ± {} {unit}", significant(value), significant(by)),
+        false => format!(
+            "{} {unit} (not separable from other unknowns here, such as an offset from a tilt)",
+            significant(value)
+        ),
+    }
+}
+
 /// Returns the size of a cause in each file if files differ; those that have it come first.
 #[must_use]
 pub(crate) fn differing(files: &[InFile]) -> Option<String> {
-    let size = |one: &&InFile| {
-        format!("{}: {} ± {} {}", one.file, significant(one.value), significant(one.u95), sign(&one.unit))
-    };
+    let size = |one: &&InFile| format!("{}: {}", one.file, plus_minus(one.value, one.u95, &sign(&one.unit)));
     let (with, without): (Vec<&InFile>, Vec<&InFile>) = files.iter().partition(|one| one.value.abs() > SEEN * one.u95);
     let list = |files: &[&InFile]| files.iter().map(size).collect::<Vec<String>>().join(", ");
     match [with.as_slice(), without.as_slice()] {
@@ -751,5 +762,17 @@ fn shape(one: &CauseReport, out: &mut String) {
             }
         }
         _ => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::plus_minus;
+
+    #[test]
+    fn an_unknown_uncertainty_is_no_number() {
+        assert_eq!(plus_minus(10.04, 0.25, "µm"), "10.0 ± 0.250 µm");
+        let text = plus_minus(10.04, f64::INFINITY, "µm");
+        assert!(text.starts_with("10.0 µm (not separable") && !text.contains('±'), "{text}");
     }
 }

@@ -17,13 +17,15 @@
 //! 80        640     ncfix       heartbeat: cycles of waiting
 //! 96        768     control     not 0: requests the end of ncfix
 //! 104       832     control     tool vector of an order, x, y, z (f64; mm, from the gauge point to the tip along the axes of F)
+//! 107       856     control     number of the head of an order, as ncfix prints it
 //! 128       1024    control     c records of set-points: number, n values (f64; mm, rad), order before this set-point (0 for none)
 //! 128 + cw          ncfix       c records of corrections: number of the set-point, signals, n values (f64; mm, rad)
 //! ```
 //!
 //! A writer fills the record `count mod c`, then increments its count (release). A reader reads the count (acquire), copies the record and then
-//! increments its own count. Orders: 1, an axis was referenced, so the control has dropped all corrections; 2, the tool of word 104 is in the spindle.
-//! ncfix answers a set-point with order 2 when the corrections for the tool are ready, which takes longer than a cycle: the axes must stand. A ring is full when both counts are c apart. Every set-point gets one correction, in order.
+//! increments its own count. Orders: 1, an axis was referenced, so the control has dropped all corrections; 2, the tool of word 104 is in the spindle; 3,
+//! the head of word 107 is active, with the tool of word 104. ncfix answers a set-point with order 2 or 3 when the corrections are ready, which takes longer
+//! than a cycle: the axes must stand. Any other order ends the run: the control means something that ncfix does not know. A ring is full when both counts are c apart. Every set-point gets one correction, in order.
 
 use std::fs::File;
 use std::io;
@@ -49,9 +51,12 @@ const CORRECTIONS_READ: usize = 64;
 const ALIVE: usize = 80;
 const STOP: usize = 96;
 const TOOL: usize = 104;
+const HEAD: usize = 107;
 /// Orders of a set-point.
+const ORDER_NONE: u64 = 0;
 const ORDER_RESET: u64 = 1;
 const ORDER_TOOL: u64 = 2;
+const ORDER_HEAD: u64 = 3;
 const RECORDS: usize = 128;
 /// Maximum number of records of a ring.
 const MOST_RECORDS: u64 = 1 << 20;
@@ -157,6 +162,17 @@ impl Overrun {
     }
 }
 
+/// Order of a set-point that takes longer than a cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RingOrder {
+    /// Another tool is in the spindle, with this vector, mm.
+    Tool([f64; 3]),
+    /// The head with this number is active, with a tool of this vector, mm.
+    Head(u64, [f64; 3]),
+    /// A number that is no order.
+    Unknown(u64),
+}
+
 /// The server side: creates the rings and answers.
 #[derive(Debug)]
 pub struct Ring {
@@ -204,8 +220,8 @@ impl Ring {
         Ok(Ring { words, shape, taken: AtomicU64::new(0) })
     }
 
-    /// Answers one set-point and returns the status bits of the answer; `None` if there is none, no room for the answer, or another tool to take
-    /// before ([`Ring::tool`]). Does not allocate or wait.
+    /// Answers one set-point and returns the status bits of the answer; `None` if there is none, no room for the answer, or an order to carry
+    /// out before ([`Ring::order`]). Does not allocate or wait.
     ///
     /// # Errors
     /// [`Overrun`]: some set-points were overwritten before they were answered, so answers would not match their set-points.
@@ -222,8 +238,9 @@ impl Ring {
         }
         let from = self.shape.set_point(read);
         match self.words.get(self.shape.order(read), Ordering::Relaxed) {
-            ORDER_TOOL if self.taken.load(Ordering::Relaxed) != read.wrapping_add(1) => return Ok(None),
+            ORDER_NONE => {}
             ORDER_RESET => cycle.reset(),
+            _ if self.taken.load(Ordering::Relaxed) != read.wrapping_add(1) => return Ok(None),
             _ => {}
         }
         let number = self.words.get(from, Ordering::Relaxed);
@@ -243,15 +260,22 @@ impl Ring {
         Ok(Some(answer.signals))
     }
 
-    /// The tool vector, mm, that the next set-point orders; `None` without such an order. It is returned once.
+    /// Returns the order that must be carried out before the next set-point is answered, once; `None` without one.
     #[must_use]
-    pub fn tool(&self) -> Option<[f64; 3]> {
+    pub fn order(&self) -> Option<RingOrder> {
         let read = self.words.get(SET_POINTS_READ, Ordering::Relaxed);
-        let written = self.words.get(SET_POINTS_WRITTEN, Ordering::Acquire);
-        let is_ordered = written != read
-            && self.words.get(self.shape.order(read), Ordering::Relaxed) == ORDER_TOOL
-            && self.taken.swap(read.wrapping_add(1), Ordering::Relaxed) != read.wrapping_add(1);
-        is_ordered.then(|| [0, 1, 2].map(|k| self.words.number(TOOL + k)))
+        if self.words.get(SET_POINTS_WRITTEN, Ordering::Acquire) == read {
+            return None;
+        }
+        let tool_mm = || [0, 1, 2].map(|k| self.words.number(TOOL + k));
+        let order = match self.words.get(self.shape.order(read), Ordering::Relaxed) {
+            ORDER_NONE | ORDER_RESET => return None,
+            ORDER_TOOL => RingOrder::Tool(tool_mm()),
+            ORDER_HEAD => RingOrder::Head(self.words.get(HEAD, Ordering::Relaxed), tool_mm()),
+            number => RingOrder::Unknown(number),
+        };
+        let before = self.taken.swap(read.wrapping_add(1), Ordering::Relaxed);
+        (before != read.wrapping_add(1)).then_some(order)
     }
 
     /// Signals that this side is alive. Returns `true` if the control requests the end.
@@ -312,7 +336,17 @@ impl Client {
         self.put_after(number, set_point, ORDER_TOOL)
     }
 
-    fn put_after(&self, number: u64, set_point: &AxisVector, order: u64) -> bool {
+    /// As [`Client::put_with_tool`], with another head: its number, as ncfix prints it.
+    #[must_use]
+    pub fn put_with_head(&self, number: u64, set_point: &AxisVector, head: u64, tool_mm: &[f64; 3]) -> bool {
+        self.words.set(HEAD, head, Ordering::Relaxed);
+        tool_mm.iter().enumerate().for_each(|(k, mm)| self.words.set(TOOL + k, mm.to_bits(), Ordering::Relaxed));
+        self.put_after(number, set_point, ORDER_HEAD)
+    }
+
+    /// As [`Client::put`], with an order by its number.
+    #[must_use]
+    pub fn put_after(&self, number: u64, set_point: &AxisVector, order: u64) -> bool {
         let written = self.words.get(SET_POINTS_WRITTEN, Ordering::Relaxed);
         let read = self.words.get(SET_POINTS_READ, Ordering::Acquire);
         if written.wrapping_sub(read) >= self.shape.capacity {

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::counted::CycleCounts;
 use super::cycle::Cycle;
-use super::ring::{Overrun, Ring};
+use super::ring::{Overrun, Ring, RingOrder};
 
 /// Number of polls of an empty ring before the thread sleeps, and the sleep time.
 const LOOKS: u32 = 2000;
@@ -19,9 +19,9 @@ pub enum ServingEnd {
     Stopped,
     /// The control overran a ring.
     Overrun(Overrun),
-    /// Another tool is in the spindle, with this vector, mm: serve again when its kernel is in the cycle.
-    Tool([f64; 3]),
-    /// There is no kernel for the tool.
+    /// An order that needs another kernel: serve again when it is in the cycle.
+    Order(RingOrder),
+    /// There is no kernel for the tool, or with the head.
     NoKernel,
 }
 
@@ -39,8 +39,8 @@ pub fn serve(ring: &Ring, cycle: &mut Cycle, counts: &mut CycleCounts, is_over: 
             looks = 0;
             continue;
         }
-        if let Some(tool_mm) = ring.tool() {
-            return ServingEnd::Tool(tool_mm);
+        if let Some(order) = ring.order() {
+            return ServingEnd::Order(order);
         }
         if ring.beat() {
             return ServingEnd::Control;

@@ -14,6 +14,8 @@ pub enum ControlLine {
     SetPoint(AxisVector),
     /// `tool 120` or `tool 0,0,-120`: another tool is in the spindle; its length, or its vector, mm (Spaan 1995, Fig. 6.2, process 2).
     Tool(Vec<f64>),
+    /// `head vertical 80`: another head is active, with the length or the vector of its tool, mm.
+    Head(String, Vec<f64>),
     /// `reset`: an axis was referenced, so the control has dropped all corrections (process 5).
     Reset,
 }
@@ -109,15 +111,24 @@ impl<R: BufRead> SetPointLines<R> {
         match word {
             "reset" if rest.trim().is_empty() => Ok(Some(ControlLine::Reset)),
             "reset" => Err(self.wrong(column, "reset stands alone")),
-            "tool" => {
-                let number = |part: &str| part.trim().parse().ok().filter(|value: &f64| value.is_finite());
-                let numbers: Option<Vec<f64>> = rest.split(',').map(number).collect();
-                let numbers = numbers.filter(|numbers| [1, 3].contains(&numbers.len()));
-                let what = || format!("'{}' is neither a length nor a vector, such as 120 or 0,0,-120", rest.trim());
-                numbers.map(|numbers| Some(ControlLine::Tool(numbers))).ok_or_else(|| self.wrong(column, what()))
+            "tool" => self.tool(rest, column).map(|numbers| Some(ControlLine::Tool(numbers))),
+            "head" => {
+                let Some((name, tool)) = rest.trim().rsplit_once(char::is_whitespace) else {
+                    return Err(self.wrong(column, "head needs a name and a tool, such as: head vertical 80"));
+                };
+                let column = text.len() - tool.len() + 1;
+                self.tool(tool, column).map(|numbers| Some(ControlLine::Head(name.trim().to_owned(), numbers)))
             }
             _ => Ok(None),
         }
+    }
+
+    /// The length or the vector of a tool, at a column.
+    fn tool(&self, text: &str, column: usize) -> Result<Vec<f64>, NoSetPoint> {
+        let number = |part: &str| part.trim().parse().ok().filter(|value: &f64| value.is_finite());
+        let numbers: Option<Vec<f64>> = text.split(',').map(number).collect();
+        let what = || format!("'{}' is neither a length nor a vector, such as 120 or 0,0,-120", text.trim());
+        numbers.filter(|numbers| [1, 3].contains(&numbers.len())).ok_or_else(|| self.wrong(column, what()))
     }
 
     /// Reads a line; `false` at the end.

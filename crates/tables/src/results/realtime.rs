@@ -19,6 +19,8 @@ pub struct KernelResult {
     pub direction_urad: f64,
     /// Number of compared poses.
     pub poses: usize,
+    /// Numbers and names of the heads of the machine, if it has several, for orders of a control.
+    pub heads: Vec<(u64, String)>,
 }
 
 impl KernelResult {
@@ -32,6 +34,7 @@ impl KernelResult {
             position_um: um_from_mm(agreement.position_mm),
             direction_urad: urad_from_rad(agreement.direction_rad),
             poses: agreement.poses,
+            heads: Vec::new(),
         }
     }
 }

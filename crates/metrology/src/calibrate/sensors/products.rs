@@ -129,21 +129,42 @@ impl Bank {
         self.candidates.iter().position(|&known| known == candidate)
     }
 
-    /// Coefficients of some candidates, µm/K; `None` if they are linearly dependent.
-    pub(super) fn coefficients(&self, members: &[usize], shrinkage: Shrinkage) -> Option<Vec<f64>> {
-        let mut part = self.products.of(members);
+    /// The fit of some candidates; `None` if they are linearly dependent.
+    pub(super) fn fit(&self, members: &[usize], shrinkage: Shrinkage) -> Option<ShrunkFit> {
+        let part = self.products.of(members);
         let lengths: Vec<f64> = members.iter().filter_map(|&member| self.lengths.get(member).copied()).collect();
-        let fault_k = match shrinkage {
-            Shrinkage::ReadingError(fault_k) => fault_k,
+        let (unit, effective) = match shrinkage {
             Shrinkage::Components(count) if count < members.len() => {
-                return Some(of_components(&part, &DVector::from_vec(lengths), count));
+                let lengths = DVector::from_column_slice(&lengths);
+                let (um_per_k, kept) = of_components(&part, &lengths, count);
+                (um_per_k.component_mul(&lengths), kept as f64)
             }
-            Shrinkage::Components(_) => 0.0,
+            Shrinkage::Components(_) => ridge(&part, DVector::zeros(lengths.len()))?,
+            Shrinkage::ReadingError(fault_k) => {
+                let faults = lengths.iter().map(|length| self.rows as f64 * (fault_k / length).powi(2));
+                ridge(&part, DVector::from_iterator(lengths.len(), faults))?
+            }
         };
-        for (i, length) in lengths.iter().enumerate() {
-            part.columns[(i, i)] += self.rows as f64 * (fault_k / length).powi(2);
-        }
-        let solution = part.columns.cholesky()?.solve(&part.values);
-        Some(solution.iter().zip(&lengths).map(|(value, length)| value / length).collect())
+        // |values − columns · unit|²; only least squares has values · unit for its last term.
+        let squares = part.total - 2.0 * unit.dot(&part.values) + unit.dot(&(&part.columns * &unit));
+        let um_per_k = unit.iter().zip(&lengths).map(|(value, length)| value / length).collect();
+        Some(ShrunkFit { um_per_k, squares: squares.max(0.0), effective })
     }
+}
+
+/// Coefficients of some candidates, with what they leave and cost.
+#[derive(Clone, Debug)]
+pub(super) struct ShrunkFit {
+    /// Coefficients, µm/K.
+    pub(super) um_per_k: Vec<f64>,
+    /// Residual sum of squares of these coefficients, µm²; larger than that of least squares if they are shrunk.
+    pub(super) squares: f64,
+    /// Effective number of coefficients: the trace of the matrix that turns measured into fitted values.
+    pub(super) effective: f64,
+}
+
+/// Coefficients of unit columns and their effective number, with `added` on the diagonal of the products.
+fn ridge(part: &Products, added: DVector<f64>) -> Option<(DVector<f64>, f64)> {
+    let cholesky = (&part.columns + DMatrix::from_diagonal(&added)).cholesky()?;
+    Some((cholesky.solve(&part.values), cholesky.solve(&part.columns).trace()))
 }

@@ -3,7 +3,7 @@
 use ncfix_base::geometry::Axis;
 
 use super::data::SensorRun;
-use super::products::{Bank, LaggedSensor, RowPart, RunRows, pieces};
+use super::products::{Bank, LaggedSensor, RowPart, RunRows, ShrunkFit, pieces};
 use super::shrinkage::Shrinkage;
 use super::subset::Subset;
 
@@ -53,7 +53,7 @@ pub struct SensorTerm {
 pub struct SubsetSize {
     /// Its sensors, with coefficients of all data.
     pub terms: Vec<SensorTerm>,
-    /// Mallows' Cp; `None` if all sensors together leave no degree of freedom.
+    /// Mallows' Cp of these coefficients, with their effective number; `None` if all sensors together leave no degree of freedom.
     pub cp: Option<f64>,
     /// Efficiency on the data.
     pub efficiency: f64,
@@ -121,26 +121,24 @@ pub fn select(
     let mut sizes = Vec::new();
     let mut rests = Vec::new();
     for subset in &found {
-        let Some(learned_um_per_k) = bank.coefficients(&subset.members, options.shrinkage) else { continue };
+        let Some(ShrunkFit { um_per_k: learned_um_per_k, squares, effective }) =
+            bank.fit(&subset.members, options.shrinkage)
+        else {
+            continue;
+        };
         let terms: Vec<LaggedSensor> =
             subset.members.iter().filter_map(|&member| bank.candidates.get(member).copied()).collect();
         let um_per_k = match &all {
             Some(all) => {
                 let members: Option<Vec<usize>> = terms.iter().map(|&term| all.place(term)).collect();
-                let Some(values) = members.and_then(|members| all.coefficients(&members, options.shrinkage)) else {
-                    continue;
-                };
-                values
+                let Some(fit) = members.and_then(|members| all.fit(&members, options.shrinkage)) else { continue };
+                fit.um_per_k
             }
             None => learned_um_per_k.clone(),
         };
         let lags = terms.iter().filter(|(_, lag_s)| *lag_s > 0.0).count();
-        let free = match options.shrinkage {
-            Shrinkage::Components(count) => terms.len().min(count),
-            Shrinkage::ReadingError(_) => terms.len(),
-        };
-        let p = (free + lags + bank.offsets) as f64;
-        let cp = noise.map(|noise| subset.squares / noise + 2.0 * p - bank.rows as f64);
+        let p = effective + (lags + bank.offsets) as f64;
+        let cp = noise.map(|noise| squares / noise + 2.0 * p - bank.rows as f64);
         let [measured, left] = rest(&data, learned, true, &sensors, &terms, &learned_um_per_k);
         let [held_measured, held_left] = rest(held, held_part, false, &sensors, &terms, &learned_um_per_k);
         sizes.push(SubsetSize {

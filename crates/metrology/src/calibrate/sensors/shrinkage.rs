@@ -14,17 +14,18 @@ pub enum Shrinkage {
 }
 
 /// Coefficients of a regression on the first principal components of the temperature rises, µm/K. All rises are in kelvin, so that a component is a
-/// distribution of temperatures, and those with a small variance are left out.
-pub(super) fn of_components(part: &Products, lengths: &DVector<f64>, count: usize) -> Vec<f64> {
+/// distribution of temperatures, and those with a small variance are left out. The second value is the number of components that are used.
+pub(super) fn of_components(part: &Products, lengths: &DVector<f64>, count: usize) -> (DVector<f64>, usize) {
     let gram = DMatrix::from_fn(lengths.len(), lengths.len(), |i, j| part.columns[(i, j)] * lengths[i] * lengths[j]);
     let moments = part.values.component_mul(lengths);
     let parts = gram.symmetric_eigen();
     let mut order: Vec<usize> = (0..lengths.len()).collect();
     order.sort_by(|&a, &b| parts.eigenvalues[b].total_cmp(&parts.eigenvalues[a]));
-    let mut out = DVector::zeros(lengths.len());
+    let (mut out, mut used) = (DVector::zeros(lengths.len()), 0);
     for &at in order.iter().take(count).filter(|&&at| parts.eigenvalues[at] > 0.0) {
         let direction = parts.eigenvectors.column(at);
         out.axpy(direction.dot(&moments) / parts.eigenvalues[at], &direction, 1.0);
+        used += 1;
     }
-    out.as_slice().to_vec()
+    (out, used)
 }

@@ -150,7 +150,12 @@ impl Empirical {
         let mut components: Vec<_> = scene.rows.iter().filter_map(|row| row.component).collect();
         components.sort_unstable();
         components.dedup();
-        places.extend(components.into_iter().filter(|name| name.direction.is_rotation()).map(Through::Component));
+        places.extend(
+            components
+                .into_iter()
+                .filter(|name| name.direction.is_rotation() && !name.is_location())
+                .map(Through::Component),
+        );
         let mut first = Vec::new();
         let mut count = 0;
         for set in scene.sets {

@@ -35,7 +35,7 @@ struct ReadSeries {
 pub(super) fn turn_at_ends(data: &mut DataSet, is_stated: impl Fn(Axis) -> bool) {
     let mut series: Vec<ReadSeries> = Vec::new();
     for (row, observation) in data.observations.iter().enumerate() {
-        let Some(axis) = observation.component.and_then(|component| component.axis()) else { continue };
+        let Some(axis) = observation.motion_axis() else { continue };
         if is_stated(axis) {
             continue;
         }

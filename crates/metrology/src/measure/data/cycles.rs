@@ -43,7 +43,7 @@ pub(super) fn find(data: &mut DataSet, table: &Table, findings: &mut Vec<Diagnos
     let mut groups: Vec<Vec<Member>> = Vec::new();
     groups.resize_with(data.setups.len().saturating_mul(components), Vec::new);
     for (row, observation) in data.observations.iter().enumerate() {
-        let Some(axis) = observation.component.and_then(|component| component.axis()) else { continue };
+        let Some(axis) = observation.motion_axis() else { continue };
         let place = observation.setup * components + observation.target.unwrap_or(0);
         if let Some(group) = groups.get_mut(place) {
             let time = observation.t_s.unwrap_or(group.len() as f64);

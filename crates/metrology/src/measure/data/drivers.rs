@@ -18,10 +18,13 @@ pub struct DataColumn {
 pub const TIME: &str = "t_s";
 /// The column with known moves of the tool in a test of signs, µm.
 pub const MOVED: &str = "moved_um";
+/// The column with known turns in a test of signs of an angle, µrad.
+pub const TURNED: &str = "moved_urad";
 /// Columns about the feature of a workpiece that was measured: its name, its level, its nominal position relative to the zero of the workpiece.
 pub const FEATURE_COLUMNS: [&str; 5] = ["feature", "level", "nominal_x_mm", "nominal_y_mm", "nominal_z_mm"];
 /// Columns with a meaning of their own.
-const OWN: [&str; 9] = ["setup", "run", TIME, MOVED, "target", "component", "tool_x_mm", "tool_y_mm", "tool_z_mm"];
+const OWN: [&str; 10] =
+    ["setup", "run", TIME, MOVED, TURNED, "target", "component", "tool_x_mm", "tool_y_mm", "tool_z_mm"];
 
 /// Reads all purely numeric columns.
 pub(super) fn read(table: &Table, machine: &Machine, sign: DecimalSign, data: &DataSet) -> Vec<DataColumn> {

@@ -1,14 +1,14 @@
 //! Test of the sign of a direct measurement (Spaan 1995, ch. 9): the program moves the tool by a known amount, and the reading must follow.
 //!
 //! A row with a number in the column `moved_um` belongs to the test: the tool stood beside the position of the row by this number of micrometers, along the
-//! measured component. Rows with 0 are the reference of the others. Readings that do not follow are an error: a wrong sign doubles the errors of the machine.
+//! measured component. For an angle, `moved_urad` is the turn about it: by a rotary axis, or of the instrument by hand. Rows with 0 are the reference of the others. Readings that do not follow are an error: a wrong sign doubles the errors of the machine.
 //! The rows of the test are then removed.
 
 use ncfix_base::csv::{DecimalSign, Table};
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_base::units::mm_from_um;
+use ncfix_base::units::{mm_from_um, rad_from_urad};
 
-use super::{DataSet, MOVED};
+use super::{DataSet, MOVED, Observation, TURNED};
 use crate::measure::kind::Measurand;
 
 /// Range of a reading that follows a move, as a share of the move.
@@ -16,33 +16,46 @@ const FOLLOWS: std::ops::RangeInclusive<f64> = 0.8..=1.2;
 /// Largest share of a move that counts as standing still.
 const STANDS: f64 = 0.05;
 
-/// The known moves of the rows, mm; `None` for rows that are no test.
-fn moves(table: &Table, sign: DecimalSign, findings: &mut Vec<Diagnostic>) -> Option<Vec<Option<f64>>> {
-    let column = table.column(MOVED)?;
+/// The known moves of the rows, mm or rad; `None` for rows that are no test.
+fn moves(
+    table: &Table,
+    rows: &[Observation],
+    sign: DecimalSign,
+    findings: &mut Vec<Diagnostic>,
+) -> Option<Vec<Option<f64>>> {
+    let columns = [MOVED, TURNED].map(|name| table.column(name));
+    if columns == [None, None] {
+        return None;
+    }
     let mut moves = Vec::new();
-    for row in table.rows() {
-        moves.push(match row.text(column) {
-            [] => None,
-            _ => match row.number(column, sign) {
-                Ok(um) => Some(mm_from_um(um)),
-                Err(found) => {
-                    findings.push(found);
-                    None
-                }
-            },
-        });
+    for (row, observation) in table.rows().zip(rows) {
+        let is_angle = observation.is_angle();
+        let [length, angle] = columns.map(|column| column.filter(|&column| !row.text(column).is_empty()));
+        let (own, other) = if is_angle { (angle, length) } else { (length, angle) };
+        if let (Some(column), Some(component)) = (other, observation.component) {
+            let [right, wrong] = if is_angle { [TURNED, MOVED] } else { [MOVED, TURNED] };
+            let message = format!("{component} has no {wrong}");
+            findings.push(Diagnostic::at(Code::DATA_CELL, row.place(column), message, format!("write it in {right}")));
+        }
+        moves.push(own.and_then(|column| match row.number(column, sign) {
+            Ok(micro) => Some(if is_angle { rad_from_urad(micro) } else { mm_from_um(micro) }),
+            Err(found) => {
+                findings.push(found);
+                None
+            }
+        }));
     }
     Some(moves)
 }
 
 /// Tests the signs, and removes the rows of the test from a measurement that was read without errors.
 pub(super) fn test(data: &mut DataSet, table: &Table, sign: DecimalSign, findings: &mut Vec<Diagnostic>) {
-    let Some(moves) = moves(table, sign, findings) else { return };
-    if data.kind.measurand != Measurand::Component || moves.len() != data.observations.len() {
+    if data.kind.measurand != Measurand::Component || table.rows().count() != data.observations.len() {
         return;
     }
-    for (number, (row, by_mm)) in data.observations.iter().zip(&moves).enumerate() {
-        let (Some(by_mm), Some(component)) = (by_mm.filter(|by| *by != 0.0), row.component) else { continue };
+    let Some(moves) = moves(table, &data.observations, sign, findings) else { return };
+    for (number, (row, by)) in data.observations.iter().zip(&moves).enumerate() {
+        let (Some(by), Some(component)) = (by.filter(|by| *by != 0.0), row.component) else { continue };
         let is_reference = |other: usize| {
             let known = data.observations.get(other);
             known.is_some_and(|known| known.component == row.component && known.setup == row.setup)
@@ -52,7 +65,7 @@ pub(super) fn test(data: &mut DataSet, table: &Table, sign: DecimalSign, finding
             (0..moves.len()).filter(|&other| moves[other] == Some(0.0) && is_reference(other)).collect();
         let reference = zeros.iter().rev().find(|&&other| other < number).or(zeros.first());
         let Some(reference) = reference.and_then(|&other| data.observations.get(other)) else {
-            let help = "give a row at the same place with moved_um 0";
+            let help = "give a row at the same place with a move of 0";
             findings.push(Diagnostic::at(
                 Code::DATA_CELL,
                 row.place,
@@ -62,7 +75,7 @@ pub(super) fn test(data: &mut DataSet, table: &Table, sign: DecimalSign, finding
             continue;
         };
         let [Some(now), Some(then)] = [row.values[0], reference.values[0]] else { continue };
-        let share = (now - then) / by_mm;
+        let share = (now - then) / by;
         if FOLLOWS.contains(&share) {
             continue;
         }

@@ -98,8 +98,12 @@ pub fn figures(data: &DataSet, machine: &Machine) -> Vec<MeasuredFigures> {
 }
 
 fn components(data: &DataSet) -> Vec<MeasuredFigures> {
-    let mut groups: Vec<(usize, usize)> =
-        data.observations.iter().filter_map(|row| Some((row.setup, row.target?))).collect();
+    let mut groups: Vec<(usize, usize)> = data
+        .observations
+        .iter()
+        .filter(|row| row.motion_axis().is_some())
+        .filter_map(|row| Some((row.setup, row.target?)))
+        .collect();
     groups.sort_unstable();
     groups.dedup();
     let one = |(setup, target): (usize, usize)| {

@@ -3,12 +3,12 @@
 //! `component` names the measured component, `value_um` or `value_urad` its value: the deviation of the body that the axis moves, at the point of
 //! measurement given by the tool vector. A displacement thus contains the angular errors with their Abbe arms (Spaan 1995, ch. 3). `offset` frees the
 //! zero of the instrument for every set-up and component, and `slope` its alignment in a straightness: the angle between the optics or the straightedge and
-//! the axis is not an error of the machine. `drift` adds a drift that is linear in time within every back-and-forth cycle, each with
+//! the axis is not an error of the machine. A location error (`EC0Y`) is read itself ([`super::location`]). `drift` adds a drift that is linear in time within every back-and-forth cycle, each with
 //! its own zero, if there is no reversal error (see [`crate::measure::iso230::drift`]).
 
 use std::collections::HashMap;
 
-use super::{Equation, Instrument, Measurand, Seen, Unknown, at, needed, no_ties, optional, zeros};
+use super::{Equation, Instrument, Measurand, Seen, Unknown, at, location, needed, no_ties, optional, zeros};
 use crate::measure::data::{DataSet, Free, Observation, number_of, text};
 use crate::measure::iso230::drift;
 use crate::measure::iso230::positioning::ApproachReading;
@@ -18,7 +18,6 @@ use ncfix_base::geometry::Axis;
 use ncfix_base::units::{mm_from_um, rad_from_urad, um_from_mm, urad_from_rad};
 use ncfix_machine::machine::Branch;
 use ncfix_model::ErrorName;
-use ncfix_model::name::ErrorKind;
 
 /// The kind.
 pub(super) const KIND: Instrument = Instrument {
@@ -39,13 +38,12 @@ pub(super) const KIND: Instrument = Instrument {
 fn read(data: &mut DataSet, row: &Row<'_>, sign: DecimalSign, observation: &mut Observation) -> Result<(), Diagnostic> {
     let column = needed(row, "component")?;
     let name = text(row, column);
-    let component = name.parse::<ErrorName>().ok().filter(|name| name.kind == ErrorKind::Motion);
-    let Some(component) = component else {
-        let help = "write a motion error such as EXX, EYX or EAX";
+    let Ok(component) = name.parse::<ErrorName>() else {
+        let help = "write a motion error such as EXX, EYX or EAX, or a location error such as EC0Y";
         return Err(Diagnostic::at(
             Code::DATA_CELL,
             row.place(column),
-            format!("'{name}' is not a motion error"),
+            format!("'{name}' is not an error component"),
             help,
         ));
     };
@@ -138,6 +136,14 @@ fn check(data: &DataSet, _: &Table, findings: &mut Vec<Diagnostic>) {
 
 fn equations(data: &DataSet, observation: &Observation, seen: &Seen<'_>, values: &[f64], out: &mut Vec<Equation>) {
     let (Some(read), Some(component)) = (observation.values[0], observation.component) else { return };
+    if component.is_location() {
+        let by_location = location::parts(seen.machine, component);
+        let predicted: f64 =
+            by_location.iter().flatten().map(|(name, factor)| factor * seen.model.location(*name)).sum();
+        let is_angle = component.direction.is_rotation();
+        out.push(Equation { residual: read - predicted, by_location, is_angle, ..Equation::default() });
+        return;
+    }
     // The moving body: relative to the tool on the workpiece side.
     let on_table = component.axis().and_then(|axis| seen.machine.topology.branch(axis)) == Some(Branch::Workpiece);
     let sense = if on_table { -1.0 } else { 1.0 };

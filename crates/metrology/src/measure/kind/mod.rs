@@ -8,6 +8,7 @@ mod ballbar;
 pub(crate) mod direct;
 mod displacement;
 mod length;
+pub(super) mod location;
 mod probe;
 mod trace;
 
@@ -18,7 +19,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{Matrix, Vector};
 use ncfix_base::register::{Register, Registered};
 use ncfix_machine::machine::Machine;
-use ncfix_model::{Model, Pose};
+use ncfix_model::{ErrorName, Model, Pose};
 
 use super::data::{DataSet, Free, Observation};
 use super::reading::Reading;
@@ -182,6 +183,8 @@ pub struct Equation {
     pub by_tip: Vector,
     /// Derivative with respect to a rotation of the tool in the workpiece frame.
     pub by_turn: Vector,
+    /// Derivatives with respect to location errors themselves, for a reading of one.
+    pub by_location: [Option<(ErrorName, f64)>; 2],
     /// Derivatives with respect to unknowns, with their indices in [`Instrument::unknowns`].
     pub by_unknown: Vec<(usize, f64)>,
     /// `true` if an angle was read.
@@ -230,6 +233,20 @@ pub fn zeros(data: &DataSet, _: &Model) -> Vec<f64> {
 
 /// For kinds without known distances.
 pub fn no_ties(_: &DataSet, _: &[f64], _: &mut Vec<Equation>) {}
+
+impl Equation {
+    /// Derivative with respect to a component itself; not by its effect on the tool.
+    #[must_use]
+    pub fn by_component(&self, name: ErrorName) -> f64 {
+        by_component(&self.by_location, name)
+    }
+}
+
+/// The factor of a component among location errors.
+#[must_use]
+pub fn by_component(by_location: &[Option<(ErrorName, f64)>; 2], name: ErrorName) -> f64 {
+    by_location.iter().flatten().find(|(own, _)| *own == name).map_or(0.0, |(_, factor)| *factor)
+}
 
 /// Reports temperatures without expansion, or the reverse.
 fn no_expansion(data: &DataSet, table: &Table, findings: &mut Vec<Diagnostic>) {

@@ -30,6 +30,8 @@ pub struct Extra {
     pub load: Option<(f64, Vector)>,
     /// A known move of the tool along the measured component in a test of signs, µm.
     pub moved_um: Option<f64>,
+    /// A known turn about the measured component in a test of signs, µrad.
+    pub moved_urad: Option<f64>,
     /// The feature of a workpiece that the row is about.
     pub feature: Option<PlannedFeature>,
 }

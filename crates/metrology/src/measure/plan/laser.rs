@@ -9,7 +9,7 @@ use super::{PlanKind, PlanRefused, RowSpacing, Wishes, empty, kind};
 use crate::measure::data::{Free, Setup, number_of};
 use crate::measure::kind::direct::is_straightness;
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
-use ncfix_base::units::um_from_mm;
+use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_machine::machine::{Branch, Machine};
 use ncfix_model::ErrorName;
 use ncfix_model::name::{Carrier, ErrorKind};
@@ -28,6 +28,10 @@ pub(super) const PLAN: PlanKind = PlanKind {
 const SCATTER: f64 = 0.3;
 /// Known move in a test of signs, mm: far above the errors of a machine, within the range of instruments.
 const MOVE_MM: f64 = 0.1;
+/// Known turn in a test of signs, rad: 20 increments of 0.001°, within the range of autocollimators and levels.
+const TURN_RAD: f64 = 0.02 * std::f64::consts::PI / 180.0;
+/// Largest share of a turn about another direction.
+const OBLIQUE: f64 = 0.01;
 
 fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     let axis = wishes.axis.unwrap_or(Axis::X);
@@ -122,7 +126,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     Ok(plan)
 }
 
-/// Readings at a pose and beside it, by a known move along each component.
+/// Readings at a pose and beside it, by a known move along each component, or a known turn about it.
 fn test_signs(
     plan: &mut Builder,
     pose: &AxisVector,
@@ -132,22 +136,31 @@ fn test_signs(
 ) -> Result<(), PlanRefused> {
     let pose = &plan.on_increments(pose);
     for (component, target) in components.iter().zip(targets) {
-        let moved = [Axis::X, Axis::Y, Axis::Z].get(component.direction.index()).copied();
-        let moved = moved.filter(|axis| plan.machine.axis(*axis).is_some());
-        let Some(moved) = moved.filter(|_| !component.direction.is_rotation()) else {
-            plan.notes.push(format!("no axis moves along {component} alone: its sign is not tested"));
+        let is_angle = component.direction.is_rotation();
+        let found =
+            if is_angle { beside_by_turn(plan, pose, *component) } else { beside(plan, pose, *component, &tool_mm) };
+        let Some((beside, by)) = found else {
+            plan.notes.push(if is_angle {
+                format!(
+                    "no axis turns about {component} alone: turn the instrument by hand, and add rows with moved_urad 0 and the turn"
+                )
+            } else {
+                format!("no axis moves along {component} alone: its sign is not tested")
+            });
             continue;
         };
-        let mut beside = *pose;
-        beside[moved] += MOVE_MM;
         // Readings are deviations of the body that the axis moves: on the workpiece side relative to the tool.
-        let tip = |at: &AxisVector| plan.kinematics.tip_mm(at, &tool_mm);
         let on_table = component.axis().and_then(|axis| plan.machine.topology.branch(axis)) == Some(Branch::Workpiece);
-        let by_mm = (tip(&beside) - tip(pose))[component.direction.index()] * if on_table { -1.0 } else { 1.0 };
-        for (at, moved_um) in [(pose, 0.0), (&beside, um_from_mm(by_mm))] {
+        let by = by * if on_table { -1.0 } else { 1.0 };
+        for (at, by) in [(pose, 0.0), (&beside, by)] {
             plan.go(at, Some(feed))?;
-            let extra =
-                Extra { run: "signs".to_owned(), feed: Some(feed), moved_um: Some(moved_um), ..Extra::default() };
+            let mut extra = Extra { run: "signs".to_owned(), feed: Some(feed), ..Extra::default() };
+            let (own, micro) = if is_angle {
+                (&mut extra.moved_urad, urad_from_rad(by))
+            } else {
+                (&mut extra.moved_um, um_from_mm(by))
+            };
+            *own = Some(micro);
             plan.row(pose, tool_mm, 0, extra)?;
             plan.of_last(Some(*target), Some(*component));
             plan.dwell(dwell_s);
@@ -155,4 +168,37 @@ fn test_signs(
         plan.go(pose, Some(feed))?;
     }
     Ok(())
+}
+
+/// A position beside a pose along a component, and the move of the tool along it, mm.
+fn beside(plan: &Builder, pose: &AxisVector, component: ErrorName, tool_mm: &Vector) -> Option<(AxisVector, f64)> {
+    let moved = [Axis::X, Axis::Y, Axis::Z].get(component.direction.index()).copied();
+    let moved = moved.filter(|axis| plan.machine.axis(*axis).is_some())?;
+    let mut beside = *pose;
+    beside[moved] += MOVE_MM;
+    let [from, to] = [pose, &beside].map(|at| plan.kinematics.tip_mm(at, tool_mm)[component.direction.index()]);
+    Some((beside, to - from))
+}
+
+/// A position beside a pose by a turn about a component alone, and the turn of the tool relative to the workpiece, rad. Other rotary axes are at zero.
+fn beside_by_turn(plan: &Builder, pose: &AxisVector, component: ErrorName) -> Option<(AxisVector, f64)> {
+    let rotary: Vec<Axis> = plan.kinematics.rotary_axes().collect();
+    rotary.iter().find_map(|&axis| {
+        if rotary.iter().any(|&other| other != axis && pose[other] != 0.0) {
+            return None;
+        }
+        // Towards the middle of the travel, so that no limit is in the way.
+        let middle = plan.machine.axis(axis)?.travel.map_or(0.0, |[low, high]| f64::midpoint(low, high));
+        let mut beside = *pose;
+        beside[axis] += if pose[axis] > middle { -TURN_RAD } else { TURN_RAD };
+        let beside = plan.on_increments(&beside);
+        let [from, to] = [pose, &beside].map(|at| plan.kinematics.rotation(at));
+        let turn = to * from.transpose();
+        // The vector of a small rotation.
+        let vector =
+            Vector::new(turn[(2, 1)] - turn[(1, 2)], turn[(0, 2)] - turn[(2, 0)], turn[(1, 0)] - turn[(0, 1)]) / 2.0;
+        let along = vector[component.direction.index() % 3];
+        let across = (vector.norm_squared() - along * along).max(0.0).sqrt();
+        (along != 0.0 && across < OBLIQUE * along.abs()).then_some((beside, along))
+    })
 }

@@ -12,7 +12,7 @@ use ncfix_machine::machine::Machine;
 /// The plan.
 pub(super) const PLAN: PlanKind = PlanKind {
     name: "rtest",
-    title: "ball at a point of the table while rotary axes turn, read in X, Y and Z (ISO 10791-6)",
+    title: "ball at a point of the table while rotary axes turn, read in X, Y and Z (ISO 10791-6); variants together (all rotary axes at once), corner (two legs at several feeds)",
     wishes: &[
         "variant", "axis", "range", "tilt", "ball", "radius", "every", "chord", "points", "runs", "feed", "dwell",
     ],

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::measure::data::{FEATURE_COLUMNS, MOVED};
+use crate::measure::data::{FEATURE_COLUMNS, MOVED, TURNED};
 use crate::measure::kind::{self, Measurand, NOT_READ};
 use ncfix_base::geometry::{AXES, Axis};
 use ncfix_model::name::Direction;
@@ -18,7 +18,7 @@ pub fn csv(plan: &Builder) -> String {
     let data = &plan.data;
     let axes: Vec<Axis> = AXES.into_iter().filter(|&axis| plan.machine.axis(axis).is_some()).collect();
     let has = |of: fn(&Extra) -> bool| plan.extras.iter().any(of);
-    let [feature, run, time, speed, feed, load, moved] = [
+    let [feature, run, time, speed, feed, load, moved, turned] = [
         has(|extra| extra.feature.is_some()),
         has(|extra| !extra.run.is_empty()),
         has(|extra| extra.time_s.is_some()),
@@ -26,6 +26,7 @@ pub fn csv(plan: &Builder) -> String {
         has(|extra| extra.feed.is_some()),
         has(|extra| extra.load.is_some()),
         has(|extra| extra.moved_um.is_some()),
+        has(|extra| extra.moved_urad.is_some()),
     ];
     let measurand = data.kind.measurand;
     let mut header: Vec<String> = Vec::new();
@@ -57,6 +58,7 @@ pub fn csv(plan: &Builder) -> String {
         named(load, column);
     }
     named(moved, MOVED);
+    named(turned, TURNED);
     let readings = readings(plan);
     for column in &readings {
         named(true, column);
@@ -101,6 +103,9 @@ pub fn csv(plan: &Builder) -> String {
         }
         if moved {
             cells.push(extra.moved_um.map_or_else(String::new, number));
+        }
+        if turned {
+            cells.push(extra.moved_urad.map_or_else(String::new, number));
         }
         let reads = plan.reads_of(extra);
         let is_left_out = |column: &&str| {
