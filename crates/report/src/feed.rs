@@ -152,7 +152,7 @@ pub struct Before {
     pub line_by_line: bool,
     /// Path of the file on the control, if the link sends the program as one file.
     pub file: Option<String>,
-    /// Delay of a temperature change due to the frozen lines.
+    /// Delay of a temperature change due to the lines in the control, which no longer change.
     pub frozen_s: f64,
     /// Worst stretches.
     pub late: Vec<Late>,
