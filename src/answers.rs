@@ -128,7 +128,10 @@ fn nc_codes(words: &[String]) -> String {
             let rows = table.lines().filter(|line| !line.starts_with('#'));
             let row = rows.map(|line| line.split('\t').collect::<Vec<&str>>()).find(|row| is_named(word, row[0]));
             if let Some([name, _, effect, _, meaning]) = row.as_deref() {
-                out += &format!("{name}  {language}: {meaning}; {} (docs/reference/codes.md)\n", effect_of(effect));
+                // The meaning states what another control of the same language does.
+                let other = if meaning.contains("executed with") { "otherwise " } else { "" };
+                let effect = effect_of(effect);
+                out += &format!("{name}  {language}: {meaning}; {other}{effect} (docs/reference/codes.md)\n");
             }
         }
     }

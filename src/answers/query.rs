@@ -115,8 +115,15 @@ fn letters(word: &str) -> String {
     word.chars().filter(|letter| letter.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
-/// The stem of a word in lower case: without the ending of a plural, a past or an -ing, and without the second of two equal letters before it.
+/// The stem of a word in lower case: without the ending of a plural, a past or an -ing, without the second of two equal letters before it, and without a
+/// last -e: `overwrite` is found in `overwritten`.
 fn stem(word: &str) -> String {
+    let cut = without_ending(word);
+    cut.strip_suffix('e').filter(|short| short.chars().count() >= 4).map_or(cut.clone(), ToOwned::to_owned)
+}
+
+/// A word in lower case without its ending.
+fn without_ending(word: &str) -> String {
     let cut = ["ing", "ed", "es", "s"].iter().find_map(|ending| Some((*ending, word.strip_suffix(ending)?)));
     let Some((ending, cut)) = cut.filter(|(_, cut)| cut.chars().count() >= 3) else { return word.to_owned() };
     let mut last = cut.chars().rev();
@@ -173,6 +180,7 @@ mod tests {
             ("stopped", "stop"),
             ("touching", "touched"),
             ("planning", "plan"),
+            ("overwrite", "overwrit"),
             ("drilling", "drilled"),
             ("corners", "corner"),
         ] {
