@@ -359,7 +359,7 @@ pub(super) struct SncArguments {
 /// `ncfix explain`.
 #[derive(Clone, Debug, Args)]
 pub(super) struct ExplainArguments {
-    /// Diagnostic code, such as E0203, or words to search for (default: list all codes)
+    /// Diagnostic code, such as E0203, G or M code, or words to search for (default: list all diagnostic codes)
     #[arg(value_name = "CODE|WORDS")]
     pub(super) words: Vec<String>,
 }
