@@ -1,60 +1,42 @@
-//! Search in the texts for people: the questions of `docs/questions.md` and the explanations of the codes.
+//! Search in the texts for people: the questions of `docs/questions.md`, the titles of the how-to pages, the G and M codes, and the explanations of the
+//! diagnostic codes.
 
-use ncfix_base::diagnostic::{CODES, Code, CodeRow};
+mod plain;
+mod query;
+
+use ncfix_base::diagnostic::{CODES, Code};
+
+use plain::plain;
+use query::{Hit, Query};
 
 /// The page with questions and answers, as tables of Markdown.
 const QUESTIONS: &str = include_str!("../docs/questions.md");
 
-/// The most questions, and the most codes, that one search shows: about one screen.
+/// The table of contents, with the titles of all pages.
+const CONTENTS: &str = include_str!("../docs/SUMMARY.md");
+
+/// The most texts of one kind that a search shows if they have all words: about one screen.
 const MOST: usize = 8;
 
-/// Words that are in every question and find nothing.
-const TOO_COMMON: [&str; 24] = [
-    "a", "an", "and", "at", "by", "can", "do", "does", "for", "from", "how", "i", "in", "is", "it", "my", "of", "on",
-    "or", "the", "to", "what", "when", "with",
+/// The most texts of one kind that a search shows if none has all words.
+const MOST_IN_PART: usize = 5;
+
+/// The name of each language with its table of G and M codes: code, group, effect, words and meaning, separated by tabs.
+const TABLES: [(&str, &str); 4] = [
+    ("Sinumerik", include_str!("../grammars/sinumerik-codes.tsv")),
+    ("Fanuc and Haas", include_str!("../grammars/fanuc-codes.tsv")),
+    ("RS274/NGC", include_str!("../grammars/rs274-codes.tsv")),
+    ("Grundig", include_str!("../grammars/grundig-codes.tsv")),
 ];
 
-/// The stem of a word: lower case, without the ending of a plural, a past or an -ing.
-fn stem(word: &str) -> String {
-    let lower: String = word.chars().filter(|letter| letter.is_alphanumeric()).flat_map(char::to_lowercase).collect();
-    let endings = ["ing", "ed", "es", "s"];
-    let cut = endings.iter().find_map(|ending| lower.strip_suffix(ending)).filter(|cut| cut.chars().count() >= 3);
-    cut.map_or(lower.clone(), ToOwned::to_owned)
-}
-
-/// The number of stems that begin a word of the text.
-fn hits(stems: &[String], text: &str) -> usize {
-    let words: Vec<String> = text.split(|letter: char| !letter.is_alphanumeric()).map(str::to_lowercase).collect();
-    stems.iter().filter(|stem| words.iter().any(|word| word.starts_with(stem.as_str()))).count()
-}
-
-/// The rows that have all stems, best first; if no row has all, those with the most, but at least half of them.
-fn best<T: Copy>(stems: &[String], rows: impl Iterator<Item = (T, usize, usize)>) -> Vec<T> {
-    let mut rated: Vec<(T, usize, usize)> =
-        rows.filter(|(_, all, _)| *all * 2 >= stems.len().max(1) && *all > 0).collect();
-    let most = rated.iter().map(|(_, all, _)| *all).max().unwrap_or(0);
-    rated.retain(|(_, all, _)| *all == most);
-    rated.sort_by_key(|(_, _, title)| std::cmp::Reverse(*title));
-    rated.into_iter().take(MOST).map(|(row, ..)| row).collect()
-}
-
-/// The text of Markdown as plain text: without the signs of code and bold letters, and a link as its words and its page in brackets.
-fn plain(markdown: &str) -> String {
-    let mut out = String::new();
-    let mut rest = markdown;
-    while let Some(at) = rest.find("](") {
-        let Some(open) = rest[..at].rfind('[') else { break };
-        let Some(length) = rest[at..].find(')') else { break };
-        let target = &rest[at + 2..at + length];
-        out += &rest[..open];
-        out += &rest[open + 1..at];
-        if !target.starts_with('#') {
-            out += &format!(": docs/{target}");
-        }
-        rest = &rest[at + length + 1..];
-    }
-    out += rest;
-    out.replace(['`', '*'], "").replace("\\|", "|")
+/// A text that a search can find.
+struct Entry {
+    /// Text as it is printed.
+    shown: String,
+    /// Its title: words here count more.
+    title: String,
+    /// All of its words, with the title.
+    text: String,
 }
 
 /// The texts of codes, or what the texts say about words; without a word, the list of codes. `None` if no text has the words.
@@ -73,31 +55,113 @@ pub(crate) fn to(words: &[String]) -> Option<String> {
     if words.iter().any(is_code) { None } else { about(words) }
 }
 
-/// The questions and answers, and the codes, that have the words; `None` if no text has them.
+/// The questions with their answers, the how-to pages, the G and M codes and the diagnostic codes that have the words; `None` if no text has them.
 fn about(words: &[String]) -> Option<String> {
-    let meant = words.iter().flat_map(|word| word.split_whitespace());
-    let stems: Vec<String> = meant
-        .filter(|word| !TOO_COMMON.contains(&word.to_lowercase().as_str()))
-        .map(stem)
-        .filter(|stem| !stem.is_empty())
-        .collect();
-    let questions = QUESTIONS.lines().filter_map(|line| line.strip_prefix("| ")?.strip_suffix(" |")?.split_once(" | "));
-    let questions = questions.filter(|(question, _)| question.ends_with('?')).map(|row| {
-        let title = hits(&stems, row.0);
-        (row, hits(&stems, &format!("{} {}", row.0, row.1)), title)
-    });
-    let answers = best(&stems, questions);
-    let codes =
-        CODES.iter().map(|row| (row, hits(&stems, &format!("{} {}", row.title, row.explain)), hits(&stems, row.title)));
-    let codes: Vec<&CodeRow> = best(&stems, codes);
-    let mut out = String::new();
-    for (question, answer) in &answers {
-        out += &format!("{}\n  {}\n\n", plain(question), plain(answer));
-    }
-    for row in &codes {
-        out += &format!("{}  {}\n", row.code, row.title);
+    let (answers, codes) = (answers(), codes());
+    let query = Query::new(words, answers.iter().chain(&codes).map(|entry| entry.text.as_str()));
+    let named = nc_codes(words);
+    let found = best(&query, &answers);
+    let mut out: String = found.shown.concat();
+    out += &named;
+    let found_codes = best(&query, &codes);
+    // Codes that have only some of the words say less than an answer.
+    if found_codes.has_all || found.shown.is_empty() && named.is_empty() {
+        out += &found_codes.shown.concat();
     }
     (!out.is_empty()).then_some(out)
+}
+
+/// The questions with their answers, and the how-to pages.
+fn answers() -> Vec<Entry> {
+    let rows = QUESTIONS.lines().filter_map(|line| line.strip_prefix("| ")?.strip_suffix(" |")?.split_once(" | "));
+    let questions = rows.filter(|(question, _)| *question != "question").map(|(question, answer)| Entry {
+        shown: format!("{}\n  {}\n\n", plain(question), plain(answer)),
+        title: question.to_owned(),
+        text: format!("{question} {answer}"),
+    });
+    let pages = CONTENTS.lines().filter_map(|line| line.trim_start().strip_prefix("- [")?.split_once("](how-to/"));
+    let pages = pages.map(|(title, page)| Entry {
+        shown: format!("{title}\n  See the page (docs/how-to/{}).\n\n", page.trim_end_matches(')')),
+        title: title.to_owned(),
+        // The name of a page often has another word for its subject.
+        text: format!("{title} {page}"),
+    });
+    questions.chain(pages).collect()
+}
+
+/// The diagnostic codes.
+fn codes() -> Vec<Entry> {
+    let entry = |row: &ncfix_base::diagnostic::CodeRow| Entry {
+        shown: format!("{}  {}\n", row.code, row.title),
+        title: row.title.to_owned(),
+        text: format!("{} {}", row.title, row.explain),
+    };
+    CODES.iter().map(entry).collect()
+}
+
+/// Texts that a search shows.
+struct Found {
+    shown: Vec<String>,
+    /// True if they have all words.
+    has_all: bool,
+}
+
+/// The texts that have all words, best first; if none has all, the best of those that have enough of them.
+fn best(query: &Query, entries: &[Entry]) -> Found {
+    let mut rated: Vec<(Hit, &Entry)> =
+        entries.iter().filter_map(|entry| Some((query.hit(&entry.title, &entry.text)?, entry))).collect();
+    let has_all = rated.iter().any(|(hit, _)| hit.has_all);
+    let highest = rated.iter().map(|(hit, _)| hit.score).fold(0.0, f64::max);
+    // Of partial hits, only those that come near the best one.
+    rated.retain(|(hit, _)| if has_all { hit.has_all } else { hit.score * 1.5 >= highest });
+    rated.sort_by(|(a, _), (b, _)| b.score.total_cmp(&a.score));
+    let most = if has_all { MOST } else { MOST_IN_PART };
+    Found { shown: rated.into_iter().take(most).map(|(_, entry)| entry.shown.clone()).collect(), has_all }
+}
+
+/// A line for each G or M code, or word in capital letters, that a table has: its meaning, by language.
+fn nc_codes(words: &[String]) -> String {
+    let mut out = String::new();
+    let asked = words.iter().flat_map(|word| word.split_whitespace());
+    for word in asked.filter(|word| word.bytes().any(|byte| byte.is_ascii_digit()) || **word == word.to_uppercase()) {
+        for (language, table) in TABLES {
+            let rows = table.lines().filter(|line| !line.starts_with('#'));
+            let row = rows.map(|line| line.split('\t').collect::<Vec<&str>>()).find(|row| is_named(word, row[0]));
+            if let Some([name, _, effect, _, meaning]) = row.as_deref() {
+                // The meaning states what another control of the same language does.
+                let other = if meaning.contains("executed with") { "otherwise " } else { "" };
+                let effect = effect_of(effect);
+                out += &format!("{name}  {language}: {meaning}; {other}{effect} (docs/reference/codes.md)\n");
+            }
+        }
+    }
+    if out.is_empty() { out } else { out + "\n" }
+}
+
+/// The effect of a code of a table on the output, for people.
+fn effect_of(word: &str) -> &'static str {
+    match word {
+        "refuse" => "refused",
+        "keep" => "stays in the output",
+        "display" => "not in the output",
+        _ => "executed",
+    }
+}
+
+/// True if a word is a code of a table, or within a range such as `G600..G699`; leading zeros do not matter.
+fn is_named(word: &str, name: &str) -> bool {
+    let split = |text: &str| {
+        let letters = text.len() - text.trim_start_matches(|letter: char| letter.is_ascii_alphabetic()).len();
+        Some((text[..letters].to_ascii_uppercase(), text[letters..].parse::<f64>().ok()?))
+    };
+    match (split(word), name.split_once("..")) {
+        (Some((letters, number)), Some((first, last))) => {
+            let ends = split(first).zip(split(last));
+            ends.is_some_and(|(first, last)| letters == first.0 && (first.1..=last.1).contains(&number))
+        }
+        (Some(own), None) => split(name).map_or_else(|| word.eq_ignore_ascii_case(name), |other| own == other),
+        (None, _) => word.eq_ignore_ascii_case(name),
+    }
 }
 
 #[cfg(test)]
@@ -126,13 +190,35 @@ mod tests {
     fn words_that_stand_nowhere_find_nothing() {
         assert!(about(&["zyxwv".to_owned()]).is_none());
         assert!(about(&["the".to_owned()]).is_none());
+        // A common word beside an unknown one finds no unrelated answers.
+        assert!(about(&["zyxwv program".to_owned()]).is_none(), "{}", asked("zyxwv program"));
     }
 
     #[test]
-    fn answers_have_no_signs_of_markdown() {
-        assert_eq!(
-            plain("No, `E0225` ([output](reference/output.md#x), [here](#y))."),
-            "No, E0225 (output: docs/reference/output.md#x, here)."
-        );
+    fn hyphens_and_spaces_do_not_matter() {
+        let first = asked("ball-bar");
+        assert!(first.contains("docs/how-to/ball-bar-to-corrected-part.md"), "{first}");
+        for other in ["ballbar", "ball bar"] {
+            assert!(asked(other).contains("docs/how-to/ball-bar-to-corrected-part.md"), "{other}: {}", asked(other));
+        }
+        assert!(asked("hold-out").contains("--hold-out"), "{}", asked("hold-out"));
+        assert!(asked("holdout").contains("--hold-out"), "{}", asked("holdout"));
+    }
+
+    #[test]
+    fn a_code_of_a_control_is_named_with_its_language() {
+        let text = asked("G154");
+        assert!(text.contains("G154  Fanuc and Haas: additional work coordinate system"), "{text}");
+        // A range, and leading zeros.
+        assert!(is_named("g04", "G4") && is_named("G650", "G600..G699") && !is_named("G700", "G600..G699"));
+        assert!(is_named("G54.1", "G54.1") && !is_named("G54", "G54.1") && is_named("compcad", "COMPCAD"));
+    }
+
+    #[test]
+    fn a_partial_hit_needs_half_of_the_words_or_a_rare_one() {
+        let text = asked("zyxwv lathe");
+        assert!(text.contains("`E0225`"), "{text}");
+        assert!(text.matches('?').count() <= MOST_IN_PART, "{text}");
+        assert!(about(&["zyxwv yxwvz xwvzy tool".to_owned()]).is_none());
     }
 }

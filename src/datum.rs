@@ -12,6 +12,7 @@ use ncfix_base::number::significant;
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_language::exec;
 use ncfix_machine::machine::condition::Condition;
+use ncfix_machine::machine::zero_offset::common_name;
 use ncfix_machine::machine::{Datum, State};
 use ncfix_machine::snc::Kind;
 use ncfix_model::Model;
@@ -157,7 +158,7 @@ pub(crate) fn of_run(
         let datum = datum_of(chosen, name, *index);
         let contains_mm = model.touch_mm(*index);
         ZeroReport {
-            name: (*name).clone(),
+            name: machine.shown_offset(name),
             set: datum.method().name(),
             is_stated: datum.setting.is_some(),
             contains_um: [0, 1, 2].map(|axis| um_from_mm(contains_mm[axis])),
@@ -172,16 +173,17 @@ pub(crate) fn of_run(
         let name = &one.name;
         let message = format!("nothing states how {name} was set, so it counts as touched; {}", one.contents());
         let mut help = format!(
-            "if you touched it off or probed it, write set = \"touched\" in [zero_offset.{name}]; if it is the true position in the machine, set = \"absolute\""
+            "if you touched it off or probed it, write set = \"touched\" in [{}]; if it is the true position in the machine, set = \"absolute\"",
+            section(name)
         );
-        if machine.zero_offsets.contains_key(name) {
-            help += &format!("; or give --zero {name}=touched or --zero {name}=absolute");
+        if machine.zero_offsets.contains_key(&common_name(name)) {
+            help += &format!("; or give {} or {}", option(name, "touched"), option(name, "absolute"));
         }
         found.add(Diagnostic::nowhere(Code::ZERO_NOT_STATED, message, help), &[]);
     }
     let is_of_other_value = |one: &&ZeroReport| {
         one.distance_um > um_from_mm(tolerance_mm)
-            && machine.datums.get(&one.name).is_some_and(|datum| datum.is_of_other_value)
+            && machine.datums.get(&common_name(&one.name)).is_some_and(|datum| datum.is_of_other_value)
     };
     for one in reports.iter().filter(is_of_other_value) {
         let name = &one.name;
@@ -190,12 +192,14 @@ pub(crate) fn of_run(
             one.contents()
         );
         let help = format!(
-            "if you touched it off since, give --zero {name}=touched; if the new value is the true position, --zero {name}=absolute"
+            "if you touched it off since, give {}; if the new value is the true position, {}",
+            option(name, "touched"),
+            option(name, "absolute")
         );
         found.add(Diagnostic::nowhere(Code::ZERO_NOT_STATED, message, help), &[]);
     }
     for one in reports.iter().filter(|one| !one.is_stated && !chosen.is_demo) {
-        let Some(drift_mm) = since_reference_mm(chosen, model, &one.name) else { continue };
+        let Some(drift_mm) = since_reference_mm(chosen, model, &common_name(&one.name)) else { continue };
         let parts = components_um([0, 1, 2].map(|axis| um_from_mm(drift_mm[axis])));
         if drift_mm.norm() <= tolerance_mm || parts.is_empty() {
             continue;
@@ -206,7 +210,9 @@ pub(crate) fn of_run(
             parts.join(", ")
         );
         let help = format!(
-            "if you touched off at these temperatures and this weight, give --zero {name}=touched; for another time, --zero-time or [zero]; if the zero is the true position, --zero {name}=absolute"
+            "if you touched off at these temperatures and this weight, give {}; for another time, --zero-time or [zero]; if the zero is the true position, {}",
+            option(name, "touched"),
+            option(name, "absolute")
         );
         found.add(Diagnostic::nowhere(Code::ZERO_NOT_STATED, message, help), &[]);
     }
@@ -265,13 +271,17 @@ pub(crate) fn without_use(chosen: &Machine, used: &BTreeSet<u16>, found: &mut Di
     for name in chosen.stated_zeros.iter().filter(|name| !used.contains(&name.as_str())) {
         let place = match used.as_slice() {
             [] => "no zero offset is in force where the axes move".to_owned(),
-            used => format!("the axes move in {}", used.join(", ")),
+            used => {
+                let shown: Vec<String> = used.iter().map(|name| chosen.machine.shown_offset(name)).collect();
+                format!("the axes move in {}", shown.join(", "))
+            }
         };
-        let message = format!("--zero {name}=… has no effect: {place}");
+        let message = format!("{} has no effect: {place}", option(&chosen.machine.shown_offset(name), "…"));
         let help = match used.first() {
             None => "check the program: positions in the coordinates of the machine have no touched zero".to_owned(),
             Some(used) => {
-                format!("check the name: for example --zero {used}=touched; or check the offset in the program")
+                let example = option(&chosen.machine.shown_offset(used), "touched");
+                format!("check the name: for example {example}; or check the offset in the program")
             }
         };
         found.add(Diagnostic::nowhere(Code::ZERO_NOT_USED, message, help), &[]);
@@ -309,18 +319,31 @@ fn length_unstated(
         Some(_) => format!("the first tool of the program there, of length {first} mm"),
         None => "a tool of length 0".to_owned(),
     };
+    let shown = chosen.machine.shown_offset(name);
     let message = format!(
-        "{name} counts as touched with {counted}, because no length is stated; if a tool of length {other} mm touched, the zero is wrong by {}",
+        "{shown} counts as touched with {counted}, because no length is stated; if a tool of length {other} mm touched, the zero is wrong by {}",
         parts.join(", ")
     );
     let mut help = format!(
-        "state the length of the tool or probe at the touch: tool_length_mm in [zero_offset.{name}.set_at], or 0 for a touch without a tool"
+        "state the length of the tool or probe at the touch: tool_length_mm in [{}.set_at], or 0 for a touch without a tool",
+        section(&shown)
     );
     if chosen.machine.zero_offsets.contains_key(name) {
         let example = if first_mm.is_some() { first } else { other };
-        help += &format!("; or --zero {name}={}@L{example}", datum.method().name());
+        help += &format!("; or {}", option(&shown, &format!("{}@L{example}", datum.method().name())));
     }
     Some(Diagnostic::nowhere(Code::ZERO_LENGTH_NOT_STATED, message, help))
+}
+
+/// The section of a zero offset in the machine file: `zero_offset.G54`, `zero_offset."G154 P5"`.
+fn section(name: &str) -> String {
+    let is_bare = name.bytes().all(|byte| byte.is_ascii_alphanumeric());
+    if is_bare { format!("zero_offset.{name}") } else { format!("zero_offset.\"{name}\"") }
+}
+
+/// The option that states a method: `--zero G54=touched`, `--zero "G154 P5=touched"`.
+fn option(name: &str, method: &str) -> String {
+    if name.contains(' ') { format!("--zero \"{name}={method}\"") } else { format!("--zero {name}={method}") }
 }
 
 /// Returns the displacement by temperature and weight at the touch of a zero offset, relative to the reference condition, in the directions of the workpiece,
@@ -348,8 +371,9 @@ pub(crate) fn stamped(chosen: &Machine) -> Option<String> {
     let names: BTreeSet<&String> = all(chosen).map(|(name, _)| name).collect();
     let relative = names.into_iter().filter_map(|name| Some((name, stated(name)?)));
     let relative = relative.filter(|(_, setting)| setting.is_relative());
+    let shown_in_stamp = |name: &String| machine.shown_offset(name).replace(' ', "_");
     let mut parts: Vec<String> =
-        relative.map(|(name, setting)| format!("{}-{}", name.replace(' ', "_"), setting.name())).collect();
+        relative.map(|(name, setting)| format!("{}-{}", shown_in_stamp(name), setting.name())).collect();
     // An external offset of 0 adds nothing to a zero.
     let adds = |name: &String, shift: &AxisVector| name != EXTERNAL || *shift != AxisVector::ZERO;
     if all(chosen).any(|(name, shift)| stated(name).is_none() && adds(name, &shift)) {

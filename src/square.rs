@@ -183,7 +183,7 @@ pub(crate) fn find(
     if half_urad >= gamma_urad.abs() {
         row(
             "note",
-            "the angle is not significant: it is not larger than its uncertainty. Measure a larger part, or use a finer scale".to_owned(),
+            "the angle is not significant: it is not larger than its uncertainty. State how finely you read with --read-to (default ± 0.5 mm for diagonals), use a finer caliper, or measure a larger part".to_owned(),
         );
     }
     let mut found =

@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::machine::Machine;
 use ncfix_base::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector};
 use ncfix_base::units::shown_position;
+use ncfix_machine::machine::zero_offset::common_name;
 use ncfix_machine::machine::{self, AxisData, TouchedAt, ZeroSetting};
 
 /// Axes whose sides are touched.
@@ -123,7 +124,7 @@ impl FromStr for StatedZero {
         let (name, rest) = text.split_once('=').ok_or_else(no_method)?;
         let mut places = rest.split('@');
         let setting = ZeroSetting::of_name(places.next().unwrap_or_default().trim()).ok_or_else(wrong)?;
-        let name = name.trim().to_ascii_uppercase();
+        let name = common_name(&name.trim().to_ascii_uppercase());
         let mut out = StatedZero { name, setting, common: None, sides: [None; 3], text: text.to_owned() };
         for place in places {
             let (side, words) = match place.split_once(':') {
@@ -160,7 +161,8 @@ pub(crate) fn state(zeros: &[StatedZero], chosen: &mut Machine) -> Result<(), Er
     for zero in zeros {
         let name = &zero.name;
         let Some(shift) = chosen.machine.zero_offsets.get(name).map(|parts| parts.shift()) else {
-            return Err(Error::usage(format!("--zero {name}: this zero offset has no value in the machine file")));
+            let shown = chosen.machine.shown_offset(name);
+            return Err(Error::usage(format!("--zero {shown}: this zero offset has no value in the machine file")));
         };
         if !chosen.stated_zeros.contains(name) {
             chosen.stated_zeros.push(name.clone());

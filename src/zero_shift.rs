@@ -93,9 +93,10 @@ pub(crate) fn find(
         .filter(|axis| chosen.machine.axis(*axis).is_some())
         .map(|axis| format!("{axis}{:+.4}", shift[axis]))
         .collect();
+    let shown: Vec<String> = volume.zeros.iter().map(|name| chosen.machine.shown_offset(name)).collect();
     let mut page = String::new();
     let mut row = |name: &str, text: String| _ = writeln!(page, "{name:<12}{text}");
-    row("zero shift", format!("{} mm, added to {}", words.join(" "), volume.zeros.join(", ")));
+    row("zero shift", format!("{} mm, added to {}", words.join(" "), shown.join(", ")));
     row("varies", format!("± {} µm over {volume_text}", significant(um_from_mm(varies_mm))));
     row("valid", "for this state only; the shift replaces an earlier one, so start from the offsets without it".into());
     let notes = [

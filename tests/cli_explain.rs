@@ -67,6 +67,49 @@ fn words_find_questions_and_codes() {
     assert!(found.stdout.contains("\nW0321  "), "{}", found.stdout);
 }
 
+/// The words of a person in a shop, and the text that must be among the first three answers.
+#[test]
+fn words_of_the_shop_find_the_answer() {
+    let shop = Shop::new();
+    for (words, wanted) in [
+        ("program stopped tool broke block", "The program stopped, or the tool broke: how do I go on at a block?"),
+        ("tool broken", "The program stopped, or the tool broke: how do I go on at a block?"),
+        ("corners", "My corners are not square, the diagonals differ: what now?"),
+        ("diagonals", "My corners are not square, the diagonals differ: what now?"),
+        ("out of square", "My corners are not square, the diagonals differ: what now?"),
+        ("Haas", "What happens to the codes of a Haas, such as G154, G187, G84 and G28?"),
+        ("G154", "What happens to the codes of a Haas, such as G154, G187, G84 and G28?"),
+        ("feedrate changes", "When does F change?"),
+        ("three touches", "I touched X, Y and Z at three different places with one tool: how do I state this?"),
+        ("sensor fails dnc", "A temperature sensor fails during the drip feed: what now?"),
+        ("ballbar", "From a ball-bar export to a corrected part"),
+        ("ball-bar", "From a ball-bar export to a corrected part"),
+        ("holdout", "How do I test a fit on data that it has not seen?"),
+        ("hold-out", "How do I test a fit on data that it has not seen?"),
+        ("router gantry crooked", "A hobby router out of square: corners, diagonals"),
+    ] {
+        let found = shop.run(["explain", words]).exits(0).stdout;
+        // An answer is its title, and then lines that are indented.
+        let titles: Vec<&str> = found.lines().filter(|line| !line.is_empty() && !line.starts_with(' ')).collect();
+        assert!(titles.iter().take(3).any(|title| *title == wanted), "{words}: {titles:#?}");
+    }
+}
+
+#[test]
+fn a_code_of_a_control_is_found_with_its_meaning() {
+    let found = Shop::new().run(["explain", "G154"]).exits(0).stdout;
+    assert!(found.contains("\nG154  Fanuc and Haas: additional work coordinate system"), "{found}");
+    let found = Shop::new().run(["explain", "M06"]).exits(0).stdout;
+    assert!(found.contains("M6  RS274/NGC: "), "{found}");
+}
+
+#[test]
+fn too_little_in_common_finds_nothing() {
+    for words in ["zyxwv program", "purple elephant tool", "zyxwv yxwvz zero"] {
+        Shop::new().run(["explain", words]).exits(2).says("no code and no text has");
+    }
+}
+
 #[test]
 fn help_names_examples_and_exit_statuses() {
     let run = Shop::new().run(["--help"]).exits(0);

@@ -508,6 +508,36 @@ fn a_head_that_warms_up_is_followed_in_doses() {
     assert_eq!(journal.lines().filter(|line| line.split(' ').nth(1) == Some("F")).count(), bench.executed().len());
 }
 
+/// A dry run says before the job that a sensor has no value: a file that is not there, and one with a value out of its range.
+#[test]
+fn a_dry_run_asks_each_sensor() {
+    let sensors = |range: &str| {
+        format!(
+            "poll_s = 1\n[source.head]\nkind = \"file\"\nmode = \"value\"\npath = \"head\"\n[channel.T_head]\nsource = \"head\"\nrange_C = {range}\n"
+        )
+    };
+    let shop = Shop::new()
+        .file("part.ngc", passes(2))
+        .file("mill.toml", warm_mill())
+        .file("s.toml", sensors("[10, 60]"))
+        .file("cold.toml", sensors("[-10, 10]"));
+    let dry = |file: &str, more: &[&str]| {
+        let words = ["feed", "part.ngc", "--machine", "mill.toml", "--link", "grbl", "--sensors", file, "--dry-run"];
+        shop.run(words.iter().chain(more))
+    };
+    let run = dry("s.toml", &[]).exits(7).says("no good value of T_head");
+    assert!(run.stdout.contains("\nsensors      T_head: "), "{}", run.stdout);
+    let answers = dry("s.toml", &["--json"]).exits(7).json()["sensors"].clone();
+    assert!(answers[0]["name"] == "T_head" && answers[0]["value_c"].is_null(), "{answers}");
+    std::fs::write(shop.path("head"), "24.5\n").unwrap();
+    let run = dry("s.toml", &[]).exits(0);
+    assert!(run.stdout.contains("\nsensors      T_head 24.50 °C\n"), "{}", run.stdout);
+    dry("cold.toml", &[]).exits(7).says("no good value of T_head");
+    // Without sensors none is asked.
+    let run = shop.run(["feed", "part.ngc", "--machine", "mill.toml", "--link", "grbl", "--dry-run"]).exits(0);
+    assert!(!run.stdout.contains("sensors "), "{}", run.stdout);
+}
+
 #[test]
 fn a_sensor_that_falls_silent_is_held_and_then_ends_the_job() {
     let bench = grbl(0.02);

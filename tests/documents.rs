@@ -116,8 +116,7 @@ fn done(path: &str) -> usize {
     if commands == 0 {
         return 0;
     }
-    let samples = below("samples");
-    let mut shop = samples.iter().fold(Shop::new(), |shop, name| shop.file(name, fs::read(repository(name)).unwrap()));
+    let mut shop = with_samples();
     for step in steps {
         match step {
             Step::File(name, text) => shop = shop.file(&name, text),
@@ -175,6 +174,28 @@ fn the_tutorial_does_what_it_says() {
 fn the_readme_does_what_it_says() {
     assert!(done("README.md") > 3);
     assert!(text("README.md").lines().count() <= 100, "the README is for the first minute");
+}
+
+/// A shop with the samples.
+fn with_samples() -> Shop {
+    below("samples").iter().fold(Shop::new(), |shop, name| shop.file(name, fs::read(repository(name)).unwrap()))
+}
+
+/// A reader copies the commands within the lines too: each ends with status 0, except a name alone, such as `ncfix diff`.
+#[test]
+fn the_commands_within_the_lines_of_the_readme_work() {
+    let shop = with_samples();
+    let mut count = 0;
+    for line in outside_of_fences(&text("README.md")) {
+        for code in line.split('`').skip(1).step_by(2).filter_map(|code| code.strip_prefix("ncfix ")) {
+            let words: Vec<&str> = code.split(" | ").next().unwrap_or_default().split_whitespace().collect();
+            if words.len() > 1 || words[0].starts_with('-') || words[0] == "man" {
+                shop.run(&words).exits(0);
+                count += 1;
+            }
+        }
+    }
+    assert!(count >= 4, "{count}");
 }
 
 #[test]

@@ -74,6 +74,32 @@ fn a_program_of_a_haas_verifies() {
     assert!(!text.contains("G70") && !text.contains("G13"), "{text}");
 }
 
+/// A Haas names its additional work offsets G154, and so do the report, the stamp, the guard and the messages.
+#[test]
+fn a_haas_reads_its_own_names_of_work_offsets() {
+    let program =
+        "O1\nG21 G90 G17 G40 G49 G80\nT1 M6\nG154 P1 G0 X0. Y0.\nG43 H1 Z50.\nG1 Z-1. F300.\nX50. Y40.\nG0 Z50.\nM30\n";
+    let haas = machine("haas").replace("EC0X = 0.0", "EC0X = 500.0");
+    let shop = Shop::new().file("m.toml", haas).file("part.nc", program);
+    let fix = ["fix", "part.nc", "-o", "out.nc", "--machine", "m.toml", "--guard"];
+    let run = shop.run(fix).exits(0);
+    // X of the offset is 100 mm, its Y 50 mm: 500 µrad over 50 mm are 25 µm, more than the tolerance.
+    run.says("nothing states how G154 P1 was set")
+        .says("[zero_offset.\"G154 P1\"]")
+        .says("--zero \"G154 P1=touched\"")
+        .says("zero         G154 P1 touched")
+        .says("the control checks G154 P1, H1");
+    let text = shop.text("out.nc");
+    assert!(text.contains("(G154 P1 X CHANGED SINCE CORRECTION)") && !text.contains("G54.1"), "{text}");
+    // The option takes this name; the stamp states it.
+    let stated = fix.iter().chain(&["--zero", "G154 P1=touched"]);
+    let run = shop.run(stated).exits(0);
+    assert!(!run.stderr.contains("W0321"), "{}", run.stderr);
+    assert!(shop.text("out.nc").contains("ZERO=G154_P1-TOUCHED"), "{}", shop.text("out.nc"));
+    let unknown = fix.iter().chain(&["--zero", "G154 P9=touched"]);
+    shop.run(unknown).exits(2).says("--zero G154 P9: this zero offset has no value");
+}
+
 /// The order of a post for a Haas: the table turns, then G234. At C90 the point (10, 20) of the workpiece is at (20, -10) of the machine.
 #[test]
 fn a_haas_turns_its_table_before_g234() {

@@ -213,7 +213,7 @@ pub(super) struct MachineChoice {
     /// Zero offsets and tools that override the machine file: TOML, or data of the control (archive, TOA, UFR, RPA, GUD, INI, .var, tool.tbl, G10, $#, TOOL.T); repeatable, the last one wins
     #[arg(long, value_name = "FILE")]
     pub(super) setup: Vec<PathBuf>,
-    /// Head of the machine file that is in use, for a program at its start (default: the head with start = true)
+    /// Head that is active at the start of the program (default: the head with start = true)
     #[arg(long, value_name = "NAME")]
     pub(super) head: Option<String>,
 }
@@ -286,7 +286,7 @@ pub(super) struct FixArguments {
     /// Begin the output with a check by the control, which stops if a zero offset or tool length differs from those used here (not Grbl, Grundig)
     #[arg(long)]
     pub(super) guard: bool,
-    /// Largest output, in blocks per line of the program, such as 20x; a longer one is refused
+    /// Largest output, in blocks per block of the program, such as 20x; a longer one is refused
     #[arg(long, value_name = "FACTOR", value_parser = ncfix_base::number::factor)]
     pub(super) max_growth: Option<f64>,
     /// Number of threads, 1 to 3 (default: automatic); the output does not depend on it
@@ -359,7 +359,7 @@ pub(super) struct SncArguments {
 /// `ncfix explain`.
 #[derive(Clone, Debug, Args)]
 pub(super) struct ExplainArguments {
-    /// Diagnostic code, such as E0203, or words to search for (default: list all codes)
+    /// Diagnostic code, such as E0203, G or M code, or words to search for (default: list all diagnostic codes)
     #[arg(value_name = "CODE|WORDS")]
     pub(super) words: Vec<String>,
 }

@@ -19,7 +19,7 @@ pub enum ExitCode {
     Link = 5,
     /// The control refused a line, was reset, is in an alarm state, reports another position, or does not answer.
     Control = 6,
-    /// Temperature sensors remained bad, and their file ends the transfer in that case.
+    /// Temperature sensors were bad before the start, or remained bad and their file ends the transfer in that case.
     Sensor = 7,
     /// Stopped by the user.
     Interrupted = 130,
@@ -79,7 +79,7 @@ const OF_LINK: &[(ExitCode, &str)] = &[
         ExitCode::Control,
         "the control refused a line, was reset, is in an alarm state, reports another position than the lines command, or does not answer",
     ),
-    (ExitCode::Sensor, "temperature sensors remained bad"),
+    (ExitCode::Sensor, "sensors were bad before the start, or remained bad and `action` ends the transfer"),
 ];
 
 /// Additional status of commands that run until they are stopped.

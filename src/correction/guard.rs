@@ -57,7 +57,7 @@ pub(super) fn of_program(program: &Program, chosen: &Machine, writing: &Writing)
     for &index in running.extent().zeros() {
         let Some((name, parts)) = machine.zero_offsets.iter().nth(usize::from(index)) else { continue };
         if parts.scale != [1.0; 3] || parts.mirror != [false; 3] {
-            left.push(name.clone());
+            left.push(machine.shown_offset(name));
             continue;
         }
         let order = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C, Axis::U, Axis::V, Axis::W];

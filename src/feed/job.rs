@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::first_answers;
 use super::link::ControlLink;
 use super::options::FeedOptions;
 use crate::correction::Writing;
@@ -20,6 +21,7 @@ use ncfix_dialect::Dialect;
 use ncfix_dnc::drip::Settings;
 use ncfix_dnc::feed::{Dialogue, DosingLimits, FileOptions};
 use ncfix_dnc::sense::{Config, Panel};
+use ncfix_report::feed::Before;
 
 /// A program that will be sent to a control line by line, corrected for the current temperatures.
 ///
@@ -150,6 +152,22 @@ impl Transfer {
         }
         let opened = Panel::open(&config, path.parent().unwrap_or(Path::new(".")));
         Ok(opened.map_err(|faults| found.extend(faults, std::slice::from_ref(&source))).ok())
+    }
+
+    /// Asks each sensor of a file once, and writes the answers into the forecast of a dry run.
+    ///
+    /// # Errors
+    /// If the file cannot be read.
+    pub(crate) fn ask_sensors(
+        &self,
+        path: Option<&Path>,
+        before: &mut Option<Before>,
+        found: &mut Diagnostics,
+    ) -> Result<(), Error> {
+        if let (Some(mut panel), Some(before)) = (self.panel(path, found)?, before) {
+            before.sensors = first_answers::ask(&mut panel);
+        }
+        Ok(())
     }
 
     /// A diagnostic if sensors of the model are missing among those of a panel.

@@ -7,6 +7,7 @@
 
 mod book;
 mod drive;
+mod first_answers;
 mod job;
 mod link;
 mod live_lines;

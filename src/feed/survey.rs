@@ -120,6 +120,7 @@ pub(crate) fn run(
         file: profile.file.path.clone().filter(|_| sends_file),
         frozen_s: if sends_file { forecast.motion_s } else { per_line_s * frozen.min(forecast.lines as f64) },
         late: forecast.stretches.iter().filter(|stretch| stretch.starved_s >= UNNOTICED_S).map(late).collect(),
+        sensors: Vec::new(),
         diagnostics: Vec::new(),
     };
     judge(job.options.allow_starvation, &before, findings);

@@ -114,6 +114,18 @@ pub struct Late {
     pub given_per_s: f64,
 }
 
+/// First answer of a temperature sensor in a dry run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SensorAnswer {
+    /// Name of the channel.
+    pub name: String,
+    /// Value, °C.
+    pub value_c: Option<f64>,
+    /// Fault, if there is no value.
+    pub fault: Option<String>,
+}
+
 /// Forecast of a transfer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -140,10 +152,12 @@ pub struct Before {
     pub line_by_line: bool,
     /// Path of the file on the control, if the link sends the program as one file.
     pub file: Option<String>,
-    /// Delay of a temperature change due to the frozen lines.
+    /// Delay of a temperature change due to the lines in the control, which no longer change.
     pub frozen_s: f64,
     /// Worst stretches.
     pub late: Vec<Late>,
+    /// First answers of the temperature sensors; empty unless a dry run asked them.
+    pub sensors: Vec<SensorAnswer>,
     /// Diagnostics.
     pub diagnostics: Vec<DiagnosticReport>,
 }
@@ -195,7 +209,28 @@ impl Before {
             "in control   up to {} of motion waits there; new temperatures do not change it",
             duration(self.frozen_s)
         );
+        if !self.sensors.is_empty() {
+            let said = |one: &SensorAnswer| match (one.value_c, &one.fault) {
+                (Some(value_c), _) => format!("{} {value_c:.2} °C", one.name),
+                (None, why) => format!("{}: {}", one.name, why.as_deref().unwrap_or("no value")),
+            };
+            let all: Vec<String> = self.sensors.iter().map(said).collect();
+            let _ = writeln!(out, "sensors      {}", all.join(", "));
+        }
         out
+    }
+
+    /// Returns a sentence about the sensors that gave no value; `None` if all did, or none was asked.
+    #[must_use]
+    pub fn bad_sensors(&self) -> Option<String> {
+        let bad: Vec<&str> =
+            self.sensors.iter().filter(|one| one.value_c.is_none()).map(|one| one.name.as_str()).collect();
+        (!bad.is_empty()).then(|| {
+            format!(
+                "no good value of {}; the job would not begin: check with `ncfix sensors … --watch`",
+                bad.join(", ")
+            )
+        })
     }
 }
 

@@ -54,7 +54,10 @@ pub fn table(machine: &Machine, errors: &ErrorModel) -> String {
     if !machine.zero_offsets.is_empty() {
         line("");
         line("zero offset");
+        let longest = machine.zero_offsets.keys().map(|name| machine.shown_offset(name).len()).max();
+        let width = longest.unwrap_or_default().max(5) + 1;
         for (name, offset) in &machine.zero_offsets {
+            let name = machine.shown_offset(name);
             let shift = offset.shift();
             let mut parts: Vec<String> = AXES
                 .into_iter()
@@ -74,7 +77,7 @@ pub fn table(machine: &Machine, errors: &ErrorModel) -> String {
             for (letter, _) in ["X", "Y", "Z"].iter().zip(offset.mirror).filter(|(_, mirror)| *mirror) {
                 parts.push(format!("mirrored {letter}"));
             }
-            line(&format!("{name:<6}{}", parts.join(" ")));
+            line(&format!("{name:<width$}{}", parts.join(" ")));
         }
     }
     if !machine.tools.is_empty() {

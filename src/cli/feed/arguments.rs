@@ -47,7 +47,7 @@ pub(in crate::cli) struct FeedArguments {
     /// Live temperature sensors to read during the transfer (default: no thermal correction)
     #[arg(long, value_name = "S.toml")]
     pub(in crate::cli) sensors: Option<PathBuf>,
-    /// Check the program and the link; send nothing
+    /// Check the program and the link, and ask each sensor once; send nothing
     #[arg(long)]
     pub(in crate::cli) dry_run: bool,
     /// Confirm that the machine stands still, for links on which ncfix cannot ask the control (RS-232 without answers, FE1); lines that are sent to a moving machine interfere with its motion
@@ -85,7 +85,7 @@ pub(in crate::cli) struct DosingChoice {
     /// Interval between readings of the temperatures, s
     #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = value::seconds)]
     pub(in crate::cli) every: Duration,
-    /// Take the start of the job as the time when the workpiece zero was set: drift is relative to it
+    /// Take the start of the job as the time when the workpiece zero was set: drift is relative to it; needs --sensors
     #[arg(long, conflicts_with = "zero_time", requires = "sensors")]
     pub(in crate::cli) zero_now: bool,
     /// Change the thermal correction only on rapid moves

@@ -49,7 +49,7 @@ pub(super) fn run(arguments: &FeedArguments) -> Result<ExitCode, Stop> {
         return Ok(findings.exit_code());
     }
     if arguments.dry_run {
-        return Ok(ExitCode::Done);
+        return before.bad_sensors().map_or(Ok(ExitCode::Done), |why| Err(Stop::Ended(ExitCode::Sensor, why)));
     }
     let begin = Begin {
         input: arguments.input.display().to_string(),
@@ -146,11 +146,11 @@ fn journal_of(input: &Path, given: Option<&Path>) -> Result<PathBuf, Stop> {
 pub(super) fn prepare(arguments: &FeedArguments, findings: &mut Findings) -> Result<Option<(Transfer, Before)>, Stop> {
     let Some(job) = transfer(arguments, findings)? else { return Ok(None) };
     let port = arguments.port.as_deref().unwrap_or_default();
-    let before = job.survey((port, arguments.sensors.is_some()), Some(progress::watch), findings)?;
-    // Checks the profile against its protocol, and reports the sensors as they will be read.
+    let mut before = job.survey((port, arguments.sensors.is_some()), Some(progress::watch), findings)?;
+    // Checks the profile against its protocol; a dry run also asks the sensors.
     job.dialogue()?;
     if arguments.dry_run {
-        job.panel(arguments.sensors.as_deref(), findings)?;
+        job.ask_sensors(arguments.sensors.as_deref(), &mut before, findings)?;
     }
     Ok(before.map(|before| (job, before)))
 }

@@ -65,7 +65,7 @@ pub(in crate::cli) enum CompensationChoice {
 /// Rotary axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum RotaryChoice {
-    /// Correct the axes that the operation turns at feed, and keep the others as programmed
+    /// Correct the axes that a feed move turns before the next tool change, and keep the others as programmed
     #[default]
     Auto,
     /// Correct them like the linear axes wherever they are not clamped

@@ -45,7 +45,7 @@ impl PlaneChoice {
 #[derive(Clone, Debug, Args)]
 #[command(group(ArgGroup::new("reading").args(["d1", "square"]).required(true)))]
 pub(in crate::cli) struct SquareArguments {
-    /// Diagonal from the smallest to the largest positions, mm
+    /// Diagonal from the smallest to the largest positions, mm; needs --d2, and --side or --sides
     #[arg(long, value_name = "MM", requires = "d2", requires = "sizes")]
     pub(in crate::cli) d1: Option<f64>,
     /// The other diagonal, mm
@@ -57,7 +57,7 @@ pub(in crate::cli) struct SquareArguments {
     /// Sides of the part, mm; one length for a square
     #[arg(long, value_name = "A,B", value_delimiter = ',', group = "sizes")]
     pub(in crate::cli) sides: Vec<f64>,
-    /// Programmed sides of the part: the measured ones then give the scales of both axes too
+    /// Programmed sides of the part, mm; needs the measured ones (--sides), which then give the scales of both axes too
     #[arg(long, value_name = "A,B", value_delimiter = ',', requires = "sides")]
     pub(in crate::cli) nominal: Vec<f64>,
     /// Length of the leg of a square along which an axis moves, mm
@@ -69,7 +69,7 @@ pub(in crate::cli) struct SquareArguments {
     /// The plunger points in the negative direction of the other axis
     #[arg(long, requires = "dial")]
     pub(in crate::cli) plunger_negative: bool,
-    /// Half width of the interval that contains the true value of a reading, mm (default: 0.5 for diagonals, 0.005 for a dial gauge)
+    /// How finely you read, as ± mm (default: 0.5 for diagonals, 0.005 for a dial gauge)
     #[arg(long, value_name = "MM")]
     pub(in crate::cli) read_to: Option<f64>,
     /// The two axes

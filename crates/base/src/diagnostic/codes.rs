@@ -266,7 +266,8 @@ Program the pole in the plane in force, and write AC(…) or IC(…) under G91."
     NO_SYSTEM_VALUE = "E0219" "system variable without a value"
 "The program reads a system variable whose value is known only to the machine: machine data, an input, a measured position, the
 tool in the spindle, an R parameter or a common variable that an earlier program has set. Where it affects motion, its value must
-be known in advance. Or the program computes a new zero offset or tool value from the old one, and not by adding a number.
+be known in advance. Or the program computes a new zero offset or tool value from the old one by something other than adding a
+number.
 
 Write a new offset as a sum, such as X[#5221+5.]. Give any other value in the machine file, with the name and indices that the
 message shows:
@@ -375,9 +376,9 @@ lines remain. Correcting it again would add the corrections twice. Correct the o
     OUT_OF_TRAVEL = "E0302" "position outside the travel of an axis"
 "A position lies beyond the travel of an axis (travel_mm or travel_deg of [axis.X] in the machine file). In fix and check this is
 the corrected position, in snc the position of the program. All values are positions of the axis in machine coordinates, as with
-G53. They are not positions of the tool tip, and not words of the program: zero offset and tool length lie between the two. The
-message gives the axis, the limit and the position: the end of the move if that is outside, otherwise the farthest point of the
-path. Check zero offset and tool length first: a wrong one shifts the whole program.";
+G53. They differ from the words of the program by zero offset and tool length. The message gives the axis, the limit and the
+position: the end of the move if that is outside, otherwise the farthest point of the path. Check zero offset and tool length
+first: a wrong one shifts the whole program.";
     CORRECTION_TOO_LARGE = "E0303" "correction larger than allowed"
 "A correction exceeds --max-correction (default 0.2 mm; for a rotary axis, the arc at the tool counts). Milling machines in working
 order have smaller geometric errors, so the reason is usually a wrong unit in the machine file, such as mm instead of µm. A
@@ -444,8 +445,8 @@ feed-forward in a trace. Write them into the machine file. docs/reference/servo.
 "A cut turns rotary axes, and its feed is in degrees per minute or applies to a short path of X, Y, Z. Controls apply a feed to X,
 Y and Z whenever these move, so it would apply to the micrometers of a correction, and the rotary axes would turn at full speed.
 ncfix writes such blocks with their duration (G93). That is not possible if the language has no G93 (Grundig), or with a feed per
-spindle revolution (G95, G96). Turn the axes at rapid there or, on a control that has G93, with a feed in G94. With --five-axis
-axes, FGROUP with a rotary axis has this code too: omit the option.";
+spindle revolution (G95, G96). Turn the axes at rapid there or, on a control that has G93, with a feed in G94. FGROUP with a
+rotary axis is not possible with --five-axis axes: omit this option.";
     NEWER_FILE = "E0314" "output changed during the run"
 "The output file was created or changed after this run began; with --in-place the program is no longer the one that was read. A
 person, a CAM system or a second run has written it. A newer file is never replaced, and nothing of this run is written. Look at the
@@ -535,9 +536,9 @@ the log or as a key of [temperature_C]. Check that its name has the same spellin
 or one that changes the text direction (U+202A to U+202E, U+2066 to U+2069). A report would then show something different from the
 file. Write the name with letters, digits and signs.";
     OUT_OF_RANGE = "E0410" "number out of its range"
-"A number is outside the range of any machine, or a list is longer than any table. Usually the unit is wrong, and a correction
-would be wrong by the same factor. Check the unit in the name of the key. docs/reference/settings.md has the range of every key
-with its reason.";
+"A number is outside the range of any machine, or a list has too many numbers. Usually the unit is wrong, and a correction would
+be wrong by the same factor. Check the unit in the name of the key. docs/reference/settings.md has the range of every key with
+its reason.";
     BAD_HEAD = "E0411" "heads that do not fit together"
 "The sections [[head]] of a machine file describe several spindles, or positions of a swivel head. Each has a name and the M words
 that select it. A word selects one head, and has no other meaning at this control. Exactly one head has start = true. [spindle] is
@@ -684,10 +685,10 @@ machine, and confirm with --i-checked-the-machine-stands-still. Nothing was sent
 "Give --clearance. An aborted job is resumed only at a height that the operator has stated to be clear of workpiece and clamps
 (--clearance 25mm, Z of the program): the tool crosses to the place at that height from its current position. The program
 continues at the end of one of its retracts, with the rapid move that follows; the approach down to it is at a slow feed. If no
-such place is known, or the state of the control there cannot be restored, only a restart from the beginning remains. That
-requires that the stated height can be reached before the first move or with it: after a tool change or length offset Z has
-another meaning. If it cannot, lift the tool by hand, remove the journal and feed the program from its beginning. Nothing was
-sent.";
+such place is known, or the state of the control there cannot be restored, only a restart from the beginning remains. This works
+only if the first move of the program lifts the tool, or a lift can be put before it. After a tool change or a length offset, Z
+has another meaning. If it is not possible, lift the tool by hand, remove the journal and feed the program from its beginning.
+Nothing was sent.";
     CLEARANCE_TOO_LOW = "E0707" "clearance too low, or out of the travel"
 "The height of --clearance is not possible. It is a Z of the program, at which the tool moves across the workpiece to the place
 where the job continues. It must be at least 1 mm above everything that the program machines: every point of every feed move
@@ -747,12 +748,16 @@ an ID and cancel it after the move.";
 synchronized as they may be in the cycle of the control. Use a compensating chuck, as older controls always require, and keep the
 override at 100 %.";
     UNUSUAL_MOTION = "W0208" "motion that depends on the control"
-"A Fanuc moves in a straight line if a block of G2 or G3 has neither R nor I, J, K (parameter 3403, bit 5; otherwise it stops with
-alarm PS0022). If it does not compare the radii at start and end (parameter 3410 is 0; control.arc_radius_check = false), an arc
-whose center fits only the start is a spiral. G73 and G83 without Q, or with Q0, drill in one stroke (parameter 5103, bit 1;
-otherwise alarm PS0045). Such a block is often an error of a post-processor. Check this block in the program. A Haas has its own
-path between the circles of G12 and G13, and its manual does not state where G72 drills first. The message states the moves of the
-corrected program: compare them with those of your control.";
+"Parameters of the control decide the motion of this block. Such a block is often an error of a post-processor.
+
+- Arc without center and radius: a Fanuc moves in a straight line. With parameter 3403 bit 5, it stops with alarm PS0022.
+- Arc whose center fits only the start: a Fanuc that does not compare the radii (parameter 3410 is 0; control.arc_radius_check =
+  false) makes a spiral.
+- G73 or G83 without Q, or with Q0: a Fanuc drills in one stroke. With parameter 5103 bit 1, it stops with alarm PS0045.
+- G12, G13 and G72 of a Haas: the control has its own path between the circles, and its manual does not state where G72 drills
+  first.
+
+Check this block in the program. The message states the moves of the corrected program: compare them with those of your control.";
     CORNER_LEFT_OUT = "W0231" "no rounding or chamfer made"
 "After the block with RND, CHF or CHR no motion in the working plane follows within three blocks, or a motion of other axes comes
 first. A control makes no transition then, and neither does ncfix: the corner stays sharp. Move the other blocks if the corner
@@ -764,10 +769,10 @@ G40.";
 "The tool is too wide for this contour element; its path goes from the previous element to the next one, as on the control. Some
 material remains. Check that the correct tool is selected.";
     CONTOUR_DAMAGED = "W0234" "tool cuts into the contour"
-"With G41 or G42 the tool comes closer to a contour element than its radius while it follows another one: a slot or notch is narrower
-than the tool, a spiral too tight. The control does the same if collision monitoring is off (CDOF); with CDON it skips what the tool
-cannot reach, up to control.compensation_look_ahead elements (Sinumerik MD20240). Elements within three times this number before and
-after are checked. Check whether a smaller tool is intended.";
+"With G41 or G42 the tool comes closer to a contour element than its radius while it follows another one: a slot or notch is
+narrower than the tool, a spiral too tight. The control does the same if collision monitoring is off (CDOF); with CDON it skips
+what the tool cannot reach, up to control.compensation_look_ahead elements (Sinumerik MD20240). ncfix checks up to three times
+this number of elements on each side. Check whether a smaller tool is intended.";
     EITHER_WAY = "W0235" "rotary axis may turn in either direction"
 "A rapid motion turns a rotary axis by exactly half a turn in the shortest direction (DC). The control may turn in either
 direction. The word is unchanged in the output, but its position is corrected by a few thousandths of a degree, which may reverse
@@ -796,18 +801,18 @@ with the programmed depths, allowances, feeds and direction, but with passes and
 precedes them in the output. Check them like those of a new program. To have the moves of the control, give ncfix its cycles as
 files (control.search_path). To let the control execute the cycle without a correction, name it in control.opaque.";
     START_ASSUMED = "W0240" "state at the start of the program assumed"
-"An RS274/NGC control keeps the unit of lengths (G20, G21) and the return of drilling cycles (G98, G99) of an earlier program or of
-its startup code. The program states one of them too late or not at all, and so does control.startup_code. ncfix assumes the usual
-start: millimeters, and G99. If the control has G20, all lengths are wrong by a factor of 25.4. If it has G98, the tool returns to
-the initial level there, and to R in the output, where a clamp may be in its way. Write the word at the beginning of the program,
-or state startup_code in [control].
+"An RS274/NGC control keeps the unit of lengths (G20, G21) and the return of drilling cycles (G98, G99) of an earlier program or
+of its startup code. The program states one of them too late or not at all, and so does control.startup_code. ncfix assumes the
+usual start: millimeters, and G99. If the control has G20, all lengths are wrong by a factor of 25.4. If it has G98, the control
+would return to the initial level between holes. The corrected program returns only to R: a clamp may be in the way. Write the
+word at the beginning of the program, or state startup_code in [control].
 
 Or such a program moves with G28 or G30, and no file states these positions. The output then moves to the machine zero, where the
 control would move to its own position. Give the file of the control with --setup.
 
-Or a program reads an R parameter, or a variable such as #500, that keeps its value between programs and that it has not set. There snc
-uses 0, for a variable of a Fanuc null. At the control, the moves that depend on it can differ. check, fix and feed refuse the
-program (E0219). Set the value in the program, or in [system] of the machine file.";
+Or a program reads an R parameter, or a variable such as #500, that keeps its value between programs and that it has not set.
+There snc uses 0, for a variable of a Fanuc null. At the control, the moves that depend on it can differ. check, fix and feed
+refuse the program (E0219). Set the value in the program, or in [system] of the machine file.";
     NOT_AT_THIS_CONTROL = "W0241" "words that the control does not have"
 "controller names a firmware of the Grbl family, and the output has words that this firmware does not document. Grbl 1.1 has no
 M6, no G43 with H and no P for several turns, for example. The control answers such a line with an error and executes nothing of
@@ -835,11 +840,11 @@ above it, so the embedded demo machine was used. The output is corrected for the
 correction is wrong. The verdict is therefore never better than: check it before it runs. Give your file with --machine, or save
 it as ncfix.toml in the folder of the programs, and correct the original again.";
     TOLERANCE_NOT_REACHED = "W0305" "tolerance not reached"
-"The output deviates from the exactly corrected path by more than --tolerance at some places. The pieces there are already as short
-as 0.01 mm, or as the increment. Either the tolerance is finer than the increment, or the error model has a step there, or the
-increment keeps an axis within its backlash. Tapping stays one cycle even if the tip leaves the tolerance, because pieces would
-lose the synchronism of spindle and axis. The message states the deviation. Choose a finer --increment that the control reads if
-the deviation is too large, otherwise a larger --tolerance.";
+"The output deviates from the exactly corrected path by more than --tolerance at some places. The pieces there are already as
+short as 0.01 mm, or as the increment. Either the tolerance is finer than the increment, or the error model has a step there, or
+an axis must reverse by less than its backlash. Tapping stays one cycle even if the tip leaves the tolerance, because pieces
+would lose the synchronism of spindle and axis. The message states the deviation. Choose a finer --increment that the control
+reads if the deviation is too large, otherwise a larger --tolerance.";
     OTHER_STAMP = "W0306" "corrected for another machine file, state or original"
 "ncfix writes a stamp into each corrected program: a comment with checksums. A checksum is a short number that ncfix computes from
 all characters of a file. If one character of the file changes, the checksum is another. Here the stamp has another checksum than
@@ -892,25 +897,25 @@ positions is unknown. Add the range, as docs/reference/machine-file.md describes
 The effect is extrapolated by the error model. Measure in this condition and calibrate, or wait until the machine is within the
 range.";
     ZERO_NOT_STATED = "W0321" "method of setting the zero not stated"
-"Nothing states how the zero offset was set. It therefore counts as touched off with the tip at the workpiece zero: it contains the
-error of the machine at that point, and only the difference from this error is corrected. If the zero is the true position in the
-machine, the cut is wrong by this error.
+"Nothing states how the zero offset was set. It therefore counts as touched off with the tip at the workpiece zero: it contains
+the error of the machine at that point, and only the difference from this error is corrected. If the zero is the true position in
+the machine, the cut is wrong by this error.
 
 Temperature and weight count differently. Without a stated method or time, their effect is corrected from the reference
 temperature and the empty table. A zero that was touched off on the warm or loaded machine already contains this effect, and the
 correction is then too large by it.
 
-A machine file can state \"absolute\" beside a value, and a set-up file can give another value. Somebody has set the zero since: if
-by touching off, the statement is no longer true.
+If the machine file says \"absolute\" and the set-up file gives a new value, somebody has set the zero since. If they touched
+off, \"absolute\" is no longer true.
 
 State the method: set = \"touched\", \"probed\" or \"absolute\" in [zero_offset.NAME], or --zero G54=touched. State the time with
 --zero-time. docs/how-to/set-the-zero.md has examples.";
     UNKNOWN_CUT = "W0322" "cut at a position that is not known"
-"The program has a feed move while the position of a linear axis is not known. Either no earlier block states it, or a program that
-the control itself executes has moved the axes. The errors of the machine depend on this position, so the correction there is
-incomplete, and the predicted errors do not count the move. Program the axes before the cut. --start gives their position at the
-beginning, and it holds until the first tool change. After a tool change, straight feed moves in the plane count as an approach, not
-as a cut. A rapid move, or a move with another tool length, must then state Z.";
+"The program has a feed move while the position of a linear axis is not known. Either no earlier block states it, or a program
+that the control itself executes has moved the axes. The errors of the machine depend on this position, so the correction there
+is incomplete, and the predicted errors do not count the move. Program the axes before the cut. --start gives their position at
+the beginning, and it holds until the first tool change. After a tool change, G1 moves in the plane are treated as the approach.
+State Z with a rapid move, or after G43, before you cut.";
     ROTARY_ASSUMED = "W0324" "rotary axes assumed at 0°"
 "The program has a feed move, and neither an earlier block nor --start states the position of a rotary axis of the machine. ncfix
 takes it to be at 0°, as programs for three axes expect. If the axis is elsewhere, the workpiece is turned, and the correction

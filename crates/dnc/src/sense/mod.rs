@@ -19,7 +19,7 @@ mod stamp;
 
 pub use config::{Action, ChannelUnit, Config, SensorChannel, ValueOrigin};
 pub use lines::LineReader;
-pub use monitor::{ChannelFault, ChannelReading, ChannelState, Monitor, SourceReport};
+pub use monitor::{ChannelFault, ChannelReading, ChannelState, FirstAnswer, Monitor, SourceReport};
 pub use outlet::ReadingOutlet;
 pub use panel::{Panel, PanelVerdict};
 pub use source::{SensorSource, SensorSources};

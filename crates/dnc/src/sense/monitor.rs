@@ -116,6 +116,17 @@ pub struct ChannelReading {
     pub note: String,
 }
 
+/// First answer of a channel, before enough values agree.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FirstAnswer {
+    /// Its source has not reported anything yet.
+    Waiting,
+    /// Value, °C, that contradicts no limit of the channel.
+    Value(f64),
+    /// A fault, as a sentence.
+    Fault(String),
+}
+
 /// Plausibility check of one channel. Times are seconds since the start of the job; earlier times are negative.
 #[derive(Clone, Debug)]
 pub struct Monitor {
@@ -208,6 +219,16 @@ impl Monitor {
     pub fn bad_for(&self, now: Duration) -> Option<Duration> {
         let since_s = self.bad_since_s?;
         Duration::try_from_secs_f64(now.as_secs_f64() - since_s).ok()
+    }
+
+    /// Returns what the source has reported first: a value counts before `confirm` values agree.
+    #[must_use]
+    pub fn first_answer(&self) -> FirstAnswer {
+        match (self.fault, self.raw) {
+            (Some(_), _) => FirstAnswer::Fault(self.note.clone()),
+            (None, Some(raw)) => FirstAnswer::Value(self.value_c.unwrap_or_else(|| self.channel.to_c(raw))),
+            (None, None) => FirstAnswer::Waiting,
+        }
     }
 
     /// Returns the reliability.

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 
 use super::config::{Action, Config};
-use super::monitor::{ChannelFault, ChannelReading, ChannelState, Monitor, SourceReport};
+use super::monitor::{ChannelFault, ChannelReading, ChannelState, FirstAnswer, Monitor, SourceReport};
 use super::outlet::{Inlet, SourceSample, box_of};
 use super::source::{Clocked, OpenedSource};
 
@@ -133,6 +133,11 @@ impl Panel {
     /// Returns all channels as they were at the last [`Panel::take`].
     pub fn channels(&self) -> impl Iterator<Item = &ChannelReading> {
         self.readings.iter()
+    }
+
+    /// Returns the names of all channels with their first answers, as they were at the last [`Panel::take`].
+    pub fn first_answers(&self) -> impl Iterator<Item = (&str, FirstAnswer)> {
+        self.monitors.iter().map(|monitor| (monitor.channel().name.as_str(), monitor.first_answer()))
     }
 
     /// Returns the permission: the most severe one of all channels.

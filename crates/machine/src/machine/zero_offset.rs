@@ -17,6 +17,9 @@ struct Names {
     is_name: fn(&str) -> bool,
 }
 
+/// Beginning of the names of the additional systems of a Fanuc.
+const ADDITIONAL: &str = "G54.1 P";
+
 /// Beginning of the names of a Haas for the additional systems of a Fanuc.
 const OF_HAAS: &str = "G154 P";
 
@@ -36,7 +39,7 @@ const NAMES: &[Names] = &[
         is_name: |name| {
             name == EXTERNAL
                 || numbered(name, "G").is_some_and(|number| (54..=59).contains(&number))
-                || numbered(name, "G54.1 P").is_some_and(|number| (1..=300).contains(&number))
+                || numbered(name, ADDITIONAL).is_some_and(|number| (1..=300).contains(&number))
                 || numbered(name, OF_HAAS).is_some_and(|number| (1..=99).contains(&number))
         },
     },
@@ -122,6 +125,15 @@ pub(super) fn read_zero_offsets(
 }
 
 impl Machine {
+    /// Returns the name of an offset at the control: `G54.1 P5` is `G154 P5` on a Haas.
+    #[must_use]
+    pub fn shown_offset(&self, name: &str) -> String {
+        match name.strip_prefix(ADDITIONAL).filter(|_| self.control.iso.is_haas()) {
+            Some(number) => format!("{OF_HAAS}{number}"),
+            None => name.to_owned(),
+        }
+    }
+
     /// Replaces a zero offset by the one of a set-up file. The zero was set again: the method of the machine file still holds, its places of touch do
     /// not.
     pub fn set_zero_offset(&mut self, name: String, parts: FrameParts) {
@@ -138,8 +150,9 @@ impl Machine {
 }
 
 /// The name of an offset among those of a Fanuc: `G154 P5` of a Haas is `G54.1 P5`.
-pub(super) fn common_name(name: &str) -> String {
-    name.strip_prefix(OF_HAAS).map_or_else(|| name.to_owned(), |number| format!("G54.1 P{number}"))
+#[must_use]
+pub fn common_name(name: &str) -> String {
+    name.strip_prefix(OF_HAAS).map_or_else(|| name.to_owned(), |number| format!("{ADDITIONAL}{number}"))
 }
 
 /// Returns the linear axes that an offset lacks beside others, with a message: an offset is set for the axes together, so they may be forgotten. `None` if it

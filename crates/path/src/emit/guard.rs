@@ -158,22 +158,23 @@ pub(super) fn fanuc(data: &GuardedData) -> GuardLines {
     };
     let unit_of = |axis: Axis| if axis.is_rotary() { 1.0 } else { data.unit_mm };
     for zero in &data.zeros {
+        let shown = if data.is_haas { zero.name.replace("G54.1 P", "G154 P") } else { zero.name.clone() };
         let first = match (whole(&zero.name, "G54.1 P"), whole(&zero.name, "G")) {
             (Some(number @ 1..=99), _) if data.is_haas => 14_001 + 20 * (number - 1),
             (Some(number @ 1..=48), _) if !data.is_haas => 7001 + 20 * (number - 1),
             (_, Some(number @ 54..=59)) => 5221 + 20 * (number - 54),
             _ => {
-                guard.left.push(zero.name.clone());
+                guard.left.push(shown);
                 continue;
             }
         };
         let lines: Vec<String> = (first..)
             .zip(&zero.axes)
             .map(|(variable, &axis)| {
-                stop(&format!("#{variable}"), (value_of(zero, axis), unit_of(axis)), &format!("{} {axis}", zero.name))
+                stop(&format!("#{variable}"), (value_of(zero, axis), unit_of(axis)), &format!("{shown} {axis}"))
             })
             .collect();
-        guard.check(&zero.name, lines);
+        guard.check(&shown, lines);
     }
     let (length, wear, count) = if data.is_haas { (2000, 2200, 200) } else { (11_000, 10_000, 999) };
     for &GuardedTool { number: tool, length_mm, .. } in &data.tools {

@@ -90,9 +90,9 @@ fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, sp
         for axis in gathered.axes.iter() {
             let value = target::axis_value(channel, gathered, axis)?;
             if adds && known.is_none() && channel.settings.strict {
-                let message =
-                    format!("{} is changed incrementally, but has no value in the machine file", system.words());
-                return Err(fault(Code::NO_OFFSET, span, message, format!("add [zero_offset.\"{}\"]", system.words())));
+                let words = offsets::words_of(channel.settings.machine, system);
+                let message = format!("{words} is changed incrementally, but has no value in the machine file");
+                return Err(fault(Code::NO_OFFSET, span, message, format!("add [zero_offset.\"{words}\"]")));
             }
             sums.extend(sum_of(channel, gathered, axis.letter(), adds)?);
             let place = if channel.is_rs274() { place_of_rs274(axis) } else { system::place_of(channel.axes, axis) };
@@ -154,7 +154,7 @@ fn place_here(
     // The rotated target position, subtracted from the tip position.
     let turned = FrameParts { translation: AxisVector::ZERO, ..*parts };
     let Some(turned) = turned.frame(order) else {
-        let message = format!("the frame of {} cannot be undone", system.words());
+        let message = format!("the frame of {} cannot be undone", offsets::words_of(channel.settings.machine, system));
         return Err(fault(Code::NOT_COMPUTABLE, gathered.span, message, "check its factors"));
     };
     let in_plane: AxisSet = [Axis::X, Axis::Y].into_iter().collect();
@@ -162,8 +162,8 @@ fn place_here(
     // In turned coordinates, a new value of X shifts the zero along X and Y of the machine.
     let is_mixed = !turned.is_translation() && !of_plane.is_empty();
     if is_mixed && of_plane != in_plane && system != channel.modal.system && channel.settings.strict {
-        let message =
-            format!("G10 L20 of {}, which is turned and not in force, with only one of X and Y", system.words());
+        let words = offsets::words_of(channel.settings.machine, system);
+        let message = format!("G10 L20 of {words}, which is turned and not in force, with only one of X and Y");
         return Err(fault(Code::NOT_SUPPORTED, gathered.span, message, "program both X and Y"));
     }
     let named = if is_mixed { gathered.axes.union(in_plane) } else { gathered.axes };

@@ -31,7 +31,7 @@ pub(super) fn load_offset(channel: &mut Channel<'_>, span: Span) -> Result<(), F
         .unwrap_or_default()
         .frame(order);
     let (Some(own), Some(external)) = (own, external) else {
-        let message = format!("the frame of {} cannot be undone", system.words());
+        let message = format!("the frame of {} cannot be undone", words_of(channel.settings.machine, system));
         return Err(fault(Code::NOT_COMPUTABLE, span, message, "check its factors"));
     };
     channel.modal.settable = external.compose(&own);
@@ -63,7 +63,7 @@ pub(super) fn check_offset(
         return;
     }
     warned.offset = Some(modal.system);
-    let words = modal.system.words();
+    let words = words_of(settings.machine, modal.system);
     let help = format!("add [zero_offset.\"{words}\"] there");
     // The motion continues nevertheless, so that one error is not repeated in every block.
     let (code, end) =
@@ -103,12 +103,9 @@ pub(super) fn coordinates(channel: &mut Channel<'_>, gathered: &Gathered) -> Res
     Ok(())
 }
 
-/// The words of a zero offset in the output: `G154 P1` on a Haas.
+/// The words of a zero offset in the output and in messages: `G154 P1` on a Haas.
 pub(super) fn words_of(machine: &Machine, system: System) -> String {
-    match system.0.checked_sub(System::ADDITIONAL).filter(|number| *number > 0 && machine.control.iso.is_haas()) {
-        Some(number) => format!("G154 P{number}"),
-        None => system.words(),
-    }
+    machine.shown_offset(&system.words())
 }
 
 /// `true` if the P of a block with G54 belongs to it: `G54 P3` is `G54.1 P3`.

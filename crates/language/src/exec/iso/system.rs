@@ -319,13 +319,9 @@ fn write_offset(
     }
     let known = target::offset_of(channel.settings.machine, &channel.written, system);
     if known.is_none() && channel.settings.strict {
-        let message = format!("{} is changed only in part, but has no value in the machine file", system.words());
-        return Err(fault(
-            Code::NO_OFFSET,
-            span,
-            message,
-            format!("add [zero_offset.\"{}\"]", system.words().replace(' ', "")),
-        ));
+        let words = offsets::words_of(channel.settings.machine, system);
+        let message = format!("{words} is changed only in part, but has no value in the machine file");
+        return Err(fault(Code::NO_OFFSET, span, message, format!("add [zero_offset.\"{words}\"]")));
     }
     let mut parts = known.unwrap_or_default();
     let inside = if axis.is_rotary() { value.to_radians() } else { value * channel.modal.modes.scale() };
