@@ -239,6 +239,7 @@ fn a_term_that_the_machine_file_cannot_hold_has_its_own_code() {
     let report = shop.run(test).exits(0).json();
     let one = &report["hypotheses"][0];
     assert_eq!(one["answer"], "supported", "{one}");
+    assert!(one["extends_why"].as_str().unwrap().contains("T_a_C"), "{one}");
     let amount = &one["amounts"][0];
     let [value, u95] = ["value", "u95"].map(|key| number(amount, key));
     assert!((value - 2.0).abs() < 1.5 * u95 && u95 < 0.6, "{amount}");

@@ -405,7 +405,8 @@ fn a_million_readings_and_many_findings_are_a_page_that_opens() {
 #[test]
 fn an_explanation_that_is_not_accepted_names_the_failed_test() {
     let first = |rejected: Vec<RejectedReport>, terms: &[&str]| {
-        let mut found = DiagnosisResult { readings: 90, ..DiagnosisResult::default() };
+        let mut found = DiagnosisResult::default();
+        found.readings = 90;
         found.unit = UnitKey::Um;
         found.unexplained.structure = true;
         found.unexplained.rms_um = 1.5;

@@ -589,7 +589,7 @@ set-up, a known length), state what is known of the set-up (remove it from free)
 machine presets). ncfix diagnose reports this code if there are fewer than three readings more than unknowns of the set-ups. It also
 reports it if it did not write the file of -o; the causes in its output remain valid.";
     TERM_NOT_STORABLE = "E0620" "term that the machine file cannot hold"
-"A term of ncfix calibrate --model needs an entry of the machine file, and there is none for this one. Tables and grids hold
+"A term of ncfix calibrate --model needs an entry of the machine file, and no entry fits this one. Tables and grids hold
 functions of positions and directions of axes. A temperature acts only as a drift along X, Y or Z ([[drift]]), or as the expansion
 of an axis ([[expansion]]). For example, a straightness that changes with a temperature has no entry. The readings may show the
 term: ncfix diagnose --hypothesis gives its amount and the evidence, but a program cannot be corrected for it. Remove the term from
@@ -1007,7 +1007,7 @@ significantly better without them (1 %). The message names them. Look at these r
 deviations its weight is 0 (Tukey's biweight). The reading stays in the file and in the report. Look for its cause: a chip under the
 ball, a wrong row, a set-up that moved. The message names the largest outlier of a file, and gives the number of the others;
 --residuals lists all. With --no-robust all readings have equal weights.";
-    POOR_FIT = "W0604" "the residual is larger than the instrument explains"
+    POOR_FIT = "W0604" "residual larger than the instrument explains"
 "The residual of the calibrated model is well above the uncertainty that sigma_um states, or, without sigma_um, above the scatter of
 readings that were repeated at the same pose. The machine has errors that the model
 lacks, its temperature changed, or sigma_um is too small. The standard uncertainties are then based on the scatter of the
@@ -1020,7 +1020,7 @@ down, later ones of the model before earlier ones, location errors last. Omitted
 machine file. The others absorb their effect, which is right for similar poses and wrong elsewhere. The message states the reason,
 and the help the measurement that is missing. Measure what the help names, or accept the model for similar poses. ncfix diagnose
 reports this code if it cannot fit the found terms again together: it then writes them as its search found them.";
-    UNLIKE_REPEATED = "W0606" "uncertainties unlike simulated repetitions"
+    UNLIKE_REPEATED = "W0606" "uncertainties differ from simulated repetitions"
 "With --monte-carlo, ncfix calibrate simulates the readings many times, with the noise that it found, and fits them again. The
 scatter of a parameter differs from its standard uncertainty by more than 25 %, beyond the statistical spread of the repetitions,
 or repetitions could not be fitted. Reasons are few readings, weights that follow the noise, or unknowns with large changes. Use
@@ -1035,7 +1035,7 @@ excludes faulty rows from the search for causes, or gives them their own zero or
 temperature log ends or pauses, ncfix excludes only the rows without temperatures. In held-out data it keeps all other rows, so
 that the test data are not selected.";
     NOT_SHOWN = "W0608" "term that the readings do not show"
-"ncfix calibrate fits a term of --model, such as EXX ~ Y^2, and its interval of 95 % contains 0. The machine file gets the term,
+"ncfix calibrate fits a term of --model, such as EXX ~ Y^2, and its 95 % interval contains 0. The machine file gets the term,
 because the command asks for it. A program would then be corrected by an amount whose sign is not known. Remove the term, or take
 readings where it acts: at several positions of the axis on which it depends.";
     IMPORT_GAP = "W0609" "places without a reading"

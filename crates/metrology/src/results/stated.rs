@@ -119,8 +119,7 @@ pub fn start_with_terms(
             }
             Err(TermRefusal::NotStorable(why)) => {
                 is_sound = false;
-                let help =
-                    "remove it from --model; ncfix diagnose --hypothesis gives its amount, but no program can be corrected for it";
+                let help = "remove it from --model; ncfix diagnose --hypothesis gives its amount, but no program can be corrected for it";
                 let place = Place { file: text.id(), span: one.span };
                 findings.push(Diagnostic::at(Code::TERM_NOT_STORABLE, place, format!("{}: {why}", one.text), help));
             }

@@ -304,7 +304,7 @@ impl DiagnosisReport {
             (own, all) => format!("{own} of {all} causes"),
         };
         let cancels = if written.after_rms_um > written.before_rms_um {
-            " Causes that a file cannot hold cancel a part of its correction in these readings."
+            " In these readings, causes without an entry in the file cancel a part of its correction."
         } else {
             ""
         };
