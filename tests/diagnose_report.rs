@@ -168,7 +168,7 @@ fn a_ball_bar_shows_every_cause_alone() {
     // Measurements used and held out.
     let headings = texts(&document, "h2");
     assert!(headings.iter().any(|heading| heading.contains("held out, residual before and after")), "{headings:?}");
-    assert!(headings.contains(&"Tried and rejected".to_owned()));
+    assert!(headings.contains(&"Rejected candidates".to_owned()));
 }
 
 #[test]

@@ -201,11 +201,7 @@ impl DiagnosisReport {
     fn failed_sentence(&self, first: &ExplanationSummary) -> String {
         let test_of = |term: &String| {
             let is_own = |one: &&RejectedReport| name(&one.effect, &one.parameter) == *term;
-            self.found.rejected.iter().find(is_own).map(|one| match one.why {
-                Gate::Chance => "the test of significance",
-                Gate::Unseen => "the test on left-out readings",
-                Gate::HeldOut => "the test on the held-out data",
-            })
+            self.found.rejected.iter().find(is_own).map(|one| test(one.why))
         };
         let together = format!("{} ({})", first.terms.join(" with "), probability(first.probability));
         match first.terms.iter().find_map(|term| Some((term, test_of(term)?))) {
@@ -469,7 +465,7 @@ impl DiagnosisReport {
             .rejected
             .iter()
             .filter(|one| one.why != Gate::HeldOut)
-            .map(|one| format!("{} ({})", name(&one.effect, &one.parameter), one.why.name()))
+            .map(|one| format!("{} (failed {})", name(&one.effect, &one.parameter), test(one.why)))
             .collect();
         if !rejected.is_empty() {
             let more = rejected.len().saturating_sub(REJECTED);
@@ -496,7 +492,7 @@ impl DiagnosisReport {
         }
         let _ = writeln!(out, "{}", self.unexplained_sentence());
         if self.is_to_be_written && self.found.needs_no_change() {
-            let _ = writeln!(out, "\nNot written: nothing had to be extended, the present machine file stays valid.");
+            let _ = writeln!(out, "\nNot written: no extension is necessary; the existing machine file stays valid.");
         }
         if let Some(path) = &self.output {
             let _ = writeln!(out, "\nWritten: {path}");
@@ -702,6 +698,15 @@ fn by_sensor(one: &CauseReport) -> String {
     let lag = one.lag_s.filter(|lag| *lag > 0.0);
     let lag = lag.map_or(String::new(), |lag| format!(" {} s later", significant(lag)));
     format!(" with {sensor}{lag}")
+}
+
+/// Returns the words for an acceptance test, as the object of a sentence.
+fn test(gate: Gate) -> &'static str {
+    match gate {
+        Gate::Chance => "the test of significance",
+        Gate::Unseen => "the test on left-out readings",
+        Gate::HeldOut => "the test on the held-out data",
+    }
 }
 
 fn name(effect: &str, parameter: &str) -> String {
