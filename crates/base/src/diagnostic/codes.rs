@@ -619,7 +619,7 @@ message gives the evidence. Change the columns, the machine file or active_table
     DATA_SIGN = "E0619" "readings that do not follow a known move"
 "The table has rows in which the tool was moved by a known amount (moved_um), and the readings do not follow it. With the opposite
 sign, a correction would double the errors of the machine. Correct the sign, the unit or the component of the readings, then repeat
-the test of signs. ncfix plan laser --variant signs plans one.";
+the sign test. ncfix plan laser --variant signs plans one.";
     BAD_HYPOTHESIS = "E0615" "hypothesis that cannot be read"
 "ncfix diagnose --hypothesis tests a term: a deviation and what it depends on, such as EXX ~ Y^2 or EYY ~ T_head_C lag 600s, or a
 cause by the name that findings have, such as backlash EXX. Here the text is not complete, or it names an axis that the machine
