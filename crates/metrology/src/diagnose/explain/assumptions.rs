@@ -222,12 +222,7 @@ pub const ASSUMPTIONS: &[Assumption] = &[
         odds: 0.02,
         source: "compliance of a frame with a first natural frequency of 50 Hz: a/(2π f)²",
     },
-    Assumption {
-        family: Family::Dynamic,
-        size: Size::Um(8.0),
-        odds: 0.02,
-        source: "rare at measuring feeds",
-    },
+    Assumption { family: Family::Dynamic, size: Size::Um(8.0), odds: 0.02, source: "rare at measuring feeds" },
     Assumption { family: Family::Load, size: Size::Um(15.0), odds: 0.1, source: "only if the table has weights" },
     Assumption {
         family: Family::Setup,
@@ -254,7 +249,12 @@ pub const ASSUMPTIONS: &[Assumption] = &[
         source: "ISO 230-10: pre-travel and lobing of touch probes, and lengths that were set with another instrument",
     },
     Assumption { family: Family::Own, size: Size::Um(20.0), odds: 0.1, source: "a custom cause is added for a reason" },
-    Assumption { family: Family::Unnamed, size: Size::Um(10.0), odds: 0.001, source: "accepted only if no named cause fits" },
+    Assumption {
+        family: Family::Unnamed,
+        size: Size::Um(10.0),
+        odds: 0.001,
+        source: "accepted only if no named cause fits",
+    },
 ];
 
 /// Weight of the stated uncertainty, as a number of readings: estimates from fewer readings do not override it.
