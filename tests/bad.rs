@@ -101,6 +101,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("W0324", "coverage: rotary_axes_that_nothing_positions_are_named"),
     ("W0612", "calibration_report: a_slope_outside_the_model_is_named"),
     ("W0240", "strangers: a_state_that_the_control_keeps_is_named"),
+    ("E0620", "calibrate_terms: a_term_that_the_machine_file_cannot_hold_has_its_own_code"),
     ("E0619", "iso230: a_laser_with_the_wrong_sign_is_refused_by_its_test"),
     ("W0614", "sensor_nest: a_bent_sensor_is_named_and_a_cubic_response_follows_it"),
     ("W0613", "cli_calibrate: scales_without_a_known_distance_rest_on_the_pivots"),

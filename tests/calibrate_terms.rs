@@ -206,3 +206,41 @@ fn a_fitted_wave_has_an_uncertainty_of_its_own() {
         assert_eq!(json["prediction"]["unknown"].to_string(), unknown, "{machine}");
     }
 }
+
+/// A straightness of X that changes with the difference of two sensors: 2 µm/(K m²) times the square of X. Three set-ups at three differences, 0, 5 and
+/// 8 K, two runs each.
+fn of_two_sensors() -> Shop {
+    let mut text = "setup,run,component,X,T_a_C,T_b_C,value_um\n".to_owned();
+    let mut count = 0.0_f64;
+    for (setup, [a, b]) in [("A", [20.0, 20.0]), ("B", [26.0, 21.0]), ("C", [30.0, 22.0])] {
+        for run in 1..=2 {
+            for x in [0.0, 50.0, 110.0, 160.0, 220.0, 290.0, 340.0, 400.0, 460.0, 510.0, 560.0, 600.0] {
+                count += 1.0;
+                let scatter_um = 0.4 * ((count * 0.618_033_988_749_895_f64).fract() - 0.5);
+                let value_um: f64 = 2.0 * (a - b) * (1e-3 * x) * (1e-3 * x) + scatter_um;
+                text += &format!("{setup},{setup}{run},EYX,{x},{a},{b},{value_um:.4}\n");
+            }
+        }
+    }
+    let description = "[measurement]\nkind = \"direct\"\nsigma_um = 0.2\nfree = [\"offset\", \"slope\"]\n\
+        [position]\nY_mm = 100\nZ_mm = 0\n";
+    Shop::new().file("bench.toml", MACHINE).file("bow.csv", text).file("bow.toml", description)
+}
+
+#[test]
+fn a_term_that_the_machine_file_cannot_hold_has_its_own_code() {
+    let shop = of_two_sensors();
+    let term = "EYX ~ (T_a_C - T_b_C)*X^2";
+    let fit = ["calibrate", "bow.csv", "--machine", "bench.toml", "--model", term, "-o", "out.toml"];
+    let text = shop.run(fit).exits(4).says("E0620").says("T_a_C").says("remove it from --model").stderr;
+    assert!(!text.contains("E0606") && !shop.path("out.toml").exists(), "{text}");
+    // The readings show it: only the file has no entry.
+    let test = ["diagnose", "bow.csv", "--machine", "bench.toml", "--hypothesis", term, "--json"];
+    let report = shop.run(test).exits(0).json();
+    let one = &report["hypotheses"][0];
+    assert_eq!(one["answer"], "supported", "{one}");
+    assert!(one["extends_why"].as_str().unwrap().contains("T_a_C"), "{one}");
+    let amount = &one["amounts"][0];
+    let [value, u95] = ["value", "u95"].map(|key| number(amount, key));
+    assert!((value - 2.0).abs() < 1.5 * u95 && u95 < 0.6, "{amount}");
+}

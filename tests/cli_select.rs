@@ -56,7 +56,7 @@ fn the_terms_that_are_needed_are_chosen_told_and_written() {
     assert!(written.contains("component = \"EXX\""), "{written}");
     run(&["--select", "EXX", "--knots", "100mm"])
         .exits(0)
-        .says("held-out gain")
+        .says("left-out gain")
         .says("candidates")
         .says("8 tested, 2 chosen");
 }

@@ -160,3 +160,17 @@ fn the_overview_lists_the_commands_in_groups_and_an_old_name_still_works() {
     assert!(old.stderr.contains(note), "{}", old.stderr);
     assert!(!shop.run(["figures", &bar, "--machine", &demo, "-q"]).exits(0).stderr.contains("note:"));
 }
+
+/// The help of commands that read no program does not speak of one in their exit statuses. `calibrate` has no --setup either.
+#[test]
+fn exit_statuses_fit_the_inputs_of_a_command() {
+    let help = |command: &str| Shop::new().run([command, "--help"]).exits(0).stdout;
+    for command in ["diagnose", "import", "iso230", "simulate", "square"] {
+        let text = help(command);
+        assert!(text.contains("control data given with --setup has a syntax error"), "{command}: {text}");
+        assert!(!text.contains("the program, or control data"), "{command}: {text}");
+    }
+    let fit = help("calibrate");
+    assert!(!fit.contains("--setup") && !fit.contains("--zero <") && fit.contains("instrument was zeroed"), "{fit}");
+    assert!(help("check").contains("the program, or control data given with --setup"));
+}

@@ -218,3 +218,27 @@ fn what_another_cause_leaves_is_no_evidence() {
         assert!(number(one, "log_evidence_beside") < 3.0, "{one:#}");
     }
 }
+
+/// A drift counts from the first row of a run. A temperature that changes only between the set-ups causes none there.
+#[test]
+fn a_temperature_that_is_constant_within_each_run_is_named() {
+    let mut text = "setup,run,component,X,T_a_C,T_b_C,value_um\n".to_owned();
+    let mut random = Random::new(5, "bow");
+    for (setup, [a, b]) in [("A", [20.0, 20.0]), ("B", [26.0, 21.0]), ("C", [30.0, 22.0])] {
+        for run in 1..=2 {
+            for x in (0..=400).step_by(40) {
+                let value_um = 0.8 * (a - b) + 0.2 * random.normal();
+                text += &format!("{setup},{setup}{run},EYX,{x},{a},{b},{value_um:.4}\n");
+            }
+        }
+    }
+    let description = "[measurement]\nkind = \"direct\"\nsigma_um = 0.2\nfree = [\"offset\", \"slope\"]\n\
+        [position]\nY_mm = 0\nZ_mm = 0\n";
+    let shop = Shop::new().file("bench.toml", MACHINE).file("bow.csv", text).file("bow.toml", description);
+    let stated = ["--hypothesis", "EYX ~ (T_a_C - T_b_C)", "--hypothesis", "Y ~ T_a_C", "--json"];
+    let report = shop.run(["diagnose", "bow.csv", "--machine", "bench.toml"].into_iter().chain(stated)).exits(0).json();
+    let why = |number: usize| report["hypotheses"][number]["why_not_shown"].as_str().unwrap().to_owned();
+    assert!(why(0).starts_with("T_a_C and T_b_C are constant within each run of a set-up"), "{}", why(0));
+    assert!(why(1).starts_with("T_a_C is constant within each run of a set-up"), "{}", why(1));
+    assert!(!why(0).contains("stay at zero"), "{}", why(0));
+}

@@ -2,7 +2,7 @@
 //! truth and against arithmetic; sentences and shapes of effects without a name.
 
 use ncfix_base::units::{Unit, UnitKey};
-use ncfix_metrology::diagnose::{Causes, Gate};
+use ncfix_metrology::diagnose::{Causes, ExplanationSummary, Gate};
 use ncfix_metrology::results::compared::Circle;
 use ncfix_metrology::results::diagnosis::{CauseReport, DiagnosisResult, RejectedReport, ShapePlace};
 use ncfix_metrology::results::readings::{self, DiagnosisReading, DriverReadings, Set};
@@ -168,7 +168,7 @@ fn a_ball_bar_shows_every_cause_alone() {
     // Measurements used and held out.
     let headings = texts(&document, "h2");
     assert!(headings.iter().any(|heading| heading.contains("held out, residual before and after")), "{headings:?}");
-    assert!(headings.contains(&"Tried and rejected".to_owned()));
+    assert!(headings.contains(&"Rejected candidates".to_owned()));
 }
 
 #[test]
@@ -399,4 +399,33 @@ fn a_million_readings_and_many_findings_are_a_page_that_opens() {
         page.len()
     );
     assert!(report.page().len() < 200_000);
+}
+
+/// Without a certain cause, the first line names the test that the most probable explanation failed.
+#[test]
+fn an_explanation_that_is_not_accepted_names_the_failed_test() {
+    let first = |rejected: Vec<RejectedReport>, terms: &[&str]| {
+        let mut found = DiagnosisResult::default();
+        found.readings = 90;
+        found.unit = UnitKey::Um;
+        found.unexplained.structure = true;
+        found.unexplained.rms_um = 1.5;
+        let terms = terms.iter().map(|one| (*one).to_owned()).collect();
+        found.explanations = vec![ExplanationSummary { terms, probability: 0.999 }];
+        found.rejected = rejected;
+        DiagnosisReport { found, ..DiagnosisReport::default() }.headline()
+    };
+    let drift = RejectedReport {
+        effect: "drift".into(),
+        parameter: "Y".into(),
+        why: Gate::Unseen,
+        ..RejectedReport::default()
+    };
+    let alone = first(vec![drift.clone()], &["drift Y"]);
+    assert!(alone.contains("drift Y (> 99 %) failed the test on left-out readings"), "{alone}");
+    let two = first(vec![drift], &["location EC0X", "drift Y"]);
+    assert!(two.contains("drift Y failed the test on left-out readings"), "{two}");
+    let unknown = first(Vec::new(), &["drift Y"]);
+    assert!(unknown.contains("the search did not confirm"), "{unknown}");
+    assert!([alone, two, unknown].iter().all(|text| !text.contains("although")));
 }

@@ -27,13 +27,16 @@ pub enum ExitCode {
 
 /// Meaning of status 3.
 const NOT_UNDERSTOOD: &str = "the program, or control data given with --setup, has a syntax error or a statement that ncfix cannot execute; no result file was written";
+/// Meaning of status 3 of commands that read no program.
+const BAD_SETUP: &str = "control data given with --setup has a syntax error or a statement that ncfix cannot execute; no result file was written";
 /// Meaning of status 3 of commands that write no program.
 const NOT_COMPARED: &str =
     "a program, or control data given with --setup, has a syntax error or a statement that ncfix cannot execute";
 
-/// Exit statuses of most commands, with their meaning for a script.
+/// Exit statuses of most commands, with their meaning for a script. Only `ncfix import`, which may write a part of a folder, has the second one.
 const OF_ALL: &[(ExitCode, &str)] = &[
     (ExitCode::Done, "success (possibly with warnings)"),
+    (ExitCode::Different, "a file of a folder, which may have readings, was not read; the others are written"),
     (ExitCode::Usage, "usage error, or a file cannot be read or written"),
     (ExitCode::NotUnderstood, NOT_UNDERSTOOD),
     (ExitCode::Refused, "refused because of another error; no result file was written"),
@@ -63,15 +66,6 @@ const OF_DIFF: &[(ExitCode, &str)] = &[
     ),
 ];
 
-/// Exit statuses of `ncfix import`, which may write a part of a folder.
-const OF_IMPORT: &[(ExitCode, &str)] = &[
-    (ExitCode::Done, "success (possibly with warnings)"),
-    (ExitCode::Different, "a file of a folder, which may have readings, was not read; the others are written"),
-    (ExitCode::Usage, "usage error, or a file cannot be read or written"),
-    (ExitCode::NotUnderstood, NOT_UNDERSTOOD),
-    (ExitCode::Refused, "refused because of another error; no result file was written"),
-];
-
 /// Additional statuses of commands that talk to a control.
 const OF_LINK: &[(ExitCode, &str)] = &[
     (ExitCode::Link, "the link cannot be opened or was lost"),
@@ -88,17 +82,24 @@ const OF_LONG: &[(ExitCode, &str)] = &[(ExitCode::Interrupted, "stopped by the u
 impl ExitCode {
     /// Exit statuses of a command with their meanings.
     pub(super) fn of_command(name: &str) -> impl Iterator<Item = (ExitCode, &'static str)> {
-        let talks = matches!(name, "feed" | "resume");
+        let (talks, is_of_files) = (matches!(name, "feed" | "resume"), name == "calibrate");
         let further = if talks { OF_LINK } else { &[] };
         let last = if talks || name == "realtime" { OF_LONG } else { &[] };
         let own = match name {
             "diff" => OF_DIFF,
             "verify" => OF_VERIFY,
-            "import" => OF_IMPORT,
             "explain" | "completions" | "man" => OF_TEXTS,
             _ => OF_ALL,
         };
-        own.iter().chain(further).chain(last).copied()
+        let reads_data = matches!(name, "diagnose" | "import" | "iso230" | "simulate" | "square");
+        let has_different = matches!(name, "diff" | "import");
+        let status = move |(code, meaning)| match code {
+            ExitCode::NotUnderstood if is_of_files => None,
+            ExitCode::Different if !has_different => None,
+            ExitCode::NotUnderstood if reads_data => Some((code, BAD_SETUP)),
+            _ => Some((code, meaning)),
+        };
+        own.iter().chain(further).chain(last).copied().filter_map(status)
     }
 
     /// Exit status of a run with these diagnostics.

@@ -1,4 +1,4 @@
-//! Selection of parameters: steps, terms with their equivalents, gain on held-out readings.
+//! Selection of parameters: steps, terms with their equivalents, gain on left-out readings.
 
 use std::fmt::Write as _;
 
@@ -32,7 +32,7 @@ pub fn table(found: &Selection) -> String {
         let _ = writeln!(
             out,
             "{:<17}{:<12}{:<12}{:>10}{:>10}{:>10}{:>12}",
-            "step", "parameter", "instead of", "t", "freedom", "p", "autocorr."
+            "step", "parameter", "instead of", "t", "d.o.f.", "p", "autocorr."
         );
     }
     for step in &found.steps {
@@ -45,7 +45,7 @@ pub fn table(found: &Selection) -> String {
         let _ = writeln!(
             out,
             "\n{:<13}{:>10}{:>10}{:>10}  {:<18}not separable from",
-            "chosen", "t", "freedom", "p", "held-out gain"
+            "chosen", "t", "d.o.f.", "p", "left-out gain"
         );
     }
     for term in &found.terms {
@@ -71,8 +71,11 @@ pub fn table(found: &Selection) -> String {
         let [before, after] = [gain.before, gain.after].map(significant);
         push_row(
             &mut out,
-            "each left out",
-            &format!("{before} σ without terms, {after} σ with them, gain {}", shown(gain)),
+            "left out",
+            &format!(
+                "residual of left-out readings {before} σ without terms, {after} σ with them, gain {}",
+                shown(gain)
+            ),
         );
     }
     for one in &found.correlation {

@@ -16,29 +16,27 @@ the parameters of the model. If the data cannot separate some parameters, ncfix 
 Temperature columns and load_N of a table give the condition of each row. For tables without them, --state, --time and --load give the condition of all \
 measurements, including those held out.
 
-A term states your own deviation, as for ncfix diagnose --hypothesis: docs/reference/terms.md. A term that is not a parameter of the machine file gets an entry there.
+A term states your own deviation, as for ncfix diagnose --hypothesis: docs/reference/terms.md. A term that is not a parameter of the machine file gets an entry there, if the file has one for it.
 
---select adds the parameters that the data support. ncfix adds, removes and exchanges candidates as long as a criterion decreases. It tests them with \
-the autocorrelation of the readings, and they must improve the prediction of held-out readings. Candidates, separated by commas, are presets, motion \
-(all motion errors of the linear axes), errors (EXX), parameters (EXX2@150) and files with one parameter per line. Errors have degrees up to --degree, \
-and knots every --knots within the measured range.
+--select adds the parameters that the data support: they must be significant, and improve the prediction of left-out readings. Candidates, separated by \
+commas, are presets, motion (all motion errors of the linear axes), errors (EXX), parameters (EXX2@150) and files with one parameter per line. Errors \
+have degrees up to --degree, and knots every --knots within the measured range.
 
-Without --model, ncfix takes the usual errors of the machine: places of rotary axes, squareness, scales, backlash. It leaves out what the data do not \
-determine, and says why (W0605). Then it selects curves of what was measured, as --select does.
+Without --model, ncfix takes the usual errors of the machine: positions of rotary axes, squareness, scales, backlash. It leaves out what the data do not \
+determine, and says why (W0605). Then it adds higher-order terms of the measured components, as --select does.
 
 Examples:
   ncfix calibrate readings --machine start.toml -o machine.toml
   ncfix calibrate balls.csv circles.csv --machine start.toml --model mayer-13 -o machine.toml --hold-out balls_2.csv
-  ncfix calibrate balls.csv --machine start.toml --model mayer-13 -o machine.toml --report balls.html
   ncfix calibrate balls.csv --machine start.toml --model growth.txt --state shift.csv --load 2000 -o machine.toml
   ncfix calibrate laser.csv --machine start.toml --model none --select motion --knots 50mm -o machine.toml
-  ncfix calibrate grid.csv --machine start.toml --model \"EC0X,EXX ~ Y^2,backlash EXX\" -o machine.toml
-  ncfix calibrate laser.csv level.csv --machine start.toml --model spaan-21 --select EXX,EYX1@300 -o machine.toml";
+  ncfix calibrate grid.csv --machine start.toml --model \"EC0X,EXX ~ Y^2,backlash EXX\" -o machine.toml";
 
-/// `ncfix calibrate`.
+/// `ncfix calibrate`. A drift counts from the zero of the instrument; a zero offset has no effect on readings.
 #[derive(Clone, Debug, Args)]
+#[command(mut_arg("zero", |one| one.hide(true)), mut_arg("zero_time", |one| one.help("Time in the log at which the instrument was zeroed, s: drift is relative to it")), mut_arg("zero_at", |one| one.help("Axis positions at which the instrument was zeroed (mm, deg): the drift at this pose counts as zero")))]
 pub(in crate::cli) struct CalibrateArguments {
-    /// Tables of readings, each with its description NAME.toml in the same folder; of a folder, all measurements in it
+    /// Tables of readings, each with its description NAME.toml in the same folder; for a folder: all measurements in it
     #[arg(value_name = "DATA.csv|FOLDER", required = true)]
     pub(in crate::cli) data: Vec<PathBuf>,
     /// Initial machine file
@@ -50,7 +48,7 @@ pub(in crate::cli) struct CalibrateArguments {
     /// Parameters to fit: auto for those that the data determine, a preset (see `ncfix machine presets`), a file with one per line, or presets, parameters and terms such as "EXX ~ Y^2", separated by commas; `none` only together with --select
     #[arg(long, value_name = "auto|PRESET|FILE|TERMS", default_value = "auto")]
     pub(in crate::cli) model: String,
-    /// Candidates from which the data selects further parameters: presets, motion, EXX, EXX2@150 or files, separated by commas
+    /// Candidates for further parameters, of which the data select some: presets, motion, EXX, EXX2@150 or files, separated by commas
     #[arg(long, value_name = "CANDIDATES")]
     pub(in crate::cli) select: Option<String>,
     /// Distance between knots of candidates, whole mm
@@ -77,7 +75,7 @@ pub(in crate::cli) struct CalibrateArguments {
     /// Write the residual of each reading: file, line, positions, reading, model, residual
     #[arg(long, value_name = "FILE.csv")]
     pub(in crate::cli) residuals: Option<PathBuf>,
-    /// Drop parameters that the data cannot separate from others, the most complex first, and list them (docs/reference/calibrate.md)
+    /// Omit parameters that the data cannot separate from others, the most complex first, and list them (docs/explanation/calibration.md)
     #[arg(long)]
     pub(in crate::cli) reduce: bool,
     /// Weight all readings equally, even those that do not fit the others

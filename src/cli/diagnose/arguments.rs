@@ -8,12 +8,11 @@ use crate::cli::arguments::{MachineChoice, PageChoice};
 
 /// End of `ncfix diagnose --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
-Each measurement is a table NAME.csv with its description NAME.toml in the same folder: docs/reference/data-files.md. Errors may depend on every \
+Each measurement is a table NAME.csv with its description NAME.toml in the same folder: docs/reference/data-files.md. Errors may depend on any \
 numeric column: feed_mm_min, t_s, T_NAME_C, humidity.
 
-ncfix names a cause only if it remains significant with the autocorrelation of the readings and the number of candidates tested, and if it also \
-improves the prediction of runs or set-ups that were not used to find it. The data of --hold-out must confirm the cause too. See \
-docs/reference/diagnose.md.
+ncfix names a cause only if it remains significant with the autocorrelation of the readings and the number of candidates tested. It must also improve \
+the prediction of left-out runs or set-ups, and of the data of --hold-out (docs/reference/diagnose.md).
 
 --hypothesis tests your own term: its amount, the evidence for or against it, its gain on left-out readings, other explanations. \
 docs/reference/terms.md has the grammar.
@@ -21,20 +20,19 @@ docs/reference/terms.md has the grammar.
 Examples:
   ncfix diagnose circles.csv --machine mill.toml
   ncfix diagnose circles.csv --machine mill.toml --hold-out circles_2.csv -o extended.toml
-  ncfix diagnose circles.csv --machine mill.toml --report circles.html
   ncfix diagnose grid.csv --machine mill.toml --hypothesis \"EXX ~ Y^2\" --hypothesis \"backlash EXX\"
   ncfix diagnose warm.csv plate.csv --machine mill.toml --json";
 
 /// `ncfix diagnose`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct DiagnoseArguments {
-    /// Tables of readings, each with its description NAME.toml in the same folder; of a folder, all measurements in it
+    /// Tables of readings, each with its description NAME.toml in the same folder; for a folder: all measurements in it
     #[arg(value_name = "DATA.csv|FOLDER", required = true)]
     pub(in crate::cli) data: Vec<PathBuf>,
     #[command(flatten)]
     /// Machine file and set-up files.
     pub(in crate::cli) machine: MachineChoice,
-    /// Measurements that are not searched for causes but must confirm those found
+    /// Measurements that are not used to find causes but must confirm them
     #[arg(long = "hold-out", alias = "holdout", value_name = "DATA.csv", num_args = 1..)]
     pub(in crate::cli) holdout: Vec<PathBuf>,
     /// Hypothesis to test, for example "EXX ~ Y^2" or "backlash EXX"; may be given several times

@@ -22,7 +22,7 @@ Examples:
 /// `ncfix iso230`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct FiguresArguments {
-    /// Tables of readings, each with its description NAME.toml in the same folder; of a folder, all measurements in it
+    /// Tables of readings, each with its description NAME.toml in the same folder; for a folder: all measurements in it
     #[arg(value_name = "DATA.csv|FOLDER", required = true)]
     pub(in crate::cli) data: Vec<PathBuf>,
     #[command(flatten)]

@@ -12,8 +12,8 @@ pub(in crate::cli) const AFTER_HELP: &str = "\
 On a terminal, ncfix asks for what the file does not state, shows what it understood, and writes after a confirmation. In a script it asks nothing, and writes \
 only if no question remains. Without -o it only shows what it understood.
 
-An answer is for all files, or as FILE=VALUE for one of them: --at laser_X=Y200,Z100 --at laser_Y=X300,Z100. Of a folder, files that are no table of an \
-instrument are listed, and the others are written; the exit status is then 1 if one of them may contain readings.
+An answer is for all files, or as FILE=VALUE for one of them: --at laser_X=Y200,Z100 --at laser_Y=X300,Z100. Files of a folder that are not \
+instrument tables are listed, and the others are written; the exit status is then 1 if one of them may contain readings.
 
 Examples:
   ncfix import --list
@@ -25,7 +25,7 @@ Examples:
 /// `ncfix import`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct ImportArguments {
-    /// File of an instrument, - for standard input; or several files and folders, of which all files of instruments are read
+    /// File of an instrument, - for standard input; or several files and folders: ncfix reads all instrument tables in them
     #[arg(value_name = "FILE|FOLDER", required_unless_present = "list")]
     pub(in crate::cli) files: Vec<PathBuf>,
     /// Common name of the two files to write: NAME.csv and NAME.toml; for several files or a folder the folder to write (default: only show what was understood)
@@ -46,7 +46,7 @@ pub(in crate::cli) struct ImportArguments {
     /// Replace existing files
     #[arg(long)]
     pub(in crate::cli) force: bool,
-    /// List the formats and what each needs to be stated
+    /// List the formats and what you must state for each
     #[arg(long)]
     pub(in crate::cli) list: bool,
 }

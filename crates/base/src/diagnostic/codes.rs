@@ -583,21 +583,27 @@ run. There must be more readings than unknowns, otherwise the uncertainty is not
 readings of a position contradict each other, the disturbed one (a lubrication pulse) may not be identifiable; a third run shows
 it. A negative weight means a wrong sign in [strain] or in the readings.";
     NOT_TOLD = "E0606" "errors not identifiable from the data"
-"ncfix calibrate finds errors of the machine and unknowns of each set-up from readings. Here some of these affect the readings
+"ncfix calibrate determines errors of the machine and unknowns of each set-up from readings. Here some of these affect the readings
 in exactly the same way, or not at all, so their sizes cannot be determined: a least-squares solution would be one of infinitely
 many. The message names them. Measure in poses in which they differ (other angles of the rotary axes, another tool length, a second
 set-up, a known length), state what is known of the set-up (remove it from free), or choose a model with fewer parameters (ncfix
-machine presets). ncfix diagnose reports this if the readings outnumber the unknowns of the set-ups by less than three, and if the
-file of -o was not written; its causes remain valid.";
+machine presets). ncfix diagnose reports this code if there are fewer than three readings more than unknowns of the set-ups. It also
+reports it if it did not write the file of -o; the causes in its output remain valid.";
+    TERM_NOT_STORABLE = "E0620" "term that the machine file cannot hold"
+"A term of ncfix calibrate --model needs an entry of the machine file, and no entry fits this one. Tables and grids hold
+functions of positions and directions of axes. A temperature acts only as a drift along X, Y or Z ([[drift]]), or as the expansion
+of an axis ([[expansion]]). For example, a straightness that changes with a temperature has no entry. The readings may show the
+term: ncfix diagnose --hypothesis gives its amount and the evidence, but a program cannot be corrected for it. Remove the term from
+--model.";
     NOT_SETTLED = "E0607" "calibration does not converge"
-"The parameters still change after the last iteration: the model and the readings contradict each other, for instance in a sign, a
-set-up or an axis, or single parameters hardly affect the readings. Or the fit ended, but the readings are farther from the fitted
+"The parameters still change after the last iteration. Either the model and the readings contradict each other, for instance in a
+sign, a set-up or an axis, or some parameters hardly affect the readings. Or the fit ended, but the readings are farther from the fitted
 machine than from a machine without errors, in all files or in one of several. Then the sign is usually wrong, or a table of the
 control was active: name it in active_tables of the machine file. Check the description of the measurement, --machine, and rows
 with large deviations.";
     DATA_SIZE = "E0608" "readings of an implausible size"
-"Readings are in µm or µrad, as their column names state. This one is above --max (an angle is judged by its effect at an arm of 1
-m), or the RMS of all readings is less than the uncertainty of the instrument. Probably values in mm or nm are in a column of µm,
+"Readings are in µm or µrad, as their column names state. This one is above --max (for an angle, its effect at an arm of 1 m
+counts), or the RMS of all readings is less than the uncertainty of the instrument. Probably values in mm or nm are in a column of µm,
 or length_mm and centre_mm of the description are wrong. A parameter that would move the tool by more than --max is reported too.
 Check the units of the columns. If the machine really has such errors, give a larger --max.";
     BAD_PARAMETER = "E0609" "not a parameter of this machine"
@@ -614,7 +620,7 @@ message gives the evidence. Change the columns, the machine file or active_table
     DATA_SIGN = "E0619" "readings that do not follow a known move"
 "The table has rows in which the tool was moved by a known amount (moved_um, moved_urad), and the readings do not follow it. With the opposite
 sign, a correction would double the errors of the machine. Correct the sign, the unit or the component of the readings, then repeat
-the test of signs. ncfix plan laser --variant signs plans one.";
+the sign test. ncfix plan laser --variant signs plans one.";
     BAD_HYPOTHESIS = "E0615" "hypothesis that cannot be read"
 "ncfix diagnose --hypothesis tests a term: a deviation and what it depends on, such as EXX ~ Y^2 or EYY ~ T_head_C lag 600s, or a
 cause by the name that findings have, such as backlash EXX. Here the text is not complete, or it names an axis that the machine
@@ -639,15 +645,15 @@ If the file may have two formats, --as names one.";
     IMPORT_FORMAT = "E0617" "file of no format that import reads"
 "The content of the file matches no format of `ncfix import --list`, or the file is not text. Project files of instruments are
 usually binary or databases: export the readings as text or CSV from the software of the instrument. A table with unusual headings
-can be read with --as targets and --columns. Use a decimal point in numbers if commas separate the cells: a comma in each number
-has this code, or E0601 if the rows then differ in their cells.";
+can be read with --as targets and --columns. Use a decimal point in numbers if commas separate the cells. If every number
+contains a comma, you get this code; if only some do, you get E0601.";
     IMPORT_CONTRADICTION = "E0618" "file contradicts what it seems to be"
-"The content of the file does not agree with the options of `ncfix import`, or with itself. Examples are a position outside of the
+"The content of the file does not agree with the options of `ncfix import`, or with itself. Examples are a position outside the
 travel of the machine, a deviation that is not actual minus nominal, a measured axis that the machine lacks, a unit that the
 heading contradicts, an option that has no effect on these readings. Correct the option, or export the file again.
 
-Targets mostly count from a zero of their own, not from machine zero. --at X-600 states that target 0 of the file is X-600 of the machine.
-The other axes of --at have the machine positions at which they stood.";
+Targets usually count from a zero of their own, not from machine zero. --at X-600 states that target 0 of the file is X-600 of the machine.
+For the other axes, --at gives the machine positions at which they stood.";
     NOT_FOR_LINK = "E0701" "line that the link cannot send"
 "The program has a line that cannot be sent over this link. Nothing was sent. There are four reasons; the message states which. With --sensors,
 temperatures can add words and digits to a line while the job runs.
@@ -847,14 +853,14 @@ would lose the synchronism of spindle and axis. The message states the deviation
 reads if the deviation is too large, otherwise a larger --tolerance.";
     OTHER_STAMP = "W0306" "corrected for another machine file, state or original"
 "ncfix writes a stamp into each corrected program: a comment with checksums. A checksum is a short number that ncfix computes from
-all characters of a file. If one character of the file changes, the checksum is another. Here the stamp has another checksum than
-the machine file, state or original that you gave: the file was changed, or it is not the one of the correction. Each correction
+all characters of a file. If one character of the file changes, the checksum changes. Here the checksum in the stamp differs from that
+of the machine file, state or original that you gave: the file was changed, or it is not the one of the correction. Each correction
 is valid for one machine in one state. The errors in the result are those of this program on the given machine in the given
 state. Give the files of the correction. If tools, zeros or errors have changed since, correct the original again.";
     ONE_PIECE = "W0307" "move that cannot be divided deviates"
 "Threads (G33, G34, G35, G331, G332, G63) and positioning axes (POS) are not divided into pieces: spindle and axis would lose
 synchronism, or the axes would stop in between. The end of the move is corrected, but along the path the deviation is larger than
---tolerance. The message states it. Accept the deviation, or for POS program the motion as G0 or G1.";
+--tolerance. The message states it. Accept the deviation, or replace POS by G0 or G1.";
     SENSE_UNKNOWN = "W0308" "side of the backlash unknown at a cut"
 "The program cuts while it is unknown on which side of its backlash an axis is: the axis came from an unknown position, for example
 after a tool change. ncfix assumes the middle. The cut may therefore be wrong by half of the backlash, until the axis has moved by
@@ -913,7 +919,7 @@ State the method: set = \"touched\", \"probed\" or \"absolute\" in [zero_offset.
     UNKNOWN_CUT = "W0322" "cut at a position that is not known"
 "The program has a feed move while the position of a linear axis is not known. Either no earlier block states it, or a program
 that the control itself executes has moved the axes. The errors of the machine depend on this position, so the correction there
-is incomplete, and the predicted errors do not count the move. Program the axes before the cut. --start gives their position at
+is incomplete, and the predicted errors do not count the move. Program a position for these axes before the cut. --start gives their position at
 the beginning, and it holds until the first tool change. After a tool change, G1 moves in the plane are treated as the approach.
 State Z with a rapid move, or after G43, before you cut.";
     ROTARY_ASSUMED = "W0324" "rotary axes assumed at 0°"
@@ -1005,17 +1011,17 @@ does not move while one side of the workpiece is machined. Give the position of 
 machine. For a table that moves, correct each side as a separate program.";
     LOAD_ASSUMED = "W0601" "load only partly determined"
 "The readings determine the weight, but with a limitation: the position of the load along an axis has the same signal as the weight
-itself, the load is below the noise, too few other readings check a disturbed one, or the scatter is above sigma_um_per_m. The
+itself, the load is below the noise, there are too few other readings to check a disturbed one, or the scatter is above sigma_um_per_m. The
 message states which. Give a known position with --known Z-280, or measure every position again.";
     READING_LEFT_OUT = "W0602" "reading excluded"
 "A lubrication pulse disturbs the strain for a moment. ncfix excludes one or two readings from the weighing if the others agree
 significantly better without them (1 %). The message names them. Look at these readings; if you doubt the result, measure again.";
     ROW_DOES_NOT_FIT = "W0603" "reading that does not fit the others"
-"In a calibration, a reading that deviates from the model by more than the noise gets a smaller weight, and beyond 4.7 standard
-deviations the weight 0 (Tukey's weights). The reading stays in the file and in the report. Look for its cause: a chip under the
-ball, a wrong row, a set-up that moved. The message is about the worst reading of a file, and has the number of the others;
+"In a calibration, a reading that deviates from the model by more than the noise gets a smaller weight. Beyond 4.7 standard
+deviations its weight is 0 (Tukey's biweight). The reading stays in the file and in the report. Look for its cause: a chip under the
+ball, a wrong row, a set-up that moved. The message names the largest outlier of a file, and gives the number of the others;
 --residuals lists all. With --no-robust all readings have equal weights.";
-    POOR_FIT = "W0604" "the residual is larger than the instrument explains"
+    POOR_FIT = "W0604" "residual larger than the instrument explains"
 "The residual of the calibrated model is well above the uncertainty that sigma_um states, or, without sigma_um, above the scatter of
 readings that were repeated at the same pose. The machine has errors that the model
 lacks, its temperature changed, or sigma_um is too small. The standard uncertainties are then based on the scatter of the
@@ -1028,7 +1034,7 @@ down, later ones of the model before earlier ones, location errors last. Omitted
 machine file. The others absorb their effect, which is right for similar poses and wrong elsewhere. The message states the reason,
 and the help the measurement that is missing. Measure what the help names, or accept the model for similar poses. ncfix diagnose
 reports this code if it cannot fit the found terms again together: it then writes them as its search found them.";
-    UNLIKE_REPEATED = "W0606" "uncertainties unlike simulated repetitions"
+    UNLIKE_REPEATED = "W0606" "uncertainties differ from simulated repetitions"
 "With --monte-carlo, ncfix calibrate simulates the readings many times, with the noise that it found, and fits them again. The
 scatter of a parameter differs from its standard uncertainty by more than 25 %, beyond the statistical spread of the repetitions,
 or repetitions could not be fitted. Reasons are few readings, weights that follow the noise, or unknowns with large changes. Use
@@ -1043,17 +1049,17 @@ excludes faulty rows from the search for causes, or gives them their own zero or
 temperature log ends or pauses, ncfix excludes only the rows without temperatures. In held-out data it keeps all other rows, so
 that the test data are not selected.";
     NOT_SHOWN = "W0608" "term that the readings do not show"
-"ncfix calibrate fits a term of --model, such as EXX ~ Y^2, and its interval of 95 % contains 0. The machine file gets the term,
+"ncfix calibrate fits a term of --model, such as EXX ~ Y^2, and its 95 % interval contains 0. The machine file gets the term,
 because the command asks for it. A program would then be corrected by an amount whose sign is not known. Remove the term, or take
 readings where it acts: at several positions of the axis on which it depends.";
     IMPORT_GAP = "W0609" "places without a reading"
-"The readings of a file are regular, and some of them are missing: an arc of a circle, a target of a run, a node of a grid, or a
-feature of a report. The file may have been cut, or rows may have been lost. ncfix import writes the measurement without these
+"The readings of a file form a regular pattern, and some of them are missing: an arc of a circle, a target of a run, a node of a grid, or a
+feature of a report. The file may have been cut off, or rows may have been lost. ncfix import writes the measurement without these
 places and names them. Export the file again. If the places were not measured, the calibration is less certain there.";
     SLOPE_NOT_SHOWN = "W0610" "slope of a straightness that the readings do not show"
-"ncfix calibrate fits the curvature of an axis, such as EZX2, but no slope, and the readings cannot show a slope: the artifact lies
-as it was set up. A curve without a slope at the zero of the axis would tilt the whole axis by an arbitrary angle. ncfix therefore
-adds the slope that makes the axis straight on average over the measured range. The real slope belongs to the squareness of the
+"ncfix calibrate fits the curvature of an axis, such as EZX2, but no slope, and the readings cannot show a slope: the
+alignment of the artifact is unknown. A curve without a slope at the zero of the axis would tilt the whole axis by an arbitrary angle. ncfix therefore
+adds the slope that makes the mean slope over the measured range zero. The real slope belongs to the squareness of the
 axis, which stays unknown. Measure it with a square, two diagonals or ball-bar circles.";
     RELATIVE_SCALE = "W0611" "scale that is only relative to that of another axis"
 "The circles of a bar of unknown length are the same if all axes are longer by the same proportion. ncfix calibrate fitted the
@@ -1061,32 +1067,32 @@ scale of some of these axes and took the others as 0, so the fitted scales are d
 can have the right shape and a wrong size, and the stated uncertainty does not include that. Give the calibrated length of the
 bar, measure one axis with a laser, or state the scale of the other axis in the machine file.";
     SLOPE_LEFT_OUT = "W0612" "slope of a straightness outside the model"
-"The readings of a straightness contain the angle between its reference and the axis, unless the description frees it. The model
-has only the curvature. A parabola about the zero of the axis then takes up a part of the angle, so the curvature is wrong,
+"The readings of a straightness contain the angle between its reference and the axis, unless the description makes it an unknown. The
+model has only the curvature. A parabola about the zero of the axis then absorbs a part of the angle, so the curvature is wrong,
 possibly also in sign. Free the alignment with free = [\"offset\", \"slope\"] in the description, or add the slope to the model:
-EYX1 beside EYX2.
+EYX1 in addition to EYX2.
 
 ncfix diagnose has no stated model. The alignment of the reference and a squareness explain the slope equally well there, so it
 uses no slope, and neither finds nor writes a squareness from it. If the reference is a square whose direction is exact, write
 reference = \"square\" in [measurement].";
-    SCALE_BY_PIVOT = "W0613" "scale that depends on the stated place of a rotary axis"
+    SCALE_BY_PIVOT = "W0613" "scale that depends on the stated position of a rotary axis"
 "ncfix calibrate fits the scales of linear axes from balls on a table, without a known distance between two balls. The balls then
-show only how scales compare with the places of the rotary axes and the length of the tool in the machine file. If a rotary axis
-is 20 µm from that place, the fit turns this into scales that are wrong by 20 µm over the distance to it, and its residual stays
+show only the scales relative to the positions of the rotary axes in the machine file, and to the tool length. If a rotary axis is
+20 µm away from its stated position, the fit turns this into scales that are wrong by 20 µm over the distance to it, and its residual stays
 small. Give the calibrated distance of two balls in [[length]], measure one axis with a laser, or fit the offset of the rotary
 axis instead of the scales.";
     SENSOR_LINEARITY = "W0614" "sensor that is not linear"
 "The star of [sensors] shows that a sensor departs from its fitted response by more than 0.5 % of its range. At the ends of the
-range the displacements are then wrong by this share, and calibrate or decompose would take it for an error of the machine. Write
+range the displacements are then wrong by this share, and calibrate or decompose would attribute this to the machine. Write
 degree = 3 in [sensors] with a star of more rows, keep the ball nearer to the middle of the sensors, or repeat the star if a row
-of it is a mistake.";
+of it is wrong.";
     REFERENCES_DIFFER = "W0615" "readings that refer to different temperatures"
 "Readings of a laser refer to 20 °C. A part, a plate or a ball-bar with a stated temperature shows the lengths that the machine has
 at this temperature. In one ncfix calibrate or ncfix diagnose, files of both kinds contradict each other: at 22 °C by 23 µm/m on a
 machine of steel. A fit takes a mean that is right for neither, or turns the difference into a squareness. A search takes it for a
 cause. Give all files one reference temperature. Beside a laser that refers to 20 °C, import the part, plate or bar with
 --material 20C: the result then makes parts that have their nominal size at 20 °C, if they expand as the machine does. Or use the
-files apart.";
+files separately.";
     SQUARENESS_OMITTED = "W0620" "squareness that the model lacks"
 "--model states the parameters of the fit, and no squareness of two axes is among them. The readings show this angle with certainty. Other
 parameters have absorbed a part of it, such as the straightness of an axis or the zero of a rotary axis. The residuals can look normal,

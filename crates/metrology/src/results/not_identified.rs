@@ -78,7 +78,7 @@ fn not_identified(lost: Lost, of: &str) -> Vec<(Option<usize>, Diagnostic)> {
             "{of}without these {count} parameters the data determine all others{rest}: {}",
             listed(&lost.leave_out, usize::MAX)
         );
-        let help = "measure as described above, remove them from the file for --model, or let --reduce omit them";
+        let help = "measure as described above, remove them from --model, or let --reduce omit them";
         out.push((None, Diagnostic::nowhere(Code::NOT_TOLD, message, help)));
     }
     out

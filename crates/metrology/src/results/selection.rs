@@ -1,4 +1,4 @@
-//! The selection of parameters: steps, terms with alternatives, gain on held-out readings.
+//! The selection of parameters: steps, terms with alternatives, gain on left-out readings.
 
 use std::collections::HashMap;
 
@@ -29,7 +29,7 @@ pub struct Selection {
     pub terms: Vec<SelectedTerm>,
     /// Autocorrelation of neighboring readings, by measurement.
     pub correlation: Vec<Correlation>,
-    /// Gain of all terms on held-out readings, with the selection repeated in every fold; `null` if nothing was selected.
+    /// Gain of all terms on left-out readings, with the selection repeated in every fold; `null` if nothing was selected.
     pub held_out: Option<HoldoutGain>,
     /// Number of alternations between selection and fit.
     pub passes: usize,
@@ -71,7 +71,7 @@ pub enum StepChange {
     /// It was not significant.
     #[serde(rename = "not significant")]
     NotSignificant,
-    /// It did not improve held-out readings.
+    /// It did not improve the prediction of left-out readings.
     #[serde(rename = "no gain")]
     NoGain,
 }
@@ -101,13 +101,13 @@ pub struct SelectedTerm {
     pub freedom: f64,
     /// p-value, times the number of candidates.
     pub p: f64,
-    /// Gain on held-out readings, in addition to the other terms.
+    /// Gain on left-out readings, in addition to the other terms.
     pub held_out: HoldoutGain,
     /// Candidates that are not distinguishable from it.
     pub rivals: Vec<String>,
 }
 
-/// Residuals of held-out readings, in units of their uncertainty.
+/// Residuals of left-out readings, in units of their uncertainty.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HoldoutGain {

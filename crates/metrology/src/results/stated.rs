@@ -6,7 +6,7 @@ use super::extended::{StartFile, load, made};
 use crate::calibrate::Parameter;
 use crate::diagnose::cause::Causes;
 use crate::diagnose::extend::{Anchor, Change, again};
-use crate::diagnose::stated::{self, ModelTerm, StatedHypothesis, TermAmount, stated_model};
+use crate::diagnose::stated::{self, ModelTerm, StatedHypothesis, TermAmount, TermRefusal, stated_model};
 use crate::diagnose::{EXPANDED, Scene};
 use crate::measure::data::DataSet;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
@@ -111,11 +111,17 @@ pub fn start_with_terms(
                 }
                 all.extend(changes);
             }
-            Err(why) => {
+            Err(TermRefusal::NotIdentified(why)) => {
                 is_sound = false;
                 let help =
                     "test it with ncfix diagnose --hypothesis, which reports the evidence and the measurement it needs";
                 refuse(findings, Some(one), format!("{} cannot be fitted: {why}", one.text), help);
+            }
+            Err(TermRefusal::NotStorable(why)) => {
+                is_sound = false;
+                let help = "remove it from --model; ncfix diagnose --hypothesis gives its amount, but no program can be corrected for it";
+                let place = Place { file: text.id(), span: one.span };
+                findings.push(Diagnostic::at(Code::TERM_NOT_STORABLE, place, format!("{}: {why}", one.text), help));
             }
         }
     }

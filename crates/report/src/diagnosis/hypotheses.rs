@@ -51,15 +51,15 @@ impl DiagnosisReport {
         out.push(format!("alone: {}{of_findings}", times_in_words(alone)));
         if !one.stands_for.is_empty() {
             let names = one.stands_for.join(" and ");
-            let instead = one.log_evidence_of_findings.map_or_else(String::new, |evidence| {
-                format!("; with {names} in its place, the explanation is {}", rather(evidence))
-            });
+            let instead = one
+                .log_evidence_of_findings
+                .map_or_else(String::new, |evidence| format!("; {names} instead of it: {}", rather(evidence)));
             out.push(format!("left out for this test: {names}, because both explain the same readings{instead}"));
         }
         let unseen = if one.gain_is_held_out { "the held-out data" } else { "left-out readings" };
         let gain = match one.gain_unseen {
             Some(gain) if gain >= 0.0 => format!("{:.0} % smaller residual on {unseen}", 100.0 * gain),
-            Some(gain) => format!("{:.0} % more residual on {unseen}", -100.0 * gain),
+            Some(gain) => format!("{:.0} % larger residual on {unseen}", -100.0 * gain),
             None => "the left-out readings cannot show whether it improves the prediction".into(),
         };
         out.push(format!("{gain}; effect on the readings {} {} RMS", significant(one.rms_um), self.unit_sign()));
@@ -157,7 +157,7 @@ fn together(sets: &[HypothesisSet]) -> String {
     };
     let all: Vec<String> = sets.iter().take(SETS).map(one).collect();
     if all.is_empty() {
-        return "None of these hypotheses is visible in the data.".into();
+        return "These data can test none of these hypotheses.".into();
     }
     format!("Comparison with equal prior odds: {}.", all.join("; "))
 }

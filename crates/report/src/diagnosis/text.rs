@@ -9,7 +9,9 @@ use crate::component::spelled_out;
 use crate::number::{grouped, percent, probability, significant};
 use ncfix_metrology::diagnose::cause::Correctable;
 use ncfix_metrology::diagnose::{ExplanationSummary, Gate};
-use ncfix_metrology::results::diagnosis::{CauseReport, InFile, NoiseFrom, PositionUnit, ShapePlace, SizeRange};
+use ncfix_metrology::results::diagnosis::{
+    CauseReport, InFile, NoiseFrom, PositionUnit, RejectedReport, ShapePlace, SizeRange,
+};
 
 /// Maximum number of other explanations that are named.
 const RIVALS: usize = 8;
@@ -131,20 +133,18 @@ impl DiagnosisReport {
             }
             // The explanations below the verdict may name causes that are probable and not accepted.
             let first = found.explanations.first().filter(|first| !first.terms.is_empty() && first.probability >= 0.5);
-            let probable = first.map(|first| {
-                format!("{} is probable ({})", first.terms.join(" with "), probability(first.probability))
-            });
+            let failed = first.map(|first| self.failed_sentence(first));
             if !found.unexplained.structure {
-                return match probable {
-                    Some(probable) => format!(
-                        "No cause passes all tests, although {probable}. Next: measure more readings in both directions."
-                    ),
+                return match failed {
+                    Some(failed) => {
+                        format!("No cause passes all tests: {failed}. Next: measure more readings in both directions.")
+                    }
                     _ => "The model explains the readings within their noise: the machine file needs no change.".into(),
                 };
             }
-            let although = probable.map_or(String::new(), |probable| format!(", although {probable}"));
+            let failed = failed.map_or(String::new(), |failed| format!(": {failed}"));
             return format!(
-                "{} {unit} RMS are systematic, but no cause is certain{although}. Next: measure more set-ups, in both directions of every axis.",
+                "{} {unit} RMS are systematic, but no cause is certain{failed}. Next: measure more set-ups, in both directions of every axis.",
                 significant(found.unexplained.rms_um)
             );
         };
@@ -195,6 +195,20 @@ impl DiagnosisReport {
             significant(found.before.rms_um),
             self.next_step(largest)
         ) + &more_probable
+    }
+
+    /// Returns the acceptance test that the most probable explanation failed, as a part of a sentence.
+    fn failed_sentence(&self, first: &ExplanationSummary) -> String {
+        let test_of = |term: &String| {
+            let is_own = |one: &&RejectedReport| name(&one.effect, &one.parameter) == *term;
+            self.found.rejected.iter().find(is_own).map(|one| test(one.why))
+        };
+        let together = format!("{} ({})", first.terms.join(" with "), probability(first.probability));
+        match first.terms.iter().find_map(|term| Some((term, test_of(term)?))) {
+            Some((_, test)) if first.terms.len() == 1 => format!("{together} failed {test}"),
+            Some((term, test)) => format!("in the most probable explanation, {together}, {term} failed {test}"),
+            None => format!("the search did not confirm the most probable explanation, {together}"),
+        }
     }
 
     /// Returns the beginning of the main result without a certain cause: whether noise alone explains the readings as well.
@@ -286,7 +300,7 @@ impl DiagnosisReport {
             (own, all) => format!("{own} of {all} causes"),
         };
         let cancels = if written.after_rms_um > written.before_rms_um {
-            " Causes that a file cannot hold cancel a part of its correction in these readings."
+            " In these readings, causes without an entry in the file cancel a part of its correction."
         } else {
             ""
         };
@@ -386,7 +400,7 @@ impl DiagnosisReport {
         format!(
             "An unexplained residual of {} {unit} RMS exceeds the noise{}{}.",
             significant(self.found.unexplained.rms_um),
-            if with.is_empty() { "" } else { "; they depend on " },
+            if with.is_empty() { "" } else { "; it depends on " },
             with.join(", ")
         )
     }
@@ -451,7 +465,7 @@ impl DiagnosisReport {
             .rejected
             .iter()
             .filter(|one| one.why != Gate::HeldOut)
-            .map(|one| format!("{} ({})", name(&one.effect, &one.parameter), one.why.name()))
+            .map(|one| format!("{} (failed {})", name(&one.effect, &one.parameter), test(one.why)))
             .collect();
         if !rejected.is_empty() {
             let more = rejected.len().saturating_sub(REJECTED);
@@ -478,7 +492,7 @@ impl DiagnosisReport {
         }
         let _ = writeln!(out, "{}", self.unexplained_sentence());
         if self.is_to_be_written && self.found.needs_no_change() {
-            let _ = writeln!(out, "\nNot written: nothing had to be extended, the present machine file stays valid.");
+            let _ = writeln!(out, "\nNot written: no extension is necessary; the existing machine file stays valid.");
         }
         if let Some(path) = &self.output {
             let _ = writeln!(out, "\nWritten: {path}");
@@ -695,6 +709,15 @@ fn by_sensor(one: &CauseReport) -> String {
     let lag = one.lag_s.filter(|lag| *lag > 0.0);
     let lag = lag.map_or(String::new(), |lag| format!(" {} s later", significant(lag)));
     format!(" with {sensor}{lag}")
+}
+
+/// Returns the words for an acceptance test, as the object of a sentence.
+fn test(gate: Gate) -> &'static str {
+    match gate {
+        Gate::Chance => "the test of significance",
+        Gate::Unseen => "the test on left-out readings",
+        Gate::HeldOut => "the test on the held-out data",
+    }
 }
 
 fn name(effect: &str, parameter: &str) -> String {

@@ -217,9 +217,9 @@ fn weighted_down(out: &mut Markup, found: &CalibrationResult) {
         .collect();
     table(
         out,
-        &columns(["row", "#left", "unit", "#counts"]),
+        &columns(["row", "#residual", "unit", "#weight"]),
         &rows,
-        "They stay in the file with this weight.",
+        "Rows with a reduced weight in the fit. They stay in the file.",
         MOST_ROWS,
     );
 }

@@ -215,7 +215,7 @@ fn ranking(out: &mut Markup, report: &DiagnosisReport) {
         let shares = ranked().map(|(k, one)| Bar { label: label(k, one), value: 100.0 * one.share, error: 0.0 });
         let picture = Bars {
             title: "Fair share of the residual of the model".into(),
-            across: "% of the squares".into(),
+            across: "% of the sum of squares".into(),
             bars: shares.chain([left]).collect(),
             is_logarithmic: false,
         };
@@ -234,7 +234,7 @@ fn explanations(out: &mut Markup, all: &[ExplanationSummary], next: Option<&Next
         PageRow { class: "wrap", cells: vec![percent(one.probability), terms] }
     };
     let rows: Vec<PageRow> = all.iter().map(row).collect();
-    let caption = "Sets of causes by their probability under one likelihood of all readings. The probability of a cause is the sum over the sets that contain it.";
+    let caption = "Sets of causes by their probability. The likelihood is that of all readings. The probability of a cause is the sum over the sets that contain it.";
     table(out, &columns(["#probability", "causes"]), &rows, caption, MOST_ROWS);
     if let Some(next) = next {
         out.leaf("p", &[], format!("To separate them: {}.", next_sentence(next)));
@@ -274,7 +274,7 @@ fn faults(out: &mut Markup, all: &[DataFault]) {
 }
 
 fn rejected(out: &mut Markup, report: &DiagnosisReport, shown: &PageReadings) {
-    out.leaf("h2", &[], "Tried and rejected");
+    out.leaf("h2", &[], "Rejected candidates");
     let gate = |one: &RejectedReport| match one.why {
         Gate::Chance => "not significant for the number of candidates that were tested",
         Gate::HeldOut => "it does not improve the prediction of held-out data",
@@ -301,7 +301,7 @@ fn rejected(out: &mut Markup, report: &DiagnosisReport, shown: &PageReadings) {
         table(out, &heads, &rows, caption, MOST_ROWS);
     }
     out.element("details", &[], |out| {
-        out.leaf("summary", &[], format_args!("All causes of the catalog, and what each could still explain"));
+        out.leaf("summary", &[], format_args!("All causes of the catalog, and the share that each could still explain"));
         let row = |one: &TriedCauseReport| {
             let (best, share) = match &one.best {
                 Some((parameter, share)) => (parameter.clone(), percent(*share)),

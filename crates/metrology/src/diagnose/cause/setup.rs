@@ -9,7 +9,7 @@ use crate::measure::data::Free;
 use crate::measure::kind::Measurand;
 
 pub(super) const PLACE: Cause = Cause {
-    name: "place of the artifact",
+    name: "position of the artifact",
     effect: EffectKind::Setup,
     made_by: "a ball or an artifact that is not at its described position",
     shown_by: "ball-bar: a circle off its center, equal in both directions, different in the next set-up",

@@ -105,7 +105,7 @@ pub const ASSUMPTIONS: &[Assumption] = &[
         family: Family::Squareness,
         size: Size::Urad(50.0),
         odds: 1.0,
-        source: "ISO 10791-2: 20 µm in 500 mm; visible on about half of all machines",
+        source: "ISO 10791-2: 20 µm in 500 mm; detectable on about half of all machines",
     },
     Assumption {
         family: Family::Scale,
@@ -123,7 +123,7 @@ pub const ASSUMPTIONS: &[Assumption] = &[
         family: Family::Offset,
         size: Size::Um(100.0),
         odds: 0.3,
-        source: "axes of rotation as aligned by hand with the machine zero",
+        source: "rotary axes that were aligned by hand with the machine zero",
     },
     Assumption {
         family: Family::Tilt,
@@ -162,13 +162,13 @@ pub const ASSUMPTIONS: &[Assumption] = &[
         family: Family::LateralPlay,
         size: Size::Um(8.0),
         odds: 0.03,
-        source: "a fraction of backlash along the axis",
+        source: "a fraction of the backlash along the axis",
     },
     Assumption {
         family: Family::AngularPlay,
         size: Size::Urad(15.0),
         odds: 0.002,
-        source: "as angles; rare: one in a hundred of the backlash along an axis",
+        source: "size as for angles; a hundred times rarer than backlash along an axis",
     },
     Assumption {
         family: Family::Cross,
@@ -186,7 +186,7 @@ pub const ASSUMPTIONS: &[Assumption] = &[
         family: Family::Threshold,
         size: Size::Um(8.0),
         odds: 0.002,
-        source: "joints of guides and covers that drag; rarer than a smooth dependence",
+        source: "joints of guideways, and covers that drag; rarer than a smooth dependence",
     },
     Assumption { family: Family::Wave, size: Size::Um(5.0), odds: 0.05, source: "scales and screws: 1 to 10 µm" },
     Assumption {
@@ -222,18 +222,13 @@ pub const ASSUMPTIONS: &[Assumption] = &[
         odds: 0.02,
         source: "compliance of a frame with a first natural frequency of 50 Hz: a/(2π f)²",
     },
-    Assumption {
-        family: Family::Dynamic,
-        size: Size::Um(8.0),
-        odds: 0.02,
-        source: "rare at the feeds of measurements",
-    },
-    Assumption { family: Family::Load, size: Size::Um(15.0), odds: 0.1, source: "only where weights were noted" },
+    Assumption { family: Family::Dynamic, size: Size::Um(8.0), odds: 0.02, source: "rare at measuring feeds" },
+    Assumption { family: Family::Load, size: Size::Um(15.0), odds: 0.1, source: "only if the table has weights" },
     Assumption {
         family: Family::Setup,
         size: Size::Um(20.0),
         odds: 0.01,
-        source: "lengths that are stated come with a certificate; artifacts at another temperature",
+        source: "stated lengths have a certificate; artifacts may have another temperature",
     },
     Assumption {
         family: Family::Sign,
@@ -254,7 +249,12 @@ pub const ASSUMPTIONS: &[Assumption] = &[
         source: "ISO 230-10: pre-travel and lobing of touch probes, and lengths that were set with another instrument",
     },
     Assumption { family: Family::Own, size: Size::Um(20.0), odds: 0.1, source: "a custom cause is added for a reason" },
-    Assumption { family: Family::Unnamed, size: Size::Um(10.0), odds: 0.001, source: "the last resort" },
+    Assumption {
+        family: Family::Unnamed,
+        size: Size::Um(10.0),
+        odds: 0.001,
+        source: "accepted only if no named cause fits",
+    },
 ];
 
 /// Weight of the stated uncertainty, as a number of readings: estimates from fewer readings do not override it.

@@ -26,5 +26,5 @@ mod trial;
 
 pub use form::{StatedHypothesis, TermAmount};
 pub use grammar::{read, read_options};
-pub use model::{ModelTerm, stated_model};
+pub use model::{ModelTerm, TermRefusal, stated_model};
 pub use trial::{EqualExplanation, HypothesisTrial, STRONG, StatedSet, StatedTrials, diagnose_stated};

@@ -22,9 +22,18 @@ pub enum ModelTerm {
     Changes(Vec<Change>, Vec<TermAmount>),
 }
 
+/// The reason why a calibration cannot take a stated term.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum TermRefusal {
+    /// The readings do not determine its amount.
+    NotIdentified(String),
+    /// The readings may determine it, but the machine file has no entry for it.
+    NotStorable(String),
+}
+
 /// The terms as parts of the model, each with the reason if it cannot be fitted; and the factors by which those that become shapes of the file enlarge the
 /// uncertainties of the parameters.
-pub(super) type StatedModel = (Vec<Result<ModelTerm, String>>, Vec<(ParameterName, f64)>);
+pub(super) type StatedModel = (Vec<Result<ModelTerm, TermRefusal>>, Vec<(ParameterName, f64)>);
 
 /// Fits stated terms to all readings of a scene, together with the parameters `beside` of a model; `bare` contains the readings without any model.
 /// Returns for each term its part of the model, or the reason why it cannot be fitted; and the factors by which the terms that become shapes of the file
@@ -60,14 +69,16 @@ pub fn stated_model(
     let found = Settled::open(&mut field, [&own, &held_out], (causes, bare, used)).verdict_of(&kept);
     let key = |one: &Candidate| one.columns.first().and_then(|parts| parts.first()).map(|(_, weight)| weight.key());
     let of = |one: Result<super::subject::StatedSubject, String>| {
-        let one = one?;
-        let candidate = field.candidates.get(one.number).ok_or("it has no effect")?;
+        let lost = |why: &str| TermRefusal::NotIdentified(why.to_owned());
+        let one = one.map_err(TermRefusal::NotIdentified)?;
+        let candidate = field.candidates.get(one.number).ok_or_else(|| lost("it has no effect"))?;
         if let Term::Parameters(names) = &candidate.term {
             return Ok(ModelTerm::Parameters(names.clone()));
         }
         let is_own = |own: &&AcceptedCause| key(&own.candidate) == key(candidate);
-        let accepted = found.findings.iter().find(is_own).ok_or("the readings do not determine its size")?;
-        let changes = extend::of_stated(accepted, scene, used)?;
+        let accepted = found.findings.iter().find(is_own);
+        let accepted = accepted.ok_or_else(|| lost("the readings do not determine its size"))?;
+        let changes = extend::of_stated(accepted, scene, used).map_err(TermRefusal::NotStorable)?;
         let name = format!("{} {}", candidate.cause.effect, candidate.parameter);
         let mut amounts = amounts(name.trim_end(), &one, accepted);
         let all: Vec<usize> = kept.iter().map(|(one, _)| one.candidate).collect();
@@ -77,8 +88,8 @@ pub fn stated_model(
         Ok(ModelTerm::Changes(changes, amounts))
     };
     let numbers: Vec<Option<usize>> = subjects.iter().map(|one| Some(one.as_ref().ok()?.number)).collect();
-    let out: Vec<Result<ModelTerm, String>> = subjects.into_iter().map(of).collect();
-    let is_shape = |one: &Result<ModelTerm, String>| matches!(one, Ok(ModelTerm::Changes(changes, _)) if changes.iter().any(|change| matches!(change, Change::Shape { .. })));
+    let out: Vec<Result<ModelTerm, TermRefusal>> = subjects.into_iter().map(of).collect();
+    let is_shape = |one: &Result<ModelTerm, TermRefusal>| matches!(one, Ok(ModelTerm::Changes(changes, _)) if changes.iter().any(|change| matches!(change, Change::Shape { .. })));
     let shapes: Vec<usize> =
         out.iter().zip(numbers).filter(|(one, _)| is_shape(one)).filter_map(|(_, number)| number).collect();
     let parameters: Vec<usize> = kept.iter().take(beside.len()).map(|(one, _)| one.candidate).collect();

@@ -1,5 +1,7 @@
 //! The subject of a trial: the candidate of a stated hypothesis, its visibility in the readings, and the amounts of its terms.
 
+use std::collections::BTreeMap;
+
 use super::super::cause::{Candidate, EffectKind};
 use super::super::entrant::group;
 use super::super::explain::contest::evidences;
@@ -123,7 +125,7 @@ fn visible(outcome: &Settled<'_, '_, '_>, number: usize, has_terms: bool, units:
             .flatten()
             .any(|(through, _)| field.factors.get(through).is_some_and(|factors| squares(factors) > 0.0));
         return Err(match (has_effect, one.columns.first().and_then(|parts| parts.first())) {
-            (true, _) => format!("its drivers have no value, or stay at zero, in these readings{because}"),
+            (true, _) => no_value(outcome, one, &still),
             (false, Some((Through::Component(name), _))) => format!("no reading responds to {name}"),
             (false, _) => "no reading responds to it".into(),
         });
@@ -180,6 +182,35 @@ fn visible(outcome: &Settled<'_, '_, '_>, number: usize, has_terms: bool, units:
         );
     }
     Ok(())
+}
+
+/// Why a hypothesis is zero at all readings, although they respond to its component.
+fn no_value(outcome: &Settled<'_, '_, '_>, one: &Candidate, still: &[(String, String)]) -> String {
+    let is_constant = |name: &String| is_constant_in_runs(outcome, name);
+    if one.cause.effect == EffectKind::ThermalDrift && !one.drivers.is_empty() && one.drivers.iter().all(is_constant) {
+        let (names, verb) = (one.drivers.join(" and "), if one.drivers.len() > 1 { "are" } else { "is" });
+        return format!(
+            "{names} {verb} constant within each run of a set-up, and a drift counts from the first row of the run; where the zero is free, it absorbs a constant drift"
+        );
+    }
+    match still {
+        [] => "its drivers have no value in these readings, or it is zero at all of them".into(),
+        _ => format!("it is zero at all readings: {}", joined(still)),
+    }
+}
+
+/// Returns `true` if a driver has values, and they are equal within each run of each set-up.
+fn is_constant_in_runs(outcome: &Settled<'_, '_, '_>, name: &str) -> bool {
+    let scene = outcome.field.scene;
+    let Some(found) = driver(scene, name) else { return false };
+    let mut ranges: BTreeMap<[usize; 3], (f64, f64)> = BTreeMap::new();
+    for (row, &value) in scene.rows.iter().zip(&found.values) {
+        if row.set < outcome.used && value.is_finite() {
+            let range = ranges.entry([row.set, row.setup, row.run]).or_insert((value, value));
+            *range = (range.0.min(value), range.1.max(value));
+        }
+    }
+    ranges.values().all(|(low, high)| high - low <= 1e-9 * high.abs().max(low.abs()))
 }
 
 /// The constant drivers in words.

@@ -236,9 +236,11 @@ fn judge(
             let names: Vec<&str> =
                 subject.overlap.added().filter_map(|one| Some(field.candidates.get(one)?.parameter.as_str())).collect();
             let names = names.join(" and ");
-            Err(format!(
-                "its amount holds only together with a new value of {names}: fit both with ncfix calibrate --model"
-            ))
+            let both = format!(
+                "its amount is valid only together with a new value of {names}: fit both with ncfix calibrate --model"
+            );
+            // A calibration has no entry for some terms: then this is the reason.
+            extend::of_stated(accepted, scene, outcome.used).and_then(|_| Err(both))
         } else if trial.evidence_beside > 0.0 {
             extend::of_one(accepted, found.used.before.rms, (scene, outcome.used))
         } else if trial.evidence_beside > -STRONG {

@@ -17,7 +17,7 @@ use ncfix_model::name::{Carrier, ErrorKind};
 /// The plan.
 pub(super) const PLAN: PlanKind = PlanKind {
     name: "laser",
-    title: "one axis in steps, forward and backward (ISO 230-2); variant equal: equal steps, signs: with a test of signs",
+    title: "one axis in steps, forward and backward (ISO 230-2); variant equal: equal steps, signs: with a sign test",
     wishes: &["axis", "component", "range", "points", "runs", "center", "feed", "dwell", "variant", "seed"],
     spacing: RowSpacing::Angle,
     has_setups: false,

@@ -93,7 +93,7 @@ fn series(
         })
         .collect();
     if data.shown.points.iter().any(|point| point.weight < DOES_NOT_FIT) {
-        let label = format!("counts less than {:.0} %", DOES_NOT_FIT * 100.0);
+        let label = format!("weight below {:.0} %", DOES_NOT_FIT * 100.0);
         out.push(PlotSeries { label, ..PlotSeries::default() });
     }
     for (number, point) in data.shown.points.iter().enumerate() {

@@ -88,7 +88,10 @@ fn words(out: &mut Markup, report: &DiagnosisReport, one: &CauseReport) {
     let held_out = if report.found.before.holdout_rms_um.is_some() { "held-out data" } else { "left-out readings" };
     all.push((
         "gain",
-        format!("residual {:.1} % smaller (RMS) on {held_out}, which were not searched", 100.0 * one.gain_holdout),
+        format!(
+            "residual {:.1} % smaller (RMS) on {held_out}, which were not used to find it",
+            100.0 * one.gain_holdout
+        ),
     ));
     let others = one.others();
     if !others.is_empty() {

@@ -25,7 +25,7 @@ const POSITION_DECIMALS: usize = 6;
 pub(super) const FORMAT: Format = Format {
     name: "cec",
     title: "SINUMERIK $AN_CEC",
-    sign: "values are added to the set-point of the output axis; the manual does not spell out the sign: try one large value on the machine",
+    sign: "assumed: values are added to the set-point of the output axis; the manual does not state the sign, try one large value on the machine",
     holds: &[Holds::Own, Holds::Cross, Holds::Products, Holds::Senses, Holds::CrossSenses, Holds::Repetition],
     // Two tables for each of 31 axes; MD18342 accepts 2000 points; MD32720 accepts 10 mm, default 1 mm.
     limits: FormatLimits { tables: 62, points: 2000, value_mm: 10.0, resolution_mm: 1e-6, further: "" },

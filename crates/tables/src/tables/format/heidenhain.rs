@@ -30,7 +30,7 @@ const WIDTH: usize = 13;
 pub(super) const FORMAT: Format = Format {
     name: "heidenhain",
     title: "HEIDENHAIN .COM/.CMA",
-    sign: "values are added to the set-point, BACKLASH holds those of the negative direction; the manuals leave both open: try one large value",
+    sign: "assumed: values are added to the set-point, and BACKLASH holds those of the negative direction; the manuals state neither, try one large value",
     holds: &[Holds::Own, Holds::Cross, Holds::Senses, Holds::Repetition],
     // 256 points per table (TNC 407, module 9095, error 3); the largest value is not documented.
     limits: FormatLimits { tables: 0, points: 256, value_mm: 0.0, resolution_mm: 1e-4, further: "" },

@@ -52,7 +52,7 @@ const PER_TURN: usize = 3625;
 pub(super) const FORMAT: Format = Format {
     name: "pitch",
     title: "FANUC stored pitch error compensation",
-    sign: "a positive value moves the axis further in the positive direction between two points, in detection units: try one value",
+    sign: "assumed: a positive value moves the axis further in the positive direction between two points, in detection units; the sign is not known, try one value",
     holds: &[Holds::Own, Holds::Repetition],
     // The limits hold for values and numbers, which `faults` knows; the detection unit is that of IS-B.
     limits: FormatLimits { tables: 0, points: 0, value_mm: 0.0, resolution_mm: UNIT, further: FURTHER },
