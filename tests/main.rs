@@ -155,6 +155,7 @@ mod maho;
 mod measured;
 mod memory;
 mod methods;
+mod mill_posts;
 mod milling;
 mod model;
 mod modes;

@@ -225,6 +225,8 @@ pub(super) fn cycle_at(
     let mut feed_named = gathered.has(b'F');
     let mut is_brought = was_drawn_out;
     let mut tapped = 0;
+    // All holes of a block have the same steps.
+    let of_one_tap = actions.iter().filter(|step| is_in_hole(step)).count() / holes.max(1);
     for (place, &action) in actions.iter().enumerate() {
         let is_start = starts.next_if_eq(&place).is_some();
         if is_start && place > 0 {
@@ -245,9 +247,10 @@ pub(super) fn cycle_at(
         if place < tapped {
             continue;
         }
-        if is_kept && kept.is_none() && !matches!(action, CycleStep::Rapid { .. } | CycleStep::Brought(_)) {
+        if is_kept && kept.is_none() && is_in_hole(&action) && !matches!(action, CycleStep::Brought(_)) {
             let steps = actions.get(place..).unwrap_or_default();
-            let count = steps.iter().take_while(|step| !matches!(step, CycleStep::Rapid { .. })).count();
+            // A tap that ends at R has no rapid move before the next one at the same place.
+            let count = steps.iter().take(of_one_tap).take_while(|step| is_in_hole(step)).count();
             tapped = place + count;
             let peck = channel.cycles.drill.peck();
             let hole = tapping::TappedHole { code, level: end, peck, steps: steps.get(..count).unwrap_or_default() };
@@ -297,6 +300,11 @@ pub(super) fn cycle_at(
         kept_cycle::end(channel);
     }
     Ok(())
+}
+
+/// `true` for a step of a hole other than a rapid move.
+fn is_in_hole(step: &CycleStep) -> bool {
+    !matches!(step, CycleStep::Rapid { .. })
 }
 
 /// Handles an axis that the operator has moved: its position is an assumption.
