@@ -37,11 +37,11 @@ pub(super) fn plane(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
     let was_tilted = channel.modal.tilted.take().is_some();
     setup::refresh_setup(channel)?;
     let Some(angles) = words.angles else {
-        if words.turns {
-            let message = "G7 with L1=1 and without angles";
-            return Err(bad_value(span, message, "write the angles, for example G7 A5=0 B5=0 C5=0 L1=1"));
+        if !words.turns || is_at_zero(channel) {
+            end_on_control(channel);
+        } else {
+            end_and_turn(channel);
         }
-        end_on_control(channel);
         return Ok(());
     };
     let rotation = rotation(angles, channel.settings.machine.control.grundig.plane_order, span)?;
@@ -65,6 +65,26 @@ pub(super) fn plane(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
 /// Writes `G7` alone: the output states the axes in their own coordinates, in which no plane of an earlier program may be in force.
 fn end_on_control(channel: &mut Channel<'_>) {
     channel.outlet.push_line(Kind::Verbatim(b"G7".to_vec()));
+}
+
+/// `true` if the rotary axes are known to be at the zero of the offset, where L1=1 turns none of them.
+fn is_at_zero(channel: &Channel<'_>) -> bool {
+    let machine = channel.settings.machine;
+    let position = &channel.modal.position;
+    let frame = &channel.standing.setup.frame;
+    let is_there = |axis: Axis| {
+        let from_zero_rad = (position.command[axis] - frame.shift(axis)).abs();
+        position.known.contains(axis) && from_zero_rad < 0.5 * machine.control.increment_rad
+    };
+    ROTARY_AXES.into_iter().filter(|axis| machine.axis(*axis).is_some()).all(is_there)
+}
+
+/// Writes `G7 L1=1`: the plane ends. Whether the control then turns the rotary axes is not stated, so their positions are unknown.
+fn end_and_turn(channel: &mut Channel<'_>) {
+    channel.outlet.push_line(Kind::Verbatim(b"G7 L1=1".to_vec()));
+    let lost: AxisSet = ROTARY_AXES.into_iter().collect();
+    channel.modal.position.keep(channel.modal.position.known.difference(lost));
+    channel.outlet.push(Kind::Lost(lost));
 }
 
 fn words(gathered: &mut Gathered) -> Result<Words, Fault> {
