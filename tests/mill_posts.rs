@@ -153,7 +153,7 @@ fn rigid_tapping_of_a_millplus_stays_a_cycle() {
     shop.run(["fix", "tap.pm", "-o", "out.pm", "--machine", "m.toml", "--expand-cycles"]).says("E0201").says("I1=1");
 }
 
-/// `G7 L1=1` ends the plane. Whether the axes turn then is not known, so the program states them; at zero they cannot turn.
+/// `G7 L1=1` ends the plane. The axes may turn then or not, so the program states them; at zero they cannot turn.
 #[test]
 fn the_end_of_a_tilted_plane_may_name_its_turn() {
     let machine = machine("five_grundig");
@@ -226,7 +226,7 @@ fn a_program_is_found_by_its_number_in_a_file_of_another_name() {
     }
 }
 
-/// D beside G40 is the offset of the next G41: at 5 mm on the left of Y0, the tool of offset 1 is at Y5.
+/// D beside G40 is the offset of the next G41: its radius is 5 mm, so along Y0 the tool is at Y5.
 #[test]
 fn an_offset_number_beside_g40_stays_in_force() {
     let program = "O1\nG21\nT1 D1 G54 G90 G40 G17 G98\nM6\nG43 H1 Z50.\nS500 M3\nG0 X-20. Y-20.\nG1 Z-1. F300.\nG41 X0. Y0.\nX40.\nG40 X60. Y-20.\n\

@@ -194,7 +194,7 @@ its start, never in other programs. Correct the label; on a Sinumerik, GOTO sear
     NO_SUBPROGRAM = "E0212" "subprogram not found"
 "The program calls a program that ncfix cannot find. Its moves are not known, so nothing is written. ncfix searches the file itself
 (a section %_N_…_SPF) and the folder of the program, for NAME.SPF, NAME.MPF and NAME, also in lower case. L10 and L010 are
-different programs. For a Fanuc or Haas, a file of another name with the line O1002 is the program of M98 P1002; if two files have
+different programs. For a Fanuc or Haas, a file of another name with the line O1002 is the program of M98 P1002. If two files have
 this line, ncfix takes neither.
 
 Put the called program into this folder, or name its folder in search_path of [control]. If only the control has the program (tool

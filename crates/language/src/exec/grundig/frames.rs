@@ -218,7 +218,7 @@ fn reset_turns(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(),
             return Err(fault(Code::NO_AXIS, span, message, "check the program, or the topology of the machine"));
         }
         if !channel.modal.position.known.contains(axis) {
-            // What the control reduces is not known before the program states it.
+            // The program has not stated the axis yet: the control may reset its turns.
             channel.outlet.push_line(Kind::Verbatim(format!("G93 {axis}3=1").into_bytes()));
             continue;
         }

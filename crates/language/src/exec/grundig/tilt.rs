@@ -79,7 +79,7 @@ fn is_at_zero(channel: &Channel<'_>) -> bool {
     ROTARY_AXES.into_iter().filter(|axis| machine.axis(*axis).is_some()).all(is_there)
 }
 
-/// Writes `G7 L1=1`: the plane ends. Whether the control then turns the rotary axes is not stated, so their positions are unknown.
+/// Writes `G7 L1=1`: the plane ends. No source states if the control then turns the rotary axes, so their positions are unknown.
 fn end_and_turn(channel: &mut Channel<'_>) {
     channel.outlet.push_line(Kind::Verbatim(b"G7 L1=1".to_vec()));
     let lost: AxisSet = ROTARY_AXES.into_iter().collect();

@@ -80,6 +80,9 @@ pub(super) fn cycle_at(
 ) -> Result<(), Fault> {
     let span = gathered.code_span(if channel.is_rs274() { Group::Motion } else { Group::Cycle });
     let span = if span == Span::default() { gathered.span } else { span };
+    if pattern.is_none() {
+        no_faster_return(channel, gathered, code)?;
+    }
     check_cycle(channel, gathered, code, span)?;
     let [abscissa, ordinate, applicate] = channel.modal.modes.plane.axes();
     let here = target::here(&channel.modal, &channel.standing);
@@ -431,14 +434,20 @@ fn word_of(channel: &mut Channel<'_>, gathered: &Gathered, axis: Axis) -> Result
     Ok(if gathered.axes.contains(axis) { Some(target::axis_value(channel, gathered, axis)?) } else { None })
 }
 
+/// Rejects J of a tap on a Haas, beside which the J of a pattern is a count or an angle.
+fn no_faster_return(channel: &Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
+    if !is_tapping(code) || !gathered.has(b'J') || !channel.settings.machine.control.iso.is_haas() {
+        return Ok(());
+    }
+    let name = name_of(code);
+    let message = format!("{name} with J, the multiple of the speed at which the tap retracts, is not supported");
+    let help = "omit J: the tap then retracts at the speed of setting 130";
+    Err(fault(Code::NOT_SUPPORTED, gathered.span_of(b'J'), message, help))
+}
+
 /// Rejects state that is incompatible with a cycle.
 fn check_cycle(channel: &Channel<'_>, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
     let name = name_of(code);
-    if is_tapping(code) && gathered.has(b'J') && channel.settings.machine.control.iso.is_haas() {
-        let message = format!("{name} with J, the multiple of the speed at which the tap retracts, is not supported");
-        let help = "omit J: the tap then retracts at the speed of setting 130";
-        return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(b'J'), message, help));
-    }
     let refused = if channel.modal.contour.compensates() {
         Some(("radius compensation", "end it with G40 first"))
     } else if channel.modal.turning.is_some() {
