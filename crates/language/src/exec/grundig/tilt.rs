@@ -37,11 +37,13 @@ pub(super) fn plane(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
     let was_tilted = channel.modal.tilted.take().is_some();
     setup::refresh_setup(channel)?;
     let Some(angles) = words.angles else {
-        if !words.turns || is_at_zero(channel) {
-            end_on_control(channel);
-        } else {
-            end_and_turn(channel);
+        if words.turns && !is_at_zero(channel) {
+            let message = "G7 with L1=1 and without angles: no source states if the rotary axes then turn to zero";
+            let help =
+                "write G7 alone if they stay, G7 A5=0 B5=0 C5=0 L1=1 if they turn; or turn them to zero before it";
+            return Err(bad_value(span, message, help));
         }
+        end_on_control(channel);
         return Ok(());
     };
     let rotation = rotation(angles, channel.settings.machine.control.grundig.plane_order, span)?;
@@ -77,14 +79,6 @@ fn is_at_zero(channel: &Channel<'_>) -> bool {
         position.known.contains(axis) && from_zero_rad < 0.5 * machine.control.increment_rad
     };
     ROTARY_AXES.into_iter().filter(|axis| machine.axis(*axis).is_some()).all(is_there)
-}
-
-/// Writes `G7 L1=1`: the plane ends. No source states if the control then turns the rotary axes, so their positions are unknown.
-fn end_and_turn(channel: &mut Channel<'_>) {
-    channel.outlet.push_line(Kind::Verbatim(b"G7 L1=1".to_vec()));
-    let lost: AxisSet = ROTARY_AXES.into_iter().collect();
-    channel.modal.position.keep(channel.modal.position.known.difference(lost));
-    channel.outlet.push(Kind::Lost(lost));
 }
 
 fn words(gathered: &mut Gathered) -> Result<Words, Fault> {
