@@ -158,6 +158,7 @@ mod maho;
 mod measured;
 mod memory;
 mod methods;
+mod mill_posts;
 mod milling;
 mod model;
 mod modes;

@@ -221,6 +221,7 @@ pub(crate) fn verification(outcome: Option<&Outcome>, found: &Diagnostics) -> Ve
         diagnostics,
         coverage: coverage.clone(),
         prediction: prediction.clone(),
+        rounding_um: outcome.map_or(0.0, |outcome| um_from_mm(outcome.rounding_mm)),
         ..Review::default()
     };
     let verdict = outcome.map(|_| Verdict::of(&review));

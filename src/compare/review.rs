@@ -72,6 +72,7 @@ impl ComparedPrograms<'_> {
             before_form: Some(spread(&self.outcome.comparison.form)),
             zeros: self.outcome.zeros.clone(),
             after: Some(spread(&self.outcome.comparison.after)),
+            rounding_um: um_from_mm(self.outcome.rounding_mm),
             limits: limits.into_iter().collect(),
             coverage: Some(self.outcome.coverage.clone()),
             prediction: self.outcome.prediction.clone(),

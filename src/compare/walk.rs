@@ -187,6 +187,10 @@ fn walk(
 ) -> Option<Outcome> {
     let model = chosen.model();
     let increments = [chosen.machine.control.increment_mm, chosen.machine.control.increment_rad];
+    let written_mm = how.of_path.promise.and_then(|promise| promise.increment_mm);
+    let rounding_mm = written_mm.map_or(0.0, |linear_mm| {
+        path::Increments { linear_mm, ..path::Increments::new(&chosen.machine.control) }.rounding_mm()
+    });
     let kinematics = Kinematics::new(&chosen.machine);
     let mut beyond: BTreeMap<Axis, (u64, u32)> = BTreeMap::new();
     let mut see = |follow: Follow<'_>| {
@@ -278,6 +282,7 @@ fn walk(
                 max_at,
                 sources,
                 increments,
+                rounding_mm,
                 is_inch: how.is_inch,
                 beyond,
                 machine,
@@ -331,6 +336,8 @@ pub(crate) struct Outcome {
     pub(crate) sources: [Vec<Source>; 2],
     /// Increments of the control, mm and rad.
     pub(crate) increments: [f64; 2],
+    /// Tip displacement by which the increments of the corrected program round its positions, mm; 0 without a stamp.
+    pub(crate) rounding_mm: f64,
     /// True if the corrected program is in inches.
     pub(crate) is_inch: bool,
     /// Pieces of the corrected program that end outside the travel of an axis: their number, and the line of the

@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use super::files;
+use super::numbered_programs::NumberedPrograms;
 use crate::error::reason;
 use ncfix_base::source::MAX_BYTES;
 use ncfix_language::exec::Library;
@@ -53,6 +54,8 @@ pub(crate) struct FolderLibrary {
     definitions: Vec<Folder>,
     /// Folders at which paths from the root of the control's file system may begin.
     roots: Vec<PathBuf>,
+    /// Program numbers in the files of the first folders, read at the first search.
+    numbered: Option<NumberedPrograms>,
     loaded: Rc<RefCell<Vec<PathBuf>>>,
     /// The reason why a file was not read; a later name without a file does not change it.
     refused: Option<String>,
@@ -73,6 +76,7 @@ impl FolderLibrary {
             last: Vec::new(),
             definitions: Vec::new(),
             roots: own.as_deref().map(roots).unwrap_or_default(),
+            numbered: None,
             loaded: Rc::clone(&loaded),
             refused: None,
         };
@@ -238,6 +242,18 @@ impl Library for FolderLibrary {
     fn load_file(&mut self, names: &[String]) -> Option<(String, Vec<u8>)> {
         let path = self.find(names)?;
         self.read(path, "subprogram, in a folder that belongs to the program")
+    }
+
+    fn load_number(&mut self, number: u32) -> Option<(String, Vec<u8>)> {
+        let folders = self.first.iter().map(|folder| folder.path.as_path());
+        let numbered = self.numbered.get_or_insert_with(|| NumberedPrograms::of(folders));
+        match numbered.find(number).map(|path| path.map(Path::to_path_buf)) {
+            Ok(path) => self.read(path?, "subprogram, by its number in a folder that belongs to the program"),
+            Err(message) => {
+                self.refused = Some(message);
+                None
+            }
+        }
     }
 
     fn load_path(&mut self, path: &str, name: &str) -> Option<(String, Vec<u8>)> {

@@ -81,6 +81,10 @@ impl Library for KeptLibrary {
         self.ask(question, |inner| inner.load_file(names))
     }
 
+    fn load_number(&mut self, number: u32) -> Option<Text> {
+        self.ask(vec!["number".to_owned(), number.to_string()], |inner| inner.load_number(number))
+    }
+
     fn refusal(&mut self) -> Option<String> {
         self.refused.take()
     }

@@ -55,6 +55,9 @@ pub struct Review {
     pub zeros: Vec<ZeroReport>,
     /// Errors of the corrected program on the error model.
     pub after: Option<SpreadReport>,
+    /// Tip displacement by which the increments of the corrected program round its positions, µm; 0 if unknown.
+    #[serde(skip)]
+    pub rounding_um: f64,
     /// Limits, and whether they are met.
     pub limits: Vec<Limit>,
     /// Coverage by the measured ranges of the machine; `null` if the programs were not compared.

@@ -110,7 +110,9 @@ impl Verdict {
         if let (Some(before), Some(after)) = (review.before, review.after) {
             let [from, to] = [before.max_um, after.max_um].map(micrometers);
             let grows = after.max_um > before.max_um && after.rms_um > before.rms_um;
-            let (grade, verb) = match (after.max_um - before.max_um > MOST_GROWTH_UM, grows) {
+            // A program in inches has larger increments than most tolerances.
+            let most_um = MOST_GROWTH_UM.max(review.rounding_um);
+            let (grade, verb) = match (after.max_um - before.max_um > most_um, grows) {
                 (true, true) => (Grade::Bad, "increases"),
                 // The mean improves, but a place becomes worse; or the growth is that of rounding or of the tolerance.
                 (true, false) | (false, true) => (Grade::Warn, "increases"),
@@ -334,6 +336,11 @@ mod tests {
         review.after = Some(spread(41.0));
         assert_eq!(Verdict::of(&review).reasons.iter().filter(|one| one.grade == Grade::Bad).count(), 1);
         review.after = Some(spread(41.1));
+        assert_eq!(Verdict::of(&review).reasons.iter().filter(|one| one.grade == Grade::Bad).count(), 2);
+        // 0.0001 inch rounds by up to half of 2.54 µm in each direction.
+        review.rounding_um = 0.5 * 3.0_f64.sqrt() * 2.54;
+        assert_eq!(Verdict::of(&review).reasons.iter().filter(|one| one.grade == Grade::Bad).count(), 1);
+        review.after = Some(spread(42.3));
         assert_eq!(Verdict::of(&review).reasons.iter().filter(|one| one.grade == Grade::Bad).count(), 2);
     }
 }

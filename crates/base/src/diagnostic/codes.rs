@@ -194,7 +194,8 @@ its start, never in other programs. Correct the label; on a Sinumerik, GOTO sear
     NO_SUBPROGRAM = "E0212" "subprogram not found"
 "The program calls a program that ncfix cannot find. Its moves are not known, so nothing is written. ncfix searches the file itself
 (a section %_N_…_SPF) and the folder of the program, for NAME.SPF, NAME.MPF and NAME, also in lower case. L10 and L010 are
-different programs.
+different programs. For a Fanuc or Haas, a file of another name with the line O1002 is the program of M98 P1002. If two files have
+this line, ncfix takes neither.
 
 Put the called program into this folder, or name its folder in search_path of [control]. If only the control has the program (tool
 change, washing), name it in the machine file. The output then keeps the call with its values, and its moves are not corrected:
@@ -248,7 +249,8 @@ written. Check three places: blocks after the end of the program (M30), a subpro
 also whether the file is truncated.";
     MIXED_UNITS = "E0224" "inches and millimeters in one program"
 "A Fanuc interprets its tool and zero offsets in the unit in force, so a corrected program keeps the unit of the program. This one
-has both G20 and G21, so it has no single unit. Split it into programs with one unit each and correct them separately.";
+has both G20 and G21, so it has no single unit. Split it into programs with one unit each and correct them separately. A G10 before
+the G20 of a program has the unit of the program before, which is unknown: write G20 before it.";
     BAD_SWIVEL = "E0235" "plane that cannot be tilted"
 "CYCLE800 (Sinumerik) or G53.1 (Fanuc) tilts the plane in a way that is not supported, the rotary axes cannot align the tool with
 it, or the retract position is not known. The message states which. Program the positions of the rotary axes and the frame
@@ -303,8 +305,9 @@ defined. End the state first. Some machine builders allow the codes within a rot
     TWO_MEANINGS = "E0228" "word with two meanings"
 "Similar controls interpret this word differently, and both interpretations are possible here: P10. of G4 is ten seconds on a Haas
 and an invalid dwell on a Fanuc, M98 P30200 calls program 30200 once or program 200 three times, K of G73 is a depth or a number
-of holes, M99 P70 in a subprogram jumps to N70 of the caller or of the subprogram. ncfix does not guess. State the setting that
-the message names, or write the word in the other form that it gives.";
+of holes, M99 P70 in a subprogram jumps to N70 of the caller or of the subprogram. A missing word can have two meanings too: G79
+of a MillPlus without the surface, after another hole. ncfix does not guess. State the setting that the message names, or write
+the word in the other form that it gives.";
     LOST_PROGRAM = "E0229" "blocks that would be lost"
 "A file may hold several programs, but only one of them is corrected. With --in-place the others would be lost: give another file
 with -o, or put each program into its own file. The same applies to blocks that move before the first program number (O1234) of a

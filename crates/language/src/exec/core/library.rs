@@ -15,6 +15,11 @@ pub trait Library {
         None
     }
 
+    /// The file that contains the program of an O number, whatever its name: its display name, and its bytes.
+    fn load_number(&mut self, _number: u32) -> Option<(String, Vec<u8>)> {
+        None
+    }
+
     /// The reason why the last searched file exists but is not read; returned once.
     fn refusal(&mut self) -> Option<String> {
         None

@@ -13,13 +13,15 @@ use super::gathered::Gathered;
 use super::modal::plus;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
+use ncfix_base::geometry::{Axis, AxisSet, AxisVector, ROTARY_AXES};
 use ncfix_base::source::Span;
 use ncfix_machine::machine::ScaledAxes;
-use ncfix_machine::snc::FrameWords;
+use ncfix_machine::snc::{FrameWords, Kind};
 
 /// Axes of zero offsets and shifts.
 const AXES: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C];
+/// Angles nearer to each other are equal, rad.
+const WITHIN_RAD: f64 = 1e-9;
 
 /// G51 to G59, G54 I, G92, G93, G72, G73.
 pub(super) fn frame_codes(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
@@ -122,7 +124,7 @@ fn stored_words(modal: &Modal, gathered: &mut Gathered) -> Result<(AxisVector, A
 }
 
 fn push_settable(outlet: &mut MotionSink<'_>, text: &str) {
-    outlet.push(ncfix_machine::snc::Kind::Frame(FrameWords::Settable(text.to_owned())));
+    outlet.push(Kind::Frame(FrameWords::Settable(text.to_owned())));
 }
 
 /// Checks that a stored offset has a value.
@@ -154,6 +156,9 @@ fn programmed_shift(
     additive: bool,
     span: Span,
 ) -> Result<(), Fault> {
+    if !additive {
+        reset_turns(channel, gathered)?;
+    }
     let (mut values, mut named) = stored_words(&channel.modal, gathered)?;
     if let Some((angle, span)) = gathered.take(b'B', Some(2)) {
         let Some((length, _)) = gathered.take(b'L', Some(2)) else {
@@ -195,6 +200,38 @@ fn programmed_shift(
         frames.turned_in = plane;
     }
     setup::refresh_setup(channel)
+}
+
+/// `A3=1`, `B3=1`, `C3=1` of G93: the control forgets the whole turns of a rotary axis. Within one turn this changes no position, and the output has no such
+/// word.
+fn reset_turns(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
+    for axis in ROTARY_AXES {
+        let Some((value, span)) = gathered.once(axis.letter(), Some(3))? else { continue };
+        if value == 0.0 {
+            continue;
+        }
+        if value != 1.0 {
+            return Err(bad_value(span, format!("{axis}3={value} is neither 0 nor 1"), "write 1 to reset the turns"));
+        }
+        if channel.settings.machine.axis(axis).is_none() {
+            let message = format!("{axis}3= of G93, and the machine has no axis {axis}");
+            return Err(fault(Code::NO_AXIS, span, message, "check the program, or the topology of the machine"));
+        }
+        if !channel.modal.position.known.contains(axis) {
+            // The program has not stated the axis yet: the control may reset its turns.
+            channel.outlet.push_line(Kind::Verbatim(format!("G93 {axis}3=1").into_bytes()));
+            continue;
+        }
+        let command = channel.modal.position.command[axis];
+        let own = command - channel.standing.setup.frame.shift(axis);
+        let is_within = |angle: f64| angle > -WITHIN_RAD && angle < std::f64::consts::TAU - WITHIN_RAD;
+        if !is_within(command) || !is_within(own) {
+            let message = format!("{axis}3=1 resets the turns of {axis}, which is at {:.3} degrees", own.to_degrees());
+            let help = "turn the axis to 0 to 360 degrees before it, of the program and of the machine: only then no position changes";
+            return Err(fault(Code::NOT_SUPPORTED, span, message, help));
+        }
+    }
+    Ok(())
 }
 
 fn mirror_and_scale(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {

@@ -19,7 +19,8 @@ pub(super) fn begin(
     surface_mm: f64,
 ) -> bool {
     let number = defined.cycle.number;
-    if !channel.settings.keeps_cycles || !DRILLING.contains(&number) || channel.modal.modes.scale() != 1.0 {
+    let may_stay = DRILLING.contains(&number) || defined.is_rigid_tapping();
+    if !channel.settings.keeps_cycles || !may_stay || channel.modal.modes.scale() != 1.0 {
         return false;
     }
     let along = channel.modal.modes.plane.axes()[2];
@@ -36,7 +37,10 @@ pub(super) fn begin(
             _ => write!(text, " {letter}{index}={value}"),
         };
     }
-    let _ = write!(text, " F{feed}");
+    // The feed of a tap follows from its pitch.
+    if defined.pitch.is_none() {
+        let _ = write!(text, " F{feed}");
+    }
     let cycle = DrillingCycle {
         name: format!("G{number}"),
         is_own: false,

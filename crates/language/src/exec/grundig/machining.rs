@@ -4,7 +4,7 @@ use super::arc;
 use super::arc::Circle;
 use super::channel::Channel;
 use super::cycles::{self, At, Cycle, CycleFault, CycleWords};
-use super::defined::Defined;
+use super::defined::{Defined, LastHole};
 use super::gathered::Gathered;
 use super::kept_cycle;
 use super::modal::Modal;
@@ -117,21 +117,27 @@ fn define_cycle(
         return Err(fault(Code::CYCLE_ALARM, span, message, "add the word"));
     }
     let feed = channel.block.feed_named.then_some(channel.modal.modes.feed);
-    let mut pitch = None;
-    if cycle.number == 84 {
+    let pitch = words.get(b'J', 0).filter(|pitch| cycle.number == 84 && *pitch > 0.0);
+    channel.block.feed_named = false;
+    let defined = Defined { cycle, words, feed, pitch, per_turn: channel.modal.is_per_turn() };
+    let is_rigid = defined.is_rigid_tapping();
+    channel.modal.cycle = Some(defined);
+    if is_rigid && channel.settings.strict && !channel.settings.keeps_cycles {
+        return Err(not_coupled(span));
+    }
+    if cycle.number == 84 && !(is_rigid && channel.settings.keeps_cycles) {
         let message = "tapping becomes feed moves with a spindle reversal between them";
         let help = "use a compensating tapping chuck; keep the override at 100 %";
         channel.outlet.warnings.push(fault(Code::TAPPING_BY_FEED, span, message, help));
-        if words.get(b'I', 1) == Some(1.0) && channel.settings.strict {
-            let message = "tapping without a compensating chuck (I1=1) needs a synchronized spindle";
-            let help = "program I1=0 and use such a chuck; elementary moves cannot synchronize the spindle";
-            return Err(fault(Code::NOT_SUPPORTED, span, message, help));
-        }
-        pitch = words.get(b'J', 0).filter(|pitch| *pitch > 0.0);
     }
-    channel.block.feed_named = false;
-    channel.modal.cycle = Some(Defined { cycle, words, feed, pitch, per_turn: channel.modal.is_per_turn() });
     Ok(())
+}
+
+/// The error for a tap without a compensating chuck that would become moves.
+fn not_coupled(span: Span) -> Fault {
+    let message = "tapping without a compensating chuck (I1=1) needs a synchronized spindle";
+    let help = "it stays G84 in a metric program without --expand-cycles; or program I1=0 and use such a chuck";
+    fault(Code::NOT_SUPPORTED, span, message, help)
 }
 
 /// `G79`: once at each point.
@@ -212,6 +218,9 @@ fn run_cycle(channel: &mut Channel<'_>, defined: &Defined, place: &Target, rotat
     let span = channel.outlet.origin.span;
     let [.., applicate] = channel.modal.modes.plane.axes();
     target::check_known(channel.settings.strict, &channel.modal, applicate, span)?;
+    if !place.named.contains(applicate) {
+        check_surface(channel, place.to[applicate], span)?;
+    }
     let extra: AxisSet = place.named.difference(AxisSet::XYZ);
     if !extra.is_empty() {
         let mut to = target::here(&channel.modal, &channel.standing);
@@ -242,6 +251,9 @@ fn run_cycle(channel: &mut Channel<'_>, defined: &Defined, place: &Target, rotat
         channel.outlet.mill(name, |text| format!("({})", text.to_ascii_uppercase()));
     }
     let is_marked = kept_cycle::begin(channel, defined, &words, cutting, at.surface);
+    if defined.is_rigid_tapping() && channel.settings.strict && !is_marked {
+        return Err(not_coupled(span));
+    }
     for step in steps {
         channel.modal.modes.feed = cutting;
         carry_out(channel, step, plunging)?;
@@ -249,7 +261,27 @@ fn run_cycle(channel: &mut Channel<'_>, defined: &Defined, place: &Target, rotat
     if is_marked {
         channel.outlet.push(Kind::Cycle(None));
     }
+    let end = target::here(&channel.modal, &channel.standing)[applicate];
+    channel.modal.last_hole = Some(LastHole { surface: at.surface, end });
     Ok(())
+}
+
+/// Rejects a hole whose block does not state the surface after a hole that ended at another height: the surface may be the one of the last hole, or the
+/// height of the tool before the block.
+fn check_surface(channel: &Channel<'_>, surface: f64, span: Span) -> Result<(), Fault> {
+    let applicate = channel.modal.modes.plane.axes()[2];
+    let height = target::here(&channel.modal, &channel.standing)[applicate];
+    let Some(last) = channel.modal.last_hole.filter(|_| channel.settings.strict) else { return Ok(()) };
+    if (height - last.end).abs() > STILL || (surface - last.surface).abs() <= STILL {
+        return Ok(());
+    }
+    let round = |value: f64| (value * 1e4).round() / 1e4;
+    let (before, height) = (round(last.surface), round(surface));
+    let message = format!(
+        "{applicate} is missing after a hole: the surface may be {applicate}{before}, as before, or {applicate}{height}, where the tool was"
+    );
+    let help = format!("write the surface in every block of holes, for example {applicate}{before}");
+    Err(fault(Code::TWO_MEANINGS, span, message, help))
 }
 
 /// The cutting feed of a cycle at its execution; a feed by pitch depends on the speed and feed mode then.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::defined::Defined;
+use super::defined::{Defined, LastHole};
 use super::shifts::Frames;
 use super::tilted::Tilted;
 use crate::exec::core::contour::ContourModal;
@@ -57,6 +57,7 @@ pub(super) struct Modal {
     pub(super) tool_reversed: bool,
     pub(super) contour: ContourModal,
     pub(super) cycle: Option<Defined>,
+    pub(super) last_hole: Option<LastHole>,
     pub(super) position: Position,
     /// The plane of G7.
     pub(super) tilted: Option<Box<Tilted>>,
@@ -85,6 +86,7 @@ impl Modal {
             tool_reversed: false,
             contour: ContourModal::grundig(control),
             cycle: None,
+            last_hole: None,
             position: Position::at_start(start, machine),
             tilted: None,
             turning: None,

@@ -37,9 +37,11 @@ pub(super) fn plane(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
     let was_tilted = channel.modal.tilted.take().is_some();
     setup::refresh_setup(channel)?;
     let Some(angles) = words.angles else {
-        if words.turns {
-            let message = "G7 with L1=1 and without angles";
-            return Err(bad_value(span, message, "write the angles, for example G7 A5=0 B5=0 C5=0 L1=1"));
+        if words.turns && !is_at_zero(channel) {
+            let message = "G7 with L1=1 and without angles: no source states if the rotary axes then turn to zero";
+            let help =
+                "write G7 alone if they stay, G7 A5=0 B5=0 C5=0 L1=1 if they turn; or turn them to zero before it";
+            return Err(bad_value(span, message, help));
         }
         end_on_control(channel);
         return Ok(());
@@ -65,6 +67,18 @@ pub(super) fn plane(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
 /// Writes `G7` alone: the output states the axes in their own coordinates, in which no plane of an earlier program may be in force.
 fn end_on_control(channel: &mut Channel<'_>) {
     channel.outlet.push_line(Kind::Verbatim(b"G7".to_vec()));
+}
+
+/// `true` if the rotary axes are known to be at the zero of the offset, where L1=1 turns none of them.
+fn is_at_zero(channel: &Channel<'_>) -> bool {
+    let machine = channel.settings.machine;
+    let position = &channel.modal.position;
+    let frame = &channel.standing.setup.frame;
+    let is_there = |axis: Axis| {
+        let from_zero_rad = (position.command[axis] - frame.shift(axis)).abs();
+        position.known.contains(axis) && from_zero_rad < 0.5 * machine.control.increment_rad
+    };
+    ROTARY_AXES.into_iter().filter(|axis| machine.axis(*axis).is_some()).all(is_there)
 }
 
 fn words(gathered: &mut Gathered) -> Result<Words, Fault> {

@@ -31,6 +31,9 @@ pub(super) fn compensation_codes(channel: &mut Channel<'_>, gathered: &Gathered)
     if code == 400 {
         if !channel.is_rs274() && channel.modal.contour.compensates() {
             channel.modal.contour.leaves_along = leaving_direction(channel, gathered)?;
+        } else if !channel.is_rs274() {
+            // D stays in force for the next G41 or G42.
+            offset_number(channel, gathered)?;
         }
         channel.modal.contour.side = Side::Off;
         return Ok(());

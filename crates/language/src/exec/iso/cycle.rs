@@ -80,6 +80,9 @@ pub(super) fn cycle_at(
 ) -> Result<(), Fault> {
     let span = gathered.code_span(if channel.is_rs274() { Group::Motion } else { Group::Cycle });
     let span = if span == Span::default() { gathered.span } else { span };
+    if pattern.is_none() {
+        no_faster_return(channel, gathered, code)?;
+    }
     check_cycle(channel, gathered, code, span)?;
     let [abscissa, ordinate, applicate] = channel.modal.modes.plane.axes();
     let here = target::here(&channel.modal, &channel.standing);
@@ -225,6 +228,8 @@ pub(super) fn cycle_at(
     let mut feed_named = gathered.has(b'F');
     let mut is_brought = was_drawn_out;
     let mut tapped = 0;
+    // All holes of a block have the same steps.
+    let of_one_tap = actions.iter().filter(|step| is_in_hole(step)).count() / holes.max(1);
     for (place, &action) in actions.iter().enumerate() {
         let is_start = starts.next_if_eq(&place).is_some();
         if is_start && place > 0 {
@@ -245,9 +250,10 @@ pub(super) fn cycle_at(
         if place < tapped {
             continue;
         }
-        if is_kept && kept.is_none() && !matches!(action, CycleStep::Rapid { .. } | CycleStep::Brought(_)) {
+        if is_kept && kept.is_none() && is_in_hole(&action) && !matches!(action, CycleStep::Brought(_)) {
             let steps = actions.get(place..).unwrap_or_default();
-            let count = steps.iter().take_while(|step| !matches!(step, CycleStep::Rapid { .. })).count();
+            // A tap that ends at R has no rapid move before the next one at the same place.
+            let count = steps.iter().take(of_one_tap).take_while(|step| is_in_hole(step)).count();
             tapped = place + count;
             let peck = channel.cycles.drill.peck();
             let hole = tapping::TappedHole { code, level: end, peck, steps: steps.get(..count).unwrap_or_default() };
@@ -297,6 +303,11 @@ pub(super) fn cycle_at(
         kept_cycle::end(channel);
     }
     Ok(())
+}
+
+/// `true` for a step of a hole other than a rapid move.
+fn is_in_hole(step: &CycleStep) -> bool {
+    !matches!(step, CycleStep::Rapid { .. })
 }
 
 /// Handles an axis that the operator has moved: its position is an assumption.
@@ -423,14 +434,20 @@ fn word_of(channel: &mut Channel<'_>, gathered: &Gathered, axis: Axis) -> Result
     Ok(if gathered.axes.contains(axis) { Some(target::axis_value(channel, gathered, axis)?) } else { None })
 }
 
+/// Rejects J of a tap on a Haas, beside which the J of a pattern is a count or an angle.
+fn no_faster_return(channel: &Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
+    if !is_tapping(code) || !gathered.has(b'J') || !channel.settings.machine.control.iso.is_haas() {
+        return Ok(());
+    }
+    let name = name_of(code);
+    let message = format!("{name} with J, the multiple of the speed at which the tap retracts, is not supported");
+    let help = "omit J: the tap then retracts at the speed of setting 130";
+    Err(fault(Code::NOT_SUPPORTED, gathered.span_of(b'J'), message, help))
+}
+
 /// Rejects state that is incompatible with a cycle.
 fn check_cycle(channel: &Channel<'_>, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
     let name = name_of(code);
-    if is_tapping(code) && gathered.has(b'J') && channel.settings.machine.control.iso.is_haas() {
-        let message = format!("{name} with J, the multiple of the speed at which the tap retracts, is not supported");
-        let help = "omit J: the tap then retracts at the speed of setting 130";
-        return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(b'J'), message, help));
-    }
     let refused = if channel.modal.contour.compensates() {
         Some(("radius compensation", "end it with G40 first"))
     } else if channel.modal.turning.is_some() {

@@ -28,6 +28,7 @@ use ncfix_machine::snc::{HereStatement, Kind};
 /// `G10`
 pub(super) fn set_data(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     let span = gathered.code_span(Group::Action);
+    check_unit(channel, gathered, span)?;
     let (l, p) = (gathered.raw(b'L'), gathered.raw(b'P'));
     let number = p.map(f64::round).filter(|number| (0.0..=9999.0).contains(number)).map(|number| number as u32);
     let l = l.map_or(-1, |l| l.round() as i64);
@@ -50,6 +51,17 @@ pub(super) fn set_data(channel: &mut Channel<'_>, gathered: &Gathered) -> Result
             Err(fault(Code::NOT_SUPPORTED, span, message, "L2, L20, L1 and L10 to L13 with P are"))
         }
     }
+}
+
+/// Rejects lengths before the G20 of the program: the control keeps the unit of the program before, and the output begins with G20.
+fn check_unit(channel: &Channel<'_>, gathered: &Gathered, span: Span) -> Result<(), Fault> {
+    let is_later_inch = channel.settings.machine.control.output_inch == Some(true) && !channel.modal.modes.inch;
+    let has_length = || b"XYZUVWR".iter().any(|&letter| gathered.raw_quietly(letter).is_some_and(|value| value != 0.0));
+    if channel.is_rs274() || !is_later_inch || !has_length() {
+        return Ok(());
+    }
+    let message = "G10 stands before the G20 of the program, so the unit of its values is that of the program before";
+    Err(fault(Code::MIXED_UNITS, span, message, "write G20 before it, and its values in inches"))
 }
 
 /// The system for P of G10 L2.

@@ -34,7 +34,8 @@ pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) ->
     for axis in gathered.axes.iter() {
         stays &= target::axis_value(channel, gathered, axis)? == 0.0;
     }
-    let (through, named) = if stays {
+    let is_on_the_way = stays || leads_home(channel, gathered, point, span)?;
+    let (through, named) = if is_on_the_way {
         (target::here(&channel.modal, &channel.standing), gathered.axes)
     } else {
         step::end(channel, gathered)?
@@ -65,6 +66,22 @@ pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) ->
         channel.modal.length_ended = true;
     }
     Ok(())
+}
+
+/// `true` if one axis of unknown position moves by its increment towards a reference point at the end of its travel: `G91 G28 Z1.` at the start of a program. The
+/// intermediate point is on the way, wherever the axis is.
+fn leads_home(channel: &mut Channel<'_>, gathered: &Gathered, point: u8, span: Span) -> Result<bool, Fault> {
+    let mut axes = gathered.axes.iter();
+    let (Some(axis), None) = (axes.next(), axes.next()) else { return Ok(false) };
+    let is_open = channel.modal.modes.incremental && !channel.modal.position.known.contains(axis);
+    if !is_open || channel.is_rs274() || !channel.standing.setup.frame.is_translation() {
+        return Ok(false);
+    }
+    let by = target::axis_value(channel, gathered, axis)?;
+    let machine = channel.settings.machine;
+    let Some([low, high]) = machine.axis(axis).and_then(|data| data.travel) else { return Ok(false) };
+    let home = reference(machine, channel.language, &channel.variables, point, axis, span)?;
+    Ok(if by > 0.0 { home >= high } else { home <= low })
 }
 
 /// Position of a reference point of an axis, mm or rad.

@@ -1,4 +1,4 @@
-//! Finds programs: in the calling file, in the main file, in files next to it.
+//! Finds programs: in the calling file, in the main file, in files next to it by their name, then by the O number in them.
 
 use super::call::{Call, Callee};
 use super::level::{Interpreter, Loaded};
@@ -111,7 +111,8 @@ impl Interpreter<'_> {
             let stems = [format!("O{number:04}"), format!("O{number}"), format!("{number:04}"), format!("{number}")];
             file_names(&stems, ENDINGS)
         };
-        let program = self.load(&format!("O{number}"), &names)?;
+        let is_rs274 = self.channel.language == Language::Rs274;
+        let program = self.load(&format!("O{number}"), &names, (!is_rs274).then_some(number))?;
         let part = in_file(&self.programs[program].program).unwrap_or(0);
         self.entry(program, part)
     }
@@ -123,7 +124,7 @@ impl Interpreter<'_> {
                 return self.entry(program, part);
             }
         }
-        let program = self.load(name, &file_names(&[name.to_owned()], ENDINGS))?;
+        let program = self.load(name, &file_names(&[name.to_owned()], ENDINGS), None)?;
         let part = in_file(&self.programs[program].program).unwrap_or(0);
         self.entry(program, part)
     }
@@ -140,7 +141,7 @@ impl Interpreter<'_> {
         }
         let stem = name.rsplit('/').next().unwrap_or(name);
         let names = file_names(&[stem.to_owned()], RS274_ENDINGS);
-        if let Some(program) = self.load(name, &names) {
+        if let Some(program) = self.load(name, &names, None) {
             return self.sub_in(program, stem);
         }
         self.sub_in(own, name).or_else(|| self.sub_in(0, name))
@@ -159,10 +160,11 @@ impl Interpreter<'_> {
         Some((program, loaded.part_of(block)?, block + 1))
     }
 
-    /// Loads a file from the library, once. Returns its index.
-    fn load(&mut self, key: &str, names: &[String]) -> Option<usize> {
+    /// Loads a file from the library, once: by its name, else by the O number in it. Returns its index.
+    fn load(&mut self, key: &str, names: &[String], number: Option<u32>) -> Option<usize> {
         self.find_once(key, |run| {
-            let (shown, bytes) = run.library.load_file(names)?;
+            let by_name = run.library.load_file(names);
+            let (shown, bytes) = by_name.or_else(|| run.library.load_number(number?))?;
             let program = run.read(&shown, bytes)?;
             run.channel.variables.add_program(&program);
             let loops = Loops::of(&program, &run.ledger);

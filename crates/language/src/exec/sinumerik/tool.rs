@@ -66,7 +66,7 @@ fn activate_edge(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
     if !channel.modal.tool.assumed {
         return Ok(());
     }
-    if channel.settings.strict && channel.modal.tool.active.is_none() {
+    if channel.settings.requires_values && channel.modal.tool.active.is_none() {
         // T and M6 may follow; until then only motions that the length does not change are possible.
         channel.modal.unknown_edge = Some(span);
         return Ok(());
