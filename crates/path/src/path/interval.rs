@@ -310,7 +310,9 @@ mod tests {
 
     #[test]
     fn the_worst_side_of_a_body_belongs_to_the_upper_end_along_its_axis() {
-        let whole = Spread { samples: 1, axes_mm: [0.0, 0.0, 3e-3], ..Spread::default() };
+        let mut whole = Spread::NONE;
+        whole.add(0.0);
+        whole.axes_mm = [0.0, 0.0, 3e-3];
         let found = predict(&places(50e-6), [&Spread::NONE, &whole], &model(50e-6), &[model(55e-6)], 0.0).unwrap();
         let alone = predict(&places(50e-6), NONE, &model(50e-6), &[model(55e-6)], 0.0).unwrap();
         assert_eq!(found.after.axes_mm[0], alone.after.axes_mm[0]);

@@ -270,6 +270,7 @@ mod tests {
                 }
                 Ok(Some(ControlLine::Tool(numbers))) => all.push([numbers[0], numbers.len() as f64, -1.0]),
                 Ok(Some(ControlLine::Reset)) => all.push([0.0, 0.0, -2.0]),
+                Ok(Some(ControlLine::Head(..))) => all.push([0.0, 0.0, -3.0]),
                 Ok(None) => return (all, None),
                 Err(NoSetPoint::Wrong { line, column, what }) => {
                     return (all, Some(format!("{line}:{column}: {what}")));
