@@ -191,6 +191,17 @@ fn a_column_that_divides_the_rows_is_never_passed_over() {
     import(&shop, "report.csv", "tool.toml", &more).exits(4).says("E0618").says("'setup'");
 }
 
+/// OK and NG follow from the readings, and a remark belongs to its own row.
+#[test]
+fn a_verdict_of_a_tolerance_divides_nothing() {
+    let shop = shop();
+    let row = |line: usize, k: usize| format!("{};{};{}", 100 * k + 50 * line, if k > 3 { "NG" } else { "OK" }, k % 2);
+    put(&shop, "laser.csv", &lines("Target [mm];status;flag;Deviation [um]", row));
+    let more = [&LASER[..], &["--axis", "X", "--at", "Y200,Z100"]].concat();
+    let run = import(&shop, "laser.csv", "tool.toml", &more).exits(0);
+    assert!(run.stdout.contains("columns that are not read: status"), "{}", run.stdout);
+}
+
 /// Three tables of a laser in one file: each is named with its rows.
 #[test]
 fn several_tables_in_one_file_are_named_with_their_lines() {

@@ -185,6 +185,12 @@ fn is_compound(noun: &str) -> bool {
 /// Most distinct values of a column that are compared: more are those of a quantity or of a remark.
 const MOST_VALUES: usize = 64;
 
+/// Words by which a report says if a reading is within its tolerance, in lower case.
+const VERDICTS: [&str; 24] = [
+    "ok", "nok", "ng", "pass", "fail", "passed", "failed", "good", "bad", "in", "out", "yes", "no", "true", "false",
+    "i.o.", "n.i.o.", "io", "nio", "gut", "schlecht", "ja", "nein", "-",
+];
+
 /// Spread of numbers, as a share of the largest one, up to which they are one nominal value.
 const ONE_VALUE: f64 = 0.01;
 
@@ -240,9 +246,14 @@ impl ColumnValues {
         self.distinct.len() > 1 && !self.is_one_number && !is_numbering
     }
 
-    /// True if the cells are a few words that divide the rows into groups.
+    /// True if the cells are a few words that divide the rows into groups. Verdicts of a tolerance do not: they follow from the readings.
     pub(crate) fn are_groups(&self) -> bool {
-        !self.is_numeric && !self.is_cut && self.distinct.len() > 1 && 2 * self.distinct.len() <= self.filled
+        let are_verdicts = self.distinct.iter().all(|(text, _)| VERDICTS.contains(&text.as_str()));
+        !self.is_numeric
+            && !self.is_cut
+            && !are_verdicts
+            && self.distinct.len() > 1
+            && 2 * self.distinct.len() <= self.filled
     }
 
     /// The one text of all rows with its first line; `None` if the rows differ, or if a cell is empty.
