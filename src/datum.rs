@@ -76,6 +76,39 @@ pub(crate) fn of_unknown_sides(chosen: &Machine) -> Vec<Model> {
     [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate().filter_map(of_axis).collect()
 }
 
+/// The model after one standard deviation of the length of a tool or probe that touched and that nothing states; `None` if it has no effect. The tools of the
+/// machine file and a touch without a tool are equally possible, so their largest difference from the counted length is taken as two standard deviations.
+pub(crate) fn of_unknown_length(chosen: &Machine) -> Option<Model> {
+    let base = chosen.model();
+    let zeros: Vec<(&String, u16)> = all(chosen).map(|(name, _)| name).zip(0_u16..).collect();
+    let touches_of = |model: &Model| -> Vec<Vector> { zeros.iter().map(|(_, index)| model.touch_mm(*index)).collect() };
+    let own_mm = touches_of(&base);
+    let relative: Vec<bool> = zeros.iter().map(|(name, index)| is_relative(&datum_of(chosen, name, *index))).collect();
+    let lengths_mm = chosen.machine.tools.iter().map(|tool| tool.length_mm[0]);
+    let first_mm = chosen.first_tools_mm.values().copied();
+    let with = |length_mm: f64| {
+        let mut other = chosen.clone();
+        for (name, _) in &zeros {
+            let datum = other.machine.datums.entry((*name).clone()).or_default();
+            datum.at.iter_mut().for_each(|at| at.tool_length_mm = at.tool_length_mm.or(Some(length_mm)));
+        }
+        touches_of(&other.model())
+    };
+    let far_mm = |touches_mm: &[Vector]| {
+        let changes = own_mm.iter().zip(touches_mm).zip(&relative).filter(|(_, is_relative)| **is_relative);
+        changes.map(|((own, other), _)| (other - own).norm()).fold(0.0, f64::max)
+    };
+    let [shortest_mm, longest_mm] = lengths_mm
+        .chain(first_mm)
+        .fold([0.0_f64; 2], |[low, high], length_mm| [low.min(length_mm), high.max(length_mm)]);
+    let farthest = [0.0, shortest_mm, longest_mm]
+        .map(with)
+        .into_iter()
+        .max_by(|one, other| far_mm(one).total_cmp(&far_mm(other)))?;
+    let varied_mm: Vec<Vector> = own_mm.iter().zip(&farthest).map(|(own, other)| own + (other - own) * 0.5).collect();
+    (far_mm(&farthest) > NOISE_MM).then(|| base.with_zeros(&varied_mm, &relative))
+}
+
 /// The statement about a zero offset. If it says that the zero was touched and not with which tool, that is the first one with which the program cuts there.
 fn datum_of(chosen: &Machine, name: &str, index: u16) -> Datum {
     let mut datum = chosen.machine.datums.get(name).copied().unwrap_or_default();

@@ -27,6 +27,7 @@ pub(crate) fn of_run(
         [] => {
             let mut models = varied(chosen, uncertainty);
             models.extend(datum::of_unknown_sides(chosen));
+            models.extend(datum::of_unknown_length(chosen));
             models
         }
         _ => {

@@ -214,3 +214,27 @@ fn a_touch_from_an_unknown_side_widens_the_interval() {
     let [_, high] = along_x("[zero_offset.G54.set_at]\nX_dir = 1\n");
     assert!(high < 1.5, "{high}");
 }
+
+#[test]
+fn a_touch_with_a_tool_of_unknown_length_widens_the_interval() {
+    // Z is tilted by 100 µrad: the tip of a tool of 100 mm is 10 µm beside that of a touch without a tool.
+    let file = |set_at: &str| {
+        format!(
+            "{MILL}[location]\nEB0Z = 100.0\n[[tool]]\nnumber = 1\nlength_mm = 100.0\n\
+             [measured]\nX_mm = [0, 500]\nY_mm = [0, 400]\nZ_mm = [0, 300]\ntool_length_mm = [0, 200]\n[uncertainty]\nEB0Z = 0.1\n\
+             [zero_offset.G54]\nX_mm = 100.0\nY_mm = 50.0\nZ_mm = 100.0\nset = \"touched\"\n{set_at}"
+        )
+    };
+    let cut = "G90 G71 G17 G54\nT1 M6\nD1\nG0 X-50 Y0 Z20\nX0\nG1 X200 F500\nX10\nM30\n";
+    let along_x = |set_at: &str| -> [f64; 2] {
+        let shop = Shop::new().file("m.toml", file(set_at)).file("cut.mpf", cut);
+        let json = fix(&shop, "cut.mpf", "m.toml").json();
+        let ends = &json["prediction"]["after"]["axes_um"]["X"];
+        [0, 1].map(|end| ends[end].as_f64().unwrap())
+    };
+    let [low, high] = along_x("");
+    // 2.24 · 0.5 · 10 µm: of the magnitudes of a normal amount, 97.5 % are below 2.24.
+    assert!(low < 1.0 && high > 10.0 && high < 13.0, "{low} {high}");
+    let [_, high] = along_x("[zero_offset.G54.set_at]\ntool_length_mm = 100.0\n");
+    assert!(high < 1.0, "{high}");
+}
