@@ -67,7 +67,7 @@ impl Bench {
         };
         match scheme::find(wish.scheme) {
             Some(scheme) => scheme.tables(&task),
-            None => scheme::choose(&task).0.map(|(_, tables)| tables).ok_or_else(|| "none reaches it".to_owned()),
+            None => scheme::auto::choose(&task).0.map(|(_, tables)| tables).ok_or_else(|| "none reaches it".to_owned()),
         }
     }
 

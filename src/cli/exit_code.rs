@@ -33,13 +33,26 @@ const BAD_SETUP: &str = "control data given with --setup has a syntax error or a
 const NOT_COMPARED: &str =
     "a program, or control data given with --setup, has a syntax error or a statement that ncfix cannot execute";
 
-/// Exit statuses of most commands, with their meaning for a script. Only `ncfix import`, which may write a part of a folder, has the second one.
-const OF_ALL: &[(ExitCode, &str)] = &[
-    (ExitCode::Done, "success (possibly with warnings)"),
+const SUCCESS: (ExitCode, &str) = (ExitCode::Done, "success (possibly with warnings)");
+const USAGE: (ExitCode, &str) = (ExitCode::Usage, "usage error, or a file cannot be read or written");
+const REFUSED: (ExitCode, &str) = (ExitCode::Refused, "refused because of another error; no result file was written");
+
+/// Exit statuses of most commands, with their meaning for a script.
+const OF_ALL: &[(ExitCode, &str)] = &[SUCCESS, USAGE, (ExitCode::NotUnderstood, NOT_UNDERSTOOD), REFUSED];
+
+/// Exit statuses of commands that read no program, and no control data.
+const OF_DATA: &[(ExitCode, &str)] = &[SUCCESS, USAGE, REFUSED];
+
+/// Exit statuses of commands that read no program.
+const OF_READINGS: &[(ExitCode, &str)] = &[SUCCESS, USAGE, (ExitCode::NotUnderstood, BAD_SETUP), REFUSED];
+
+/// Exit statuses of `ncfix import`, which may write a part of a folder.
+const OF_IMPORT: &[(ExitCode, &str)] = &[
+    SUCCESS,
     (ExitCode::Different, "a file of a folder, which may have readings, was not read; the others are written"),
-    (ExitCode::Usage, "usage error, or a file cannot be read or written"),
-    (ExitCode::NotUnderstood, NOT_UNDERSTOOD),
-    (ExitCode::Refused, "refused because of another error; no result file was written"),
+    USAGE,
+    (ExitCode::NotUnderstood, BAD_SETUP),
+    REFUSED,
 ];
 
 /// Exit statuses of commands that read neither a program nor a machine file.
@@ -82,24 +95,19 @@ const OF_LONG: &[(ExitCode, &str)] = &[(ExitCode::Interrupted, "stopped by the u
 impl ExitCode {
     /// Exit statuses of a command with their meanings.
     pub(super) fn of_command(name: &str) -> impl Iterator<Item = (ExitCode, &'static str)> {
-        let (talks, is_of_files) = (matches!(name, "feed" | "resume"), name == "calibrate");
-        let further = if talks { OF_LINK } else { &[] };
-        let last = if talks || name == "realtime" { OF_LONG } else { &[] };
-        let own = match name {
-            "diff" => OF_DIFF,
-            "verify" => OF_VERIFY,
-            "explain" | "completions" | "man" => OF_TEXTS,
-            _ => OF_ALL,
+        let (own, further) = match name {
+            "diff" => (OF_DIFF, None),
+            "verify" => (OF_VERIFY, None),
+            "explain" | "completions" | "man" => (OF_TEXTS, None),
+            "calibrate" => (OF_DATA, None),
+            "import" => (OF_IMPORT, None),
+            "diagnose" | "iso230" | "simulate" | "square" => (OF_READINGS, None),
+            "feed" | "resume" => (OF_ALL, Some((OF_LINK, OF_LONG))),
+            "realtime" => (OF_ALL, Some((&[][..], OF_LONG))),
+            _ => (OF_ALL, None),
         };
-        let reads_data = matches!(name, "diagnose" | "import" | "iso230" | "simulate" | "square");
-        let has_different = matches!(name, "diff" | "import");
-        let status = move |(code, meaning)| match code {
-            ExitCode::NotUnderstood if is_of_files => None,
-            ExitCode::Different if !has_different => None,
-            ExitCode::NotUnderstood if reads_data => Some((code, BAD_SETUP)),
-            _ => Some((code, meaning)),
-        };
-        own.iter().chain(further).chain(last).copied().filter_map(status)
+        let (further, last) = further.unwrap_or_default();
+        own.iter().chain(further).chain(last).copied()
     }
 
     /// Exit status of a run with these diagnostics.

@@ -17,7 +17,7 @@ const ALIKE_K: f64 = 0.2;
 /// Expansion of steel, µm/m per K, for the size in the message.
 const STEEL: f64 = 11.5;
 
-/// What is made of several files together.
+/// Use of several files together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Together {
     /// A fit of parameters.

@@ -72,13 +72,13 @@ pub fn make(
             let whole = scheme.tables(&task).map_err(|why| refused(why, help(&task, ANOTHER)))?;
             let tables = match most {
                 Some(most) => scheme::fewer::at_most(&task, &whole, most),
-                None if filling.is_fewest => scheme::fewest(&task, &whole).unwrap_or_else(|| whole.clone()),
+                None if filling.is_fewest => scheme::auto::fewest(&task, &whole).unwrap_or_else(|| whole.clone()),
                 None => whole.clone(),
             };
             (scheme.name, whole, tables)
         }
         (None, Some(most)) => {
-            let (best, tried) = scheme::choose_at_most(filling.schemes, &task, most);
+            let (best, tried) = scheme::auto::choose_at_most(filling.schemes, &task, most);
             result.tried = tried.iter().map(TriedScheme::from).collect();
             let Some((scheme, [whole, tables])) = best else {
                 let tried: Vec<String> = result.tried.iter().map(said).collect();
@@ -87,7 +87,7 @@ pub fn make(
             (scheme.name, whole, tables)
         }
         (None, None) => {
-            let (best, tried) = scheme::choose_with(filling.schemes, &task);
+            let (best, tried) = scheme::auto::choose_with(filling.schemes, &task);
             result.aim = Some(aim(filling.tolerance_mm));
             result.tried = tried.iter().map(TriedScheme::from).collect();
             let Some((scheme, tables)) = best else {

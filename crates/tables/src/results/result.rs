@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::tables::check::{Check, Errors};
 use crate::tables::kinds::kinds;
-use crate::tables::scheme::Tried;
+use crate::tables::scheme::auto::Tried;
 use crate::tables::scheme::functions::SecondAxisPart;
 use crate::tables::scheme::mesh::CountedResidual;
 use crate::tables::{Lookup, Sense, Tables};

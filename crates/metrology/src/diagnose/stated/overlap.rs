@@ -26,7 +26,7 @@ const MIXES: f64 = 0.5;
 /// A column depends on others if less than this share of its squares remains beside them: rounding.
 const DEPENDS: f64 = 1e-9;
 
-/// What shares the effect of a hypothesis.
+/// Causes that share the effect of a hypothesis.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Overlap {
     /// Places among the accepted causes of those that represent it.
@@ -44,7 +44,7 @@ impl Overlap {
     }
 }
 
-/// What shares the effect of a candidate. Only a stated sum (`is_sum`) has parameters of the model fitted again.
+/// Finds the causes that share the effect of a candidate. Only a stated sum (`is_sum`) has parameters of the model fitted again.
 pub(super) fn overlap(outcome: &Settled<'_, '_, '_>, number: usize, is_sum: bool) -> Overlap {
     let refitted = if is_sum { refitted(outcome, number) } else { Vec::new() };
     let slope = slope_of(outcome, number).filter(|_| is_sum);

@@ -1,7 +1,7 @@
 //! The fewest tables that reach the tolerance on a control: all supported schemes are tried, and tables that are not needed are omitted.
 
 use super::best_sets::{best_sets, subset};
-use super::{Scheme, Schemes, Task, fewer};
+use super::{AIM, Scheme, Schemes, Task, fewer};
 use crate::tables::check::{CheckedPose, left, stands};
 use crate::tables::{Control, Tables};
 use ncfix_base::geometry::Axis;
@@ -11,8 +11,6 @@ const POSES: usize = 1000;
 const SEED: u64 = 0x4155_544f;
 /// Numbers of table points that are tried, ascending.
 const POINTS: [usize; 5] = [5, 9, 17, 33, 65];
-/// Share of the tolerance used as the target of the search: other poses have slightly larger errors.
-pub const AIM: f64 = 0.95;
 /// Excess of the residual to the first order up to which a set is evaluated.
 const FIRST_ORDER: f64 = 1.05;
 /// Residual of all tables, in units of the tolerance, up to which a part of them is tried: a part is seldom better than all.

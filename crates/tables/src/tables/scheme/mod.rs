@@ -1,7 +1,7 @@
 //! The schemes that fill tables from the error model: one file each, and their registry ([`Schemes`]), which a caller may extend.
 
 mod assembly;
-mod auto;
+pub mod auto;
 mod best_sets;
 mod exact;
 pub mod fewer;
@@ -24,8 +24,10 @@ use ncfix_base::register::{Register, Registered};
 use ncfix_machine::machine::State;
 use ncfix_model::Accumulator;
 
-pub use auto::{AIM, Tried, choose, choose_at_most, choose_with, fewest};
 pub use reversal::{Reversal, reversals};
+
+/// Share of the tolerance used as the target of the search: other poses have slightly larger errors.
+pub const AIM: f64 = 0.95;
 
 /// A request for tables.
 #[derive(Clone, Copy, Debug)]
