@@ -191,6 +191,26 @@ fn a_column_that_divides_the_rows_is_never_passed_over() {
     import(&shop, "report.csv", "tool.toml", &more).exits(4).says("E0618").says("'setup'");
 }
 
+/// A column `Messwert` in µm beside targets in mm has deviations: 4 µm more at each target.
+#[test]
+fn measured_values_in_another_unit_are_deviations() {
+    let shop = shop();
+    let more = [&LASER[..4], &["--material", "20C", "--axis", "X", "--at", "Y200,Z100"]].concat();
+    for heading in ["Ziel [mm];Messwert [µm]", "Soll [mm];Ist [µm]", "Ziel in mm;Positionsabweichung in µm"] {
+        put(&shop, "laser.csv", &lines(heading, |line, k| format!("{}", 100 * k + 10 * line)));
+        let run = import(&shop, "laser.csv", "tool.toml", &more).exits(0);
+        let text = shop.text("out.csv");
+        assert!(text.contains("500") && text.contains(",20"), "{heading}: {}\n{text}", run.stdout);
+    }
+    // Positions of the laser in the unit of the targets stay positions.
+    put(&shop, "laser.csv", &{
+        let rows: String = (0..6).map(|k| format!("{};{}.00{k}\n", 100 * k, 100 * k)).collect();
+        format!("Ziel [mm];Messwert [mm]\n{rows}")
+    });
+    import(&shop, "laser.csv", "tool.toml", &more).exits(0);
+    assert!(shop.text("out.csv").contains(",5"), "{}", shop.text("out.csv"));
+}
+
 /// OK and NG follow from the readings, and a remark belongs to its own row.
 #[test]
 fn a_verdict_of_a_tolerance_divides_nothing() {

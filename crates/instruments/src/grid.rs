@@ -455,7 +455,9 @@ pub fn heading_of(text: &str) -> GridHeading {
         let at = lower.rfind(['_', ' ', '/'])?;
         let unit =
             ReadingUnit::find(&lower[at + 1..]).filter(|unit| unit.sign().len() > 1 || lower[at + 1..].len() > 1)?;
-        Some((lower[..at].to_owned(), unit))
+        // `Ziel in mm`
+        let words = lower[..at].strip_suffix(" in").unwrap_or(&lower[..at]);
+        Some((words.to_owned(), unit))
     };
     let (words, unit) = match bracket.or_else(after) {
         Some((words, unit)) => (words, Some(unit)),

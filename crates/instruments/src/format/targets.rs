@@ -268,6 +268,14 @@ fn collect(
     let (run, sense) = (of(ColumnRole::Run), of(ColumnRole::Sense));
     let deviation = of(ColumnRole::Deviation).or(of(ColumnRole::Correction));
     let actual = of(ColumnRole::Actual);
+    let (deviation, actual) = match actual {
+        Some(column) if deviation.is_none() && components.is_empty() && is_of_deviations(table, [target, column]) => {
+            let written = headings.get(column).map_or("", |heading| heading.written.as_str());
+            inquiry.note(format!("'{written}' has another unit than the targets, and small values: deviations"), line);
+            (actual, None)
+        }
+        _ => (deviation, actual),
+    };
     if of(ColumnRole::Deviation).is_none() && of(ColumnRole::Correction).is_some() {
         facts.sign = Some((-1.0, line));
     }
@@ -327,4 +335,24 @@ fn collect(
         }
     }
     Ok(found)
+}
+
+/// True if a column with the name of measured positions has deviations: another unit than the targets, and no value that is as large as a way between two
+/// targets.
+fn is_of_deviations(table: &GridTable, [target, column]: [usize; 2]) -> bool {
+    /// Largest deviation, mm: that of a crude router, and far less than a usual way between targets.
+    const LARGEST_MM: f64 = 1.0;
+    let length = |column: usize| match table.headings.get(column)?.unit? {
+        ReadingUnit::Length(_, mm) => Some(mm),
+        ReadingUnit::Angle(..) => None,
+    };
+    let (Some(of_target), Some(own)) = (length(target), length(column)) else { return false };
+    let values = |column: usize, mm: f64| -> Vec<f64> {
+        table.rows.iter().filter_map(|row| Some(mm * table.value(row, column).ok()??)).collect()
+    };
+    let ends = |values: &[f64]| {
+        values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &mm| [low.min(mm), high.max(mm)])
+    };
+    let ([low, high], readings) = (ends(&values(target, of_target)), values(column, own));
+    own != of_target && high - low > 10.0 * LARGEST_MM && readings.iter().all(|mm| mm.abs() < LARGEST_MM)
 }

@@ -309,7 +309,8 @@ impl<'a> Survey<'a> {
     /// Pairs of axes that both move, and whose squareness the calibration could not show.
     fn squareness(&self, gaps: &mut Vec<CoverageGap>) {
         for name in self.measured.not_shown.iter().flatten() {
-            let Some((name, axes)) = name.parse().ok().and_then(|name: ErrorName| Some((name, pair_of(name)?))) else {
+            let named = name.parse().ok().filter(|name: &ErrorName| name.kind == ErrorKind::Location);
+            let Some((name, axes)) = named.and_then(|name| Some((name, pair_of(name)?))) else {
                 continue;
             };
             let moves = |axis: Axis| self.used.axes.get(&axis).is_some_and(|[low, high]| high - low > ON_LIMIT);
