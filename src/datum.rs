@@ -347,7 +347,8 @@ fn length_unstated(
     if !(change_mm.norm() > tolerance_mm && change_mm.norm().is_finite()) || parts.is_empty() {
         return None;
     }
-    let [first, other] = [first_mm.unwrap_or(0.0), length_mm].map(significant);
+    let [first, other] =
+        [first_mm.unwrap_or(0.0), length_mm].map(|mm| if mm == 0.0 { "0".to_owned() } else { significant(mm) });
     let counted = match first_mm {
         Some(_) => format!("the first tool of the program there, of length {first} mm"),
         None => "a tool of length 0".to_owned(),

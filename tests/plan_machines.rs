@@ -27,7 +27,7 @@ const CASES: &[(&[&str], &[&str])] = &[
     (&["sphere", "--variant", "esmaeili", "--tool", "100", "--chord", "2"], &["all"]),
     (
         &["sphere", "--variant", "spaan", "--chord", "2"],
-        &["demo", "esmaeili_huron", "esmaeili_xyz5", "knee_mill", "maho700s", "universal_mill"],
+        &["demo", "esmaeili_huron", "esmaeili_xyz5", "knee_mill", "maho700s", "universal_mill", "worn_mill"],
     ),
     (&["probe", "--tool", "150"], &["esmaeili_huron", "esmaeili_xyz5", "knee_mill", "maho700s", "vmc"]),
     (&["probe", "--variant", "samba", "--tool", "150"], &["esmaeili_xyz5"]),

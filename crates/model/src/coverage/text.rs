@@ -33,9 +33,6 @@ impl Coverage {
             let help = format!("add the range of {axes} to [measured] of the machine file");
             say(GapKind::RangeNotStated.code(), message, help);
         }
-        if let Some((message, help)) = self.components() {
-            say(GapKind::Component.code(), message, help);
-        }
         for gap in &self.gaps {
             if let Some((message, help)) = squareness(gap) {
                 say(gap.kind.code(), message, help);
@@ -43,6 +40,9 @@ impl Coverage {
             if let Some((message, help)) = sentence(gap) {
                 say(gap.kind.code(), message, help);
             }
+        }
+        if let Some((message, help)) = self.components() {
+            say(GapKind::Component.code(), message, help);
         }
         found
     }
