@@ -201,7 +201,7 @@ fn tables_have_a_page() {
     assert!(page.descendants().filter(|node| node.has_tag_name("figure")).count() >= 3, "histograms and tables");
     // One histogram before and one after, each over the distances of the poses.
     for title in ["Tip errors without tables", "Tip errors with the tables"] {
-        assert_eq!(text.matches(title).count(), 1, "{title}");
+        assert!(text.contains(title), "{title}");
     }
     assert!(text.matches("distance of the tip from its position, µm").count() >= 2);
     shop.run(with_mill(&[&make[..], &["--report", "mill.ini"]].concat())).exits(2);
