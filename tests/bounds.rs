@@ -543,6 +543,23 @@ fn files_that_are_too_large_are_not_read() {
     assert!(seen.run.stderr.contains(&format!("SUB.SPF cannot be read: {too_large}")), "{}", seen.run.stderr);
 }
 
+/// One byte more than the limits of the page: 64 MiB and 256 MiB.
+#[test]
+fn an_instrument_file_and_a_replayed_log_have_a_largest_size() {
+    let shop = Shop::new();
+    sparse(&shop, "big.csv", 67_108_865);
+    shop.run(["import", "big.csv", "-o", "bar"]).exits(4).says("error[E0617]: big.csv has 64 MB, which is too large");
+    sparse(&shop, "big.csv", 67_108_864);
+    let fits = shop.run(["import", "big.csv", "-o", "bar"]).exits(4);
+    assert!(!fits.stderr.contains("too large"), "{}", fits.stderr);
+    sparse(&shop, "log.csv", 268_435_457);
+    let sensors = "[source.warm]\nkind = \"replay\"\npath = \"log.csv\"\n\n[channel.T_head]\nsource = \"warm\"\nrange_C = [10, 60]\n";
+    fs::write(shop.path("sensors.toml"), sensors).unwrap();
+    shop.run(["sensors", "sensors.toml", "--watch", "--for", "1"])
+        .exits(4)
+        .says("error[E0404]: cannot replay log.csv: it has more than 268435456 bytes");
+}
+
 #[test]
 fn no_name_of_a_subprogram_leads_out_of_its_folders() {
     let secret =
