@@ -21,12 +21,17 @@ const MOST: usize = 8;
 /// The most texts of one kind that a search shows if none has all words.
 const MOST_IN_PART: usize = 5;
 
-/// The name of each language with its table of G and M codes: code, group, effect, words and meaning, separated by tabs.
-const TABLES: [(&str, &str); 4] = [
-    ("Sinumerik", include_str!("../grammars/sinumerik-codes.tsv")),
-    ("Fanuc and Haas", include_str!("../grammars/fanuc-codes.tsv")),
-    ("RS274/NGC", include_str!("../grammars/rs274-codes.tsv")),
-    ("Grundig", include_str!("../grammars/grundig-codes.tsv")),
+/// The name of each language with its table of G and M codes (code, group, effect, words and meaning, separated by tabs), and the codes whose holes stay
+/// cycles in the output.
+const TABLES: [(&str, &str, &str); 4] = [
+    ("Sinumerik", include_str!("../grammars/sinumerik-codes.tsv"), ""),
+    (
+        "Fanuc and Haas",
+        include_str!("../grammars/fanuc-codes.tsv"),
+        "G73 G74 G76 G81 G82 G83 G84 G84.2 G84.3 G85 G86 G89",
+    ),
+    ("RS274/NGC", include_str!("../grammars/rs274-codes.tsv"), "G73 G74 G81 G82 G83 G84 G85 G86 G89"),
+    ("Grundig", include_str!("../grammars/grundig-codes.tsv"), "G81 G83 G85 G86"),
 ];
 
 /// A text that a search can find.
@@ -124,13 +129,14 @@ fn nc_codes(words: &[String]) -> String {
     let mut out = String::new();
     let asked = words.iter().flat_map(|word| word.split_whitespace());
     for word in asked.filter(|word| word.bytes().any(|byte| byte.is_ascii_digit()) || **word == word.to_uppercase()) {
-        for (language, table) in TABLES {
+        for (language, table, kept) in TABLES {
             let rows = table.lines().filter(|line| !line.starts_with('#'));
             let row = rows.map(|line| line.split('\t').collect::<Vec<&str>>()).find(|row| is_named(word, row[0]));
             if let Some([name, _, effect, _, meaning]) = row.as_deref() {
                 // The meaning states what another control of the same language does.
                 let other = if meaning.contains("executed with") { "otherwise " } else { "" };
-                let effect = effect_of(effect);
+                let is_kept = kept.split(' ').any(|cycle| cycle == *name);
+                let effect = if is_kept { "executed, each hole stays a cycle" } else { effect_of(effect) };
                 out += &format!("{name}  {language}: {meaning}; {other}{effect} (docs/reference/codes.md)\n");
             }
         }
@@ -209,6 +215,13 @@ mod tests {
     fn a_code_of_a_control_is_named_with_its_language() {
         let text = asked("G154");
         assert!(text.contains("G154  Fanuc and Haas: additional work coordinate system"), "{text}");
+        let text = asked("G83");
+        assert!(
+            text.contains("G83  Fanuc and Haas: deep-hole drilling; executed, each hole stays a cycle ("),
+            "{text}"
+        );
+        let text = asked("G88");
+        assert!(text.contains("G88  Fanuc and Haas: boring, out by hand; executed ("), "{text}");
         // A range, and leading zeros.
         assert!(is_named("g04", "G4") && is_named("G650", "G600..G699") && !is_named("G700", "G600..G699"));
         assert!(is_named("G54.1", "G54.1") && !is_named("G54", "G54.1") && is_named("compcad", "COMPCAD"));

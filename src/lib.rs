@@ -14,8 +14,8 @@
 //! # Ok::<(), ncfix::Error>(())
 //! ```
 //!
-//! [`prelude`] exports the types of the library. Lengths are mm, angles rad and times s unless a name states another unit. Everything that holds data is `Send` and
-//! `Sync`.
+//! [`prelude`] exports the types of the library. Lengths are mm, angles rad, times s, temperatures °C (differences K) and forces N unless a name states another unit.
+//! Positions are axis commands in machine coordinates; deviations are along the axes of the foundation F. Everything that holds data is `Send` and `Sync`.
 //!
 //! Only these functions read or write files: those with *from_file* in their name, [`DataSet::read`], [`Tables::read`], [`Transfer::send`] and
 //! [`Transfer::send_seen`] (the journal), and [`sensors::from_text`] (the sources that the text names). In addition, the execution of a program from a file reads

@@ -241,6 +241,12 @@ fn met(row: &str) -> Vec<(&'static Language, String, &'static str, usize)> {
         "feed and speed, Sinumerik" => {
             vec![(&SINUMERIK, "X2 F=1EX308".into(), "E0210", 1), (&SINUMERIK, "S=-1EX308 M3".into(), "E0210", 1)]
         }
+        "turns of a helix, RS274/NGC" => vec![(&RS274, "G2 X3 I1 J0 P1000".into(), "E0210", 1)],
+        // 300 000 holes of at least four steps.
+        "steps of a block with a drilling cycle, Fanuc and RS274/NGC" => vec![
+            (&FANUC, "G91 G81 X0.001 Z-1. R0. K300000".into(), "E0210", 1),
+            (&RS274, "G91 G81 X0.001 Z-1 R0 L300000".into(), "E0210", 1),
+        ],
         "turns of a helix, Sinumerik" => vec![(&SINUMERIK, "G2 X2 I1 J0 TURN=1000".into(), "E0210", 1)],
         "elements of local arrays, Sinumerik" => vec![(&SINUMERIK, "DEF REAL AR[999999999]".into(), "E0207", 1)],
         "blocks made of texts (EXECSTRING)" => {
@@ -346,11 +352,13 @@ fn every_limit_of_programs_is_met_with_its_finding() {
             "coefficient of an error function",
             "ends of a travel",
             "shortest travel",
+            "size of a file of an instrument, bytes",
             // The test is that of the crate: feed::dialogue::lsv2.
             "size of a file that a link sends, bytes",
             "size of a hand-written file, bytes",
             "size of a program, a table, an archive, bytes",
             "size of a stream, bytes",
+            "size of a temperature log that is replayed, bytes",
             "smallest sampling distance for the curvature of an error, linear",
         ]
     );
@@ -533,6 +541,23 @@ fn files_that_are_too_large_are_not_read() {
     let seen = watch_within(&shop, &SINUMERIK.arguments(&[]), SPACE);
     seen.demand(&shop, "E0212", "in.mpf:3:");
     assert!(seen.run.stderr.contains(&format!("SUB.SPF cannot be read: {too_large}")), "{}", seen.run.stderr);
+}
+
+/// One byte more than the limits of the page: 64 MiB and 256 MiB.
+#[test]
+fn an_instrument_file_and_a_replayed_log_have_a_largest_size() {
+    let shop = Shop::new();
+    sparse(&shop, "big.csv", 67_108_865);
+    shop.run(["import", "big.csv", "-o", "bar"]).exits(4).says("error[E0617]: big.csv has 64 MB, which is too large");
+    sparse(&shop, "big.csv", 67_108_864);
+    let fits = shop.run(["import", "big.csv", "-o", "bar"]).exits(4);
+    assert!(!fits.stderr.contains("too large"), "{}", fits.stderr);
+    sparse(&shop, "log.csv", 268_435_457);
+    let sensors = "[source.warm]\nkind = \"replay\"\npath = \"log.csv\"\n\n[channel.T_head]\nsource = \"warm\"\nrange_C = [10, 60]\n";
+    fs::write(shop.path("sensors.toml"), sensors).unwrap();
+    shop.run(["sensors", "sensors.toml", "--watch", "--for", "1"])
+        .exits(4)
+        .says("error[E0404]: cannot replay log.csv: it has more than 268435456 bytes");
 }
 
 #[test]

@@ -67,6 +67,10 @@ fn words_find_questions_and_codes() {
     assert!(found.stdout.contains("\nW0321  "), "{}", found.stdout);
 }
 
+/// The question about the alarm of a guard, as it is printed.
+const GUARD_ALARM: &str =
+    "The control stops with an alarm at the start, such as `G54 X CHANGED SINCE CORRECTION`: what now?";
+
 /// The words of a person in a shop, and the text that must be among the first three answers.
 #[test]
 fn words_of_the_shop_find_the_answer() {
@@ -84,8 +88,23 @@ fn words_of_the_shop_find_the_answer() {
         ("sensor fails dnc", "A temperature sensor fails during the drip feed: what now?"),
         ("ballbar", "From a ball-bar export to a corrected part"),
         ("ball-bar", "From a ball-bar export to a corrected part"),
-        ("holdout", "How do I test a fit on data that it has not seen?"),
-        ("hold-out", "How do I test a fit on data that it has not seen?"),
+        ("holdout", "How do I test a fit on data that it did not use?"),
+        ("hold-out", "How do I test a fit on data that it did not use?"),
+        ("restart after power cut", "Power cut while the control ran the program: what now?"),
+        ("alarm", GUARD_ALARM),
+        ("alarm at the start", GUARD_ALARM),
+        ("3001", GUARD_ALARM),
+        ("65000", GUARD_ALARM),
+        ("SETAL", GUARD_ALARM),
+        ("#3000", GUARD_ALARM),
+        ("CHANGED SINCE CORRECTION", GUARD_ALARM),
+        ("machine builder", "What happens to feeds, spindle, coolant, tools and M codes?"),
+        ("coolant", "What happens to feeds, spindle, coolant, tools and M codes?"),
+        ("M88", "What happens to feeds, spindle, coolant, tools and M codes?"),
+        ("edge finder", "How do I state that the zero was touched?"),
+        ("rectangle too long X", "A rectangle is too long in X: what now?"),
+        ("subprograms in other files", "My subprograms are in other files: where does ncfix look?"),
+        ("check it", "The verdict is check it before it runs: what do I do?"),
         ("router gantry crooked", "A hobby router out of square: corners, diagonals"),
     ] {
         let found = shop.run(["explain", words]).exits(0).stdout;

@@ -17,7 +17,8 @@ fn page() -> String {
          [`grammars`](../../grammars/) that the program itself reads. Diagnostic codes are not on this page: `ncfix explain E0203` explains one.\n\n\
          The column *effect* states what ncfix does. It passes on `keep` codes in their place, because they change no position. It omits `display` codes, \
          which concern only\nthe screen. It refuses `refuse` codes, because they change positions or feeds in a way that ncfix does not execute. Every other \
-         effect (`execute`, `motion`, `frame` …)\nis executed: the output has the resulting positions. `axes`: any axis word. M codes that are not listed belong \
+         effect (`execute`, `motion`, `frame` …)\nis executed: the output has the resulting positions. Drilling cycles, zero offsets and tool lengths are executed too, but stay in \
+         the output. `axes`: any axis word. M codes that are not listed belong \
          to the machine builder; ncfix passes them on.\n\n",
     );
     for dialect in DIALECTS {

@@ -25,6 +25,7 @@ const SYNONYMS: &[&str] = &[
     "inch imperial",
     "interrupt abort stop halt",
     "lathe turning",
+    "power outage blackout electricity",
     "program gcode job",
     "reground resharpened shorter",
     "router gantry",

@@ -26,7 +26,7 @@ pub(in crate::cli) struct StateChoice {
     /// Axis positions at which the workpiece zero was set (mm, deg): the drift at this pose counts as zero; elsewhere only the difference is corrected
     #[arg(long, value_name = "X..,Y..,Z..", allow_hyphen_values = true, requires = "state")]
     pub(in crate::cli) zero_at: Option<AxisVector>,
-    /// Method by which a zero offset was set: G54=touched, probed or absolute, with the axis positions of the touch (mm, deg) and the length L of the tool or probe that touched (mm); repeatable
+    /// Method by which a zero offset was set: G54=touched, probed or absolute, with the axis positions of the touch (mm, deg) and the length L of the tool or probe that touched (mm); R5: radius of the edge finder, with X+: direction of travel at the touch; @X: begins the place of one touch; repeatable
     #[arg(long, value_name = "G54=touched[@X..,Y..,Z..,L..]")]
     pub(in crate::cli) zero: Vec<StatedZero>,
     /// Weight on the table, in newtons, and its position from the center of the table, mm: 1700 or 1700@0,0,-280; overrides --state

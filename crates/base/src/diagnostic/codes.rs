@@ -224,8 +224,8 @@ one of the two.";
 "A jump led into a FOR loop whose start was not executed, so its end value is unknown. Jump to the FOR block instead.";
     CYCLE_ALARM = "E0218" "alarm of a cycle"
 "A built-in cycle (drilling, pockets …) cannot run with these arguments or this tool; the control would stop with the alarm of the
-same number. The message states the reason. Correct the arguments of the call, or select the right tool. The supported cycles and
-their limits are listed in crates/language/cycles/README.md.";
+same number. The message states the reason. Correct the arguments of the call, or select the right tool. If the message ends in
+CHANGED SINCE CORRECTION, it is the check of --guard: a zero offset or a tool length has changed. Correct the original again.";
     BAD_ARGUMENTS = "E0221" "arguments that do not match the program"
 "The call gives more arguments than the PROC block of the called program has parameters, or no variable for a VAR parameter, which
 the called program changes.
@@ -424,7 +424,7 @@ the machine file or to a set-up file given with --setup:
   length_mm = 120.0
   radius_mm = 5.0";
     NOT_CONVERGED = "E0308" "no correction found"
-"The iteration on the exact kinematics did not reach 1e-6 mm. The error model is far too large for this pose, or the machine cannot
+"ncfix found no axis positions that bring the tool to the programmed point. The error model is far too large for this pose, or the machine cannot
 move the tool in some direction. Check the units of the errors, and the directions and points of the axes in the machine file.";
     NO_AXIS = "E0309" "axis missing on the machine"
 "The program moves an axis that is not in the machine's topology. Its motion could not be corrected. Use the machine file of the
@@ -482,7 +482,7 @@ correct it again.";
     NOT_COVERED = "E0322" "coverage by measurements is required and incomplete"
 "With --require-coverage, a program is only released if measurements support its correction: every axis that moves has measured
 errors, and positions, tool lengths, temperatures and the load are within the ranges of [measured] in the machine file. The message
-states the gap. Nothing was written. Measure the missing range and calibrate, change the program, or correct without
+states the gap. ncfix fix wrote nothing. Measure the missing range and calibrate, change the program, or correct without
 --require-coverage after a person has looked at the warnings (W0316 to W0320).";
     STATED_MACHINE_MISSING = "E0323" "machine file of the program not found"
 "A corrected program has the checksum of its machine file in its stamp, and a flat stream has the name of its machine. Without
@@ -846,8 +846,8 @@ fix, diff and verify refuse the program. State the tool in the machine file or i
     NO_MACHINE = "W0304" "demo machine used"
 "Neither --machine nor the environment variable NCFIX_MACHINE names a machine file, and there is no ncfix.toml in this folder or
 above it, so the embedded demo machine was used. The output is corrected for the errors of that machine, and on yours the
-correction is wrong. The verdict is therefore never better than: check it before it runs. Give your file with --machine, or save
-it as ncfix.toml in the folder of the programs, and correct the original again.";
+correction is wrong. Do not run it on a real machine. The verdict is therefore never better than: check it before it runs. Give
+your file with --machine, or save it as ncfix.toml in the folder of the programs, and correct the original again.";
     TOLERANCE_NOT_REACHED = "W0305" "tolerance not reached"
 "The output deviates from the exactly corrected path by more than --tolerance at some places. The pieces there are already as
 short as 0.01 mm, or as the increment. Either the tolerance is finer than the increment, or the error model has a step there, or

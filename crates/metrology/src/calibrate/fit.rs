@@ -37,9 +37,9 @@ const KEPT_FACTORS: usize = 1 << 25;
 const HELD: f64 = 1e-3;
 /// Relative singular value that counts as zero within rounding.
 const ARITHMETIC: f64 = 1e-12;
-/// Ratio of the residuals to the stated uncertainty above which the message about missing convergence names them.
+/// If a fit does not converge, its message names the data set with the largest ratio of residuals to stated uncertainty, if this ratio is larger.
 const STRANGE: f64 = 3.0;
-/// Same limit for the rejected readings: one of this many.
+/// The message also names it if more than one in this number of its readings was rejected.
 const SHARE: usize = 5;
 /// Weight below which a row is rejected.
 const REJECTED: f64 = 0.01;

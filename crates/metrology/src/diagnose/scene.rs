@@ -155,7 +155,7 @@ impl<'a> Scene<'a> {
         Ok(scene)
     }
 
-    /// Unknowns that are nearly not identifiable are excluded: a fit would change them by meters.
+    /// Removes the factors of unknowns that are nearly not identifiable: a fit would change them by meters.
     fn leave_weak(&mut self) {
         let mut strongest = vec![0.0_f64; self.unknowns];
         for &(unknown, factor) in self.items.iter().flat_map(|item| &item.by_unknown) {
@@ -195,7 +195,7 @@ impl<'a> Scene<'a> {
         factors
     }
 
-    /// Set to zero in a set-up that is insensitive to the deviation: errors of the readings would appear a hundred times as large.
+    /// Sets the factors to zero in a set-up that is insensitive to the deviation; otherwise errors of the readings would be magnified a hundredfold.
     fn leave_faint(&self, factors: &mut [f64]) {
         // Lengths and angles are compared separately, because their units differ.
         let setup = |item: &SceneReading| self.rows.get(item.row).map(|row| (row.set, row.setup, item.is_angle));

@@ -20,7 +20,7 @@ use super::seek::Seek;
 
 /// Maximum number of terms.
 const MOST: usize = 10;
-/// Maximum number in addition to many kept terms.
+/// Maximum number of further terms if many are kept already.
 const MORE: usize = 4;
 /// Maximum number of terms that are removed because others cancel them.
 const REPAIRS: usize = 3;

@@ -26,8 +26,9 @@ const SPEED: &str = "spindle_rpm";
 const OTHER: f64 = 0.1;
 /// Additional length of a second tool, mm.
 pub(super) const LONGER: f64 = 60.0;
-/// Number of steps of a grid, over this share of the travel.
+/// Number of steps of a grid along a side.
 const HOLES: f64 = 4.0;
+/// Share of the side that a grid covers.
 const WIDE: f64 = 0.8;
 
 /// Returns the measurement that separates a cause from its first other explanation, and the command that plans it, if there is one.

@@ -59,7 +59,7 @@ pub struct AcceptedCause {
     pub gain_unseen: f64,
     /// Probability of the finding: the sum over all explanations that contain it; `None` if it was not compared.
     pub probability: Option<f64>,
-    /// Share of its nature in the probability of all that predict its readings: place, direction, speed, time; 1 without rivals.
+    /// Probability that the error depends on this quantity (place, direction, speed or time), among all that predict the same readings; 1 without rivals.
     pub nature_share: f64,
     /// Causes of another nature that predict its readings, the most probable first.
     pub rivals: Vec<RivalCause>,
@@ -73,7 +73,7 @@ pub struct AcceptedCause {
     pub aliases: Vec<f64>,
     /// Reason why a program must not correct it: other errors have the same effect on the readings but another effect elsewhere.
     pub doubt: Option<ExtrapolationRisk>,
-    /// Those of its rivals with which it stays, but with another size.
+    /// Rivals under which this finding remains true, with another size.
     pub resized: Vec<RivalCause>,
     /// An angle that explains the readings as well, because they have one arm.
     pub arm: Option<ArmRisk>,
@@ -84,8 +84,8 @@ pub struct AcceptedCause {
 }
 
 impl AcceptedCause {
-    /// True if it is certain enough to act on it: its probability is that of a certain cause, also among the natures that predict its readings, and it is
-    /// larger than its uncertainty. One that was compared with nothing is not certain.
+    /// True if it may be acted on: it is certain, also against rivals of another nature, and larger than its uncertainty. A finding that was not compared is
+    /// not certain.
     #[must_use]
     pub fn is_certain(&self) -> bool {
         self.nature_share >= CERTAIN

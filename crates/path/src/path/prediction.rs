@@ -100,7 +100,7 @@ pub struct ShortBlocks {
     pub first_divided: Option<Origin>,
 }
 
-/// A block that takes less time at its feed moves no tip: rotary axes turn about it, and their speed decides, s.
+/// Duration, s, below which a block does not move the tip. Its rotary axes turn about the tip, and their speed determines the time.
 const STANDS_S: f64 = 1e-9;
 
 impl ShortBlocks {

@@ -22,7 +22,7 @@ const READY_SHARE: f64 = 0.5;
 const BESIDE_ENDS: u32 = 8;
 /// Arm at which the direction of the tool along a piece may deviate from that at its ends by the tolerance, mm: about a cutting edge.
 pub(super) const EDGE_MM: f64 = 50.0;
-/// Room of the direction of a piece that turns in another manner than its move, rad: near a pole the control moves the rotary axes in proportion, and a piece
+/// Permitted tilt of the tool, rad, along a piece that turns differently than its move: near a pole the control moves the rotary axes in proportion, and a piece
 /// that does not end there follows a great circle. The control has its own rule within its pole limit, 35 mrad.
 const OTHER_TURNING_RAD: f64 = 1e-3;
 /// Turn of a piece below which its direction is not examined, rad. Corrections of rotary axes change over the damped range of a singularity, 0.1 rad, so that

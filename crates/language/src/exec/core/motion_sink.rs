@@ -138,7 +138,7 @@ impl<'a> MotionSink<'a> {
         }
     }
 
-    /// Records a milling cycle: its strokes are this program's, as those of the control are not published. The output has a comment in
+    /// Records a milling cycle: the tool path is calculated by ncfix, because that of the control is not published. The output has a comment in
     /// front of its moves.
     pub(in crate::exec) fn mill(&mut self, name: &'static str, comment: impl FnOnce(String) -> String) {
         let origin = self.origin;
@@ -162,7 +162,7 @@ impl<'a> MotionSink<'a> {
         self.through_contour(Item::Element(element));
     }
 
-    /// Records a read access to the main run: the control looks no further ahead.
+    /// Records that the block reads current axis data, which makes the control stop its look-ahead here.
     pub(in crate::exec) fn stop_look_ahead(&mut self, name: &'static str) {
         self.contour.stop(self.origin, name);
     }
