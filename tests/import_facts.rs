@@ -219,7 +219,7 @@ fn a_verdict_of_a_tolerance_divides_nothing() {
     put(&shop, "laser.csv", &lines("Target [mm];status;flag;Deviation [um]", row));
     let more = [&LASER[..], &["--axis", "X", "--at", "Y200,Z100"]].concat();
     let run = import(&shop, "laser.csv", "tool.toml", &more).exits(0);
-    assert!(run.stdout.contains("columns that are not read: status"), "{}", run.stdout);
+    assert!(run.stderr.contains("columns that are not read: status"), "{}", run.stderr);
 }
 
 /// Three tables of a laser in one file: each is named with its rows.

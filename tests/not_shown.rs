@@ -217,11 +217,11 @@ fn a_touch_from_an_unknown_side_widens_the_interval() {
 
 #[test]
 fn a_touch_with_a_tool_of_unknown_length_widens_the_interval() {
-    // Z is tilted by 100 µrad: the tip of a tool of 100 mm is 10 µm beside that of a touch without a tool.
+    // The spindle is tilted by 100 µrad: the tip of a tool of 100 mm is 10 µm beside that of a touch without a tool.
     let file = |set_at: &str| {
         format!(
-            "{MILL}[location]\nEB0Z = 100.0\n[[tool]]\nnumber = 1\nlength_mm = 100.0\n\
-             [measured]\nX_mm = [0, 500]\nY_mm = [0, 400]\nZ_mm = [0, 300]\ntool_length_mm = [0, 200]\n[uncertainty]\nEB0Z = 0.1\n\
+            "{MILL}[[motion]]\ncomponent = \"EBZ\"\nkind = \"polynomial\"\ncoefficients = [1e-4]\n[[tool]]\nnumber = 1\nlength_mm = 100.0\n\
+             [measured]\nX_mm = [0, 500]\nY_mm = [0, 400]\nZ_mm = [0, 300]\ntool_length_mm = [0, 200]\n[uncertainty]\nEBZ0 = 1e-7\n\
              [zero_offset.G54]\nX_mm = 100.0\nY_mm = 50.0\nZ_mm = 100.0\nset = \"touched\"\n{set_at}"
         )
     };

@@ -118,7 +118,8 @@ fn every_plan_runs_through_or_says_why_not() {
             // Errors of the machine lead beyond no end of travel.
             let run = with(&["simulate", "p.csv", "-o", "s.csv", "--noise", "0.5um", "--seed", "3"]);
             assert_eq!(run.code, 0, "{what}: {}", run.stderr);
-            if ["drift", "load"].contains(&case[0]) {
+            // One machine has no pitch of Z, so its angles are noise alone.
+            if ["drift", "load"].contains(&case[0]) || (name == "worn_mill" && case.contains(&"EAZ")) {
                 continue;
             }
             let parameters = fitting(&shop, &loaded, &errors);

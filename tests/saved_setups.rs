@@ -68,11 +68,7 @@ fn offsets_of_grbl() {
     let report = "[G54:-250.000,-120.500,0.000]\n[G55:1.000,2.000,3.000]\n[G28:0.000,0.000,0.000]\n[G92:0.000,0.000,0.000]\n[TLO:0.000]\n\
                   [PRB:0.000,0.000,0.000:0]\nok\n";
     let run = shown("grbl", "", "offsets.txt", report).exits(0);
-    assert!(
-        run.stdout.contains("G54      X-250 Y-120.5 Z0") && run.stdout.contains("G55   X1 Y2 Z3"),
-        "{}",
-        run.stdout
-    );
+    assert!(run.stdout.contains("G54   X-250 Y-120.5 Z0") && run.stdout.contains("G55   X1 Y2 Z3"), "{}", run.stdout);
     let run = shown("grbl", "", "offsets.txt", &format!("$13=1\n{}", report.replace("-250.000", "-10.000"))).exits(0);
     assert!(run.stdout.contains("G54   X-254 "), "{}", run.stdout);
     shown("grbl", "", "o.txt", &report.replace("TLO:0.000", "TLO:5.000"))
@@ -120,7 +116,7 @@ fn offsets_of_a_fanuc() {
     let punched = "%\nG21\nG10 L2 P0 X0. Y0. Z-1.\nG10L2P1X-250.Y-120.5Z0.\nG10 L20 P3 X5. Y6. Z7.\nG10 L10 P1 R120.5\nG10 L11 P1 R-0.5\n\
                    G10 L12 P1 R5.\nG10 L13 P1 R0.02\n#500=12.5\n#501=\nG10 L50\nN1240 P1 R5\nG11\nM30\n%\n";
     let run = shown("fanuc", "", "offsets.txt", punched).exits(0);
-    for text in ["EXT      X0 Y0 Z-1", "G54   X-250 Y-120.5 Z0", "G54.1 P3 X5 Y6 Z7"] {
+    for text in ["EXT      X0 Y0 Z-1", "G54      X-250 Y-120.5 Z0", "G54.1 P3 X5 Y6 Z7"] {
         assert!(run.stdout.contains(text), "{text}: {}", run.stdout);
     }
     // 120.5 − 0.5 and 5 + 0.02.
