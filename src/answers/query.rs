@@ -27,6 +27,7 @@ const SYNONYMS: &[&str] = &[
     "lathe turning",
     "program gcode job",
     "reground resharpened shorter",
+    "residual unexplained",
     "router gantry",
     "sensor thermometer thermocouple",
     "sinumerik siemens 840d 828d",
