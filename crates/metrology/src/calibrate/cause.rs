@@ -309,7 +309,7 @@ fn has_one_tool(data: &[DataSet]) -> bool {
     tools.all(|tool| first.is_none_or(|first| (tool - first).norm() < SAME_PLACE))
 }
 
-/// The plane of a squareness or straightness, if ball-bars are parallel to each of its axes, and none is between them: only there would such an error
+/// The plane of a squareness or straightness, if ball-bars are parallel to each of its axes, and none is between them. Only there would such an error
 /// change the length of the bar.
 fn along_axes(own: &ParameterName, data: &[DataSet]) -> Option<[Axis; 2]> {
     const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
