@@ -5,6 +5,7 @@ use std::fmt;
 use crate::measure::data::DataSet;
 use crate::measure::kind::{Measurand, Unknown};
 use ncfix_base::geometry::{Axis, Vector};
+use ncfix_model::name::ErrorKind;
 use ncfix_model::parameter::{ComponentTerm, ParameterName};
 
 use super::column::Column;
@@ -314,13 +315,14 @@ fn has_one_tool(data: &[DataSet]) -> bool {
 fn along_axes(own: &ParameterName, data: &[DataSet]) -> Option<[Axis; 2]> {
     const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
     let direction = own.component.direction;
-    let pair = match own.component.axis() {
-        None if direction.is_rotation() => match direction.index() {
+    let axis = own.component.axis().filter(|axis| !axis.is_rotary())?;
+    let pair = match (own.component.kind, direction.is_rotation()) {
+        (ErrorKind::Location, true) => match direction.index() {
             3 => [Axis::Y, Axis::Z],
             4 => [Axis::X, Axis::Z],
             _ => [Axis::X, Axis::Y],
         },
-        Some(axis) if !direction.is_rotation() && !axis.is_rotary() => [axis, *LINEAR.get(direction.index())?],
+        (ErrorKind::Motion, false) if own.degree() > 0 => [axis, *LINEAR.get(direction.index())?],
         _ => return None,
     };
     let [one, other] = pair.map(|axis| LINEAR.iter().position(|known| *known == axis));
