@@ -564,3 +564,40 @@ fn many_set_ups_give_the_truth_with_the_uncertainty_of_their_number() {
         assert!((ratio - 1.0).abs() < 0.1, "{name}: {of_30} {of_40}");
     }
 }
+
+/// A squareness γ changes the length L of a bar at the angle θ by L γ sin θ cos θ: not at all along the axes, and by 100 mm · 100 µrad · 0.6 · 0.8 = 4.8 µm
+/// where the bar is 60 mm along one axis and 80 mm along the other.
+#[test]
+fn a_bar_along_the_axes_cannot_determine_a_squareness() {
+    let header = "setup,X,Y,Z,tool_x_mm,tool_y_mm,tool_z_mm,dr_um\n";
+    let row = |x: i32, y: i32, um: f64| format!("A,{},{},200,0,0,0,{um}\n", 350 + x, 250 + y);
+    let along: String = [(100, 0), (0, 100), (-100, 0), (0, -100)].map(|(x, y)| row(x, y, 1.0)).concat();
+    let between: String =
+        [(60, 80, 5.8), (-60, 80, -3.8), (-60, -80, 5.8), (60, -80, -3.8)].map(|(x, y, um)| row(x, y, um)).concat();
+    let description = |free: &str| {
+        format!(
+            "[measurement]\nkind = \"ballbar\"\nfree = [{free}]\nsigma_um = 0.3\n\
+             [setup.A]\nlength_mm = 100\ncentre_mm = [350, 250, 200]\n"
+        )
+    };
+    for model in ["EC0X\n", "EYX1\n"] {
+        let shop = three_axes()
+            .file("circles.csv", format!("{header}{along}"))
+            .file("circles.toml", description("\"centre\""))
+            .file("model.txt", model);
+        let says = [
+            "E0606",
+            "no reading of the ball-bar lies near 45° or 135° between X and Y",
+            "read the bar also near 45° and 135° between X and Y",
+        ];
+        refused(&shop, "model.txt", &says);
+    }
+    // With readings between the axes the squareness is determined; 1 µm of the length of the bar is in all readings.
+    let shop = three_axes()
+        .file("circles.csv", format!("{header}{along}{between}"))
+        .file("circles.toml", description("\"centre\", \"length\""))
+        .file("model.txt", "EC0X\n");
+    let report = calibrate(&shop, &["circles.csv"], "model.txt", &[]);
+    let found = report["parameters"][0]["value"].as_f64().unwrap();
+    assert!((found.abs() - 100.0).abs() < 0.1, "{found}");
+}

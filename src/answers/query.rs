@@ -28,6 +28,7 @@ const SYNONYMS: &[&str] = &[
     "power outage blackout electricity",
     "program gcode job",
     "reground resharpened shorter",
+    "residual unexplained",
     "router gantry",
     "sensor thermometer thermocouple",
     "sinumerik siemens 840d 828d",

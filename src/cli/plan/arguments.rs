@@ -51,7 +51,7 @@ pub(in crate::cli) struct PlanArguments {
     /// Add the N poses that improve the condition of the model most
     #[arg(long, value_name = "N", requires = "model")]
     pub(in crate::cli) improve: Option<usize>,
-    /// Tool length along the spindle, mm, or X,Y,Z from gauge point to tip along the axes of F, mm; repeatable
+    /// Tool length along the spindle, mm, or X,Y,Z from gauge point to tip along the axes of F, mm; repeatable for a plate
     #[arg(long, value_name = "LENGTH|X,Y,Z", allow_hyphen_values = true)]
     pub(in crate::cli) tool: Vec<ToolVector>,
     /// Margin to both ends of the travel of linear axes, mm (default: 2); corrected positions may exceed nominal ones

@@ -590,8 +590,8 @@ it. A negative weight means a wrong sign in [strain] or in the readings.";
 in exactly the same way, or not at all, so their sizes cannot be determined: a least-squares solution would be one of infinitely
 many. The message names them. Measure in poses in which they differ (other angles of the rotary axes, another tool length, a second
 set-up, a known length), state what is known of the set-up (remove it from free), or choose a model with fewer parameters (ncfix
-machine presets). ncfix diagnose reports this code if there are fewer than three readings more than unknowns of the set-ups. It also
-reports it if it did not write the file of -o; the causes in its output remain valid.";
+machine presets). ncfix diagnose reports this code unless there are at least three more readings than unknowns of the set-ups. It
+also reports it if it did not write the file of -o; the causes in its output remain valid.";
     TERM_NOT_STORABLE = "E0620" "term that the machine file cannot hold"
 "A term of ncfix calibrate --model needs an entry of the machine file, and no entry fits this one. Tables and grids hold
 functions of positions and directions of axes. A temperature acts only as a drift along X, Y or Z ([[drift]]), or as the expansion
@@ -605,16 +605,16 @@ machine than from a machine without errors, in all files or in one of several. T
 control was active: name it in active_tables of the machine file. Check the description of the measurement, --machine, and rows
 with large deviations.";
     DATA_SIZE = "E0608" "readings of an implausible size"
-"Readings are in µm or µrad, as their column names state. This one is above --max (for an angle, its effect at an arm of 1 m
+"Readings are in µm or µrad, as their column names state. A reading is above --max (for an angle, its effect at an arm of 1 m
 counts), or the RMS of all readings is less than the uncertainty of the instrument. Probably values in mm or nm are in a column of µm,
 or length_mm and centre_mm of the description are wrong. A parameter that would move the tool by more than --max is reported too.
 Check the units of the columns. If the machine really has such errors, give a larger --max.";
     BAD_PARAMETER = "E0609" "not a parameter of this machine"
 "A file for --model has one parameter per line, and comments after #. EC0X is a location error, EXX1 the coefficient of degree 1 of
 a motion error, EXXb its backlash, EXX2@150 a truncated power that begins at 150 mm. load.EAX, drift.Y and expansion.X.scale are
-parameters of effects, which the machine file must have. The axis must exist, and each parameter may occur only once. Correct the
+parameters of loads, drifts, expansions and segments, which the machine file must have. The axis must exist, and each parameter may occur only once. Correct the
 line; docs/reference/calibrate.md lists all forms.";
-    DATA_FAULT = "E0614" "readings inconsistent with the measurement"
+    DATA_FAULT = "E0614" "readings inconsistent with the machine file or the stated units"
 "Before ncfix diagnose searches for causes it checks the data for faults. Here all readings of a measurement have one of these
 faults: they are wrong by a factor of units (1000, 25.4); they agree with the model only if two axes are exchanged or one is
 reversed; they fit only a machine with another order of the axes; or they lack exactly the errors of the machine file, because a
@@ -645,7 +645,7 @@ removing it. Give all answers as options, for example:
   ncfix import laser.csv --axis X --at Y200,Z100 --sign + --unit um --tool 120 --material 20C -o laser
 
 If the file may have two formats, --as names one.";
-    IMPORT_FORMAT = "E0617" "file of no format that import reads"
+    IMPORT_FORMAT = "E0617" "file in no format that import reads"
 "The content of the file matches no format of `ncfix import --list`, or the file is not text. Project files of instruments are
 usually binary or databases: export the readings as text or CSV from the software of the instrument. A table with unusual headings
 can be read with --as targets and --columns. Use a decimal point in numbers if commas separate the cells. If every number
@@ -1031,7 +1031,7 @@ lacks, its temperature changed, or sigma_um is too small. The standard uncertain
 residuals instead of sigma_um. They do not cover errors that the model lacks. Search for these errors with ncfix diagnose, or
 correct sigma_um.";
     REDUCED = "W0605" "parameters omitted"
-"With --reduce, and without --model, ncfix calibrate omits parameters that the data cannot separate from others. Of inseparable
+"With --reduce, or if --model is omitted, ncfix calibrate omits parameters that the data cannot separate from others. Of inseparable
 parameters, it omits the most complex one first: truncated powers before backlash, before coefficients from the highest degree
 down, later ones of the model before earlier ones, location errors last. Omitted parameters keep their values of the initial
 machine file. The others absorb their effect, which is right for similar poses and wrong elsewhere. The message states the reason,
@@ -1042,7 +1042,7 @@ reports this code if it cannot fit the found terms again together: it then write
 scatter of a parameter differs from its standard uncertainty by more than 25 %, beyond the statistical spread of the repetitions,
 or repetitions could not be fitted. Reasons are few readings, weights that follow the noise, or unknowns with large changes. Use
 the scatter of the repetitions as the uncertainty of this parameter, or take more readings.";
-    FAULTY_DATA = "W0607" "fault of the data"
+    FAULTY_DATA = "W0607" "fault in the data"
 "The data have a fault that the machine did not cause. A temperature sensor is dead, stuck, exchanged with another one, moved, or
 in degrees Fahrenheit. Or the readings have a pulse of a few minutes, a first cycle before the machine had settled, a step from
 one row on, single outliers, or the coarse resolution of a display. Or the rows of a ball-bar go against the direction in the name
@@ -1092,8 +1092,8 @@ of it is wrong.";
     REFERENCES_DIFFER = "W0615" "readings that refer to different temperatures"
 "Readings of a laser refer to 20 °C. A part, a plate or a ball-bar with a stated temperature shows the lengths that the machine has
 at this temperature. In one ncfix calibrate or ncfix diagnose, files of both kinds contradict each other: at 22 °C by 23 µm/m on a
-machine of steel. A fit takes a mean that is right for neither, or turns the difference into a squareness. A search takes it for a
-cause. Give all files one reference temperature. Beside a laser that refers to 20 °C, import the part, plate or bar with
+machine of steel. A fit ends at a compromise that is right for neither, or turns the difference into a squareness. A search mistakes the
+difference for a cause. Give all files one reference temperature. Beside a laser that refers to 20 °C, import the part, plate or bar with
 --material 20C: the result then makes parts that have their nominal size at 20 °C, if they expand as the machine does. Or use the
 files separately.";
     SQUARENESS_OMITTED = "W0620" "squareness that the model lacks"

@@ -3,8 +3,9 @@
 use std::fmt;
 
 use crate::measure::data::DataSet;
-use crate::measure::kind::Unknown;
+use crate::measure::kind::{Measurand, Unknown};
 use ncfix_base::geometry::{Axis, Vector};
+use ncfix_model::name::ErrorKind;
 use ncfix_model::parameter::{ComponentTerm, ParameterName};
 
 use super::column::Column;
@@ -14,6 +15,8 @@ use super::effect::{Parameter, lack};
 const SAME_PLACE: f64 = 1e-3;
 /// Largest distance of coplanar points from their plane, as a share of their extent.
 const FLAT: f64 = 1e-3;
+/// A ball-bar is along an axis if its part along another one is less than this share of its length: 1.7 degrees.
+const ALONG: f64 = 0.03;
 
 /// The cause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -48,6 +51,8 @@ pub(super) enum UndeterminedCause {
     Lever,
     /// All points are coplanar.
     Plane,
+    /// Every ball-bar in the plane of these axes is parallel to one of them.
+    AlongAxes([Axis; 2]),
     /// Angles of a rotary axis.
     Angles(Axis),
     /// None of these.
@@ -134,6 +139,9 @@ impl UndeterminedCause {
                     "leave {one_of_them} out of the model; if the machine has poses outside this plane in which they differ, measure there as well"
                 )
             }
+            UndeterminedCause::AlongAxes([one, other]) => {
+                format!("read the bar also near 45° and 135° between {one} and {other}, or leave {them} out of the model")
+            }
             UndeterminedCause::Angles(axis) => {
                 format!("index {axis} at three more angles, or leave {them} out of the model")
             }
@@ -159,6 +167,9 @@ impl fmt::Display for UndeterminedCause {
             UndeterminedCause::NoSense(axis) => write!(f, "; the directions of approach of {axis} are not known"),
             UndeterminedCause::Beyond(axis) => write!(f, "; {axis} did not move that far"),
             UndeterminedCause::Lever => write!(f, "; all measurements have one tool vector"),
+            UndeterminedCause::AlongAxes([one, other]) => {
+                write!(f, "; no reading of the ball-bar lies near 45° or 135° between {one} and {other}")
+            }
             UndeterminedCause::Plane => write!(f, "; all measurements are in one plane"),
             _ => Ok(()),
         }
@@ -183,6 +194,9 @@ pub(super) fn cause(own: &Parameter, others: &[&Column], data: &[DataSet]) -> Un
     };
     if let Some(cause) = positions_lack(own, &parameters, others.is_empty(), data) {
         return cause;
+    }
+    if let Some(axes) = along_axes(own, data) {
+        return UndeterminedCause::AlongAxes(axes);
     }
     if others.is_empty() {
         return UndeterminedCause::Unfelt;
@@ -294,6 +308,43 @@ fn has_one_tool(data: &[DataSet]) -> bool {
     let mut tools = data.iter().flat_map(|set| &set.observations).map(|row| row.reading.tool_mm);
     let first = tools.next();
     tools.all(|tool| first.is_none_or(|first| (tool - first).norm() < SAME_PLACE))
+}
+
+/// The plane of a squareness or straightness, if ball-bars are parallel to each of its axes, and none is between them. Only there would such an error
+/// change the length of the bar.
+fn along_axes(own: &ParameterName, data: &[DataSet]) -> Option<[Axis; 2]> {
+    const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
+    let direction = own.component.direction;
+    let axis = own.component.axis().filter(|axis| !axis.is_rotary())?;
+    let pair = match (own.component.kind, direction.is_rotation()) {
+        (ErrorKind::Location, true) => match direction.index() {
+            3 => [Axis::Y, Axis::Z],
+            4 => [Axis::X, Axis::Z],
+            _ => [Axis::X, Axis::Y],
+        },
+        (ErrorKind::Motion, false) if own.degree() > 0 => [axis, *LINEAR.get(direction.index())?],
+        _ => return None,
+    };
+    let [one, other] = pair.map(|axis| LINEAR.iter().position(|known| *known == axis));
+    let (one, other) = (one?, other?);
+    if one == other || !data.iter().all(|set| set.kind.measurand == Measurand::BallDistance) {
+        return None;
+    }
+    let mut is_along = [false; 2];
+    for set in data {
+        for row in &set.observations {
+            let setup = set.setups.get(row.setup)?;
+            let position = &row.reading.position;
+            let tip = Vector::new(position[Axis::X], position[Axis::Y], position[Axis::Z]) + row.reading.tool_mm;
+            let bar = tip - setup.centre_mm;
+            let least = ALONG * bar.norm();
+            match [bar[one].abs() > least, bar[other].abs() > least] {
+                [true, true] => return None,
+                [first, second] => is_along = [is_along[0] || first, is_along[1] || second],
+            }
+        }
+    }
+    (is_along == [true; 2]).then_some(pair)
 }
 
 /// `true` if the positions of the linear axes are coplanar or collinear.

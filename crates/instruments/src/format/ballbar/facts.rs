@@ -126,7 +126,7 @@ impl CircleFacts {
                 Ok(said)
             }
             (None, Some((true, line))) => {
-                inquiry.note("the length of the bar is calibrated, and no unknown of the fit", line);
+                inquiry.note("the length of the bar is calibrated, so it is not fitted", line);
                 Ok(true)
             }
             (None, _) => Ok(false),

@@ -181,7 +181,10 @@ impl PlanKind {
         }
         for (name, count) in [("tool", wishes.tools_mm.len()), ("center", wishes.centres_mm.len())] {
             if count > 1 && !self.has_setups {
-                return Err(PlanRefused(format!("ncfix plan {} takes only one --{name}", self.name)));
+                return Err(PlanRefused(format!(
+                    "ncfix plan {} takes only one --{name}; make a plan for each, and fit the files together",
+                    self.name
+                )));
             }
         }
         let is_turned = wishes.axis.is_some_and(Axis::is_rotary);

@@ -16,7 +16,7 @@ use ncfix_machine::snc::{Dwell, Kind};
 /// The plan.
 pub(super) const PLAN: PlanKind = PlanKind {
     name: "probe",
-    title: "probing of balls on the table: variants samba (Table 4-1), rumba (Table 5-3), rumba-check (Table 5-4), or generated",
+    title: "probing of balls on the table: variants samba (Table 4-1), rumba (Table 5-3), rumba-check (Table 5-4), or indexed (generated)",
     wishes: &["ball", "radius", "variant", "points", "tilt", "clearance", "feed", "dwell", "line"],
     spacing: RowSpacing::Angle,
     has_setups: false,
@@ -234,7 +234,7 @@ fn needs(machine: &Machine, axes: [Axis; 2], what: &str) -> Result<(), PlanRefus
     }
     let [tilt, turn] = axes;
     Err(PlanRefused(format!(
-        "{what} is for a table {turn} on {tilt}, but {} is another machine; use the generated poses (variant indexed)",
+        "{what} is for a table {turn} on {tilt}, but {} is another machine; use the generated poses: --variant indexed",
         machine.name
     )))
 }
