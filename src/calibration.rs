@@ -309,9 +309,7 @@ pub(crate) fn with_terms(
 fn measured_by(machine: &Machine, used: &[Measurement], found: &Found) -> MeasuredRanges {
     let sets: Vec<&ncfix_metrology::measure::data::DataSet> = used.iter().map(|one| &one.data).collect();
     let mut ranges = measured_ranges(&machine.machine, sets.iter().copied(), holdout_um(found));
-    let names: Vec<&str> = found.parameters.iter().map(|one| one.name.as_str()).collect();
-    let fitted = found.selection.is_none().then_some(names.as_slice());
-    ranges.not_shown = not_shown(&machine.machine, &machine.errors, &ranges, (&sets, fitted));
+    ranges.not_shown = not_shown(&machine.machine, &machine.errors, &ranges, (&sets, &found.omitted));
     ranges
 }
 

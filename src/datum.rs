@@ -77,7 +77,7 @@ pub(crate) fn of_unknown_sides(chosen: &Machine) -> Vec<Model> {
 }
 
 /// The model after one standard deviation of the length of a tool or probe that touched and that nothing states; `None` if it has no effect. The tools of the
-/// machine file and a touch without a tool are equally possible, so their largest difference from the counted length is taken as two standard deviations.
+/// machine file and a touch without a tool are equally possible: the interval contains their largest difference from the counted length, as with a side.
 pub(crate) fn of_unknown_length(chosen: &Machine) -> Option<Model> {
     let base = chosen.model();
     let zeros: Vec<(&String, u16)> = all(chosen).map(|(name, _)| name).zip(0_u16..).collect();
@@ -105,7 +105,8 @@ pub(crate) fn of_unknown_length(chosen: &Machine) -> Option<Model> {
         .map(with)
         .into_iter()
         .max_by(|one, other| far_mm(one).total_cmp(&far_mm(other)))?;
-    let varied_mm: Vec<Vector> = own_mm.iter().zip(&farthest).map(|(own, other)| own + (other - own) * 0.5).collect();
+    let varied_mm: Vec<Vector> =
+        own_mm.iter().zip(&farthest).map(|(own, other)| own + (other - own) * OF_HALF_REVERSAL).collect();
     (far_mm(&farthest) > NOISE_MM).then(|| base.with_zeros(&varied_mm, &relative))
 }
 

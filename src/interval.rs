@@ -23,11 +23,10 @@ pub(crate) fn of_run(
     }
     let chosen = &*first.chosen;
     let Some(uncertainty) = &chosen.machine.uncertainty else { return Some(PredictionReport::of(None, Vec::new())) };
-    let varied = match others {
+    let mut varied = match others {
         [] => {
             let mut models = varied(chosen, uncertainty);
             models.extend(datum::of_unknown_sides(chosen));
-            models.extend(datum::of_unknown_length(chosen));
             models
         }
         _ => {
@@ -48,7 +47,13 @@ pub(crate) fn of_run(
         }
     };
     let unexplained_mm = mm_from_um(uncertainty.unexplained_um.unwrap_or(0.0));
-    let found = path::predict(places, whole, model, &varied, unexplained_mm);
+    let mut found = path::predict(places, whole, model, &varied, unexplained_mm);
+    // The counted length may be the true one, or far from it: the interval contains both cases.
+    if let ([], Some(other)) = (others, datum::of_unknown_length(chosen)) {
+        varied.push(other);
+        let wide = path::predict(places, whole, model, &varied, unexplained_mm);
+        found = found.zip(wide).map(|(own, wide)| own.including(&wide));
+    }
     Some(PredictionReport::of(found.as_ref(), unknown_of(&chosen.errors, uncertainty)))
 }
 

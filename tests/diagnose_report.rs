@@ -422,7 +422,7 @@ fn an_explanation_that_is_not_accepted_names_the_failed_test() {
         ..RejectedReport::default()
     };
     let alone = first(vec![drift.clone()], &["drift Y"]);
-    assert!(alone.contains("drift Y (> 99 %) failed the test on left-out readings"), "{alone}");
+    assert!(alone.contains("drift Y (probability > 99 %) failed the test on left-out readings"), "{alone}");
     let two = first(vec![drift], &["location EC0X", "drift Y"]);
     assert!(two.contains("drift Y failed the test on left-out readings"), "{two}");
     let unknown = first(Vec::new(), &["drift Y"]);

@@ -18,6 +18,9 @@ pub struct CalibrationResult {
     /// Stated terms that the machine file holds as tables, with their amounts; other stated terms are among the parameters.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub terms: Vec<StatedEstimate>,
+    /// Squareness errors that the readings show and the stated model lacks.
+    #[serde(skip)]
+    pub omitted: Vec<String>,
     /// Unknowns of the set-ups.
     pub unknowns: Vec<EstimateReport>,
     /// Parameters of the model that were left out because the data do not determine them.

@@ -149,7 +149,7 @@ impl PreparedFit<'_> {
         self.compare(&fit, findings, report);
         findings.extend(worse(report));
         if candidates.is_none() && !self.settings.is_automatic {
-            omitted::check(
+            report.omitted = omitted::check(
                 (self.begin.machine, self.begin.errors),
                 &self.parameters,
                 &self.used,

@@ -167,7 +167,7 @@ impl ExtensionJob<'_> {
         let used = self.scene.sets.iter().take(self.used);
         let sets: Vec<&DataSet> = used.collect();
         let mut ranges = measured_ranges(self.machine, sets.iter().copied(), None);
-        ranges.not_shown = not_shown(self.machine, &original, &ranges, (&sets, None));
+        ranges.not_shown = not_shown(self.machine, &original, &ranges, (&sets, &[]));
         let changed = ranges.written_into(&changed).ok_or(("measured is not a section".to_owned(), SECTIONS))?;
         let before = self.machine.uncertainty.as_ref();
         let changed = match fitted.as_ref().map(|fit| uncertainty_of(before, fit, None)) {

@@ -13,15 +13,15 @@ use ncfix_model::name::{DIRECTIONS, ErrorName};
 use ncfix_model::{ErrorModel, ParameterName};
 
 /// The names for [`MeasuredRanges::not_shown`]: pairs of measured axes whose squareness neither the errors at the start nor any of these measurements show.
-/// `ranges` are those after the measurements, and `fitted` the names of the fitted parameters; `None` if the fit chose them from all. A squareness that the
-/// readings show and the model lacks remains unknown: other parameters have absorbed it. What an earlier calibration has shown remains known. `None` if there is
+/// `ranges` are those after the measurements. A squareness that the readings show and the model lacks (`omitted`) remains unknown: other parameters have
+/// absorbed it. What an earlier calibration has shown remains known. `None` if there is
 /// nothing to state.
 #[must_use]
 pub fn not_shown(
     machine: &Machine,
     start: &ErrorModel,
     ranges: &MeasuredRanges,
-    (sets, fitted): (&[&DataSet], Option<&[&str]>),
+    (sets, omitted): (&[&DataSet], &[String]),
 ) -> Option<Vec<String>> {
     let direction = |axis: Axis| machine.axis(axis).map(|data| data.direction);
     let earlier = machine.measured.as_ref();
@@ -38,11 +38,7 @@ pub fn not_shown(
         // The slope of one axis against a reference that stands for the other has the second name.
         let names = [error, term.other.parse().ok()?];
         let [first, second, _] = pair(plane);
-        let slopes = [format!("E{first}{second}1"), format!("E{second}{first}1")];
-        let is_tried = |name: &ErrorName| {
-            let is_own = |one: &&str| slopes.iter().any(|slope| slope == one) || *one == name.to_string();
-            fitted.is_none_or(|fitted| fitted.iter().any(is_own))
-        };
+        let is_tried = |name: &ErrorName| !omitted.iter().any(|one| *one == name.to_string());
         let is_missing = is_open(&term.name, [first, second])
             && !states_squareness(start, error, [first, second])
             && !names.into_iter().filter(is_tried).any(|name| sets.iter().any(|set| shows(machine, name, set)));

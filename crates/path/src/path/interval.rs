@@ -63,6 +63,26 @@ pub struct PredictedInterval {
     pub along: Vec<StationInterval>,
 }
 
+impl PredictedInterval {
+    /// The intervals that contain these and those of another prediction of the same program.
+    #[must_use]
+    pub fn including(mut self, other: &PredictedInterval) -> PredictedInterval {
+        let widen = |own: &mut [f64; 2], other: &[f64; 2]| *own = [own[0].min(other[0]), own[1].max(other[1])];
+        for (own, other) in [(&mut self.before, &other.before), (&mut self.after, &other.after)] {
+            widen(&mut own.mean_mm, &other.mean_mm);
+            widen(&mut own.rms_mm, &other.rms_mm);
+            widen(&mut own.max_mm, &other.max_mm);
+            own.axes_mm.iter_mut().zip(&other.axes_mm).for_each(|(own, other)| widen(own, other));
+        }
+        for (own, other) in self.along.iter_mut().zip(&other.along) {
+            widen(&mut own.before_mm, &other.before_mm);
+            widen(&mut own.after_mm, &other.after_mm);
+        }
+        self.better = self.better.min(other.better);
+        self
+    }
+}
+
 /// Figures of one repetition, mm: mean, root mean square, maximum, and the maximum along X, Y and Z.
 type ErrorFigures = [f64; 6];
 
