@@ -240,7 +240,7 @@ fn judge(
                 "its amount is valid only together with a new value of {names}: fit both with ncfix calibrate --model"
             );
             // A calibration has no entry for some terms: then this is the reason.
-            extend::of_stated(accepted, scene, outcome.used).and_then(|_| Err(both))
+            extend::of_stated(accepted, scene, outcome.used).and(Err(both))
         } else if trial.evidence_beside > 0.0 {
             extend::of_one(accepted, found.used.before.rms, (scene, outcome.used))
         } else if trial.evidence_beside > -STRONG {
