@@ -323,7 +323,7 @@ pub(crate) fn without_use(chosen: &Machine, used: &BTreeSet<u16>, found: &mut Di
 }
 
 /// A warning if a zero that contains the error of the machine depends on the length of the tool at the touch by more than `tolerance_mm`, and no length
-/// is stated. `first_mm` is the length of the first tool there, which counts; the other lengths are none, and those of the shortest and the longest tool of
+/// is stated. `first_mm` is the length of the first tool there, which counts; the other lengths are 0, and those of the shortest and the longest tool of
 /// the program.
 fn length_unstated(
     chosen: &Machine,

@@ -37,8 +37,8 @@ fn shop() -> Shop {
 
 /// The correction at X 500 mm, µm.
 fn last_um(text: &str) -> f64 {
-    let values = text.lines().filter_map(|line| line.strip_prefix("$AN_CEC[0,36]=")?.parse::<f64>().ok());
-    values.last().unwrap_or_else(|| panic!("{text}")) * 1e3
+    let mut values = text.lines().filter_map(|line| line.strip_prefix("$AN_CEC[0,36]=")?.parse::<f64>().ok());
+    values.next_back().unwrap_or_else(|| panic!("{text}")) * 1e3
 }
 
 #[test]

@@ -69,7 +69,7 @@ pub(in crate::cli) struct SquareArguments {
     /// The plunger points in the negative direction of the other axis
     #[arg(long, requires = "dial")]
     pub(in crate::cli) plunger_negative: bool,
-    /// How finely you read, as ± mm (default: 0.5 for diagonals, 0.005 for a dial gauge)
+    /// Fineness of your reading, as ± mm (default: 0.5 for diagonals, 0.005 for a dial gauge)
     #[arg(long, value_name = "MM")]
     pub(in crate::cli) read_to: Option<f64>,
     /// The two axes
