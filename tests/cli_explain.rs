@@ -105,8 +105,6 @@ fn words_of_the_shop_find_the_answer() {
         ("rectangle too long X", "A rectangle is too long in X: what now?"),
         ("subprograms in other files", "My subprograms are in other files: where does ncfix look?"),
         ("check it", "The verdict is check it before it runs: what do I do?"),
-        ("holdout", "How do I test a fit on data that it has not seen?"),
-        ("hold-out", "How do I test a fit on data that it has not seen?"),
         ("yaw", "Which instrument measures pitch, yaw and roll of a linear axis?"),
         ("SAMBA", "Can I use SAMBA, RUMBA or an R-test?"),
         ("R-test", "Can I use SAMBA, RUMBA or an R-test?"),
