@@ -88,7 +88,7 @@ impl Registered for &'static Scheme {
     }
 }
 
-/// The built-in schemes; [`choose`] selects among them.
+/// The built-in schemes; [`auto::choose`] selects among them.
 pub const SCHEMES: &[Scheme] = &[
     functions::SCHEME,
     mesh::SCHEME,
