@@ -128,7 +128,7 @@ fn offsets_of_a_fanuc() {
     shown("fanuc", "", "o.txt", &without).exits(0).says("W0404").says("G54 gives X and Y but not Z");
     let stated = "[zero_offset.G54]\nX_mm = 1\nY_mm = 2\nZ_mm = -300\n";
     let run = shown("fanuc", stated, "o.txt", &without).exits(0);
-    assert!(run.stdout.contains("G54   X-250 Y-120.5 Z-300"), "{}", run.stdout);
+    assert!(run.stdout.contains("G54      X-250 Y-120.5 Z-300"), "{}", run.stdout);
     // It may be the value of another job.
     run.says("warning[W0404]").says("G54 gives X and Y but not Z, which keeps its value of an earlier file");
     // An offset of no linear axis is not known.
