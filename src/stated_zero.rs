@@ -140,14 +140,15 @@ impl FromStr for StatedZero {
                 return Err(wrong());
             }
         }
-        for side in 0..SIDES.len() {
-            let touches = [out.common, out.sides[side]].into_iter().flatten();
-            let has_side = touches.clone().any(|touch| touch.direction.iter().any(|sign| *sign != 0));
-            if touches.clone().any(|touch| touch.radius_mm.is_some()) && !has_side {
-                return Err(format!(
-                    "'{text}' gives the radius R without the side: write the direction of the motion, such as X+ or Y-"
-                ));
-            }
+        // A radius of all touches needs a side somewhere: Z is touched from above.
+        let has_side = |touch: &StatedTouch| touch.direction.iter().any(|sign| *sign != 0);
+        let has_any = out.common.iter().chain(out.sides.iter().flatten()).any(has_side);
+        let own = out.sides.iter().flatten().map(|touch| (touch, out.common.iter().chain([touch]).any(has_side)));
+        let mut radii = out.common.iter().map(|touch| (touch, has_any)).chain(own);
+        if radii.any(|(touch, has_side)| touch.radius_mm.is_some() && !has_side) {
+            return Err(format!(
+                "'{text}' gives the radius R without the side: write the direction of the motion, such as X+ or Y-"
+            ));
         }
         Ok(out)
     }
