@@ -1097,7 +1097,7 @@ difference for a cause. Give all files one reference temperature. Beside a laser
 --material 20C: the result then makes parts that have their nominal size at 20 °C, if they expand as the machine does. Or use the
 files separately.";
     SQUARENESS_OMITTED = "W0620" "squareness that the model lacks"
-"--model states the parameters of the fit, and no squareness of two axes is among them. The readings show this angle with certainty. Other
+"--model states the parameters of the fit, and the squareness of two axes is not among them. The readings show this angle with certainty. Other
 parameters have absorbed a part of it, such as the straightness of an axis or the zero of a rotary axis. The residuals can look normal,
 but the model is wrong in other poses, and a program corrected with it can miss by several micrometers. Add the named error to --model,
 or omit --model: ncfix calibrate then fits all parameters that the readings determine. Until then, not_shown in [measured] of the machine
